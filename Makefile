@@ -1,0 +1,41 @@
+.DEFAULT_GOAL := help
+.PHONY: help setup test test-core test-plugin lint format demo qgis clean
+
+PYTHON := .venv/bin/python
+# Seconds after which a run inside QGIS is stopped, with the stacks of all threads printed.
+PLUGIN_TIMEOUT := 600
+DEMO_TIMEOUT := 1200
+
+help:  ## show this list
+	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-12s %s\n", $$1, $$2 }' Makefile
+
+setup:  ## install what is missing: QGIS from the distribution, then .venv
+	@bash tools/setup.sh
+
+test: test-core test-plugin  ## every test: core headless, plugin inside the real QGIS
+
+test-core: setup  ## only the tests that run without Qt and QGIS
+	$(PYTHON) -m pytest -p no:pytest-qt tests --ignore=tests/plugin
+
+test-plugin: setup  ## only the tests that run inside the real QGIS
+	$(PYTHON) tools/qgis_app.py --timeout $(PLUGIN_TIMEOUT) --pytest tests/plugin
+
+lint: setup  ## ruff, mypy (strict on core), bandit
+	$(PYTHON) -m ruff check .
+	$(PYTHON) -m ruff format --check .
+	$(PYTHON) -m mypy
+	$(PYTHON) -m bandit --quiet --configfile pyproject.toml --recursive core terrainav_plugin tools __init__.py
+
+format: setup  ## let ruff rewrite the code
+	$(PYTHON) -m ruff check --fix .
+	$(PYTHON) -m ruff format .
+
+demo: setup  ## the main job in the real QGIS; leaves demo/ with dataset, project and screenshot
+	$(PYTHON) tools/qgis_app.py --timeout $(DEMO_TIMEOUT) tools/demo.py
+
+qgis: setup  ## open QGIS with the plugin, in a profile of its own
+	$(PYTHON) tools/qgis_app.py --visible
+
+clean:  ## remove everything that was made here, the environment included
+	rm -rf .venv .qgis-profile .hypothesis .mypy_cache .pytest_cache .ruff_cache build dist demo screenshots *.egg-info
+	find . -name __pycache__ -type d -prune -exec rm -rf {} +

@@ -1,0 +1,1 @@
+"""TerrAInav's core: missions, plans, imagery and capture without any GUI."""

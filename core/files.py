@@ -1,0 +1,58 @@
+"""Files that are there whole or not at all."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+from collections.abc import Iterable
+from pathlib import Path
+
+from .errors import OutputError
+
+#: Ending of a file while it is being written. It is the same every time, so that what a killed run left behind
+#: is overwritten by the next one.
+PARTIAL_ENDING = ".part"
+
+
+def make_folder(folder: str | os.PathLike[str]) -> None:
+    """Make a folder, and those above it, unless it is there.
+
+    Raises
+    ------
+    OutputError
+        Where it cannot be made, or a file is in its place.
+    """
+    try:
+        Path(folder).mkdir(parents=True, exist_ok=True)
+    except FileExistsError as wrong:
+        raise OutputError(f"folder {folder}: a file is in its place; choose another folder") from wrong
+    except OSError as wrong:
+        raise OutputError(
+            f"folder {folder}: cannot be made ({wrong.strerror}); choose another folder"
+        ) from wrong
+
+
+def write_whole(path: str | os.PathLike[str], data: bytes | Iterable[bytes]) -> None:
+    """Write a file under a temporary name beside it, then rename it: readers see all of it or nothing.
+
+    Large files come as an iterable of blocks, so that they need not be in memory. Two calls at once must not
+    write the same path.
+
+    Raises
+    ------
+    OutputError
+        Where it cannot be written; what was there before is left alone.
+    """
+    target = Path(path)
+    partial = target.with_name(target.name + PARTIAL_ENDING)
+    try:
+        try:
+            with partial.open("wb") as file:
+                file.writelines([data] if isinstance(data, bytes) else data)
+            os.replace(partial, target)
+        except BaseException:
+            with contextlib.suppress(OSError):
+                partial.unlink()
+            raise
+    except OSError as wrong:
+        raise OutputError(f"folder {target.parent}: cannot write {target.name} ({wrong.strerror})") from wrong

@@ -1,0 +1,126 @@
+"""The camera: intrinsics, and the directions its pixels look in."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import InvalidInput
+
+Floats = NDArray[np.float64]
+
+#: Image coordinates (right, up), each -1..1, of the corners north-west, north-east, south-east,
+#: south-west and of the edge midpoints north, east, south, west of a north-up camera.
+CORNERS = ((-1.0, 1.0), (1.0, 1.0), (1.0, -1.0), (-1.0, -1.0))
+EDGE_MIDPOINTS = ((0.0, 1.0), (1.0, 0.0), (0.0, -1.0), (-1.0, 0.0))
+
+
+def _half_tangent(fov_deg: float) -> float:
+    """tan(fov/2), through the complement above 90° where the argument itself loses digits."""
+    if fov_deg <= 90.0:
+        return math.tan(math.radians(fov_deg) / 2.0)
+    return 1.0 / math.tan(math.radians(180.0 - fov_deg) / 2.0)
+
+
+@dataclass(frozen=True)
+class Camera:
+    """An ideal pinhole camera with square pixels.
+
+    Parameters
+    ----------
+    fov_deg : float
+        Diagonal field of view, in (0, 180) degrees.
+    aspect_ratio : float
+        Image width over image height, > 0.
+    """
+
+    fov_deg: float = 78.8
+    aspect_ratio: float = 4.0 / 3.0
+
+    def __post_init__(self) -> None:
+        if not 0.0 < self.fov_deg < 180.0:
+            raise InvalidInput(f"field of view {self.fov_deg} deg: must be between 0 and 180, both excluded")
+        if not (math.isfinite(self.aspect_ratio) and self.aspect_ratio > 0.0):
+            raise InvalidInput(f"aspect ratio {self.aspect_ratio}: must be a number above 0 (width / height)")
+
+    @property
+    def half_tangents(self) -> tuple[float, float]:
+        """Tangents of half the horizontal and half the vertical field of view.
+
+        The paper's equation 2 without its sine and cosine of an arctangent, which lose every digit of
+        the height at extreme aspect ratios.
+        """
+        diagonal = _half_tangent(self.fov_deg)
+        return (
+            diagonal * (self.aspect_ratio / math.hypot(1.0, self.aspect_ratio)),
+            diagonal / math.hypot(1.0, self.aspect_ratio),
+        )
+
+    @property
+    def horizontal_fov_deg(self) -> float:
+        """Horizontal field of view in degrees."""
+        return math.degrees(2.0 * math.atan(self.half_tangents[0]))
+
+    @property
+    def vertical_fov_deg(self) -> float:
+        """Vertical field of view in degrees."""
+        return math.degrees(2.0 * math.atan(self.half_tangents[1]))
+
+    def focal_length_px(self, width_px: float) -> float:
+        """Focal length in px of an image ``width_px`` wide."""
+        return width_px / (2.0 * self.half_tangents[0])
+
+    def ground_size_m(self, agl_m: float) -> tuple[float, float]:
+        """Width and height in metres of flat ground seen from ``agl_m`` straight above (equations 1, 2)."""
+        tan_x, tan_y = self.half_tangents
+        return 2.0 * agl_m * tan_x, 2.0 * agl_m * tan_y
+
+    def rays_enu(
+        self,
+        image_xy: Floats | tuple[tuple[float, float], ...],
+        yaw_deg: Floats | float = 0.0,
+        tilt_deg: Floats | float = 0.0,
+        roll_deg: Floats | float = 0.0,
+    ) -> Floats:
+        """Directions of image points, in the camera's east, north, up.
+
+        Yaw turns the top of the image clockwise from north; tilt then lifts the view from straight down
+        towards where the top of the image points; roll last turns the camera about the direction of its
+        image's top, right side down. They are the yaw, pitch and roll of an aircraft (z-y'-x'') that
+        carries the camera looking down.
+
+        Parameters
+        ----------
+        image_xy : array (k, 2)
+            Right and up, each -1..1 from edge to edge of the image.
+        yaw_deg, tilt_deg, roll_deg : array (...) or float
+            Attitude of each pose, broadcast against each other.
+
+        Returns
+        -------
+        array (..., k, 3)
+            Not normalised: the part along the optical axis is 1.
+        """
+        yaw, tilt, roll = (
+            np.radians(np.asarray(angle, np.float64))[..., np.newaxis]
+            for angle in (yaw_deg, tilt_deg, roll_deg)
+        )
+        flat = np.zeros_like(yaw)
+        heading = np.concatenate([np.sin(yaw), np.cos(yaw), flat], axis=-1)
+        level_right = np.concatenate([np.cos(yaw), -np.sin(yaw), flat], axis=-1)
+        zenith = np.array([0.0, 0.0, 1.0])
+        image_up = np.cos(tilt) * heading + np.sin(tilt) * zenith
+        pitched = np.sin(tilt) * heading - np.cos(tilt) * zenith
+        right = np.cos(roll) * level_right + np.sin(roll) * pitched
+        axis = np.cos(roll) * pitched - np.sin(roll) * level_right
+        points = np.asarray(image_xy, np.float64)
+        tan_x, tan_y = self.half_tangents
+        rays: Floats = (
+            axis[..., np.newaxis, :]
+            + (points[:, :1] * tan_x) * right[..., np.newaxis, :]
+            + (points[:, 1:] * tan_y) * image_up[..., np.newaxis, :]
+        )
+        return rays

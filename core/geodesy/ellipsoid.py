@@ -1,0 +1,177 @@
+"""The WGS84 ellipsoid: radii, areas, and where a ray from above meets the ground."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import InvalidInput
+
+Floats = NDArray[np.float64]
+
+#: Gauss-Legendre nodes per latitude interval. With 16 the area of a zone from equator to pole is right to
+#: 1e-14 relative, so no interval needs to be divided.
+_QUADRATURE_NODES = 16
+
+
+def gauss_legendre(count: int) -> tuple[Floats, Floats]:
+    """Nodes in (-1, 1) and weights of Gauss-Legendre quadrature, (count,) each."""
+    nodes, weights = np.polynomial.legendre.leggauss(count)  # type: ignore[no-untyped-call, unused-ignore]
+    return nodes, weights
+
+
+@dataclass(frozen=True)
+class Ellipsoid:
+    """An ellipsoid of revolution.
+
+    Parameters
+    ----------
+    a_m, b_m : float
+        Equatorial and polar semi-axis in metres, ``a_m >= b_m > 0``.
+    """
+
+    a_m: float
+    b_m: float
+
+    def __post_init__(self) -> None:
+        if not (math.isfinite(self.a_m) and self.a_m >= self.b_m > 0):
+            raise InvalidInput(
+                f"ellipsoid semi-axes {self.a_m} m, {self.b_m} m: need a >= b > 0, both finite"
+            )
+
+    @property
+    def e2(self) -> float:
+        """First eccentricity squared, dimensionless."""
+        return (self.a_m - self.b_m) * (self.a_m + self.b_m) / (self.a_m * self.a_m)
+
+    def raised(self, height_m: float) -> Ellipsoid:
+        """Ellipsoid through the ground at ``height_m`` over this one.
+
+        Both axes grow by the height, and every later formula uses the eccentricity of the grown axes:
+        that stays within 1.4 mm of the true surface of constant height per kilometre of it.
+        """
+        return Ellipsoid(self.a_m + height_m, self.b_m + height_m)
+
+    def meridional_radius_m(self, lat_deg: Floats) -> Floats:
+        """Radius of curvature in the meridian, M, in metres, at ``lat_deg`` (any shape)."""
+        w2 = 1.0 - self.e2 * np.sin(np.radians(lat_deg)) ** 2
+        radius: Floats = self.a_m * (1.0 - self.e2) / (w2 * np.sqrt(w2))
+        return radius
+
+    def normal_radius_m(self, lat_deg: Floats) -> Floats:
+        """Radius of curvature in the prime vertical, N, in metres, at ``lat_deg`` (any shape)."""
+        radius: Floats = self.a_m / np.sqrt(1.0 - self.e2 * np.sin(np.radians(lat_deg)) ** 2)
+        return radius
+
+    def area_density_m2(self, lat_deg: Floats) -> Floats:
+        """Square metres of ground per degree of longitude and degree of latitude: M·N·cos φ, any shape."""
+        per_deg = math.radians(1.0)
+        cos_lat = np.cos(np.radians(lat_deg))
+        radii = self.meridional_radius_m(lat_deg) * self.normal_radius_m(lat_deg)
+        density: Floats = radii * cos_lat * per_deg * per_deg
+        return density
+
+    def zone_area_m2_per_deg(self, south_deg: Floats, north_deg: Floats) -> Floats:
+        """Ground between two parallels, in m² per degree of longitude.
+
+        Quadrature instead of a difference of the closed form: a band one pixel high keeps all its digits.
+
+        Parameters
+        ----------
+        south_deg, north_deg : array, degrees
+            Broadcast against each other; the result is negative where south lies above north.
+        """
+        nodes, weights = gauss_legendre(_QUADRATURE_NODES)
+        south, north = np.broadcast_arrays(
+            np.asarray(south_deg, np.float64), np.asarray(north_deg, np.float64)
+        )
+        half = (north - south)[..., np.newaxis] / 2.0
+        middle = (north + south)[..., np.newaxis] / 2.0
+        density: Floats = self.area_density_m2(middle + half * nodes)
+        total: Floats = np.sum(density * weights * half, axis=-1)
+        return total
+
+    def ring_area_m2(self, lon_deg: Floats, lat_deg: Floats) -> float:
+        """Ground inside a ring whose edges are straight in longitude and latitude (RFC 7946).
+
+        Green's theorem with quadrature along each edge.
+
+        Parameters
+        ----------
+        lon_deg, lat_deg : array (n,), degrees
+            Vertices; the last one is joined to the first. Longitudes are continuous, not wrapped.
+
+        Returns
+        -------
+        float
+            Square metres, never negative.
+        """
+        nodes, weights = gauss_legendre(_QUADRATURE_NODES)
+        lon = np.asarray(lon_deg, np.float64) - float(np.mean(lon_deg))
+        lat = np.asarray(lat_deg, np.float64)
+        half_lon = (np.roll(lon, -1) - lon)[:, np.newaxis] / 2.0
+        half_lat = (np.roll(lat, -1) - lat)[:, np.newaxis] / 2.0
+        along_lon = lon[:, np.newaxis] + half_lon * (1.0 + nodes)
+        along_lat = lat[:, np.newaxis] + half_lat * (1.0 + nodes)
+        return abs(float(np.sum(along_lon * self.area_density_m2(along_lat) * weights * half_lat)))
+
+
+#: EPSG:7030.
+WGS84 = Ellipsoid(6378137.0, 6378137.0 * (1.0 - 1.0 / 298.257223563))
+
+
+class GroundPoints(NamedTuple):
+    """Where rays meet the ground; the arrays share one shape.
+
+    ``lat_deg`` is geodetic; ``dlon_deg`` is the longitude from the camera's, in (-180, 180], never wrapped
+    into the camera's own; both are NaN where ``hit`` is False, that is where a ray misses the Earth.
+    """
+
+    lat_deg: Floats
+    dlon_deg: Floats
+    hit: NDArray[np.bool_]
+
+
+def trace(lat_deg: Floats, agl_m: Floats, rays_enu: Floats, ground: Ellipsoid = WGS84) -> GroundPoints:
+    """Intersect rays from a camera above the ellipsoid with it.
+
+    The quadratic is built from the height, so that nothing cancels: 1.5e-9 m against 50-digit
+    arithmetic from 3 m to 1000 km above ground.
+
+    Parameters
+    ----------
+    lat_deg : array, degrees
+        Geodetic latitude of the camera; broadcasts against the rays' leading shape.
+    agl_m : array, metres
+        Height of the camera over ``ground``, > 0; broadcasts likewise.
+    rays_enu : array (..., 3)
+        Directions in the camera's east, north, up; any length but zero.
+    ground : Ellipsoid
+        The surface to hit; ``WGS84.raised(g)`` for ground at height g.
+    """
+    phi = np.radians(np.asarray(lat_deg, np.float64))
+    h = np.asarray(agl_m, np.float64)
+    rays = np.asarray(rays_enu, np.float64)
+    east, north, up = rays[..., 0], rays[..., 1], rays[..., 2]
+    a, b, e2 = ground.a_m, ground.b_m, ground.e2
+    s, c = np.sin(phi), np.cos(phi)
+    n = a / np.sqrt(1.0 - e2 * s * s)
+    rho = (n + h) * c
+    z = (n * (1.0 - e2) + h) * s
+    k = 2.0 * h * (n * c * c / a**2 + n * (1.0 - e2) * s * s / b**2) + h * h * (c * c / a**2 + s * s / b**2)
+    ray_x = -s * north + c * up
+    ray_z = c * north + s * up
+    quad = (ray_x**2 + east**2) / a**2 + ray_z**2 / b**2
+    half_lin = rho * ray_x / a**2 + z * ray_z / b**2
+    disc = half_lin**2 - quad * k
+    hit = np.asarray((disc >= 0.0) & (half_lin < 0.0))
+    with np.errstate(invalid="ignore", divide="ignore"):
+        t = np.where(hit, k / (np.sqrt(np.where(hit, disc, 0.0)) - half_lin), np.nan)
+    x, y, w = rho + t * ray_x, t * east, z + t * ray_z
+    dlon = np.degrees(np.arctan2(y, x))
+    lat = np.degrees(np.arctan2(w, (1.0 - e2) * np.hypot(x, y)))
+    return GroundPoints(lat, dlon, hit)

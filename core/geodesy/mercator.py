@@ -1,0 +1,155 @@
+"""Web Mercator (EPSG:3857) and the pixel grid of a source over it.
+
+World fractions (u, v) run from 0 to 1 eastward from 180° W and southward from 85.0511° N. A position in
+pixels at a zoom is the fraction times the world's width in pixels there.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import InvalidInput
+from .ellipsoid import WGS84
+
+Floats = NDArray[np.float64]
+
+#: Half the width of the EPSG:3857 world in metres.
+HALF_WORLD_M = math.pi * WGS84.a_m
+#: Latitude where the square Web-Mercator world ends, degrees.
+MAX_LAT_DEG = math.degrees(math.atan(math.sinh(math.pi)))
+#: From here up the logarithm of the half co-latitude keeps more digits than asinh(tan φ), degrees.
+_NEAR_POLE_DEG = 85.0
+#: Highest zoom a window's integers stay exact at in float64 for any tile size in use.
+_HIGHEST_ZOOM = 30
+
+
+def lon_to_u(lon_deg: Floats) -> Floats:
+    """World fraction eastward of longitudes in degrees (any shape, not wrapped)."""
+    return np.asarray(lon_deg, np.float64) / 360.0 + 0.5
+
+
+def u_to_lon(u: Floats) -> Floats:
+    """Longitude in degrees of world fractions (any shape, not wrapped); inverse of `lon_to_u`."""
+    return (np.asarray(u, np.float64) - 0.5) * 360.0
+
+
+def lat_to_v(lat_deg: Floats) -> Floats:
+    """World fraction southward of geodetic latitudes in degrees (any shape), the paper's equation 3.
+
+    The poles map to -inf and +inf.
+    """
+    lat = np.asarray(lat_deg, np.float64)
+    size = np.abs(lat)
+    with np.errstate(divide="ignore"):
+        near_pole = -np.log(np.tan(np.radians(90.0 - size) / 2.0))
+    psi = np.where(size < _NEAR_POLE_DEG, np.arcsinh(np.tan(np.radians(size))), near_pole)
+    v: Floats = 0.5 - np.copysign(psi, lat) / (2.0 * math.pi)
+    return v
+
+
+def v_to_lat(v: Floats) -> Floats:
+    """Geodetic latitude in degrees of world fractions (any shape), the paper's equation 6."""
+    lat: Floats = np.degrees(np.arctan(np.sinh((0.5 - np.asarray(v, np.float64)) * (2.0 * math.pi))))
+    return lat
+
+
+def wrap_lon_deg(lon_deg: Floats) -> Floats:
+    """Longitudes in [-180, 180), degrees; exact for those already there."""
+    lon = np.asarray(lon_deg, np.float64)
+    inside = (lon >= -180.0) & (lon < 180.0)
+    return np.where(inside, lon, np.mod(lon + 180.0, 360.0) - 180.0)
+
+
+@dataclass(frozen=True)
+class PixelGrid:
+    """A source's own description of its pixels.
+
+    Zooms are in 256 px terms: at zoom z the world is 2**z tiles wide whatever the tiles' size, so that
+    tiles of 512 px (or @2x) double the pixels of a picture, not its zoom.
+
+    Parameters
+    ----------
+    tile_px : int
+        Width and height of a tile in px, a multiple of 256.
+    min_zoom, max_zoom : int
+        Zooms the source serves.
+    native_zoom : int
+        Highest zoom with detail of its own; above it the source only enlarges.
+    max_size_px : int or None
+        Longest side of a picture in 256 px terms, where the source limits it.
+    centre_decimals : int or None
+        Where pictures are asked for by their centre: the decimals of a degree the source keeps of it.
+        None for tiles.
+    """
+
+    tile_px: int = 256
+    min_zoom: int = 0
+    max_zoom: int = 22
+    native_zoom: int = 22
+    max_size_px: int | None = None
+    centre_decimals: int | None = None
+
+    def __post_init__(self) -> None:
+        if self.tile_px < 256 or self.tile_px % 256:
+            raise InvalidInput(f"tile size {self.tile_px} px: must be a multiple of 256")
+        if not 0 <= self.min_zoom <= self.native_zoom <= self.max_zoom <= _HIGHEST_ZOOM:
+            raise InvalidInput(
+                f"zooms {self.min_zoom} to {self.max_zoom}, native {self.native_zoom}: need "
+                f"0 <= minimum <= native <= maximum <= {_HIGHEST_ZOOM}"
+            )
+
+    @property
+    def scale(self) -> int:
+        """Pixels of a picture per pixel in 256 px terms, along each side."""
+        return self.tile_px // 256
+
+    def world_px(self, zoom: int) -> int:
+        """Width (and height) of the world in px at ``zoom``."""
+        return self.tile_px << zoom
+
+    def resolution_m_per_px(self, zoom: int) -> float:
+        """Metres of EPSG:3857 per px at ``zoom`` (metres on the ground only at the equator)."""
+        return 2.0 * HALF_WORLD_M / self.world_px(zoom)
+
+    def ground_m_per_px(self, lat_deg: Floats, zoom: int) -> Floats:
+        """Metres of ground per px, east to west on the ellipsoid, at ``zoom`` and ``lat_deg`` (any shape)."""
+        shrink = WGS84.normal_radius_m(lat_deg) / WGS84.a_m * np.cos(np.radians(lat_deg))
+        size: Floats = self.resolution_m_per_px(zoom) * shrink
+        return size
+
+    def edges_m(
+        self, left_px: Floats, top_px: Floats, width_px: Floats, height_px: Floats, zoom: int
+    ) -> tuple[Floats, Floats, Floats, Floats]:
+        """West, south, east, north of windows in metres of EPSG:3857 (float64 arrays of their shape)."""
+        resolution = self.resolution_m_per_px(zoom)
+        left, top = np.asarray(left_px, np.float64), np.asarray(top_px, np.float64)
+        return (
+            -HALF_WORLD_M + left * resolution,
+            HALF_WORLD_M - (top + height_px) * resolution,
+            -HALF_WORLD_M + (left + width_px) * resolution,
+            HALF_WORLD_M - top * resolution,
+        )
+
+
+def fitting_zoom(span: float, size_px: float, slack: float = 1e-6) -> int:
+    """Highest zoom at which a span of the world fits a number of pixels (the paper's equation 8).
+
+    From the binary exponent instead of a rounded logarithm, which is one off near powers of two.
+
+    Parameters
+    ----------
+    span : float
+        World fraction, > 0.
+    size_px : float
+        Pixels in 256 px terms, > 0.
+    slack : float
+        Relative excess that still fits: the noise of a span computed in float64, far below a pixel.
+    """
+    if not (math.isfinite(span) and span > 0.0 and size_px > 0.0):
+        raise InvalidInput(f"span {span} of the world, size {size_px} px: both must be above 0")
+    _, exponent = math.frexp(size_px / (256.0 * span) * (1.0 + slack))
+    return exponent - 1

@@ -1,0 +1,139 @@
+"""The paper's coordinate formats, and areas from GeoJSON."""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path
+from typing import Any
+
+from ..errors import InvalidInput
+from .area import Area, Box, Points, Polygon
+
+FEET_IN_METRES = 0.3048
+UNITS = {"m": 1.0, "ft": FEET_IN_METRES}
+KINDS = ("single", "list", "raster")
+_FORMATS = '"lat_lon_agl", "latTL_lonTL_latBR_lonBR_agl", or a text file of "lat lon agl" lines'
+_SEPARATORS = re.compile(r"[_,;\s]+")
+_UNICODE_MINUS = {0x2212: "-", 0x2013: "-", 0xFE63: "-", 0xFF0D: "-"}
+#: Longer texts are no file's name.
+_LONGEST_PATH = 1024
+
+
+def _numbers(text: str, where: str) -> list[float]:
+    fields = [field for field in _SEPARATORS.split(text.translate(_UNICODE_MINUS).strip()) if field]
+    try:
+        return [float(field) for field in fields]
+    except ValueError as wrong:
+        raise InvalidInput(f"{where} {text.strip()!r}: {wrong}; expected {_FORMATS}") from wrong
+
+
+def _scaled(agl: float, unit: str) -> float:
+    if unit not in UNITS:
+        raise InvalidInput(f"unit of height {unit!r}: must be one of {', '.join(UNITS)}")
+    return agl * UNITS[unit]
+
+
+def parse_coords(text: str, kind: str | None = None, agl_unit: str = "m") -> tuple[Area, float]:
+    """Area and height above ground (metres) from the paper's ``--coords``.
+
+    Parameters
+    ----------
+    text : str
+        ``"lat_lon_agl"``, ``"latTL_lonTL_latBR_lonBR_agl"`` (commas or spaces do as well as underscores,
+        Unicode minus signs as hyphens), or a file of ``lat lon agl`` lines.
+    kind : str or None
+        single, list or raster; None to infer it. A single mission takes a file's first row, and a box's
+        top-left corner as its centre.
+    agl_unit : str
+        m or ft, of the heights given.
+
+    Raises
+    ------
+    InvalidInput
+        Names what cannot be read, with the line of a file.
+    """
+    if kind is not None and kind not in KINDS:
+        raise InvalidInput(f"mission {kind!r}: must be one of {', '.join(KINDS)}")
+    if not text.strip():
+        raise InvalidInput(f"coordinates are empty: expected {_FORMATS}")
+    if len(text) < _LONGEST_PATH and "\n" not in text and Path(text).is_file():
+        return _from_file(Path(text), kind, agl_unit)
+    values = _numbers(text, "coordinates")
+    if len(values) not in (3, 5):
+        raise InvalidInput(f"coordinates {text.strip()!r}: {len(values)} numbers; expected {_FORMATS}")
+    agl = _scaled(values[-1], agl_unit)
+    if len(values) == 5 and kind in (None, "raster"):
+        return Box(*values[:4]), agl
+    if len(values) == 3 and kind == "raster":
+        raise InvalidInput(
+            f"coordinates {text.strip()!r}: a raster mission needs two corners and a height (5 numbers)"
+        )
+    return Points(((values[0], values[1], agl),)), agl
+
+
+def _from_file(path: Path, kind: str | None, agl_unit: str) -> tuple[Area, float]:
+    if kind == "raster":
+        raise InvalidInput(
+            f"file {path}: holds points; a raster mission needs two corners and a height as text"
+        )
+    try:
+        lines = path.read_text(encoding="utf-8-sig").splitlines()
+    except (OSError, UnicodeDecodeError) as wrong:
+        raise InvalidInput(f"file {path}: cannot be read as text ({wrong})") from wrong
+    poses: list[tuple[float, float, float]] = []
+    for number, line in enumerate(lines, 1):
+        if not line.strip() or line.lstrip().startswith("#"):
+            continue
+        poses.append(_pose(line, f"{path}, line {number}:", agl_unit))
+        if kind == "single":
+            break
+    if not poses:
+        raise InvalidInput(f"file {path}: holds no coordinates; expected lines of lat lon agl")
+    return Points(tuple(poses)), poses[0][2]
+
+
+def _pose(line: str, where: str, agl_unit: str) -> tuple[float, float, float]:
+    values = _numbers(line, where)
+    if len(values) != 3:
+        raise InvalidInput(f"{where} {line.strip()!r} has {len(values)} numbers; expected lat lon agl")
+    pose = (values[0], values[1], _scaled(values[2], agl_unit))
+    try:
+        Points((pose,))
+    except InvalidInput as wrong:
+        raise InvalidInput(f"{where} {wrong}") from wrong
+    return pose
+
+
+def load_polygon(path: str) -> Polygon:
+    """Polygon from a GeoJSON file: the geometry itself, or the first polygon of its features.
+
+    Raises
+    ------
+    InvalidInput
+        A file that cannot be read or holds no polygon.
+    """
+    try:
+        data = json.loads(Path(path).read_text(encoding="utf-8-sig"))
+    except (OSError, ValueError) as wrong:
+        raise InvalidInput(f"area file {path}: cannot be read as GeoJSON ({wrong})") from wrong
+    geometry = _first_polygon(data)
+    if geometry is None:
+        raise InvalidInput(f"area file {path}: holds no Polygon; give a GeoJSON with one")
+    try:
+        rings = tuple(tuple((float(p[0]), float(p[1])) for p in ring) for ring in geometry)
+    except (TypeError, ValueError, IndexError) as wrong:
+        raise InvalidInput(f"area file {path}: a corner is not longitude, latitude ({wrong})") from wrong
+    return Polygon(rings)
+
+
+def _first_polygon(data: Any) -> list[Any] | None:
+    if not isinstance(data, dict):
+        return None
+    if data.get("type") == "Polygon":
+        return list(data.get("coordinates", []))
+    if data.get("type") == "MultiPolygon" and len(data.get("coordinates", [])) == 1:
+        return list(data["coordinates"][0])
+    inner = [data.get("geometry"), *data.get("features", []), *data.get("geometries", [])]
+    found = (_first_polygon(item) for item in inner)
+    return next((rings for rings in found if rings is not None), None)

@@ -1,0 +1,218 @@
+"""What a plan's files will really show of its area, and how much neighbours share: from integer windows."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..geodesy.frames import Windows
+from ..geodesy.mercator import PixelGrid, lat_to_v, lon_to_u, u_to_lon, v_to_lat
+from .area import Box, Polygon
+from .shape import area_within_m2
+
+Floats = NDArray[np.float64]
+Numbers = NDArray[np.int64]
+
+#: A share is printed rounded down at this many decimals, so that 100 % is never said of less.
+_SHARE_DECIMALS = 6
+#: Strips looked at in one go, to bound memory however many rectangles there are.
+_CHUNK = 2_000_000
+#: Ground below this is the noise of clipping in degrees (1e-14 deg along a kilometre of edge): 1 mm².
+_NO_GROUND_M2 = 1e-6
+
+
+@dataclass(frozen=True)
+class Coverage:
+    """Ground of the area, ground of it that no picture shows (m²), and the covered share rounded down."""
+
+    area_m2: float
+    uncovered_m2: float
+    complete: bool
+
+    @property
+    def share(self) -> float:
+        """Covered share of the area in [0, 1], rounded down; 1 only where nothing is missing."""
+        if self.complete:
+            return 1.0
+        covered = 1.0 - self.uncovered_m2 / self.area_m2 if self.area_m2 > 0.0 else 0.0
+        unit = 10.0**_SHARE_DECIMALS
+        return max(min(math.floor(covered * unit) / unit, 1.0 - 1.0 / unit), 0.0)
+
+
+@dataclass(frozen=True)
+class Overlap:
+    """Shares that neighbours show again, negative for a gap; None where there are no neighbours.
+
+    Along: from one picture to the next of its row; across: from one row to the next.
+    """
+
+    least_along: float | None
+    median_along: float | None
+    least_across: float | None
+    median_across: float | None
+
+
+class Rectangles(NamedTuple):
+    """Rectangles as edges, arrays (n,): half open, x east and y south."""
+
+    x0: Floats
+    y0: Floats
+    x1: Floats
+    y1: Floats
+
+
+def _as_rectangles(windows: Windows) -> Rectangles:
+    """Windows as rectangles, those joined that touch side by side in sequence."""
+    left, top, right, bottom = windows.bounds_px
+    joined = np.zeros(len(left), bool)
+    joined[1:] = (
+        (top[1:] == top[:-1])
+        & (bottom[1:] == bottom[:-1])
+        & (left[1:] <= right[:-1])
+        & (left[:-1] <= right[1:])
+    )
+    first = np.flatnonzero(~joined)
+    return Rectangles(
+        np.minimum.reduceat(left, first), top[first], np.maximum.reduceat(right, first), bottom[first]
+    )
+
+
+def _reached(strip: Numbers, end: Floats) -> Floats:
+    """How far the pieces before each one reach in its strip (-inf for the first); sorted by strip.
+
+    A running maximum of ranks, lifted strip by strip: comparing ranks keeps the edges exact.
+    """
+    values, rank = np.unique(end, return_inverse=True)
+    lift = strip * len(values)
+    running = np.maximum.accumulate(lift + rank)
+    before = np.full(len(end), -np.inf)
+    same = strip[1:] == strip[:-1]
+    before[1:][same] = values[(running[:-1] - lift[:-1])[same]]
+    return before
+
+
+def _pieces(rectangles: Rectangles, first: Numbers, last: Numbers) -> tuple[Numbers, Floats, Floats]:
+    """Strip, start and end of every rectangle's piece in each of its strips ``first`` to ``last`` (excluded)."""
+    counts = np.maximum(last - first, 0)
+    owner = np.repeat(np.arange(len(counts)), counts)
+    strip = first[owner] + np.arange(len(owner)) - np.repeat(np.cumsum(counts) - counts, counts)
+    return strip, rectangles.x0[owner], rectangles.x1[owner]
+
+
+def _chunks(first: Numbers, last: Numbers, strips: int) -> list[tuple[int, int]]:
+    """Ranges of strips that hold a bounded number of pieces each."""
+    change = np.bincount(first, minlength=strips + 1) - np.bincount(last, minlength=strips + 1)
+    pieces = np.cumsum(np.cumsum(change)[:strips] + 2)
+    cuts = np.searchsorted(pieces, np.arange(_CHUNK, pieces[-1], _CHUNK)).tolist() if strips else []
+    bounds = [0, *cuts, strips]
+    return [(start, stop) for start, stop in zip(bounds, bounds[1:]) if stop > start]
+
+
+def _gaps(rectangles: Rectangles, within: tuple[float, float, float, float]) -> Rectangles:
+    """What the rectangles leave of ``within`` (x0, y0, x1, y1), as rectangles of its own."""
+    west, north, east, south = within
+    x0, x1 = (np.clip(x, west, east) for x in (rectangles.x0, rectangles.x1))
+    y0, y1 = (np.clip(y, north, south) for y in (rectangles.y0, rectangles.y1))
+    breaks = np.unique(np.concatenate([y0, y1, [north, south]]))
+    first, last = np.searchsorted(breaks, y0), np.searchsorted(breaks, y1)
+    found = []
+    for start, stop in _chunks(first, last, len(breaks) - 1):
+        inside = (first < stop) & (last > start)
+        part = Rectangles(x0[inside], y0[inside], x1[inside], y1[inside])
+        strip, begin, end = _pieces(part, np.maximum(first[inside], start), np.minimum(last[inside], stop))
+        # The limits themselves, as pieces without width in every strip, make each gap lie between two pieces.
+        strips = np.arange(start, stop)
+        strip = np.concatenate([strips, strip, strips])
+        begin = np.concatenate([np.full(len(strips), west), begin, np.full(len(strips), east)])
+        end = np.concatenate([np.full(len(strips), west), end, np.full(len(strips), east)])
+        order = np.lexsort((begin, strip))
+        strip, begin, end = strip[order], begin[order], end[order]
+        reached = _reached(strip, end)
+        open_ = np.isfinite(reached) & (begin > reached)
+        found.append(np.stack([reached[open_], breaks[strip[open_]], begin[open_], breaks[strip[open_] + 1]]))
+    return Rectangles(*np.concatenate(found, axis=1)) if found else Rectangles(*np.empty((4, 0)))
+
+
+def coverage(area: Box | Polygon, windows: Windows, grid: PixelGrid, zoom: int) -> Coverage:
+    """What windows show of an area; exact on the pixel grid for a box."""
+    total = area.area_m2()
+    world = grid.world_px(zoom)
+    box = area.bounds
+    lon = np.array([box.west_deg, box.continuous_east_deg])
+    west, east = (lon_to_u(lon) * world).tolist()
+    north, south = (lat_to_v(np.array([box.north_deg, box.south_deg])) * world).tolist()
+    gaps = _gaps(_as_rectangles(windows), (west, north, east, south))
+    ground = area_within_m2(
+        area,
+        u_to_lon(gaps.x0 / world),
+        v_to_lat(gaps.y1 / world),
+        u_to_lon(gaps.x1 / world),
+        v_to_lat(gaps.y0 / world),
+    )
+    ground = ground[ground > _NO_GROUND_M2]
+    return Coverage(total, float(ground.sum()), complete=not len(ground))
+
+
+def unique_tiles(windows: Windows, grid: PixelGrid, zoom: int) -> int:
+    """Tiles that windows need, each counted once, without listing them."""
+    size, columns = grid.tile_px, 1 << zoom
+    pixels = _as_rectangles(windows)
+    x0, y0 = pixels.x0 // size, pixels.y0 // size
+    x1, y1 = np.ceil(pixels.x1 / size), np.ceil(pixels.y1 / size)
+    x1 = np.minimum(x1, x0 + columns)
+    turn = np.floor(x0 / columns) * columns
+    x0, x1 = x0 - turn, x1 - turn
+    beyond = x1 > columns
+    tiles = Rectangles(
+        np.concatenate([x0, np.zeros(int(beyond.sum()))]),
+        np.concatenate([y0, y0[beyond]]),
+        np.concatenate([np.minimum(x1, columns), x1[beyond] - columns]),
+        np.concatenate([y1, y1[beyond]]),
+    )
+    lowest = int(tiles.y0.min())
+    first, last = (tiles.y0 - lowest).astype(np.int64), (tiles.y1 - lowest).astype(np.int64)
+    total = 0
+    for start, stop in _chunks(first, last, int(last.max())):
+        strip, begin, end = _pieces(tiles, np.maximum(first, start), np.minimum(last, stop))
+        order = np.lexsort((begin, strip))
+        strip, begin, end = strip[order], begin[order], end[order]
+        total += int(np.maximum(end - np.maximum(begin, _reached(strip, end)), 0.0).sum())
+    return total
+
+
+def overlap(column: Numbers, row: Numbers, windows: Windows, rows_are_level: bool) -> Overlap:
+    """Shares of width and of height that neighbouring windows have in common.
+
+    Parameters
+    ----------
+    column, row : array (n,)
+        Grid indices in flight order.
+    rows_are_level : bool
+        Whether all windows of a row have the same top and height, so that any of the next row will do;
+        otherwise the one of the same column is the neighbour.
+    """
+    left, top, right, bottom = windows.bounds_px
+    beside = np.flatnonzero((row[1:] == row[:-1]) & (np.abs(np.diff(column)) == 1))
+    shared = np.minimum(right[beside], right[beside + 1]) - np.maximum(left[beside], left[beside + 1])
+    along = shared / np.maximum(windows.width_px[beside], windows.width_px[beside + 1])
+
+    columns = int(column.max()) + 1
+    keys = row * columns + column
+    order = np.argsort(keys)
+    below = order[np.minimum(np.searchsorted(keys[order], keys + columns), len(keys) - 1)]
+    level = row[below] == row + 1
+    if not rows_are_level:
+        level &= column[below] == column
+    here = np.flatnonzero(level)
+    below = below[here]
+    shared = np.minimum(bottom[here], bottom[below]) - np.maximum(top[here], top[below])
+    across = shared / np.maximum(windows.height_px[here], windows.height_px[below])
+    return Overlap(*_least_and_median(along), *_least_and_median(across))
+
+
+def _least_and_median(shares: Floats) -> tuple[float | None, float | None]:
+    return (float(shares.min()), float(np.median(shares))) if len(shares) else (None, None)

@@ -1,0 +1,175 @@
+"""What a plan will take and give, in figures for people and scripts."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+
+from .plan import Plan
+
+
+@dataclass(frozen=True)
+class Costs:
+    """What one request and one pixel are assumed to cost; the basis of an estimate, not a measurement.
+
+    Attributes
+    ----------
+    request_s, request_bytes : float
+        One request, on its own connection or core.
+    encode_s_per_px : float
+        Assembling, encoding and writing, on one core.
+    bytes_per_px : dict
+        Size of the written files by format.
+    """
+
+    request_s: float
+    request_bytes: float
+    encode_s_per_px: dict[str, float]
+    bytes_per_px: dict[str, float]
+
+
+#: Typical of aerial imagery: compressed aerial tiles of 256 px have about 15 kB, a request takes about 60 ms.
+_ENCODE_S_PER_PX = {"tif": 1.5e-7, "jpg": 3e-8, "png": 2.5e-7}
+_BYTES_PER_PX = {"tif": 1.9, "jpg": 0.55, "png": 1.8}
+ONLINE = Costs(0.06, 15_000.0, _ENCODE_S_PER_PX, _BYTES_PER_PX)
+#: The embedded world computes its tiles on the spot.
+OFFLINE = Costs(0.012, 0.0, _ENCODE_S_PER_PX, _BYTES_PER_PX)
+
+
+@dataclass(frozen=True)
+class Summary:
+    """The figures of a plan; shares are of 1, None where they have no meaning (points have no area)."""
+
+    images: int
+    rows: int
+    columns: int
+    zoom: int
+    width_px: int
+    height_px: int
+    camera_gsd_m_per_px: float
+    source_gsd_m_per_px: float
+    flight_distance_m: float
+    area_m2: float | None
+    uncovered_m2: float | None
+    covered_share: float | None
+    complete: bool | None
+    least_overlap_along: float | None
+    median_overlap_along: float | None
+    least_overlap_across: float | None
+    median_overlap_across: float | None
+    unique_tiles: int
+    download_bytes: int
+    output_bytes: int
+    seconds: float
+    map_types: tuple[str, ...]
+
+    def to_dict(self) -> dict[str, Any]:
+        """JSON-ready mapping."""
+        return asdict(self)
+
+    def lines(self) -> list[tuple[str, str]]:
+        """Label and value of each figure, in words for people."""
+        types = len(self.map_types)
+        images = f"{self.images:,}" + (f" for each of {types} map types" if types > 1 else "")
+        shape = f"{self.width_px} x {self.height_px} px at zoom {self.zoom}"
+        lines = [
+            ("images", images),
+            ("rows, columns", f"{self.rows}, {self.columns}"),
+            ("picture", shape),
+            (
+                "ground sample distance",
+                f"camera {_metres(self.camera_gsd_m_per_px)}, source {_metres(self.source_gsd_m_per_px)}",
+            ),
+            ("flight distance", _metres(self.flight_distance_m)),
+        ]
+        if self.covered_share is not None and self.uncovered_m2 is not None:
+            words = "complete" if self.complete else f"{_square(self.uncovered_m2)} uncovered"
+            lines.append(("coverage", f"{percent(self.covered_share, exact=bool(self.complete))} ({words})"))
+        for label, least, median in (
+            ("overlap along rows", self.least_overlap_along, self.median_overlap_along),
+            ("overlap across rows", self.least_overlap_across, self.median_overlap_across),
+        ):
+            if least is not None and median is not None:
+                lines.append((label, f"least {100 * least:.2f} %, median {100 * median:.2f} %"))
+        each = " a map type" if types > 1 else ""
+        lines += [
+            ("tiles", f"{self.unique_tiles:,}{each}, each fetched once"),
+            ("download", _bytes(self.download_bytes)),
+            ("files", _bytes(self.output_bytes)),
+            ("time", f"about {_duration(self.seconds)}"),
+        ]
+        return lines
+
+
+def estimate(plan: Plan, costs: Costs = ONLINE, connections: int = 8, cores: int = 2) -> Summary:
+    """Figures of a plan, for all of its map types; time and bytes are estimates from ``costs``.
+
+    Parameters
+    ----------
+    connections, cores : int
+        Requests under way at once, and cores that encode.
+    """
+    mission, types = plan.mission, len(plan.mission.map_types)
+    pixels = float(np.sum(plan.windows.width_px * plan.windows.height_px))
+    if mission.img_size is not None:
+        pixels = float(len(plan)) * mission.img_size[0] * mission.img_size[1]
+    fetch_s = plan.requests * costs.request_s / (connections if costs.request_bytes else cores)
+    encode_s = pixels * costs.encode_s_per_px[mission.image_format] / cores
+    # Computing tiles takes the cores from encoding; waiting for a server does not.
+    seconds = max(fetch_s, encode_s) if costs.request_bytes else fetch_s + encode_s
+    coverage, overlap = plan.coverage, plan.overlap
+    return Summary(
+        images=len(plan),
+        rows=plan.rows,
+        columns=plan.columns,
+        zoom=plan.zoom,
+        width_px=int(plan.windows.width_px.max()),
+        height_px=int(plan.windows.height_px.max()),
+        camera_gsd_m_per_px=plan.camera_gsd_m_per_px,
+        source_gsd_m_per_px=plan.source_gsd_m_per_px,
+        flight_distance_m=plan.flight_distance_m,
+        area_m2=None if coverage is None else coverage.area_m2,
+        uncovered_m2=None if coverage is None else coverage.uncovered_m2,
+        covered_share=None if coverage is None else coverage.share,
+        complete=None if coverage is None else coverage.complete,
+        least_overlap_along=overlap.least_along,
+        median_overlap_along=overlap.median_along,
+        least_overlap_across=overlap.least_across,
+        median_overlap_across=overlap.median_across,
+        unique_tiles=plan.requests,
+        download_bytes=round(types * plan.requests * costs.request_bytes),
+        output_bytes=round(types * pixels * costs.bytes_per_px[mission.image_format]),
+        seconds=types * seconds,
+        map_types=mission.map_types,
+    )
+
+
+def percent(share: float, exact: bool) -> str:
+    """Share in percent; one that is not complete never reads 100."""
+    return "100 %" if exact else f"{100 * share:.4f}".rstrip("0").rstrip(".") + " %"
+
+
+def _metres(value_m: float) -> str:
+    for unit, size in (("km", 1e3), ("m", 1.0), ("cm", 1e-2)):
+        if value_m >= size:
+            return f"{value_m / size:.4g} {unit}"
+    return f"{value_m * 1e3:.3g} mm"
+
+
+def _square(value_m2: float) -> str:
+    return f"{value_m2 / 1e6:.4g} km²" if value_m2 >= 1e6 else f"{value_m2:.4g} m²"
+
+
+def _bytes(count: float) -> str:
+    for unit, size in (("GB", 1e9), ("MB", 1e6), ("kB", 1e3)):
+        if count >= size:
+            return f"{count / size:.3g} {unit}"
+    return f"{count:.0f} bytes" if count else "nothing (computed here)"
+
+
+def _duration(seconds: float) -> str:
+    if seconds < 90:
+        return f"{max(round(seconds), 1)} s"
+    return f"{seconds / 60:.0f} min" if seconds < 5400 else f"{seconds / 3600:.1f} h"

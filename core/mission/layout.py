@@ -1,0 +1,299 @@
+"""Where the captures of a mission stand: rows along parallels, the paper's UTM grid, or single points."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import InvalidInput
+from ..geodesy.ellipsoid import gauss_legendre
+from ..geodesy.frames import FrameEdges, frame_edges
+from ..geodesy.mercator import MAX_LAT_DEG, lat_to_v, lon_to_u, u_to_lon, v_to_lat
+from ..geodesy.utm import utm_zone
+from .area import Box, Points, Polygon
+from .mission import Mission
+from .shape import row_spans, touching
+
+Floats = NDArray[np.float64]
+Numbers = NDArray[np.int64]
+
+#: Share of a pixel by which neighbours meet inside each other: far above the noise of float64 positions at
+#: zoom 22 (1e-7 px), so that rounding never opens a gap, and far below anything that costs a picture.
+_MEETING_PX = 1e-3
+#: Rounding a frame's edge to the pixel grid moves it by at most this, so the outermost frames reach so far
+#: beyond the area.
+_ROUNDING_PX = 0.5
+#: Rows are settled when no centre moves by more than this share of the world in a pass (0.4 µm of ground), or
+#: by more than the noise of adding so many of them up: this times the root of their number.
+_SETTLED, _SETTLED_NOISE = 1e-14, 1e-15
+#: Passes in which rows must settle. Picard iteration gains digits faster than geometrically (under 40 passes
+#: from limit to limit); only frames that all but hold a pole take longer.
+_PASSES = 500
+#: Nodes of the quadrature that counts rows beforehand, and the share and number of rows added to be safe.
+_COUNT_NODES, _COUNT_SHARE, _COUNT_MORE = 64, 1e-3, 3
+#: Guard of the paper's counts against the noise of UTM metres, as a share of a step.
+_COUNT_GUARD = 1e-9
+#: Degrees from a zone's central meridian within which the paper's UTM grid is still a grid.
+_UTM_REACH_DEG = 30.0
+
+
+class Layout(NamedTuple):
+    """Captures in flight order: rows from north to south, flown alternately eastward and westward.
+
+    Arrays (n,): grid indices, poses in degrees and metres. Longitudes are continuous along a mission.
+    """
+
+    column: Numbers
+    row: Numbers
+    lat_deg: Floats
+    lon_deg: Floats
+    agl_m: Floats
+
+
+def lay_out(mission: Mission, pixel: float) -> Layout:
+    """Poses of a mission's captures.
+
+    Parameters
+    ----------
+    mission : Mission
+    pixel : float
+        Size of a pixel of the pictures as a fraction of the world's width, >= 0: the areas' outermost frames
+        leave room for the rounding of their edges.
+
+    Raises
+    ------
+    InvalidInput
+        More captures than ``mission.max_images``; an area beyond Web Mercator's latitudes; a camera that
+        sees past the horizon.
+    """
+    area = mission.area
+    if isinstance(area, Points):
+        return _points(area, mission.max_images)
+    _refuse_beyond_mercator(area.bounds)
+    if mission.layout == "paper":
+        return _paper(mission, area)
+    return _cover(mission, area, pixel)
+
+
+def _refuse_beyond_mercator(box: Box) -> None:
+    for lat in (box.north_deg, box.south_deg):
+        if abs(lat) > MAX_LAT_DEG:
+            raise InvalidInput(
+                f"area reaches latitude {lat}: pictures end at ±{MAX_LAT_DEG:.4f} (Web Mercator)"
+            )
+
+
+def _refuse_too_many(count: float, limit: int) -> None:
+    if count > limit:
+        raise InvalidInput(
+            f"mission of {count:.0f} images: the limit is {limit}; fly higher, draw a smaller area, or raise it "
+            "(--max-images)"
+        )
+
+
+def _points(area: Points, limit: int) -> Layout:
+    _refuse_too_many(len(area.poses), limit)
+    lat, lon, agl = np.array(area.poses, np.float64).reshape(-1, 3).T
+    index = np.arange(len(lat), dtype=np.int64)
+    return Layout(index, np.zeros_like(index), lat, lon, agl)
+
+
+# --- rows along parallels
+
+
+def _cover(mission: Mission, area: Box | Polygon, pixel: float) -> Layout:
+    rows_v, edges = _row_centres(mission, area.bounds, pixel)
+    rounding = _ROUNDING_PX * pixel
+    spans = row_spans(area, edges.top_v - rounding, edges.bottom_v + rounding)
+    used = ~np.isnan(spans[:, 0])
+    rows_v, spans = rows_v[used], spans[used]
+    edges = FrameEdges(*(edge[used] for edge in edges))
+
+    width = 2.0 * edges.half_u
+    step = width * (1.0 - mission.overlap_along) - _MEETING_PX * pixel
+    _refuse_no_step(step, mission.overlap_along)
+    west_u, east_u = lon_to_u(spans[:, 0]), lon_to_u(spans[:, 1])
+    need = (east_u - west_u) + 2.0 * rounding
+    counts = np.maximum(np.ceil((need - width) / step), 0.0) + 1.0
+    _refuse_too_many(float(counts.sum()), mission.max_images)
+    per_row = counts.astype(np.int64)
+    row = np.repeat(np.arange(len(per_row), dtype=np.int64), per_row)
+    column = np.arange(len(row), dtype=np.int64) - np.repeat(np.cumsum(per_row) - per_row, per_row)
+    middle = (west_u + east_u) / 2.0
+    u = middle[row] + (column - (per_row[row] - 1) / 2.0) * step[row]
+    lat = v_to_lat(rows_v)
+    layout = Layout(column, row, lat[row], u_to_lon(u), np.full(len(row), mission.agl_m))
+    return _serpentine(_over(area, layout, FrameEdges(*(edge[row] for edge in edges)), rounding))
+
+
+def _over(area: Box | Polygon, layout: Layout, edges: FrameEdges, rounding: float) -> Layout:
+    """Captures whose frames, grown by what rounding may add, share ground with the area."""
+    if isinstance(area, Box):
+        return layout
+    half = u_to_lon(edges.half_u + rounding + 0.5)
+    south, north = v_to_lat(edges.bottom_v + rounding), v_to_lat(edges.top_v - rounding)
+    keep = touching(area, layout.lon_deg - half, south, layout.lon_deg + half, north)
+    return _picked(layout, keep)
+
+
+def _refuse_no_step(step: Floats, overlap: float) -> None:
+    if not (step > 0.0).all():
+        raise InvalidInput(
+            f"overlap {overlap}: leaves under a thousandth of a pixel between captures; overlap less"
+        )
+
+
+def _row_centres(mission: Mission, box: Box, pixel: float) -> tuple[Floats, FrameEdges]:
+    """World fractions of the rows' centres, north to south, and the rows' frame edges."""
+    rows = _Rows(mission, box, pixel)
+    centres, edges = rows.settle(rows.first_top, rows.most())
+    count = int(np.searchsorted(edges.bottom_v, rows.last_bottom)) + 1
+    if count > len(centres):
+        raise InvalidInput(f"rows from {mission.agl_m:g} m cannot be placed in this area; fly lower")
+    spare = float(edges.bottom_v[count - 1]) - rows.last_bottom
+    shift = rows.centring_shift(count, spare)
+    return rows.lean(rows.settle(rows.first_top - shift, count)[0])
+
+
+class _Rows:
+    """Rows of frames between two parallels, as world fractions."""
+
+    def __init__(self, mission: Mission, box: Box, pixel: float) -> None:
+        self._mission = mission
+        self._north, self._south = (
+            float(lat_to_v(np.asarray(lat))) for lat in (box.north_deg, box.south_deg)
+        )
+        self._meeting = _MEETING_PX * pixel
+        self.first_top = max(self._north - _ROUNDING_PX * pixel, 0.0)
+        self.last_bottom = min(self._south + _ROUNDING_PX * pixel, 1.0)
+
+    def _edges(self, centres: Floats) -> FrameEdges:
+        """Edges of frames at the centres, each centre taken as its nearest in the area.
+
+        A settled row's centre lies in the area; the ones beyond are only on their way.
+        """
+        inside = np.clip(centres, self._north, self._south)
+        edges = frame_edges(self._mission.camera, v_to_lat(inside), np.full(len(inside), self._mission.agl_m))
+        return FrameEdges(edges.half_u, edges.top_v + (centres - inside), edges.bottom_v + (centres - inside))
+
+    def _steps(self, centres: Floats, edges: FrameEdges) -> Floats:
+        """Distance of each row from the one before, for rows at these centres."""
+        height = edges.bottom_v - edges.top_v
+        shared = self._mission.overlap_across * np.maximum(height[1:], height[:-1])
+        below, above = (edges.bottom_v - centres)[:-1], (centres - edges.top_v)[1:]
+        steps: Floats = below + above - shared - self._meeting
+        _refuse_no_step(steps, self._mission.overlap_across)
+        return steps
+
+    def most(self) -> int:
+        """Rows that surely reach from north to south: the integral of rows per height, and some."""
+        nodes, weights = gauss_legendre(_COUNT_NODES)
+        half = (self._south - self._north) / 2.0
+        edges = self._edges(self._north + half * (1.0 + nodes))
+        step = (edges.bottom_v - edges.top_v) * (1.0 - self._mission.overlap_across) - self._meeting
+        _refuse_no_step(step, self._mission.overlap_across)
+        count = half * float(np.sum(weights / step))
+        _refuse_too_many(math.floor(count * (1.0 - _COUNT_SHARE)), self._mission.max_images)
+        return math.ceil(count * (1.0 + _COUNT_SHARE)) + _COUNT_MORE
+
+    def settle(self, top: float, count: int) -> tuple[Floats, FrameEdges]:
+        """Centres of rows that follow each other from a first top edge, and their edges.
+
+        A row's place depends on its own height and those before: all are placed at once, again and again
+        with the heights of the last pass (Picard iteration), until none moves.
+        """
+        centres = np.linspace(max(top, self._north), self._south, count)
+        settled = max(_SETTLED, _SETTLED_NOISE * math.sqrt(count))
+        for _ in range(_PASSES):
+            edges = self._edges(centres)
+            placed = np.cumsum(
+                np.concatenate([top + centres[:1] - edges.top_v[:1], self._steps(centres, edges)])
+            )
+            moved = float(np.max(np.abs(placed - centres)))
+            centres = placed
+            if moved <= settled:
+                return centres, self._edges(centres)
+        raise InvalidInput(
+            f"rows from {self._mission.agl_m:g} m cannot be placed so near to a pole; fly lower or farther from it"
+        )
+
+    def centring_shift(self, count: int, spare: float) -> float:
+        """Distance northward that makes the rows reach as far beyond the area's north as beyond its south."""
+        if spare <= 0.0:
+            return 0.0
+
+        def below(shift: float) -> float:
+            return float(self.settle(self.first_top - shift, count)[1].bottom_v[-1]) - self.last_bottom
+
+        guess = min(spare / 2.0, self.first_top)
+        unequal = below(guess) - guess
+        # One secant step: heights change so slowly with latitude that what remains is of second order.
+        shift = guess * spare / (spare - unequal) if unequal < spare else guess
+        shift = max(min(shift, self.first_top), min(spare - (1.0 - self.last_bottom), self.first_top), 0.0)
+        return shift if below(shift) >= 0.0 else 0.0
+
+    def lean(self, centres: Floats) -> tuple[Floats, FrameEdges]:
+        """Rows whose last one, where it would reach beyond the map's end, ends there instead."""
+        edges = self._edges(centres)
+        if edges.bottom_v[-1] <= 1.0:
+            return centres, edges
+        inside, outside = 0.5, float(centres[-1])
+        while outside - inside > _SETTLED:
+            middle = (inside + outside) / 2.0
+            if self._edges(np.array([middle])).bottom_v[0] <= 1.0:
+                inside = middle
+            else:
+                outside = middle
+        centres = np.append(centres[:-1], inside)
+        return centres, self._edges(centres)
+
+
+def _picked(layout: Layout, which: NDArray[Any]) -> Layout:
+    column, row, lat_deg, lon_deg, agl_m = layout
+    return Layout(column[which], row[which], lat_deg[which], lon_deg[which], agl_m[which])
+
+
+def _serpentine(layout: Layout) -> Layout:
+    """Rows in turn eastward and westward."""
+    order = np.lexsort((np.where(layout.row % 2, -layout.column, layout.column), layout.row))
+    return _picked(layout, order)
+
+
+# --- the paper's grid
+
+
+def _paper(mission: Mission, area: Box | Polygon) -> Layout:
+    """Grid in UTM of the box's centre, the first image on the top-left corner (the paper's raster mission)."""
+    box = area.bounds
+    middle_lon = box.west_deg + box.span_deg / 2.0
+    zone = utm_zone((box.north_deg + box.south_deg) / 2.0, middle_lon)
+    # Longitudes are taken from the central meridian's turn of the world, and given back to the box's.
+    turn = 360.0 * round((middle_lon - zone.central_meridian_deg) / 360.0)
+    reach = box.span_deg / 2.0 + abs(middle_lon - turn - zone.central_meridian_deg)
+    if reach > _UTM_REACH_DEG:
+        raise InvalidInput(
+            f"paper layout over {box.span_deg:g} deg of longitude: its UTM grid holds to {_UTM_REACH_DEG:g} deg from "
+            "the zone's meridian; use --layout cover"
+        )
+    (left, right), (top, bottom) = zone.forward(
+        np.array([box.west_deg, box.continuous_east_deg]) - turn, np.array([box.north_deg, box.south_deg])
+    )
+    width, height = mission.camera.ground_size_m(mission.agl_m)
+    step_x, step_y = width * (1.0 - mission.overlap_along), height * (1.0 - mission.overlap_across)
+    columns = _paper_count(float(right - left), width, step_x)
+    rows = _paper_count(float(top - bottom), height, step_y)
+    _refuse_too_many(columns * rows, mission.max_images)
+    row, column = (index.ravel() for index in np.indices((int(rows), int(columns)), dtype=np.int64))
+    lon, lat = zone.inverse(left + column * step_x, top - row * step_y)
+    lon = zone.central_meridian_deg + np.mod(lon - zone.central_meridian_deg + 180.0, 360.0) - 180.0 + turn
+    layout = Layout(column, row, lat, lon, np.full(len(lat), mission.agl_m))
+    edges = frame_edges(mission.camera, lat, layout.agl_m)
+    return _serpentine(_over(area, layout, edges, 0.0))
+
+
+def _paper_count(extent_m: float, size_m: float, step_m: float) -> float:
+    """Images until the far corner, ``extent_m`` from the first centre, is inside one."""
+    return max(math.ceil((extent_m - size_m / 2.0) / step_m - _COUNT_GUARD), 0) + 1.0

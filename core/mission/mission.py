@@ -1,0 +1,209 @@
+"""The mission: everything the user asks for, as one frozen value, in and out of JSON."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+from dataclasses import asdict, dataclass, field, fields, replace
+from pathlib import Path
+from typing import Any
+
+from ..errors import InvalidInput
+from ..files import write_whole
+from ..geodesy.camera import Camera
+from .area import Area, Box, Points, Polygon, check_agl
+
+#: Version of the mission file; readers accept this one and refuse newer ones.
+SCHEMA = 1
+MAP_TYPES = ("satellite", "roadmap", "terrain")
+LAYOUTS = ("cover", "paper")
+FORMATS = ("tif", "jpg", "png")
+#: The paper's and Google Static Maps' longest side of a picture.
+DEFAULT_MAX_PX = 640
+DEFAULT_MAX_IMAGES = 10_000_000
+
+
+def _choice(what: str, value: str, choices: tuple[str, ...]) -> None:
+    if value not in choices:
+        raise InvalidInput(f"{what} {value!r}: must be one of {', '.join(choices)}")
+
+
+@dataclass(frozen=True)
+class Mission:
+    """What the user asks for.
+
+    Parameters
+    ----------
+    area : Box, Polygon or Points
+        Ground to cover, or the points to capture (which carry their own heights).
+    agl_m : float
+        Height above ground in metres, > 0; of the first point where the area is Points.
+    camera : Camera
+    overlap_along, overlap_across : float
+        Share of a picture that the next one of its row, and of the next row, shows again, in [0, 1).
+    layout : str
+        ``cover`` (rows along parallels that leave nothing out) or ``paper`` (a UTM grid as published).
+    map_types : tuple of str
+        Of satellite, roadmap, terrain.
+    source : str
+        Name of a source, a URL template, or a file.
+    zoom : int or None
+        Fixed zoom; None for the lowest at which every picture fits ``max_px``.
+    gsd_m_per_px : float or None
+        Wanted ground sample distance of the source, instead of a zoom.
+    max_px : int
+        Longest side of a picture in 256 px terms.
+    upsample : bool
+        Whether zooms above the source's native one may be chosen.
+    image_format : str
+        tif, jpg or png.
+    img_size : tuple (width, height, channels) or None
+        Size pictures are resized to, and 1 (grey) or 3 (colour) channels.
+    seed : int
+        Of whatever is random: the embedded world's landscape, later the splits of a dataset.
+    max_images : int
+        More pictures than this are refused before memory is taken.
+    """
+
+    area: Area
+    agl_m: float
+    camera: Camera = field(default_factory=Camera)
+    overlap_along: float = 0.0
+    overlap_across: float = 0.0
+    layout: str = "cover"
+    map_types: tuple[str, ...] = ("satellite",)
+    source: str = "world"
+    zoom: int | None = None
+    gsd_m_per_px: float | None = None
+    max_px: int = DEFAULT_MAX_PX
+    upsample: bool = False
+    image_format: str = "tif"
+    img_size: tuple[int, int, int] | None = None
+    seed: int = 2024
+    max_images: int = DEFAULT_MAX_IMAGES
+
+    def __post_init__(self) -> None:
+        check_agl(self.agl_m)
+        for name in ("overlap_along", "overlap_across"):
+            if not 0.0 <= getattr(self, name) < 1.0:
+                raise InvalidInput(f"overlap {getattr(self, name)}: must be at least 0 and below 1")
+        _choice("layout", self.layout, LAYOUTS)
+        _choice("image format", self.image_format, FORMATS)
+        if not self.map_types:
+            raise InvalidInput(f"no map type: give one or more of {', '.join(MAP_TYPES)}")
+        for map_type in self.map_types:
+            _choice("map type", map_type, MAP_TYPES)
+        if len(set(self.map_types)) != len(self.map_types):
+            raise InvalidInput(f"map types {' '.join(self.map_types)}: each may be named once")
+        if not self.source:
+            raise InvalidInput("source is empty: name one, or give a URL template or a file")
+        self._check_pixels()
+
+    def _check_pixels(self) -> None:
+        if self.zoom is not None and self.gsd_m_per_px is not None:
+            raise InvalidInput(
+                f"zoom {self.zoom} and ground sample distance {self.gsd_m_per_px} m: give one of the two"
+            )
+        if self.zoom is not None and self.zoom < 0:
+            raise InvalidInput(f"zoom {self.zoom}: must be 0 or more")
+        if self.gsd_m_per_px is not None and not (
+            math.isfinite(self.gsd_m_per_px) and self.gsd_m_per_px > 0.0
+        ):
+            raise InvalidInput(f"ground sample distance {self.gsd_m_per_px} m: must be above 0")
+        if self.max_px < 1:
+            raise InvalidInput(f"longest side of a picture {self.max_px} px: must be 1 or more")
+        if self.max_images < 1:
+            raise InvalidInput(f"limit of {self.max_images} images: must be 1 or more")
+        if self.img_size is not None:
+            width, height, channels = self.img_size
+            if width < 1 or height < 1 or channels not in (1, 3):
+                raise InvalidInput(
+                    f"image size {width} {height} {channels}: needs a width and a height of 1 px or more, and 1 or "
+                    "3 channels"
+                )
+
+    @property
+    def kind(self) -> str:
+        """``raster`` for areas, ``single`` for one point, ``list`` for several."""
+        if isinstance(self.area, Points):
+            return "single" if len(self.area.poses) == 1 else "list"
+        return "raster"
+
+    def with_(self, **changes: Any) -> Mission:
+        """Return a copy with some fields changed, checked again."""
+        return replace(self, **changes)
+
+    def to_dict(self) -> dict[str, Any]:
+        """JSON-ready mapping, with ``schema`` and the area's ``type``."""
+        plain = {f.name: getattr(self, f.name) for f in fields(self) if f.name not in ("area", "camera")}
+        area = {"type": type(self.area).__name__.lower(), **asdict(self.area)}
+        return {"schema": SCHEMA, "area": area, "camera": asdict(self.camera), **plain}
+
+    def to_json(self) -> str:
+        """Text of the mission file: the same mission gives the same text."""
+        return json.dumps(self.to_dict(), indent=1, ensure_ascii=False) + "\n"
+
+    @classmethod
+    def from_dict(cls, data: dict[str, Any]) -> Mission:
+        """Mission from what `to_dict` gave, or from one written by hand with defaults left out.
+
+        Raises
+        ------
+        InvalidInput
+            On a newer schema, an unknown field, or a value outside its domain.
+        """
+        data = dict(data)
+        schema = data.pop("schema", None)
+        if schema != SCHEMA:
+            raise InvalidInput(f"mission schema {schema!r}: this version reads schema {SCHEMA}")
+        known = {f.name for f in fields(cls)}
+        unknown = sorted(set(data) - known)
+        if unknown:
+            raise InvalidInput(f"mission field {unknown[0]!r}: not one of {', '.join(sorted(known))}")
+        try:
+            data["area"] = _area_from_dict(dict(data["area"]))
+            data["camera"] = Camera(**data.get("camera", {}))
+            data["map_types"] = tuple(data.get("map_types", ("satellite",)))
+            if data.get("img_size") is not None:
+                data["img_size"] = tuple(data["img_size"])
+            return cls(**data)
+        except KeyError as missing:
+            raise InvalidInput(f"mission without {missing}: the field is needed") from missing
+        except (TypeError, AttributeError) as wrong:
+            raise InvalidInput(f"mission with a value of the wrong type: {wrong}") from wrong
+
+    @classmethod
+    def from_json(cls, text: str) -> Mission:
+        """Mission from the text of a mission file; raises InvalidInput as `from_dict` does."""
+        try:
+            data = json.loads(text)
+        except json.JSONDecodeError as wrong:
+            raise InvalidInput(f"mission is not JSON: {wrong}") from wrong
+        if not isinstance(data, dict):
+            raise InvalidInput(f"mission is a JSON {type(data).__name__}: must be an object")
+        return cls.from_dict(data)
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> Mission:
+        """Mission from a file."""
+        try:
+            text = Path(path).read_text(encoding="utf-8")
+        except (OSError, UnicodeDecodeError) as wrong:
+            raise InvalidInput(f"mission file {path}: cannot be read ({wrong})") from wrong
+        return cls.from_json(text)
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write the mission to a file, whole or not at all."""
+        write_whole(path, self.to_json().encode())
+
+
+def _area_from_dict(area: dict[str, Any]) -> Area:
+    kind = area.pop("type", None)
+    if kind == "box":
+        return Box(**area)
+    if kind == "polygon":
+        return Polygon(tuple(tuple((p[0], p[1]) for p in ring) for ring in area["rings"]))
+    if kind == "points":
+        return Points(tuple((p[0], p[1], p[2]) for p in area["poses"]))
+    raise InvalidInput(f"area type {kind!r}: must be box, polygon or points")

@@ -1,0 +1,270 @@
+"""Options of a mission, and where their values come from.
+
+The command line comes first, then the environment (``TERRAINAV_FOV=75``), then ``config.json``, then the
+defaults.
+"""
+
+from __future__ import annotations
+
+import difflib
+import json
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Callable
+
+from ..errors import InvalidInput
+from ..geodesy.camera import Camera
+from .area import Area, Points
+from .coords import KINDS, UNITS, load_polygon, parse_coords
+from .mission import (
+    DEFAULT_MAX_IMAGES,
+    DEFAULT_MAX_PX,
+    FORMATS,
+    LAYOUTS,
+    MAP_TYPES,
+    Mission,
+)
+from .presets import camera_named
+
+ENVIRONMENT_PREFIX = "TERRAINAV_"
+CONFIG_FILE = "config.json"
+#: The paper's camera.
+DEFAULT_FOV_DEG, DEFAULT_ASPECT = 78.8, (4.0, 3.0)
+
+
+@dataclass(frozen=True)
+class Option:
+    """One option: its name (with underscores), the type and number of its values, default and help.
+
+    ``count`` is None for one value, a range of allowed counts otherwise; ``flag`` options take none.
+    """
+
+    name: str
+    kind: Callable[[str], Any]
+    default: Any
+    help: str
+    count: tuple[int, int] | None = None
+    choices: tuple[str, ...] | None = None
+    metavar: str | tuple[str, ...] | None = None
+    flag: bool = False
+
+    def read(self, value: Any, where: str) -> Any:
+        """Value of the right type from text, or from JSON, or as the command line split it.
+
+        Raises
+        ------
+        InvalidInput
+            Names where it was given, the value and what would be right.
+        """
+        if self.flag:
+            return _truth(value, f"{where} {self.name}")
+        parts = value.split() if isinstance(value, str) and self.count else value
+        parts = list(parts) if isinstance(parts, (list, tuple)) else [parts]
+        low, high = self.count or (1, 1)
+        if not low <= len(parts) <= high:
+            wanted = str(low) if low == high else f"{low} to {high}"
+            raise InvalidInput(f"{where} {self.name} {value!r}: takes {wanted} value{'s' * (high > 1)}")
+        values = tuple(self._one(part, where) for part in parts)
+        return values if self.count else values[0]
+
+    def _one(self, part: Any, where: str) -> Any:
+        try:
+            value = self.kind(part) if isinstance(part, str) else self.kind(str(part))
+        except ValueError as wrong:
+            raise InvalidInput(f"{where} {self.name} {part!r}: must be a {_NAMES[self.kind]}") from wrong
+        if self.choices and value not in self.choices:
+            raise InvalidInput(f"{where} {self.name} {part!r}: must be one of {', '.join(self.choices)}")
+        return value
+
+
+_NAMES: dict[Callable[[str], Any], str] = {float: "number", int: "whole number", str: "text"}
+
+
+def _truth(value: Any, what: str) -> bool:
+    if isinstance(value, bool):
+        return value
+    words = {
+        "1": True,
+        "true": True,
+        "yes": True,
+        "on": True,
+        "0": False,
+        "false": False,
+        "no": False,
+        "off": False,
+    }
+    if str(value).lower() not in words:
+        raise InvalidInput(f"{what} {value!r}: must be true or false")
+    return words[str(value).lower()]
+
+
+#: Every option a mission is made from, in the order help shows them.
+OPTIONS: tuple[Option, ...] = (
+    Option("coords", str, None, "lat_lon_agl, latTL_lonTL_latBR_lonBR_agl, or a file of lat lon agl lines"),
+    Option("area", str, None, "GeoJSON file of a polygon, with --agl, instead of --coords", metavar="FILE"),
+    Option(
+        "agl", float, None, "height above ground of --area; elsewhere it replaces the coordinates' height"
+    ),
+    Option("agl_unit", str, "m", "unit of the heights given", choices=tuple(UNITS)),
+    Option("mission", str, None, "kind of mission; inferred from the coordinates if left out", choices=KINDS),
+    Option("camera", str, None, "camera preset (see terrainav cameras) instead of --fov and --aspect-ratio"),
+    Option("fov", float, None, "diagonal field of view in degrees (78.8)"),
+    Option(
+        "aspect_ratio", float, None, "width and height of the picture (4 3)", count=(2, 2), metavar=("W", "H")
+    ),
+    Option(
+        "overlap",
+        float,
+        (0.0,),
+        "share of a picture the next one shows again, in [0, 1): for both directions, or along and across rows",
+        count=(1, 2),
+        metavar=("ALONG", "ACROSS"),
+    ),
+    Option(
+        "layout", str, "cover", "cover leaves nothing out; paper is the published UTM grid", choices=LAYOUTS
+    ),
+    Option(
+        "map_type", str, ("satellite",), "one or more of " + ", ".join(MAP_TYPES), count=(1, len(MAP_TYPES))
+    ),
+    Option("source", str, "world", "source of imagery: a name (see terrainav sources) or a URL template"),
+    Option("zoom", int, None, "zoom to use, instead of the highest at which every picture fits --max-px"),
+    Option("gsd", float, None, "wanted ground sample distance in metres per pixel, instead of --zoom"),
+    Option("max_px", int, DEFAULT_MAX_PX, "longest side of a picture in pixels of 256 px tiles"),
+    Option("upsample", str, False, "allow zooms above the source's native one", flag=True),
+    Option("format", str, "tif", "of the pictures: tif and png are lossless", choices=FORMATS),
+    Option(
+        "img_size",
+        int,
+        None,
+        "resize pictures: width, height, channels (1 or 3)",
+        count=(3, 3),
+        metavar=("W", "H", "C"),
+    ),
+    Option("max_images", int, DEFAULT_MAX_IMAGES, "refuse missions of more images"),
+    Option("seed", int, 2024, "of whatever is random, such as the synthetic landscape"),
+    Option("data_dir", str, "datasets/terrainav", "folder the dataset is written to"),
+    Option("connections", int, 8, "requests under way at once"),
+)
+
+
+def resolve(
+    given: Mapping[str, Any],
+    environment: Mapping[str, str] | None = None,
+    config: str | None = None,
+) -> dict[str, Any]:
+    """Value of every option, by precedence.
+
+    Parameters
+    ----------
+    given : mapping
+        What the command line gave; None or absent where it gave nothing.
+    environment : mapping
+        Of the process; ``TERRAINAV_<NAME>`` is read for every option.
+    config : str or None
+        A JSON file of options that must exist; None for ``config.json`` in the current folder, if it is there.
+
+    Raises
+    ------
+    InvalidInput
+        An unknown name in the file, or a value that is not right.
+    """
+    environment = os.environ if environment is None else environment
+    from_file = _read_config(config)
+    values: dict[str, Any] = {}
+    for option in OPTIONS:
+        variable = ENVIRONMENT_PREFIX + option.name.upper()
+        if given.get(option.name) is not None:
+            values[option.name] = option.read(given[option.name], "option")
+        elif environment.get(variable):
+            values[option.name] = option.read(environment[variable], f"environment {variable}, option")
+        elif from_file.get(option.name) is not None:
+            values[option.name] = option.read(from_file[option.name], f"{config or CONFIG_FILE}, option")
+        else:
+            values[option.name] = option.default
+    return values
+
+
+def _read_config(config: str | None) -> dict[str, Any]:
+    path = Path(config or CONFIG_FILE)
+    if config is None and not path.is_file():
+        return {}
+    try:
+        data = json.loads(path.read_text(encoding="utf-8-sig"))
+    except (OSError, ValueError) as wrong:
+        raise InvalidInput(f"config file {path}: cannot be read as JSON ({wrong})") from wrong
+    if not isinstance(data, dict):
+        raise InvalidInput(f"config file {path}: must hold a JSON object of options")
+    data = {str(name).replace("-", "_"): value for name, value in data.items()}
+    known = [option.name for option in OPTIONS]
+    for name in data:
+        if name not in known:
+            near = difflib.get_close_matches(name, known, n=1)
+            hint = f"; did you mean {near[0]!r}?" if near else f"; known are {', '.join(known)}"
+            raise InvalidInput(f"config file {path}: unknown option {name!r}{hint}")
+    return data
+
+
+def mission_from(values: Mapping[str, Any]) -> Mission:
+    """Mission from the values `resolve` gave.
+
+    Raises
+    ------
+    InvalidInput
+        No area, two of them, or any value outside its domain.
+    """
+    overlap = values["overlap"]
+    area, agl_m = _area(values)
+    return Mission(
+        area=area,
+        agl_m=agl_m,
+        camera=_camera(values),
+        overlap_along=overlap[0],
+        overlap_across=overlap[-1],
+        layout=values["layout"],
+        map_types=tuple(values["map_type"]),
+        source=values["source"],
+        zoom=values["zoom"],
+        gsd_m_per_px=values["gsd"],
+        max_px=values["max_px"],
+        upsample=values["upsample"],
+        image_format=values["format"],
+        img_size=values["img_size"],
+        seed=values["seed"],
+        max_images=values["max_images"],
+    )
+
+
+def _area(values: Mapping[str, Any]) -> tuple[Area, float]:
+    if values["area"] is not None and values["coords"] is not None:
+        raise InvalidInput(f"area {values['area']!r} and coords {values['coords']!r}: give one of the two")
+    agl_m = None if values["agl"] is None else values["agl"] * UNITS[values["agl_unit"]]
+    if values["area"] is not None:
+        if agl_m is None:
+            raise InvalidInput(f"area {values['area']!r}: needs a height, --agl")
+        return load_polygon(values["area"]), agl_m
+    if values["coords"] is None:
+        raise InvalidInput(
+            'no coordinates: give --coords, such as --coords "35.16_-89.90_35.115_-89.823_120"'
+        )
+    area, coords_agl_m = parse_coords(values["coords"], values["mission"], values["agl_unit"])
+    if agl_m is None:
+        return area, coords_agl_m
+    if isinstance(area, Points):
+        area = Points(tuple((lat, lon, agl_m) for lat, lon, _ in area.poses))
+    return area, agl_m
+
+
+def _camera(values: Mapping[str, Any]) -> Camera:
+    if values["camera"] is not None:
+        for name in ("fov", "aspect_ratio"):
+            if values[name] is not None:
+                raise InvalidInput(
+                    f"camera {values['camera']!r} and {name} {values[name]!r}: give one of the two"
+                )
+        return camera_named(values["camera"]).camera
+    width, height = values["aspect_ratio"] or DEFAULT_ASPECT
+    if not (width > 0.0 and height > 0.0):
+        raise InvalidInput(f"aspect ratio {width:g} {height:g}: width and height must be above 0")
+    return Camera(DEFAULT_FOV_DEG if values["fov"] is None else values["fov"], width / height)

@@ -1,0 +1,33 @@
+"""What holds for every test of the project."""
+
+from __future__ import annotations
+
+import sys
+
+import pytest
+
+# The core's tests run in a process of their own that must never load any of these, not even by accident: a user of the
+# library has no QGIS.
+FORBIDDEN = ("PyQt4", "PyQt5", "PyQt6", "PySide2", "PySide6", "qgis")
+
+INSIDE_QGIS = "qgis" in sys.modules
+forbidden_modules = pytest.StashKey[list[str]]()
+
+
+@pytest.hookimpl(trylast=True)
+def pytest_sessionfinish(session: pytest.Session) -> None:
+    """Fail a headless run that has loaded Qt or QGIS."""
+    if INSIDE_QGIS:
+        return
+    loaded = sorted(name for name in sys.modules if name.partition(".")[0] in FORBIDDEN)
+    session.config.stash[forbidden_modules] = loaded
+    if loaded:
+        session.exitstatus = pytest.ExitCode.TESTS_FAILED
+
+
+def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter, config: pytest.Config) -> None:
+    """Name the modules that should not have been loaded."""
+    loaded = config.stash.get(forbidden_modules, [])
+    if loaded:
+        terminalreporter.section("Qt or QGIS in a headless run", red=True)
+        terminalreporter.line(f"these modules were loaded: {', '.join(loaded)}")

@@ -1,0 +1,130 @@
+"""The paper's coordinate formats, as people type them."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+from terrainav.core.errors import InvalidInput
+from terrainav.core.mission.area import Box, Points, Polygon
+from terrainav.core.mission.coords import load_polygon, parse_coords
+
+BOX = Box(35.22, -90.07, 35.06, -89.73)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "35.22_-90.07_35.06_-89.73_400",
+        "35.22, -90.07, 35.06, -89.73, 400",
+        "35.22 \u221290.07 35.06 \u221289.73 400",
+        " 35.22_\u221290.07_35.06_-89.73_4e2 ",
+    ],
+)
+def test_a_box_in_every_spelling(text):
+    assert parse_coords(text) == (BOX, 400.0)
+
+
+def test_a_single_capture_and_its_unit():
+    assert parse_coords("35.128039_-89.799163_126") == (Points(((35.128039, -89.799163, 126.0),)), 126.0)
+    _, agl_m = parse_coords("35.128039_-89.799163_1000", agl_unit="ft")
+    assert agl_m == pytest.approx(304.8)
+
+
+def test_a_single_mission_takes_the_top_left_corner_of_a_box():
+    area, _ = parse_coords("35.22_-90.07_35.06_-89.73_400", kind="single")
+    assert area == Points(((35.22, -90.07, 400.0),))
+
+
+def test_a_file_is_a_list(tmp_path):
+    file = tmp_path / "sample_coords.txt"
+    file.write_text(
+        "\ufeff35.1 -89.8 126\n\n# a comment\n35,2; \u221289,9; 80\n".replace(
+            "35,2; \u221289,9; 80", "35.2, \u221289.9, 80"
+        )
+    )
+    area, agl_m = parse_coords(str(file))
+    assert area == Points(((35.1, -89.8, 126.0), (35.2, -89.9, 80.0)))
+    assert agl_m == 126.0
+    assert parse_coords(str(file), kind="single")[0] == Points(((35.1, -89.8, 126.0),))
+
+
+@pytest.mark.parametrize(
+    ("text", "kind", "says"),
+    [
+        ("", None, "empty"),
+        ("35.1_-89.8", None, "2 numbers"),
+        ("35.1_-89.8_120_7", None, "4 numbers"),
+        ("35.1_-89.8_x", None, "'x'"),
+        ("nofile.txt", None, "nofile.txt"),
+        ("35.1_-89.8_120", "raster", "two corners"),
+        ("91_-89.8_120", None, "latitude 91.0: must be within -90 and 90"),
+        ("35_-89.8_0", None, "height above ground 0.0 m: must be above 0"),
+        ("35_-89.8_nan", None, "height above ground nan"),
+        ("35.06_-90.07_35.22_-89.73_400", None, "south lies above north"),
+        ("35.22_-90.07_35.06_-89.73_400", "circle", "must be one of single, list, raster"),
+    ],
+)
+def test_what_cannot_be_read_is_named(text, kind, says):
+    with pytest.raises(InvalidInput) as refused:
+        parse_coords(text, kind)
+    assert says in str(refused.value)
+    assert "\n" not in str(refused.value)
+
+
+@pytest.mark.parametrize(
+    ("line", "says"),
+    [("35.1 -89.8", "has 2 numbers"), ("a b c", "'a'"), ("35.1 -89.8 -5", "-5.0 m"), ("99 0 5", "99.0")],
+)
+def test_a_bad_line_of_a_file_is_named_by_number(tmp_path, line, says):
+    file = tmp_path / "points.txt"
+    file.write_text(f"35.1 -89.8 120\n{line}\n")
+    with pytest.raises(InvalidInput) as refused:
+        parse_coords(str(file))
+    assert "points.txt, line 2" in str(refused.value)
+    assert says in str(refused.value)
+
+
+@pytest.mark.parametrize("content", [b"", b"# nothing\n", b"\xff\xfe\x00bad"])
+def test_a_file_without_coordinates_is_refused(tmp_path, content):
+    file = tmp_path / "points.txt"
+    file.write_bytes(content)
+    with pytest.raises(InvalidInput, match=r"points\.txt"):
+        parse_coords(str(file))
+
+
+RING = [[-89.9, 35.16], [-89.82, 35.16], [-89.86, 35.11], [-89.9, 35.16]]
+
+
+@pytest.mark.parametrize(
+    "wrap",
+    [
+        lambda g: g,
+        lambda g: {"type": "Feature", "properties": {}, "geometry": g},
+        lambda g: {
+            "type": "FeatureCollection",
+            "features": [{"type": "Feature", "properties": None, "geometry": g}],
+        },
+    ],
+)
+def test_a_polygon_from_geojson(tmp_path, wrap):
+    file = tmp_path / "area.geojson"
+    file.write_text(json.dumps(wrap({"type": "Polygon", "coordinates": [RING]})))
+    assert load_polygon(str(file)) == Polygon((tuple((x, y) for x, y in RING[:-1]),))
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        "",
+        "{}",
+        "[1]",
+        '{"type": "Point", "coordinates": [1, 2]}',
+        '{"type": "Polygon", "coordinates": [[[1]]]}',
+    ],
+)
+def test_geojson_without_a_polygon_is_refused(tmp_path, content):
+    file = tmp_path / "area.geojson"
+    file.write_text(content)
+    with pytest.raises(InvalidInput, match=r"area\.geojson"):
+        load_polygon(str(file))

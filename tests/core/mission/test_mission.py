@@ -1,0 +1,166 @@
+"""Missions: what they refuse, and their way through JSON."""
+
+from __future__ import annotations
+
+import json
+import math
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from terrainav.core.errors import InvalidInput
+from terrainav.core.geodesy.camera import Camera
+from terrainav.core.mission.area import Box, Points, Polygon
+from terrainav.core.mission.mission import MAP_TYPES, Mission
+
+BOX = Box(35.16, -89.90, 35.115, -89.823)
+TRIANGLE = Polygon(
+    (((-89.9, 35.16), (-89.82, 35.16), (-89.86, 35.11)), ((-89.87, 35.15), (-89.85, 35.15), (-89.86, 35.14)))
+)
+
+areas = st.one_of(
+    st.tuples(st.floats(0, 90), st.floats(-180, 180), st.floats(-90, 0), st.floats(-180, 180)).map(
+        lambda v: Box(*v)
+    ),
+    st.just(TRIANGLE),
+    st.lists(
+        st.tuples(st.floats(-90, 90), st.floats(-180, 180), st.floats(0.01, 1e6)), min_size=1, max_size=3
+    ).map(lambda v: Points(tuple(v))),
+)
+missions = st.builds(
+    Mission,
+    area=areas,
+    agl_m=st.floats(0.01, 1e6),
+    camera=st.builds(Camera, st.floats(0.1, 179), st.floats(0.01, 100)),
+    overlap_along=st.floats(0, 0.999),
+    overlap_across=st.floats(0, 0.999),
+    layout=st.sampled_from(["cover", "paper"]),
+    map_types=st.permutations(MAP_TYPES).map(lambda v: tuple(v[:2])),
+    source=st.text(min_size=1).filter(lambda text: text.isprintable()),
+    img_size=st.one_of(st.none(), st.just((64, 48, 1))),
+    seed=st.integers(0, 2**31),
+)
+
+
+@given(missions)
+def test_a_mission_comes_back_from_json(mission):
+    text = mission.to_json()
+    assert Mission.from_json(text) == mission
+    assert Mission.from_json(text).to_json() == text
+    assert json.loads(text)["schema"] == 1
+
+
+def test_a_mission_comes_back_from_a_file(tmp_path):
+    mission = Mission(TRIANGLE, 120.0)
+    mission.save(tmp_path / "m.json")
+    assert Mission.load(tmp_path / "m.json") == mission
+    assert [file.name for file in tmp_path.iterdir()] == ["m.json"]
+
+
+def test_defaults_may_be_left_out():
+    short = '{"schema": 1, "agl_m": 120, "area": {"type": "points", "poses": [[35, -89, 120]]}}'
+    assert Mission.from_json(short) == Mission(Points(((35, -89, 120),)), 120)
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ("", "not JSON"),
+        ("[]", "must be an object"),
+        ('{"schema": 2}', "schema 2"),
+        ('{"agl_m": 1}', "schema None"),
+        ('{"schema": 1, "agl_m": 1}', "'area'"),
+        ('{"schema": 1, "agl_m": 1, "area": {"type": "disc"}}', "disc"),
+        (
+            '{"schema": 1, "agl_m": 1, "area": {"type": "points", "poses": [[1, 2, 3]]}, "colour": 1}',
+            "'colour'",
+        ),
+        ('{"schema": 1, "agl_m": "x", "area": {"type": "points", "poses": [[1, 2, 3]]}}', "wrong type"),
+        ('{"schema": 1, "agl_m": 1, "area": {"type": "box", "north": 1}}', "wrong type"),
+    ],
+)
+def test_json_that_is_no_mission_is_refused_in_one_line(text, says):
+    with pytest.raises(InvalidInput) as refused:
+        Mission.from_json(text)
+    assert says in str(refused.value)
+    assert "\n" not in str(refused.value)
+
+
+def test_a_missing_mission_file_is_named(tmp_path):
+    with pytest.raises(InvalidInput, match=r"gone\.json"):
+        Mission.load(tmp_path / "gone.json")
+
+
+@pytest.mark.parametrize(
+    ("change", "says"),
+    [
+        ({"agl_m": 0.0}, "height above ground 0.0 m: must be above 0"),
+        ({"agl_m": math.inf}, "height above ground inf"),
+        ({"overlap_along": 1.0}, "overlap 1.0: must be at least 0 and below 1"),
+        ({"overlap_across": -0.1}, "overlap -0.1"),
+        ({"overlap_along": math.nan}, "overlap nan"),
+        ({"layout": "spiral"}, "layout 'spiral': must be one of cover, paper"),
+        ({"map_types": ("hybrid",)}, "map type 'hybrid'"),
+        ({"map_types": ()}, "no map type"),
+        ({"map_types": ("terrain", "terrain")}, "once"),
+        ({"image_format": "bmp"}, "image format 'bmp'"),
+        ({"source": ""}, "source is empty"),
+        ({"zoom": 3, "gsd_m_per_px": 1.0}, "give one of the two"),
+        ({"zoom": -1}, "zoom -1"),
+        ({"gsd_m_per_px": 0.0}, "ground sample distance 0.0"),
+        ({"max_px": 0}, "0 px"),
+        ({"max_images": 0}, "0 images"),
+        ({"img_size": (0, 5, 3)}, "image size 0 5 3"),
+        ({"img_size": (5, 5, 2)}, "1 or 3 channels"),
+    ],
+)
+def test_values_outside_their_domain_are_named(change, says):
+    with pytest.raises(InvalidInput) as refused:
+        Mission(BOX, 120.0).with_(**change)
+    assert says in str(refused.value)
+
+
+@pytest.mark.parametrize(
+    ("make", "says"),
+    [
+        (lambda: Box(91, 0, 0, 1), "latitude 91"),
+        (lambda: Box(1, 400, 0, 1), "longitude 400"),
+        (lambda: Box(0, 0, 1, 1), "south lies above north"),
+        (lambda: Polygon(()), "without a ring"),
+        (lambda: Polygon((((0, 0), (1, 1), (0, 0)),)), "2 corners"),
+        (lambda: Points(()), "empty"),
+    ],
+)
+def test_areas_outside_their_domain_are_named(make, says):
+    with pytest.raises(InvalidInput, match=says):
+        make()
+
+
+def test_a_box_across_the_antimeridian():
+    box = Box(1, 179, -1, -179)
+    assert box.span_deg == 2
+    assert box.continuous_east_deg == 181
+    assert Box(1, -180, -1, 180).span_deg == 360
+    assert box.area_m2() == pytest.approx(Box(1, 9, -1, 11).area_m2())
+
+
+def test_a_polygon_is_the_same_however_it_is_written():
+    square = ((179.0, -1.0), (181.0, -1.0), (181.0, 1.0), (179.0, 1.0))
+    jumping = tuple((x if x < 180 else x - 360, y) for x, y in square)
+    closed = (*square, square[0])
+    shifted = tuple((x - 360, y) for x, y in square)
+    assert Polygon((square,)) == Polygon((jumping,)) == Polygon((closed,)) == Polygon((shifted,))
+    bounds = Polygon((jumping,)).bounds
+    assert (bounds.west_deg, bounds.east_deg, bounds.span_deg) == (179.0, -179.0, 2.0)
+
+
+def test_holes_are_not_ground():
+    outer, hole = ((0, 0), (4, 0), (4, 4), (0, 4)), ((-359, 1), (-358, 1), (-358, 2), (-359, 2))
+    whole, hollow = Polygon((outer,)), Polygon((outer, hole))
+    assert hollow.area_m2() == pytest.approx(whole.area_m2() - Box(2, 1, 1, 2).area_m2(), rel=1e-12)
+
+
+def test_kinds():
+    assert Mission(BOX, 1.0).kind == "raster"
+    assert Mission(Points(((1, 2, 3),)), 3.0).kind == "single"
+    assert Mission(Points(((1, 2, 3), (1, 2, 4))), 3.0).kind == "list"

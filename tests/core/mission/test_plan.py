@@ -1,0 +1,334 @@
+"""Plans against brute force: every figure is counted again on a raster of pixels or by other software."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+from pyproj import Geod, Transformer
+from terrainav.core.errors import InvalidInput
+from terrainav.core.geodesy.camera import Camera
+from terrainav.core.geodesy.mercator import PixelGrid, lat_to_v, lon_to_u
+from terrainav.core.mission.area import Box, Points, Polygon
+from terrainav.core.mission.mission import Mission
+from terrainav.core.mission.plan import plan
+
+AGRICENTER = Box(35.16, -89.90, 35.115, -89.823)
+GRID = PixelGrid()
+#: Concave, with a hole that no picture of 120 m bridges.
+STAR = Polygon(
+    (
+        ((-89.9, 35.16), (-89.86, 35.15), (-89.82, 35.17), (-89.83, 35.12), (-89.86, 35.14), (-89.89, 35.11)),
+        ((-89.87, 35.148), (-89.855, 35.148), (-89.862, 35.143)),
+    )
+)
+
+
+def pixel_m2(worked_out, lat):
+    """Ground of one pixel of the map, from the ellipsoid's own radii."""
+    e2 = 0.00669437999014
+    sine2 = np.sin(np.radians(lat)) ** 2
+    east = 6378137.0 / np.sqrt(1 - e2 * sine2)
+    north = 6378137.0 * (1 - e2) / (1 - e2 * sine2) ** 1.5
+    angle = 2 * np.pi / GRID.world_px(worked_out.zoom) * np.cos(np.radians(lat))
+    return float(east * north * angle**2)
+
+
+def pixels_shown(worked_out, box):
+    """How often each pixel of the map inside ``box`` is shown, painted picture by picture."""
+    world = GRID.world_px(worked_out.zoom)
+    west, east = (lon_to_u(np.array([box.west_deg, box.continuous_east_deg])) * world).tolist()
+    north, south = (lat_to_v(np.array([box.north_deg, box.south_deg])) * world).tolist()
+    x0, y0 = int(np.floor(west)), int(np.floor(north))
+    count = np.zeros((int(np.ceil(south)) - y0, int(np.ceil(east)) - x0), np.int32)
+    left, top, right, bottom = (edge.astype(int) for edge in worked_out.windows.bounds_px)
+    for x_from, y_from, x_to, y_to in zip(left - x0, top - y0, right - x0, bottom - y0):
+        count[max(y_from, 0) : max(y_to, 0), max(x_from, 0) : max(x_to, 0)] += 1
+    return count, x0, y0
+
+
+def test_the_papers_mission_is_covered_whole_by_the_fewest_images():
+    worked_out = plan(Mission(AGRICENTER, 120.0), GRID)
+    assert (len(worked_out), worked_out.rows, worked_out.columns, worked_out.zoom) == (1935, 43, 45, 18)
+    assert worked_out.coverage.complete
+    assert worked_out.coverage.share == 1.0
+    assert worked_out.coverage.uncovered_m2 == 0.0
+    count, _, _ = pixels_shown(worked_out, AGRICENTER)
+    assert count.min() == 1
+    # Fewer would not do: the box is over 44 widths wide at its north, and over 42 heights high.
+    width_m, height_m = worked_out.mission.camera.ground_size_m(120.0)
+    geod = Geod(ellps="WGS84")
+    assert geod.inv(-89.90, 35.16, -89.823, 35.16)[2] > 44 * width_m
+    assert geod.inv(-89.90, 35.16, -89.90, 35.115)[2] > 42 * height_m
+
+
+def test_the_papers_own_layout_leaves_ground_out_and_says_how_much():
+    worked_out = plan(Mission(AGRICENTER, 120.0, layout="paper"), GRID)
+    coverage = worked_out.coverage
+    assert not coverage.complete
+    count, _, _ = pixels_shown(worked_out, AGRICENTER)
+    missing_px = int((count == 0).sum())
+    assert coverage.uncovered_m2 == pytest.approx(missing_px * pixel_m2(worked_out, 35.14), rel=0.01)
+    assert coverage.share == pytest.approx(1 - coverage.uncovered_m2 / coverage.area_m2, abs=1e-6)
+    assert coverage.share <= 1 - coverage.uncovered_m2 / coverage.area_m2
+
+
+def test_the_papers_grid_is_in_utm_from_the_top_left_corner_to_the_bottom_right():
+    mission = Mission(AGRICENTER, 120.0, overlap_along=0.25, overlap_across=0.1, layout="paper")
+    worked_out = plan(mission, GRID)
+    to_utm = Transformer.from_crs(4326, 32616, always_xy=True).transform
+    x, y = to_utm(worked_out.lon_deg, worked_out.lat_deg)
+    left, top = to_utm(-89.90, 35.16)
+    right, bottom = to_utm(-89.823, 35.115)
+    width, height = mission.camera.ground_size_m(120.0)
+    np.testing.assert_allclose(x, left + worked_out.column * width * 0.75, atol=1e-6)
+    np.testing.assert_allclose(y, top - worked_out.row * height * 0.9, atol=1e-6)
+    assert abs(x.max() - right) < width * 0.75
+    assert right - width / 2 <= x.max() < right + width * 0.25
+    assert bottom - height * 0.4 <= y.min() <= bottom + height / 2
+
+
+boxes = st.tuples(
+    st.floats(-84.5, 84.5), st.floats(-180, 180), st.floats(0, 0.05), st.floats(0, 0.2), st.floats(300, 3000)
+)
+
+
+@settings(max_examples=60, deadline=None)
+@given(boxes, st.floats(0, 0.8), st.floats(0, 0.8), st.floats(20, 150), st.floats(0.1, 10))
+def test_no_pixel_of_any_box_is_left_out(box, along, across, fov, ratio):
+    lat, west, height, width, agl = box
+    east = west + width
+    area = Box(lat + height, west, lat, east if east <= 180 else east - 360)
+    mission = Mission(area, agl, Camera(fov, ratio), along, across, max_px=200, max_images=3000)
+    try:
+        worked_out = plan(mission, GRID)
+    except InvalidInput as refused:
+        assume("limit is 3000" not in str(refused))
+        raise
+    count, _, _ = pixels_shown(worked_out, area)
+    assert count.size == 0 or count.min() >= 1
+    assert worked_out.coverage.complete
+    # What was asked for, less the rounding of a shared width's two edges.
+    shortest = float(worked_out.windows.width_px.min())
+    if worked_out.overlap.least_along is not None:
+        assert worked_out.overlap.least_along >= along - 2 / shortest
+    lowest = float(worked_out.windows.height_px.min())
+    if worked_out.overlap.least_across is not None:
+        assert worked_out.overlap.least_across >= across - 2 / lowest
+
+
+@pytest.mark.parametrize("layout", ["cover", "paper"])
+@pytest.mark.parametrize("overlap", [0.0, 0.3])
+def test_overlap_and_tiles_are_what_counting_gives(layout, overlap):
+    area = Box(35.16, -89.90, 35.15, -89.88)
+    mission = Mission(area, 120.0, overlap_along=overlap, overlap_across=overlap, layout=layout)
+    worked_out = plan(mission, GRID)
+    left, top, right, bottom = (edge.astype(int).tolist() for edge in worked_out.windows.bounds_px)
+    tiles = set()
+    for x0, y0, x1, y1 in zip(left, top, right, bottom):
+        tiles |= {
+            (x, y)
+            for x in range(x0 // 256, (x1 - 1) // 256 + 1)
+            for y in range(y0 // 256, (y1 - 1) // 256 + 1)
+        }
+    assert worked_out.requests == len(tiles)
+    at = {pair: i for i, pair in enumerate(zip(worked_out.column.tolist(), worked_out.row.tolist()))}
+    along = [
+        (right[i] - left[at[c + 1, r]]) / max(right[i] - left[i], right[at[c + 1, r]] - left[at[c + 1, r]])
+        for (c, r), i in at.items()
+        if (c + 1, r) in at
+    ]
+    across = [
+        (bottom[i] - top[at[c, r + 1]]) / max(bottom[i] - top[i], bottom[at[c, r + 1]] - top[at[c, r + 1]])
+        for (c, r), i in at.items()
+        if (c, r + 1) in at
+    ]
+    measured = worked_out.overlap
+    assert measured.least_along == pytest.approx(min(along))
+    assert measured.median_along == pytest.approx(np.median(along), abs=0.002)
+    assert measured.least_across == pytest.approx(min(across))
+    assert measured.median_across == pytest.approx(np.median(across), abs=0.002)
+
+
+def inside(polygon, lon, lat):
+    """Even-odd rule, point by point."""
+    result = np.zeros(lon.shape, bool)
+    for ring in polygon.rings:
+        for (x0, y0), (x1, y1) in zip(ring, ring[1:] + ring[:1]):
+            crosses = (y0 <= lat) != (y1 <= lat)
+            with np.errstate(divide="ignore", invalid="ignore"):
+                result ^= crosses & (lon < x0 + (lat - y0) * (x1 - x0) / (y1 - y0))
+    return result
+
+
+@pytest.mark.parametrize("layout", ["cover", "paper"])
+def test_a_polygon_is_covered_and_nothing_else_is_flown(layout):
+    worked_out = plan(Mission(STAR, 120.0, layout=layout, zoom=16), GRID)
+    count, x0, y0 = pixels_shown(worked_out, STAR.bounds)
+    world = GRID.world_px(worked_out.zoom)
+    x, y = np.meshgrid(np.arange(count.shape[1]) + 0.5 + x0, np.arange(count.shape[0]) + 0.5 + y0)
+    lon = (x / world - 0.5) * 360
+    lat = np.degrees(np.arctan(np.sinh((0.5 - y / world) * 2 * np.pi)))
+    ground = inside(STAR, lon, lat)
+    missing = int((ground & (count == 0)).sum())
+    assert (missing == 0) == (layout == "cover")
+    assert worked_out.coverage.complete == (layout == "cover")
+    pixel = pixel_m2(worked_out, 35.14)
+    assert worked_out.coverage.uncovered_m2 == pytest.approx(missing * pixel, rel=0.05)
+    assert worked_out.coverage.area_m2 == pytest.approx(ground.sum() * pixel, rel=1e-3)
+    whole_box = plan(Mission(STAR.bounds, 120.0, layout=layout, zoom=16), GRID)
+    assert len(worked_out) < 0.75 * len(whole_box)
+    # Each picture, grown by a pixel for the rounding of its edges, shows ground of the polygon.
+    margin = 200
+    grown = np.pad(ground, margin)
+    left, top, right, bottom = (edge.astype(int) for edge in worked_out.windows.bounds_px)
+    for x_from, y_from, x_to, y_to in zip(left - x0, top - y0, right - x0, bottom - y0):
+        rows = slice(y_from - 1 + margin, y_to + 1 + margin)
+        assert grown[rows, x_from - 1 + margin : x_to + 1 + margin].any()
+
+
+def test_hundreds_of_thousands_of_rows_settle():
+    worked_out = plan(Mission(Box(36, -89.90, 35, -89.9), 0.3), PixelGrid(max_zoom=30, native_zoom=30))
+    assert worked_out.rows > 300_000
+    assert worked_out.coverage.complete
+
+
+def test_rows_are_flown_in_turn_east_and_west():
+    worked_out = plan(Mission(AGRICENTER, 400.0), GRID)
+    assert (np.diff(worked_out.row) >= 0).all()
+    for row in range(worked_out.rows):
+        columns = np.diff(worked_out.column[worked_out.row == row])
+        assert (columns == (-1 if row % 2 else 1)).all()
+    geod = Geod(ellps="WGS84")
+    assert worked_out.flight_distance_m == pytest.approx(
+        geod.line_length(worked_out.lon_deg, worked_out.lat_deg), rel=1e-12
+    )
+
+
+def test_across_the_antimeridian_is_like_anywhere_else():
+    there = plan(Mission(Box(1, 179.9, 0.9, -179.9), 1000.0), GRID)
+    here = plan(Mission(Box(1, -0.1, 0.9, 0.1), 1000.0), GRID)
+    assert len(there) == len(here)
+    assert there.coverage.complete
+    assert there.requests == here.requests
+    assert there.lon_deg.max() > 180
+    assert there.frame_centres[1].max() < 180
+    assert there.flight_distance_m == pytest.approx(here.flight_distance_m, rel=1e-9)
+    np.testing.assert_allclose(there.lon_deg - 180, here.lon_deg, atol=1e-9)
+
+
+def test_the_whole_world_from_limit_to_limit():
+    worked_out = plan(Mission(Box(85.05, -180, -85.05, 180), 200e3), GRID)
+    assert worked_out.coverage.complete
+    assert worked_out.requests == 4**worked_out.zoom
+    _, top, _, bottom = worked_out.windows.bounds_px
+    assert top.min() == 0
+    assert bottom.max() == GRID.world_px(worked_out.zoom)
+
+
+@pytest.mark.parametrize("area", [Box(35, -89, 35, -89), Box(35, -89.1, 35, -89), Box(35.1, -89, 35, -89)])
+def test_boxes_without_ground_are_lines_and_points_of_captures(area):
+    worked_out = plan(Mission(area, 120.0), GRID)
+    assert worked_out.coverage.complete
+    assert (worked_out.rows == 1) == (area.north_deg == area.south_deg)
+    assert (worked_out.columns == 1) == (area.west_deg == area.east_deg)
+
+
+def test_points_keep_their_own_heights_and_share_a_zoom():
+    worked_out = plan(Mission(Points(((35.1, -89.8, 120.0), (-70.0, 180.0, 60.0))), 120.0), GRID)
+    assert worked_out.column.tolist() == [0, 1]
+    assert worked_out.coverage is None
+    assert worked_out.overlap.least_along is None
+    widths = worked_out.windows.width_px * GRID.ground_m_per_px(worked_out.lat_deg, worked_out.zoom)
+    assert widths[0] / widths[1] == pytest.approx(2.0, rel=0.01)
+    assert worked_out.windows.width_px.max() <= 640
+
+
+def test_the_zoom_is_the_highest_at_which_all_pictures_fit():
+    for agl in (10.0, 97.3, 120.0, 240.0, 1000.0, 16e3):
+        worked_out = plan(
+            Mission(Points(((35.14, -89.86, agl),)), agl), PixelGrid(max_zoom=30, native_zoom=30)
+        )
+        finer = plan(
+            worked_out.mission.with_(zoom=worked_out.zoom + 1), PixelGrid(max_zoom=30, native_zoom=30)
+        )
+        assert worked_out.windows.width_px.max() <= 640 < finer.windows.width_px.max()
+
+
+def test_native_resolution_is_kept_unless_told_otherwise():
+    coarse = PixelGrid(max_zoom=20, native_zoom=16)
+    mission = Mission(Points(((35.14, -89.86, 120.0),)), 120.0)
+    assert plan(mission, coarse).zoom == 16
+    assert plan(mission.with_(upsample=True), coarse).zoom == 18
+    assert plan(mission.with_(zoom=20, max_px=5000), coarse).zoom == 20
+
+
+def test_larger_tiles_multiply_the_pixels_not_the_zoom():
+    mission = Mission(AGRICENTER, 120.0)
+    small, large = plan(mission, PixelGrid()), plan(mission, PixelGrid(tile_px=512))
+    assert small.zoom == large.zoom
+    np.testing.assert_allclose(large.windows.width_px, 2 * small.windows.width_px, atol=2)
+    assert large.coverage.complete
+
+
+def test_a_wanted_ground_sample_distance_chooses_the_zoom():
+    mission = Mission(AGRICENTER, 120.0, gsd_m_per_px=0.5)
+    worked_out = plan(mission, GRID)
+    assert worked_out.zoom == 18
+    assert worked_out.source_gsd_m_per_px <= 0.5
+    with pytest.raises(InvalidInput, match=r"ground sample distance 0\.001 m"):
+        plan(mission.with_(gsd_m_per_px=0.001), GRID)
+
+
+def test_pictures_by_their_centre_leave_nothing_out_either():
+    grid = PixelGrid(max_zoom=21, native_zoom=21, centre_decimals=6, max_size_px=640)
+    worked_out = plan(Mission(AGRICENTER, 120.0), grid)
+    assert worked_out.coverage.complete
+    assert worked_out.requests == len(worked_out)
+    assert worked_out.windows.width_px.max() <= 640
+
+
+def test_names_are_the_published_ones():
+    worked_out = plan(Mission(Points(((35.128039, -89.799163, 126.0),)), 126.0), GRID)
+    column, row, lat, lon, zoom = worked_out.names[0].split("_")
+    assert (column, row, zoom) == ("0", "0", str(worked_out.zoom))
+    assert len(lat.split(".")[1]) == len(lon.split(".")[1]) == 8
+    assert float(lat) == pytest.approx(35.128039, abs=1e-5)
+    assert float(lon) == pytest.approx(-89.799163, abs=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("mission", "says"),
+    [
+        (Mission(Box(35.16, -89.9, 35.115, -89.8), 120.0, max_images=1000), "the limit is 1000"),
+        (Mission(Box(60, -100, -60, 100), 0.01), "the limit is 10000000"),
+        (Mission(Box(85.1, 0, 85, 1), 1000.0), "latitude 85.1"),
+        (Mission(Points(((85.0511, 0.0, 1000.0),)), 1000.0), "beyond the map"),
+        (Mission(Points(((0.0, 0.0, 8e6),)), 8e6), "horizon"),
+        (Mission(AGRICENTER, 120.0, zoom=23), "zoom 23: the source has 0 to 22"),
+        (Mission(Points(((35, -89, 0.01),)), 0.01, zoom=5), "under one pixel"),
+        (Mission(Box(35, -89, 35, -89), 120.0, overlap_along=0.9999999), "overlap less"),
+        (Mission(Box(10, -170, -10, 170), 1e5, layout="paper"), "use --layout cover"),
+    ],
+)
+def test_what_cannot_be_flown_is_refused_in_one_line(mission, says):
+    with pytest.raises(InvalidInput) as refused:
+        plan(mission, GRID)
+    assert says in str(refused.value)
+    assert "\n" not in str(refused.value)
+
+
+def test_too_many_images_are_refused_before_memory_is_taken():
+    import tracemalloc
+
+    tracemalloc.start()
+    try:
+        with pytest.raises(InvalidInput, match="limit"):
+            plan(Mission(Box(80, -180, -80, 180), 1.0), GRID)
+        with pytest.raises(InvalidInput, match="limit"):
+            plan(Mission(Box(0.1, -180, -0.1, 180), 1.0), GRID)
+        peak = tracemalloc.get_traced_memory()[1]
+    finally:
+        tracemalloc.stop()
+    assert peak < 50e6

@@ -1,0 +1,106 @@
+#!/usr/bin/env bash
+# Installs what is missing on Debian or Ubuntu and makes .venv. Safe to run again; quick when nothing is to be done.
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+
+# QGIS is built against the distribution's Python and its modules, so no other Python will do.
+PYTHON=/usr/bin/python3
+# proj-bin: inside a virtual environment the distribution's pyproj finds its data by where the `proj` command is.
+PACKAGES=(
+    qgis python3-qgis xvfb
+    python3-venv python3-gdal python3-numpy python3-pil python3-pyproj python3-pyqt5.qtsvg python3-requests
+    ca-certificates fonts-dejavu-core libgl1-mesa-dri proj-bin
+)
+STAMP=.venv/terrainav-setup
+
+say() { printf 'set-up: %s\n' "$*" >&2; }
+
+# What this set-up depends on. `.venv` records absolute paths, so a moved folder needs a new one.
+fingerprint() {
+    { pwd; cat tools/setup.sh pyproject.toml; dpkg-query --show "${PACKAGES[@]}" 2>/dev/null || true; } | sha256sum
+}
+
+missing_packages() {
+    local package
+    for package in "${PACKAGES[@]}"; do
+        [[ $(dpkg-query --show --showformat='${db:Status-Status}' "$package" 2>/dev/null) == installed ]] ||
+            printf '%s\n' "$package"
+    done
+}
+
+install_packages() {
+    local -a missing as_root=()
+    mapfile -t missing < <(missing_packages)
+    [[ ${#missing[@]} -eq 0 ]] && return
+
+    if [[ $(id -u) -ne 0 ]]; then
+        # sudo can ask for a password only where somebody is there to type it.
+        if command -v sudo >/dev/null && { sudo -n true 2>/dev/null || [[ -t 0 ]]; }; then
+            as_root=(sudo)
+        else
+            say "these packages are missing and this user may not install them; run this as root, then try again:"
+            printf 'apt-get update && apt-get install --no-install-recommends --yes %s\n' "${missing[*]}" >&2
+            exit 1
+        fi
+    fi
+    say "installing ${missing[*]}"
+    local -a apt=(
+        "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive NEEDRESTART_MODE=a
+        apt-get -o DPkg::Lock::Timeout=600 -o Acquire::Retries=3 --quiet
+    )
+    "${apt[@]}" update || say "apt-get update failed; going on with the package lists at hand"
+    "${apt[@]}" install --no-install-recommends --yes "${missing[@]}"
+}
+
+# Versions that pip must leave alone: QGIS was built with them, and shares them with what is installed here.
+write_constraints() {
+    "$PYTHON" -I - >.venv/constraints.txt <<'PY'
+from importlib.metadata import PackageNotFoundError, version
+
+for name in ("numpy", "Pillow", "pyproj", "requests", "urllib3", "certifi", "idna", "chardet", "charset-normalizer"):
+    try:
+        print(f"{name}=={version(name)}")
+    except PackageNotFoundError:
+        continue
+PY
+}
+
+verify_shared_modules() {
+    .venv/bin/python -I - <<'PY'
+import importlib
+import subprocess
+import sys
+
+for name in ("numpy", "PIL", "pyproj", "requests", "urllib3"):
+    here = importlib.import_module(name).__file__
+    code = f"import {name}; print({name}.__file__)"
+    system = subprocess.run(["/usr/bin/python3", "-Ic", code], check=True, capture_output=True, text=True).stdout.strip()
+    if here != system:
+        sys.exit(f"set-up: {name} is imported from {here}, but QGIS uses {system}; remove .venv and try again")
+
+import pyproj
+
+pyproj.CRS.from_epsg(3857)  # fails where pyproj does not find its data
+PY
+}
+
+make_environment() {
+    say "making .venv"
+    "$PYTHON" -m venv --clear --system-site-packages .venv
+    write_constraints
+    .venv/bin/python -m pip install --quiet --disable-pip-version-check --no-input \
+        --constraint .venv/constraints.txt --editable '.[test,lint]'
+    verify_shared_modules
+}
+
+if [[ -f $STAMP && $(<"$STAMP") == "$(fingerprint)" ]]; then
+    exit 0
+fi
+if ! command -v apt-get >/dev/null; then
+    say "this set-up installs with apt-get, which is not here; it needs Debian 12, Ubuntu 24.04, or newer ones"
+    exit 1
+fi
+install_packages
+make_environment
+fingerprint >"$STAMP"
+say "done"
