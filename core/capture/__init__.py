@@ -1,0 +1,1 @@
+"""The run that turns a plan into georeferenced images; resumable."""

@@ -1,0 +1,90 @@
+"""Where a picture lies on the map, as values and as the texts that GIS software reads beside pictures."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import lru_cache
+from html import escape
+
+from pyproj import CRS
+
+from ..errors import InvalidInput
+
+EPSG = 3857
+
+
+_NOT_XML = re.compile("[^\\t\\n\\r\\x20-\\ud7ff\\ue000-\\ufffd\\U00010000-\\U0010ffff]")
+
+
+@lru_cache(maxsize=1)
+def web_mercator_wkt() -> str:
+    """EPSG:3857 as WKT 1, which every GDAL reads."""
+    return str(CRS.from_epsg(EPSG).to_wkt("WKT1_GDAL"))
+
+
+def xml_text(text: str) -> str:
+    """Text as it may stand in XML: markup escaped, characters that XML 1.0 has no form for replaced."""
+    return escape(_NOT_XML.sub("\N{REPLACEMENT CHARACTER}", text), quote=True)
+
+
+@dataclass(frozen=True)
+class Georeference:
+    """The edges of a north-up picture and its size.
+
+    Parameters
+    ----------
+    west_m, south_m, east_m, north_m : float
+        Outer edges of the outermost pixels in metres of EPSG:3857; east beyond the world's half width
+        where a picture crosses the antimeridian.
+    width_px, height_px : int
+        Size of the picture as written; the pixels need not be square.
+    """
+
+    west_m: float
+    south_m: float
+    east_m: float
+    north_m: float
+    width_px: int
+    height_px: int
+
+    def __post_init__(self) -> None:
+        edges = (self.west_m, self.south_m, self.east_m, self.north_m)
+        if not (all(map(math.isfinite, edges)) and self.west_m < self.east_m and self.south_m < self.north_m):
+            raise InvalidInput(
+                f"edges {edges} m (west, south, east, north): need west < east and south < north"
+            )
+        if self.width_px < 1 or self.height_px < 1:
+            raise InvalidInput(f"picture of {self.width_px} x {self.height_px} px: needs a pixel at least")
+
+    @property
+    def pixel_size_m(self) -> tuple[float, float]:
+        """Width and height of a pixel in metres of EPSG:3857, both positive."""
+        return (self.east_m - self.west_m) / self.width_px, (self.north_m - self.south_m) / self.height_px
+
+    @property
+    def geotransform(self) -> tuple[float, float, float, float, float, float]:
+        """GDAL's six numbers: west, pixel width, 0, north, 0, minus pixel height."""
+        width_m, height_m = self.pixel_size_m
+        return (self.west_m, width_m, 0.0, self.north_m, 0.0, -height_m)
+
+    def world_file(self) -> str:
+        """Text of an ESRI world file: the last two of its six lines are the centre of the upper-left pixel."""
+        width_m, height_m = self.pixel_size_m
+        lines = (width_m, 0.0, 0.0, -height_m, self.west_m + width_m / 2.0, self.north_m - height_m / 2.0)
+        return "".join(f"{value!r}\n" for value in lines)
+
+    def aux_xml(self, metadata: Mapping[str, str]) -> str:
+        """Text of GDAL's auxiliary file (PAM): CRS, geotransform and metadata, for formats that hold no CRS."""
+        items = "".join(
+            f'    <MDI key="{xml_text(key)}">{xml_text(value)}</MDI>\n' for key, value in metadata.items()
+        )
+        return (
+            "<PAMDataset>\n"
+            f'  <SRS dataAxisToSRSAxisMapping="1,2">{xml_text(web_mercator_wkt())}</SRS>\n'
+            f"  <GeoTransform>{', '.join(map(repr, self.geotransform))}</GeoTransform>\n"
+            f"  <Metadata>\n{items}  </Metadata>\n"
+            "</PAMDataset>\n"
+        )

@@ -1,0 +1,240 @@
+"""Fetching, assembling and writing at the same time, with a bounded number of pictures on the way."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
+from dataclasses import dataclass, field
+from functools import partial
+from queue import Empty, SimpleQueue
+from typing import Generic, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import PartError
+from ..geodesy.frames import Windows
+from ..imagery.source import Part, Window
+
+Pixels = NDArray[np.uint8]
+Job = TypeVar("Job")
+Result = TypeVar("Result")
+
+#: Longest wait until the caller is asked again whether to go on, seconds.
+_POLL_S = 0.05
+#: Requests handed to the connections ahead of need, for each: one under way and one that is ready to follow.
+_FETCHES_PER_CONNECTION = 2
+#: Pictures whose parts are there, for each worker: one being made and three that are ready to follow.
+_READY_PER_WORKER = 4
+#: Pictures on the way in all: they may wait for a part that is slow to come while others go on.
+_MOST_ON_THE_WAY = 256
+
+
+def sweep(windows: Windows, chosen: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Order in which parts wait for their last picture as briefly as possible.
+
+    Strips across the shorter extent of the chosen pictures, one after the other along the longer: what has to be
+    kept is what one strip shares with the next, however long the mission.
+
+    Parameters
+    ----------
+    windows : Windows
+        Of all captures.
+    chosen : array (k,) of int64
+        Indices of those to be made.
+
+    Returns
+    -------
+    array (k,) of int64
+    """
+    if len(chosen) == 0:
+        return chosen
+    left, top, width, height = (np.asarray(values, np.float64)[chosen] for values in windows)
+    along, across, size = left, top, width
+    if np.ptp(top) > np.ptp(left):
+        along, across, size = top, left, height
+    strip = np.floor((along - along.min()) / size.max())
+    return np.asarray(chosen[np.lexsort((along, across, strip))], np.int64)
+
+
+@dataclass
+class _Picture(Generic[Job]):
+    """A picture on the way, and how many of its parts are not there yet."""
+
+    job: Job
+    parts: Sequence[Part]
+    missing: int = 0
+
+
+@dataclass
+class _PartOnTheWay(Generic[Job]):
+    """A part that was asked for: the pictures that wait for it, then its pixels or why there are none."""
+
+    waiting: list[_Picture[Job]] = field(default_factory=list)
+    content: Pixels | PartError | None = None
+
+
+class Pipeline(Generic[Job, Result]):
+    """Makes pictures out of parts, each of which is fetched once and dropped after its last picture.
+
+    The calling thread coordinates; parts are fetched on ``connections`` threads, pictures made on ``workers``
+    threads. What is in memory depends on those and on how far apart the users of a part are (see `sweep`),
+    not on the number of pictures.
+
+    Parameters
+    ----------
+    users : Counter of Window
+        How many of the pictures need each part.
+    fetch : callable
+        Window to pixels; a PartError fails the pictures that need the part, anything else stops the run.
+    work : callable
+        Job, its parts, and their pixels by window, to a result; errors count as those of ``fetch``.
+    finished : callable
+        Called in the calling thread with each job and its result or PartError, in the order they come.
+    connections, workers : int
+        At least 1 each.
+
+    Attributes
+    ----------
+    requests : int
+        Calls of ``fetch`` so far.
+    """
+
+    def __init__(
+        self,
+        users: Counter[Window],
+        fetch: Callable[[Window], Pixels],
+        work: Callable[[Job, Sequence[Part], Mapping[Window, Pixels]], Result],
+        finished: Callable[[Job, Result | PartError], None],
+        *,
+        connections: int,
+        workers: int,
+    ) -> None:
+        self.requests = 0
+        self._users = Counter(users)
+        self._fetch, self._work, self._finished = fetch, work, finished
+        self._fetching_limit = connections * _FETCHES_PER_CONNECTION
+        self._ready_limit = workers * _READY_PER_WORKER
+        self._fetching = self._on_the_way = 0
+        self._making: dict[Future[Result], Job] = {}
+        self._parts: dict[Window, _PartOnTheWay[Job]] = {}
+        self._events: SimpleQueue[Callable[[], None]] = SimpleQueue()
+        self._connections = ThreadPoolExecutor(connections, "terrainav-fetch")
+        self._workers = ThreadPoolExecutor(workers, "terrainav-work")
+
+    def run(self, jobs: Iterable[tuple[Job, Sequence[Part]]], go_on: Callable[[], bool]) -> bool:
+        """Make the pictures of ``jobs``; once.
+
+        ``go_on`` is asked many times a second. When it says no, or an error stops the run, what waits is dropped,
+        what is being made is finished and reported, and requests under way are left to end by themselves.
+
+        Returns
+        -------
+        bool
+            Whether all were made or failed; False where ``go_on`` stopped it.
+        """
+        waiting = iter(jobs)
+        complete = False
+        try:
+            while not complete:
+                if not go_on():
+                    return False
+                more = self._admit(waiting)
+                complete = not more and self._on_the_way == 0
+                if not complete:
+                    self._handle_event()
+            return True
+        finally:
+            self._connections.shutdown(wait=complete, cancel_futures=True)
+            self._workers.shutdown(wait=True, cancel_futures=True)
+            self._report_made()
+
+    def _report_made(self) -> None:
+        """Report pictures that were finished while the run was being stopped."""
+        for making, job in self._making.items():
+            if not making.cancelled() and making.exception() is None:
+                self._finished(job, making.result())
+
+    def _admit(self, waiting: Iterator[tuple[Job, Sequence[Part]]]) -> bool:
+        """Take pictures on as long as there is room; whether there may be more."""
+        while (
+            self._fetching < self._fetching_limit
+            and len(self._making) < self._ready_limit
+            and self._on_the_way < _MOST_ON_THE_WAY
+        ):
+            following = next(waiting, None)
+            if following is None:
+                return False
+            self._take_on(_Picture(*following))
+        return True
+
+    def _take_on(self, picture: _Picture[Job]) -> None:
+        self._on_the_way += 1
+        for window in dict.fromkeys(part.window for part in picture.parts):
+            part = self._parts.get(window)
+            if part is None:
+                part = self._parts[window] = _PartOnTheWay()
+                self._ask_for(window)
+            if part.content is None:
+                part.waiting.append(picture)
+                picture.missing += 1
+        if picture.missing == 0:
+            self._make(picture)
+
+    def _ask_for(self, window: Window) -> None:
+        self.requests += 1
+        self._fetching += 1
+        request = self._connections.submit(self._fetch, window)
+        request.add_done_callback(lambda done: self._events.put(partial(self._part_arrived, window, done)))
+
+    def _handle_event(self) -> None:
+        """Wait shortly for something to happen, and act on it."""
+        try:
+            event = self._events.get(timeout=_POLL_S)
+        except Empty:
+            return
+        event()
+
+    def _part_arrived(self, window: Window, request: Future[Pixels]) -> None:
+        self._fetching -= 1
+        part = self._parts[window]
+        try:
+            part.content = request.result()
+        except PartError as wrong:
+            part.content = wrong
+        for picture in part.waiting:
+            picture.missing -= 1
+            if picture.missing == 0:
+                self._make(picture)
+        part.waiting.clear()
+
+    def _make(self, picture: _Picture[Job]) -> None:
+        """Hand a picture whose parts are there to the workers, and drop the parts that it was the last to need."""
+        pixels: dict[Window, Pixels] = {}
+        failure: PartError | None = None
+        for window in dict.fromkeys(part.window for part in picture.parts):
+            content = self._parts[window].content
+            if isinstance(content, PartError):
+                failure = failure or content
+            elif content is not None:
+                pixels[window] = content
+            self._users[window] -= 1
+            if self._users[window] <= 0:
+                del self._parts[window]
+        if failure is not None:
+            self._on_the_way -= 1
+            self._finished(picture.job, failure)
+            return
+        making = self._workers.submit(self._work, picture.job, picture.parts, pixels)
+        self._making[making] = picture.job
+        making.add_done_callback(lambda done: self._events.put(partial(self._picture_made, done)))
+
+    def _picture_made(self, making: Future[Result]) -> None:
+        job = self._making.pop(making)
+        self._on_the_way -= 1
+        try:
+            result: Result | PartError = making.result()
+        except PartError as wrong:
+            result = wrong
+        self._finished(job, result)

@@ -1,0 +1,70 @@
+"""What a capture tells while it runs and when it ends."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+
+@dataclass(frozen=True)
+class Progress:
+    """How far a capture is, over all its map types.
+
+    Parameters
+    ----------
+    total : int
+        Pictures asked for.
+    done, failed, skipped : int
+        Written by this run; failed in it; there already.
+    requests : int
+        Parts asked of the source so far.
+    map_type : str
+        The one being captured.
+    """
+
+    total: int
+    done: int
+    failed: int
+    skipped: int
+    requests: int
+    map_type: str
+
+
+@dataclass(frozen=True)
+class Failure:
+    """A picture that could not be made, and why."""
+
+    map_type: str
+    name: str
+    reason: str
+
+
+@dataclass(frozen=True)
+class CaptureResult:
+    """What a capture did.
+
+    Parameters
+    ----------
+    folder : Path
+    total, written, skipped : int
+        Pictures asked for; written by this run; there already.
+    failed : tuple of Failure
+        By map type, in the plan's order.
+    requests, unique_parts : int
+        Parts asked of the source, and different parts that the pictures to be made needed; equal, but for a run
+        that was stopped.
+    seconds : float
+        Wall time.
+    cancelled : bool
+        Whether it was stopped; it can be resumed.
+    """
+
+    folder: Path
+    total: int
+    written: int
+    failed: tuple[Failure, ...]
+    skipped: int
+    requests: int
+    unique_parts: int
+    seconds: float
+    cancelled: bool

@@ -1,0 +1,275 @@
+"""The run that turns a plan into a dataset: folder, journal, pictures, tables."""
+
+from __future__ import annotations
+
+import math
+import os
+import time
+from collections import Counter
+from collections.abc import Callable, Iterable
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import InvalidInput, OutputError, PartError
+from ..imagery.source import Part, Source, Window
+from ..mission.plan import Plan
+from .folder import JOURNAL_FILE, TABLE_FILE, complete_pictures, open_folder, write_plan_files
+from .journal import DONE, FAILED, Journal, Outcome
+from .pipeline import Pipeline, sweep
+from .records import PictureJob, job_of, make_picture, table_of, window_of
+from .result import CaptureResult, Failure, Progress
+from .writers import check_size
+
+__all__ = ["CaptureResult", "Failure", "Progress", "capture"]
+
+Numbers = NDArray[np.int64]
+
+#: Connections where nothing else is said: what browsers open to a server is 6, tile servers bear a few more.
+DEFAULT_CONNECTIONS = 8
+#: Shortest time between two reports of progress, seconds.
+_REPORT_S = 0.1
+
+
+def capture(
+    plan: Plan,
+    source: Source,
+    folder: str | os.PathLike[str],
+    *,
+    connections: int = DEFAULT_CONNECTIONS,
+    workers: int | None = None,
+    resume: bool = False,
+    only: Iterable[int] | None = None,
+    progress: Callable[[Progress], object] | None = None,
+    cancelled: Callable[[], bool] | None = None,
+) -> CaptureResult:
+    """Capture the pictures of a plan into a dataset folder.
+
+    Pictures are written whole or not at all, and noted in the journal one by one; those that cannot be made are
+    named in the journal and the table with the reason, and the others go on. The tables are written at the end,
+    also of a run that was stopped. The same mission leaves the same pictures and tables, in one go or in several.
+
+    Parameters
+    ----------
+    plan : Plan
+    source : Source
+        With the pixel grid that the plan was made for.
+    folder : path
+        Made if it is not there.
+    connections : int
+        Parts fetched at once, at least 1.
+    workers : int or None
+        Pictures assembled and written at once; None for as many as there are processors.
+    resume : bool
+        Go on with a folder that holds this mission: what is missing or has failed is made.
+    only : iterable of int or None
+        Indices of the captures to make; None for all.
+    progress : callable
+        Called in this thread with a Progress, about ten times a second at most, and at the end.
+    cancelled : callable
+        Asked many times a second; when it says yes the run ends within the time a picture takes.
+
+    Returns
+    -------
+    CaptureResult
+
+    Raises
+    ------
+    InvalidInput
+        A map type the source does not have, a plan for another pixel grid, pictures the format cannot hold:
+        before anything is written.
+    OutputError
+        A folder that cannot be written, that holds another mission, or holds this one without ``resume``.
+    SourceError
+        The source cannot serve; what was finished is kept.
+    """
+    started = time.monotonic()
+    _check(plan, source, connections, workers)
+    chosen = _chosen(plan, only)
+    path = open_folder(folder, plan.mission, resume=resume)
+    with Journal(path / JOURNAL_FILE) as journal:
+        run = _Run(plan, source, path, journal, chosen, _Listener(progress, cancelled))
+        write_plan_files(path, plan)
+        complete = all(
+            run.capture_map_type(map_type, connections, workers or os.cpu_count() or 1)
+            for map_type in plan.mission.map_types
+        )
+    return run.result(time.monotonic() - started, cancelled=not complete)
+
+
+def _check(plan: Plan, source: Source, connections: int, workers: int | None) -> None:
+    if connections < 1 or (workers is not None and workers < 1):
+        raise InvalidInput(f"{connections} connections, {workers} workers: at least 1 of each")
+    if source.grid != plan.grid:
+        raise InvalidInput(
+            f"plan is for another pixel grid than that of {source.title}: plan with the source's own"
+        )
+    for map_type in plan.mission.map_types:
+        if source.map_types and map_type not in source.map_types:
+            raise InvalidInput(f"map type {map_type!r}: {source.title} has {', '.join(source.map_types)}")
+    width, height = (
+        plan.mission.img_size[:2]
+        if plan.mission.img_size
+        else (int(plan.windows.width_px.max()), int(plan.windows.height_px.max()))
+    )
+    check_size(plan.mission.image_format, width, height)
+
+
+def _chosen(plan: Plan, only: Iterable[int] | None) -> Numbers:
+    if only is None:
+        return np.arange(len(plan), dtype=np.int64)
+    chosen = np.unique(np.array(list(only), np.int64))
+    outside = chosen[(chosen < 0) | (chosen >= len(plan))]
+    if len(outside):
+        raise InvalidInput(f"capture {outside[0]} of the plan: it has 0 to {len(plan) - 1}")
+    return chosen
+
+
+class _Listener:
+    """The caller's callbacks: told of progress now and then, asked whether to go on."""
+
+    def __init__(
+        self, progress: Callable[[Progress], object] | None, cancelled: Callable[[], bool] | None
+    ) -> None:
+        self._progress, self._cancelled = progress, cancelled
+        self._told_s = -math.inf
+
+    def tell(self, progress: Callable[[], Progress], *, at_once: bool = False) -> None:
+        """Report progress, unless the last report was a moment ago."""
+        now_s = time.monotonic()
+        if self._progress is not None and (at_once or now_s - self._told_s >= _REPORT_S):
+            self._told_s = now_s
+            self._progress(progress())
+
+    def go_on(self) -> bool:
+        """Whether the caller has not cancelled."""
+        return self._cancelled is None or not self._cancelled()
+
+
+class _Run:
+    """One run: what is known of each picture, what is to be made, and the counts.
+
+    Raises
+    ------
+    OutputError
+        Where the journal is of another plan, or a folder cannot be read.
+    """
+
+    def __init__(
+        self, plan: Plan, source: Source, folder: Path, journal: Journal, chosen: Numbers, listener: _Listener
+    ) -> None:
+        self._plan, self._source, self._folder = plan, source, folder
+        self._journal, self._listener = journal, listener
+        self._map_types = plan.mission.map_types
+        self._done = self._requests = self._unique_parts = 0
+        self._failures: list[tuple[int, int, Failure]] = []
+        self._outcomes = self._known_outcomes()
+        self._pending = {
+            map_type: np.array([i for i in chosen.tolist() if not self._is_done(map_type, i)], np.int64)
+            for map_type in self._map_types
+        }
+        self._total = len(chosen) * len(self._map_types)
+        self._skipped = self._total - sum(len(pending) for pending in self._pending.values())
+
+    def _known_outcomes(self) -> dict[str, dict[str, Outcome]]:
+        """What earlier runs have left of each map type: failures, and pictures that are still there."""
+        image_format, names = self._plan.mission.image_format, set(self._plan.names)
+        known: dict[str, dict[str, Outcome]] = {}
+        for map_type in self._map_types:
+            outcomes = {name: o for (kind, name), o in self._journal.outcomes.items() if kind == map_type}
+            foreign = min(set(outcomes) - names, default=None)
+            if foreign is not None:
+                raise OutputError(
+                    f"folder {self._folder}: holds this mission with other pictures, such as {foreign}, because the "
+                    "source or the version was another; choose another folder"
+                )
+            there = complete_pictures(self._folder / map_type, image_format, outcomes)
+            known[map_type] = {n: o for n, o in outcomes.items() if o.status == FAILED or n in there}
+        return known
+
+    def _is_done(self, map_type: str, index: int) -> bool:
+        outcome = self._outcomes[map_type].get(self._plan.names[index])
+        return outcome is not None and outcome.status == DONE
+
+    def capture_map_type(self, map_type: str, connections: int, workers: int) -> bool:
+        """Make the pictures of a map type that are not there, and its table; False where cancelled."""
+        folder = self._folder / map_type
+        try:
+            order = sweep(self._plan.windows, self._pending[map_type]).tolist()
+            users = self._users(map_type, order)
+            if users is None:
+                return False
+            self._unique_parts += len(users)
+            pipeline: Pipeline[PictureJob, float] = Pipeline(
+                users,
+                partial(self._source.fetch, map_type),
+                make_picture,
+                self._note,
+                connections=connections,
+                workers=workers,
+            )
+            jobs = (
+                (job_of(self._plan, index, self._source, map_type, folder), self._parts(index))
+                for index in order
+            )
+            earlier = self._requests
+
+            def go_on() -> bool:
+                self._requests = earlier + pipeline.requests
+                return self._go_on(map_type)
+
+            try:
+                return pipeline.run(jobs, go_on)
+            finally:
+                self._requests = earlier + pipeline.requests
+        finally:
+            table_of(self._plan, self._source, self._outcomes[map_type]).save(folder / TABLE_FILE)
+            self._listener.tell(partial(self._progress, map_type), at_once=True)
+
+    def _users(self, map_type: str, order: list[int]) -> Counter[Window] | None:
+        """How many of the pictures to be made need each part; None where cancelled meanwhile."""
+        users: Counter[Window] = Counter()
+        for index in order:
+            users.update({part.window for part in self._parts(index)})
+            if not self._go_on(map_type):
+                return None
+        return users
+
+    def _go_on(self, map_type: str) -> bool:
+        self._listener.tell(partial(self._progress, map_type))
+        return self._listener.go_on()
+
+    def _parts(self, index: int) -> list[Part]:
+        return self._source.parts(window_of(self._plan, index))
+
+    def _note(self, job: PictureJob, result: float | PartError) -> None:
+        """Enter what became of a picture."""
+        map_type, name = job.description.map_type, job.description.name
+        if isinstance(result, PartError):
+            outcome = Outcome(map_type, name, reason=str(result))
+            failure = Failure(map_type, name, outcome.reason)
+            self._failures.append((self._map_types.index(map_type), job.index, failure))
+        else:
+            outcome = Outcome(map_type, name, result)
+            self._done += 1
+        self._journal.add(outcome)
+        self._outcomes[map_type][name] = outcome
+
+    def _progress(self, map_type: str) -> Progress:
+        return Progress(self._total, self._done, len(self._failures), self._skipped, self._requests, map_type)
+
+    def result(self, seconds: float, *, cancelled: bool) -> CaptureResult:
+        """Return what the run has done."""
+        return CaptureResult(
+            folder=self._folder,
+            total=self._total,
+            written=self._done,
+            failed=tuple(failure for _, _, failure in sorted(self._failures, key=lambda entry: entry[:2])),
+            skipped=self._skipped,
+            requests=self._requests,
+            unique_parts=self._unique_parts,
+            seconds=seconds,
+            cancelled=cancelled,
+        )

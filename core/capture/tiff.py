@@ -1,0 +1,78 @@
+"""Directories of TIFF tags as bytes: what a GeoTIFF and a JPEG's EXIF are made of (TIFF 6.0, little-endian)."""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Sequence
+from enum import IntEnum
+from typing import NamedTuple
+
+HEADER_BYTES = 8
+_ENTRY_BYTES = 12
+
+
+class Kind(IntEnum):
+    """Types of a tag's values."""
+
+    BYTE = 1
+    ASCII = 2
+    SHORT = 3
+    LONG = 4
+    RATIONAL = 5
+    DOUBLE = 12
+
+
+_FORMATS = {Kind.BYTE: "B", Kind.SHORT: "H", Kind.LONG: "I", Kind.RATIONAL: "I", Kind.DOUBLE: "d"}
+
+
+class Tag(NamedTuple):
+    """One tag: its number, the type of its values, and the values.
+
+    ASCII has a str (written as UTF-8, as GDAL and ExifTool read it); RATIONAL has numerators and
+    denominators in turn.
+    """
+
+    number: int
+    kind: Kind
+    values: str | Sequence[int] | Sequence[float]
+
+    def packed(self) -> tuple[int, bytes]:
+        """Count and bytes of the values."""
+        if isinstance(self.values, str):
+            data = self.values.replace("\0", " ").encode("utf-8", "replace") + b"\0"
+            return len(data), data
+        data = struct.pack(f"<{len(self.values)}{_FORMATS[self.kind]}", *self.values)
+        return (len(self.values) // 2 if self.kind is Kind.RATIONAL else len(self.values)), data
+
+
+def header() -> bytes:
+    """First bytes of a file whose directory follows at once."""
+    return struct.pack("<2sHI", b"II", 42, HEADER_BYTES)
+
+
+def directory(tags: Sequence[Tag], at: int) -> bytes:
+    """A directory and the values that its entries point to.
+
+    Parameters
+    ----------
+    tags : sequence of Tag
+        In any order; each number once.
+    at : int
+        Even offset in the file at which it will stand.
+
+    Returns
+    -------
+    bytes
+        Of even length, which does not depend on the values of tags that are numbers.
+    """
+    entries, values = b"", b""
+    values_at = at + 2 + _ENTRY_BYTES * len(tags) + 4
+    for tag in sorted(tags):
+        count, data = tag.packed()
+        if len(data) <= 4:
+            field = data.ljust(4, b"\0")
+        else:
+            field = struct.pack("<I", values_at + len(values))
+            values += data + b"\0" * (len(data) % 2)
+        entries += struct.pack("<HHI", tag.number, tag.kind, count) + field
+    return struct.pack("<H", len(tags)) + entries + struct.pack("<I", 0) + values

@@ -1,0 +1,220 @@
+"""The table of a dataset, ``meta_data.csv``: in and out."""
+
+from __future__ import annotations
+
+import csv
+import io
+import math
+import os
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, fields
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import InvalidInput
+from ..files import write_whole
+
+Floats = NDArray[np.float64]
+Numbers = NDArray[np.int64]
+
+#: Headers that differ from the names of `Table`'s fields: the published dataset's.
+_HEADERS = {"lat_deg": "Lat", "lon_deg": "Lon", "zoom": "Alt"}
+#: Older spellings that readers accept.
+_OLD_HEADERS = {"row": "rows"}
+#: Columns of the published dataset, which every table has; all others may be missing.
+_NEEDED = ("img_names", "columns", "rows", "lat_deg", "lon_deg", "zoom", "entropies")
+_WHOLE = ("columns", "rows", "zoom")
+_TEXT = ("img_names", "source", "attribution", "status", "reason")
+#: Columns of whole numbers, written as such; readers of other datasets may find none in them.
+_PIXELS = ("left_px", "top_px", "width_px", "height_px", "image_width_px", "image_height_px")
+#: Faults of a file that one message names.
+_FAULTS_NAMED = 3
+
+
+@dataclass(frozen=True, eq=False)
+class Table:
+    """Rows of a dataset as arrays (n,).
+
+    Numbers that are not known are NaN, texts that are not known are empty.
+
+    Parameters
+    ----------
+    img_names : tuple of str
+        File names in the table's folder, with ending.
+    columns, rows : array of int64
+        Grid indices.
+    lat_deg, lon_deg : array
+        Centres of the images themselves (``Lat``, ``Lon``).
+    zoom : array of int64
+        Headed ``Alt``, as published.
+    entropies : array
+        Bits; NaN for images that could not be made.
+    pose_lat_deg, pose_lon_deg, agl_m, yaw_deg, tilt_deg, roll_deg : array
+        Poses of the camera.
+    left_px, top_px, width_px, height_px : array
+        Windows in the source's global pixel grid at ``zoom``.
+    image_width_px, image_height_px : array
+        Sizes of the images as written.
+    source, attribution : tuple of str
+    status, reason : tuple of str
+        ``done``, or ``failed`` and why.
+    other : mapping of str to tuple of str
+        Columns that are not ours, kept as they are.
+    """
+
+    img_names: tuple[str, ...]
+    columns: Numbers
+    rows: Numbers
+    lat_deg: Floats
+    lon_deg: Floats
+    zoom: Numbers
+    entropies: Floats
+    pose_lat_deg: Floats
+    pose_lon_deg: Floats
+    agl_m: Floats
+    yaw_deg: Floats
+    tilt_deg: Floats
+    roll_deg: Floats
+    left_px: Floats
+    top_px: Floats
+    width_px: Floats
+    height_px: Floats
+    image_width_px: Floats
+    image_height_px: Floats
+    source: tuple[str, ...]
+    attribution: tuple[str, ...]
+    status: tuple[str, ...]
+    reason: tuple[str, ...]
+    other: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        columns = {name: getattr(self, name) for name in FIELDS} | dict(self.other)
+        for name, column in columns.items():
+            if len(column) != len(self.img_names):
+                raise InvalidInput(
+                    f"table column {name} has {len(column)} rows: the image names have {len(self.img_names)}"
+                )
+
+    def __len__(self) -> int:
+        return len(self.img_names)
+
+    def to_csv(self) -> str:
+        """Text of the table; the same table gives the same text, and numbers have all their digits."""
+        texts: dict[str, Sequence[str]] = {
+            _HEADERS.get(name, name): _texts(name, getattr(self, name)) for name in FIELDS
+        }
+        texts.update(self.other)
+        buffer = io.StringIO()
+        writer = csv.writer(buffer, lineterminator="\n")
+        writer.writerow(texts)
+        writer.writerows(zip(*texts.values()))
+        return buffer.getvalue()
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write the table to a file, whole or not at all; raises OutputError."""
+        write_whole(path, self.to_csv().encode("utf-8"))
+
+    @classmethod
+    def from_csv(cls, text: str, name: str = "table") -> Table:
+        """Table from its text, or from the text of a published one.
+
+        Parameters
+        ----------
+        name : str
+            What messages call it.
+
+        Raises
+        ------
+        InvalidInput
+            Without one of the published columns, or with rows that cannot be read, which are named by line.
+        """
+        faults: list[str] = []
+        headers, rows = _records(text, name, faults)
+        columns: dict[str, Any] = {}
+        for field_name in FIELDS:
+            header = _HEADERS.get(field_name, field_name)
+            if header in headers:
+                index = headers.index(header)
+                cells = [(line, row[index]) for line, row in rows]
+                columns[field_name] = _column(field_name, header, cells, faults)
+            else:
+                columns[field_name] = ("",) * len(rows) if field_name in _TEXT else np.full(len(rows), np.nan)
+        if faults:
+            more = f"; and {len(faults) - _FAULTS_NAMED} more" if len(faults) > _FAULTS_NAMED else ""
+            raise InvalidInput(f"{name}: {'; '.join(faults[:_FAULTS_NAMED])}{more}")
+        ours = {_HEADERS.get(field_name, field_name) for field_name in FIELDS}
+        other = {
+            header: tuple(row[index] for _, row in rows)
+            for index, header in enumerate(headers)
+            if header and header not in ours
+        }
+        return cls(**columns, other=other)
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> Table:
+        """Table from a file; raises InvalidInput as `from_csv` does, or where it cannot be read."""
+        try:
+            text = Path(path).read_text(encoding="utf-8-sig")
+        except (OSError, UnicodeDecodeError) as wrong:
+            raise InvalidInput(f"table {path}: cannot be read ({wrong})") from wrong
+        return cls.from_csv(text, f"table {path}")
+
+
+#: Fields of `Table` that are columns of ours, in the order they are written.
+FIELDS = tuple(f.name for f in fields(Table) if f.name != "other")
+
+
+def _texts(name: str, column: Sequence[str] | NDArray[Any]) -> Sequence[str]:
+    """Cells of a column."""
+    if isinstance(column, np.ndarray):
+        return [_number(value, whole=name in _PIXELS) for value in column.tolist()]
+    return column
+
+
+def _number(value: float, *, whole: bool) -> str:
+    if math.isnan(value):
+        return ""
+    return repr(int(value)) if whole and float(value).is_integer() else repr(value)
+
+
+def _records(text: str, name: str, faults: list[str]) -> tuple[list[str], list[tuple[int, list[str]]]]:
+    """Headers in their new spelling, and the line number and cells of each row that has as many."""
+    reader = csv.reader(io.StringIO(text, newline=""), strict=True)
+    try:
+        headers = [_OLD_HEADERS.get(header, header) for header in next(reader, [])]
+        rows = [(reader.line_num, row) for row in reader if row]
+    except csv.Error as wrong:
+        raise InvalidInput(f"{name}: line {reader.line_num} is not CSV ({wrong})") from wrong
+    needed = [_HEADERS.get(field_name, field_name) for field_name in _NEEDED]
+    for header in needed:
+        if header not in headers:
+            raise InvalidInput(f"{name}: has no column {header}; needs {','.join(needed)}")
+    width = len(headers)
+    faults += [f"line {line} has {len(row)} cells, not {width}" for line, row in rows if len(row) != width]
+    return headers, [(line, row) for line, row in rows if len(row) == width]
+
+
+def _column(
+    name: str, header: str, cells: list[tuple[int, str]], faults: list[str]
+) -> tuple[str, ...] | NDArray[Any]:
+    """Values of a column; cells that cannot be read are added to ``faults``."""
+    if name in _TEXT:
+        return tuple(cell for _, cell in cells)
+    may_be_empty = name == "entropies" or name not in _NEEDED
+    values = np.full(len(cells), np.nan)
+    for index, (line, cell) in enumerate(cells):
+        if not cell and may_be_empty:
+            continue
+        try:
+            values[index] = float(cell)
+        except ValueError:
+            faults.append(f"line {line}: {header} {cell!r} is not a number")
+            continue
+        if not may_be_empty and not math.isfinite(values[index]):
+            faults.append(f"line {line}: {header} {cell!r} is not a finite number")
+        elif name in _WHOLE and not values[index].is_integer():
+            faults.append(f"line {line}: {header} {cell!r} is not a whole number")
+    return values.astype(np.int64) if name in _WHOLE and not faults else values

@@ -1,0 +1,1 @@
+"""Where pixels come from: sources, their transport and their catalogue."""

@@ -1,0 +1,157 @@
+"""From the bytes of an answer to pixels, or to the reason why they are no picture."""
+
+from __future__ import annotations
+
+import hashlib
+import io
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from PIL import GifImagePlugin, ImageFile, JpegImagePlugin, PngImagePlugin, WebPImagePlugin, features
+
+from ..errors import PartError
+from .client import first_words
+from .source import Pixels
+
+#: What must not follow 0xFF within the entropy-coded data of a JPEG (ITU-T T.81, B.1.1.5), and what may.
+_JPEG_MARKER = re.compile(rb"\xff+([^\x00\xff\xd0-\xd7])", re.DOTALL)
+_JPEG_END, _JPEG_SCAN = 0xD9, 0xDA
+
+
+@dataclass(frozen=True)
+class Placeholder:
+    """How a provider's picture that says "nothing here" is told from imagery.
+
+    Parameters
+    ----------
+    sha256 : tuple of str
+        Hashes of its files.
+    header : tuple of (name, value) pairs
+        Header that comes with it; a value of "*" stands for any.
+    flat_rgb : tuple of (red, green, blue)
+        Colours a picture of nothing else is no imagery in.
+    """
+
+    sha256: tuple[str, ...] = ()
+    header: tuple[tuple[str, str], ...] = ()
+    flat_rgb: tuple[tuple[int, int, int], ...] = ()
+
+    def refuse(self, body: bytes, headers: Mapping[str, str]) -> None:
+        """Raise PartError for a body or header that is the placeholder's."""
+        for name, value in self.header:
+            if name.lower() in headers and value in ("*", headers[name.lower()]):
+                raise PartError(f"no imagery here, the provider says ({name}: {headers[name.lower()]})")
+        if self.sha256 and hashlib.sha256(body).hexdigest() in self.sha256:
+            raise PartError("no imagery here: the provider's placeholder picture")
+
+    def refuse_flat(self, pixels: Pixels) -> None:
+        """Raise PartError for a picture of one of the flat colours."""
+        for colour in self.flat_rgb:
+            if tuple(pixels[0, 0]) == colour and bool((pixels == pixels[0, 0]).all()):
+                raise PartError("no imagery here: a picture of one colour, rgb({}, {}, {})".format(*colour))
+
+
+def decode(body: bytes, width_px: int, height_px: int, content_type: str = "") -> Pixels:
+    """Pixels of a PNG, JPEG, WebP or GIF, decoded whole.
+
+    Grey and palettes become RGB, 16 bits become 8. Translucent pixels are laid over white, as browsers do;
+    wholly transparent ones are ground without imagery, and refuse the picture: it would have a hole.
+
+    Parameters
+    ----------
+    body : bytes
+    width_px, height_px : int
+        Size the picture must have; nothing of another size is decoded.
+    content_type : str
+        What the server calls it; for messages only.
+
+    Returns
+    -------
+    array (height_px, width_px, 3) uint8
+
+    Raises
+    ------
+    PartError
+        With the reason alone: who asked knows the part.
+    """
+    try:
+        image = _open(body, content_type)
+        if image.size != (width_px, height_px):
+            raise PartError(
+                f"a picture of {image.size[0]}x{image.size[1]} px instead of {width_px}x{height_px}"
+            )
+        image.load()
+    except (OSError, SyntaxError, ValueError, EOFError, IndexError, KeyError, OverflowError) as broken:
+        raise PartError(f"broken picture ({str(broken) or type(broken).__name__})") from broken
+    return _rgb(image)
+
+
+def _open(body: bytes, content_type: str) -> ImageFile.ImageFile:
+    """Picture with its header read, by the reader its first bytes ask for, its integrity checked."""
+    # Straight to the readers: Image.open warns of large pictures before their size can be refused here.
+    if body.startswith(b"\x89PNG\r\n\x1a\n"):
+        # Pillow skips the checksums of the pixels' chunks when it decodes.
+        PngImagePlugin.PngImageFile(io.BytesIO(body)).verify()
+        return PngImagePlugin.PngImageFile(io.BytesIO(body))
+    if body.startswith(b"\xff\xd8\xff"):
+        _check_jpeg(body)
+        return JpegImagePlugin.JpegImageFile(io.BytesIO(body))
+    if body[:4] == b"RIFF" and body[8:12] == b"WEBP":
+        if not features.check("webp"):  # type: ignore[no-untyped-call]
+            raise PartError("a WebP picture, which this installation of Pillow cannot read")
+        return WebPImagePlugin.WebPImageFile(io.BytesIO(body))
+    if body[:6] in (b"GIF87a", b"GIF89a"):
+        return GifImagePlugin.GifImageFile(io.BytesIO(body))
+    if not body:
+        raise PartError("an empty answer instead of a picture")
+    words = first_words(body, content_type)
+    kind = content_type.partition(";")[0].strip() or "something"
+    raise PartError(f"{kind} instead of a picture" + (f": {words}" if words else ""))
+
+
+def _check_jpeg(body: bytes) -> None:
+    """Refuse a JPEG whose segments or scans are broken: libjpeg would fill what is missing with grey."""
+    at = 2
+    while True:
+        if body[at : at + 1] != b"\xff":
+            raise OSError("JPEG segments out of step")
+        while body[at : at + 1] == b"\xff":
+            at += 1
+        if at >= len(body):
+            raise OSError("JPEG broken off")
+        marker = body[at]
+        at += 1
+        if marker == _JPEG_END:
+            return
+        at += int.from_bytes(body[at : at + 2], "big")
+        if marker == _JPEG_SCAN:
+            found = _JPEG_MARKER.search(body, at)
+            if found is None:
+                raise OSError("JPEG broken off")
+            at = found.start()
+
+
+def _rgb(image: ImageFile.ImageFile) -> Pixels:
+    if image.mode.startswith("I"):
+        grey = (np.asarray(image, np.int64) >> 8).clip(0, 255).astype(np.uint8)
+        return np.repeat(grey[..., np.newaxis], 3, axis=2)
+    if image.mode in ("LA", "PA", "La", "RGBA", "RGBa") or "transparency" in image.info:
+        return _over_white(np.asarray(image.convert("RGBA")))
+    rgb: Pixels = np.asarray(image if image.mode == "RGB" else image.convert("RGB"))
+    return rgb
+
+
+def _over_white(rgba: Pixels) -> Pixels:
+    alpha = rgba[..., 3:]
+    clear = int((alpha == 0).sum())
+    if clear:
+        share = 100.0 * clear / alpha.size
+        raise PartError(f"no imagery in {share:.3g} % of the picture (transparent)")
+    colour = rgba[..., :3]
+    if bool((alpha == 255).all()):
+        return np.ascontiguousarray(colour)
+    whole = alpha.astype(np.uint16)
+    mixed: Pixels = ((colour * whole + 255 * (255 - whole) + 127) // 255).astype(np.uint8)
+    return mixed

@@ -1,0 +1,92 @@
+"""What a provider allows."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ..errors import InvalidInput, SourceError
+
+BULK = ("yes", "ask", "no")
+
+
+@dataclass(frozen=True)
+class Policy:
+    """A provider's terms, as far as a program can keep them.
+
+    Parameters
+    ----------
+    bulk_allowed : str
+        ``yes``; ``ask``, where the user must have agreed to the terms; ``no``, which nothing overrides.
+    max_tiles : int or None
+        Requests of one run that need no asking, or that are the most there may be where bulk is not allowed.
+    cache_allowed : bool
+        Whether pictures may be kept for a later run.
+    max_connections : int or None
+    requests_per_s : float or None
+    licence : str
+        Of the imagery.
+    terms : str
+        What the provider's terms say of downloading, in short.
+    terms_url : str
+    """
+
+    bulk_allowed: str = "yes"
+    max_tiles: int | None = None
+    cache_allowed: bool = True
+    max_connections: int | None = None
+    requests_per_s: float | None = None
+    licence: str = ""
+    terms: str = ""
+    terms_url: str = ""
+
+    def __post_init__(self) -> None:
+        if self.bulk_allowed not in BULK:
+            raise InvalidInput(f"bulk_allowed {self.bulk_allowed!r}: must be one of {', '.join(BULK)}")
+        if self.bulk_allowed != "yes" and self.max_tiles is None:
+            raise InvalidInput(
+                f"bulk_allowed {self.bulk_allowed!r} without max_tiles: say how many are no bulk"
+            )
+        for name in ("max_tiles", "max_connections", "requests_per_s"):
+            value = getattr(self, name)
+            if value is not None and not value > 0:
+                raise InvalidInput(f"{name} {value}: must be above 0, or left out")
+
+    def connections(self, wanted: int) -> int:
+        """Return the connections to open where ``wanted`` are asked for."""
+        return wanted if self.max_connections is None else min(wanted, self.max_connections)
+
+    def check(
+        self, title: str, requests: int, accept_terms: bool = False, instead: tuple[str, ...] = ()
+    ) -> None:
+        """Refuse a run of more requests than the terms let pass.
+
+        Parameters
+        ----------
+        title : str
+            The source, as people see it.
+        requests : int
+            Requests of the run.
+        accept_terms : bool
+            The user has agreed to the terms; counts for ``ask`` only.
+        instead : tuple of str
+            Sources that allow it, to be named.
+
+        Raises
+        ------
+        SourceError
+            Quoting the terms.
+        """
+        if self.bulk_allowed == "yes" or self.max_tiles is None or requests <= self.max_tiles:
+            return
+        if self.bulk_allowed == "ask" and accept_terms:
+            return
+        way_out = (
+            f"sources that allow it: {', '.join(instead)}"
+            if self.bulk_allowed == "no"
+            else "agree to the terms first (--accept-terms)"
+        )
+        without = "breaking" if self.bulk_allowed == "no" else "agreeing to"
+        raise SourceError(
+            f"{title}: {requests} requests, and {self.max_tiles} at most pass without {without} its terms: "
+            f"{self.terms} ({self.terms_url}); {way_out}"
+        )

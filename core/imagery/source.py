@@ -1,0 +1,104 @@
+"""What a source of imagery is to the rest of TerrAInav."""
+
+from __future__ import annotations
+
+from typing import NamedTuple, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..geodesy.mercator import PixelGrid
+
+Pixels = NDArray[np.uint8]
+
+
+class Window(NamedTuple):
+    """A rectangle of a source's global pixel grid at a zoom; hashable, so that equal ones are fetched once.
+
+    Left and top count px from 180° W and 85.0511° N; they are whole but for sources addressed by centre.
+    """
+
+    zoom: int
+    left_px: float
+    top_px: float
+    width_px: int
+    height_px: int
+
+
+class Part(NamedTuple):
+    """One request's share of a picture.
+
+    ``window`` is what to fetch, its left within the world; ``dx_px, dy_px`` is where its upper-left pixel
+    falls in the picture (negative where it starts before the picture does).
+    """
+
+    window: Window
+    dx_px: int
+    dy_px: int
+
+
+class Source(Protocol):
+    """A place pixels come from. Implementations are safe to call from several threads at once."""
+
+    @property
+    def name(self) -> str:
+        """What a mission names it by."""
+        ...
+
+    @property
+    def title(self) -> str:
+        """What people see; "Synthetic (offline)" for the embedded world."""
+        ...
+
+    @property
+    def attribution(self) -> str:
+        """Credit that goes into every picture's metadata."""
+        ...
+
+    @property
+    def map_types(self) -> tuple[str, ...]:
+        """Map types it can tell apart; empty where it has one kind of picture only."""
+        ...
+
+    @property
+    def grid(self) -> PixelGrid:
+        """Its pixels."""
+        ...
+
+    def parts(self, window: Window) -> list[Part]:
+        """Return the parts that together fill ``window`` exactly."""
+        ...
+
+    def fetch(self, map_type: str, part: Window) -> Pixels:
+        """Pixels of one part, (height_px, width_px, 3) uint8.
+
+        Raises
+        ------
+        PartError
+            This part cannot be had: the pictures that need it fail.
+        SourceError
+            Nothing can be had from this source: the run stops.
+        """
+        ...
+
+    def close(self) -> None:
+        """Free what it holds; requests under way end at once and raise Cancelled."""
+        ...
+
+
+def tile_parts(window: Window, grid: PixelGrid) -> list[Part]:
+    """Tiles of ``grid`` that fill a whole-numbered window, by rows; columns wrap around the world.
+
+    The part of a tile starts at ``x * tile_px, y * tile_px`` of its wrapped column x and row y.
+    """
+    size, columns = grid.tile_px, 1 << window.zoom
+    left, top = int(window.left_px), int(window.top_px)
+    return [
+        Part(
+            Window(window.zoom, column % columns * size, row * size, size, size),
+            column * size - left,
+            row * size - top,
+        )
+        for row in range(top // size, (top + window.height_px - 1) // size + 1)
+        for column in range(left // size, (left + window.width_px - 1) // size + 1)
+    ]

@@ -1,0 +1,215 @@
+"""Google Static Maps: pictures asked for by their centre.
+
+The service keeps six decimals of the centre; the grid says so, and the plan's windows stand about centres of
+six decimals. A picture is georeferenced by its window, that is by the centre as it was sent.
+"""
+
+from __future__ import annotations
+
+import base64
+import hashlib
+import hmac
+from urllib.parse import quote, urlencode, urlsplit
+
+import numpy as np
+
+from ..errors import InvalidInput, PartError
+from ..geodesy.frames import Windows, window_centres
+from ..geodesy.mercator import PixelGrid
+from .client import Client
+from .decode import Placeholder, decode
+from .policy import Policy
+from .source import Part, Pixels, Window
+from .transport import RequestsTransport, Stop, Transport
+
+GOOGLE_URL = "https://maps.googleapis.com/maps/api/staticmap"
+MAP_TYPES = ("satellite", "roadmap", "terrain")
+#: Longest side of a picture, before ``scale``.
+MAX_SIZE_PX = 640
+#: Decimals of a degree the service keeps of a centre (0.1 m).
+CENTRE_DECIMALS = 6
+_MAX_ZOOM = 21
+#: A window's centre may be off the decimals sent by the noise of float64 pixels, a millionth of the last
+#: decimal; a window that was not placed for this source is off by up to half of it.
+_CENTRE_TOLERANCE_DEG = 1e-9
+_NO_LABELS = "feature:all|element:labels|visibility:off"
+#: Header by which the service says that a picture with status 200 is not what was asked for.
+_WARNING = Placeholder(header=(("x-staticmap-api-warning", "*"),))
+
+
+class StaticMapSource:
+    """Pictures of Google Static Maps, without labels.
+
+    Parameters
+    ----------
+    key : str
+        API key.
+    secret : str or None
+        URL signing secret, URL-safe base64 as the Cloud console shows it; None to send requests unsigned.
+    scale : int
+        1, or 2 for twice the pixels of the same ground.
+    name, title, attribution : str
+    policy : Policy
+    url : str
+        Address of the service.
+    client, transport, connections
+        As for `XYZSource`.
+    """
+
+    map_types = MAP_TYPES
+
+    def __init__(
+        self,
+        key: str,
+        secret: str | None = None,
+        *,
+        scale: int = 1,
+        name: str = "google-static",
+        title: str = "Google Static Maps",
+        attribution: str = "Map data © Google",
+        policy: Policy = Policy(),  # noqa: B008 (an immutable value)
+        url: str = GOOGLE_URL,
+        client: Client | None = None,
+        transport: Transport | None = None,
+        connections: int = 8,
+    ) -> None:
+        if scale not in (1, 2):
+            raise InvalidInput(f"scale {scale}: Static Maps has 1 (tiles of 256 px) and 2 (512 px)")
+        self.name, self.title, self.attribution = name, title, attribution
+        self.date = ""
+        self.policy = policy
+        self.grid = PixelGrid(
+            tile_px=256 * scale,
+            max_zoom=_MAX_ZOOM,
+            native_zoom=_MAX_ZOOM,
+            max_size_px=MAX_SIZE_PX,
+            centre_decimals=CENTRE_DECIMALS,
+        )
+        if secret:
+            _secret_bytes(secret)
+        self._key, self._secret, self._url = key, secret, url
+        connections = policy.connections(connections)
+        self._client = client or Client(
+            transport or RequestsTransport(connections),
+            title,
+            connections=connections,
+            requests_per_s=policy.requests_per_s,
+            secrets=tuple(value for value in (key, secret) if value),
+        )
+
+    def __repr__(self) -> str:
+        return f"StaticMapSource({self.title!r}, {self.grid})"
+
+    def parts(self, window: Window) -> list[Part]:
+        """Return the window itself, its left within the world: one request gives the whole picture."""
+        left_px = window.left_px % self.grid.world_px(window.zoom)
+        return [Part(window._replace(left_px=left_px), 0, 0)]
+
+    def fetch(self, map_type: str, part: Window, cancelled: Stop | None = None) -> Pixels:
+        """Pixels of a picture, (height_px, width_px, 3) uint8.
+
+        Raises
+        ------
+        InvalidInput
+            ``part`` does not stand about a centre the service can be told, or is too large.
+        PartError, SourceError, Cancelled
+            As for `XYZSource.fetch`.
+        """
+        lat_deg, lon_deg = self.centre(part)
+        what = f"picture at {lat_deg},{lon_deg} zoom {part.zoom}"
+        response = self._client.get(self._request(map_type, part, lat_deg, lon_deg), what, cancelled)
+        try:
+            _WARNING.refuse(response.body, response.headers)
+            return decode(
+                response.body, part.width_px, part.height_px, response.headers.get("content-type", "")
+            )
+        except PartError as reason:
+            failure = PartError(self._client.redacted(f"{what}: {reason}"))
+        raise failure
+
+    def centre(self, part: Window) -> tuple[str, str]:
+        """Latitude and longitude of a window's centre as they are sent, with six decimals.
+
+        Raises
+        ------
+        InvalidInput
+            The window's centre has more decimals.
+        """
+        windows = Windows(*(np.array([value]) for value in part[1:]))
+        texts = []
+        for values in window_centres(windows, self.grid, part.zoom):
+            degrees = float(values[0])
+            text = f"{degrees:.{CENTRE_DECIMALS}f}"
+            if abs(float(text) - degrees) > _CENTRE_TOLERANCE_DEG:
+                raise InvalidInput(
+                    f"{part}: its centre {degrees!r} has more than {CENTRE_DECIMALS} decimals, which "
+                    f"{self.title} drops; plan with this source's grid"
+                )
+            texts.append(text.lstrip("-") if float(text) == 0.0 else text)
+        return texts[0], texts[1]
+
+    def close(self) -> None:
+        """End what is under way (it raises `Cancelled`) and free the connections."""
+        self._client.close()
+
+    def _request(self, map_type: str, part: Window, lat_deg: str, lon_deg: str) -> str:
+        if map_type not in MAP_TYPES:
+            raise InvalidInput(f"map type {map_type!r}: {self.title} has {', '.join(MAP_TYPES)}")
+        scale = self.grid.scale
+        width, height = part.width_px // scale, part.height_px // scale
+        if (
+            part.width_px % scale
+            or part.height_px % scale
+            or min(width, height) < 1
+            or max(width, height) > MAX_SIZE_PX
+        ):
+            raise InvalidInput(
+                f"picture of {part.width_px}x{part.height_px} px: {self.title} gives up to {MAX_SIZE_PX} px "
+                f"times {scale}"
+            )
+        if not 0 <= part.zoom <= _MAX_ZOOM:
+            raise InvalidInput(f"zoom {part.zoom}: {self.title} has 0 to {_MAX_ZOOM}")
+        query = {
+            "center": f"{lat_deg},{lon_deg}",
+            "zoom": str(part.zoom),
+            "size": f"{width}x{height}",
+            "scale": str(scale),
+            "maptype": map_type,
+            # The default, png8, has 256 colours.
+            "format": "png32",
+        }
+        if map_type != "satellite":
+            query["style"] = _NO_LABELS
+        query["key"] = self._key
+        url = f"{self._url}?{urlencode(query, quote_via=quote, safe='')}"
+        return sign(url, self._secret) if self._secret else url
+
+
+def sign(url: str, secret: str) -> str:
+    """URL with Google's signature of its path and query.
+
+    Source: Google Maps Platform, Digital Signature Guide: HMAC-SHA1, URL-safe base64.
+
+    Parameters
+    ----------
+    url : str
+        Already percent-encoded.
+    secret : str
+        URL-safe base64.
+    """
+    parts = urlsplit(url)
+    signed = f"{parts.path}?{parts.query}".encode("ascii")
+    digest = hmac.new(_secret_bytes(secret), signed, hashlib.sha1).digest()
+    return f"{url}&signature={base64.urlsafe_b64encode(digest).decode('ascii')}"
+
+
+def _secret_bytes(secret: str) -> bytes:
+    padded = secret.strip() + "=" * (-len(secret.strip()) % 4)
+    try:
+        return base64.b64decode(padded, altchars=b"-_", validate=True)
+    except ValueError:
+        wrong = InvalidInput(
+            "URL signing secret: is not URL-safe base64, as the Google Cloud console shows it"
+        )
+    # Outside, so that no failure that quotes the secret hangs on to it.
+    raise wrong

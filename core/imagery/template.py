@@ -1,0 +1,143 @@
+"""URL templates of tiles: ``{z}``, ``{x}``, ``{y}`` and what else providers write in them."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+from dataclasses import dataclass
+from urllib.parse import parse_qsl, quote, urlsplit
+
+from ..errors import InvalidInput
+
+#: What may stand in braces, and what stands for it.
+PLACEHOLDERS = {
+    "z": "zoom",
+    "x": "column",
+    "y": "row counted from the north",
+    "-y": "row counted from the south (TMS)",
+    "q": "quadkey (Bing)",
+    "s": "subdomain",
+    "r": "@2x for tiles of 512 px",
+    "map_type": "satellite, roadmap or terrain",
+    "date": "date of the imagery",
+    "key": "API key",
+}
+_BRACES = re.compile(r"\{([^{}]*)\}")
+#: Subdomains written into the host: {a-c} and {1-4} as in OpenLayers, [1-4], {switch:a,b,c} as in JOSM.
+_RANGE = re.compile(r"\{(\w)-(\w)\}|\[(\w)-(\w)\]|\{switch:([\w,-]+)\}")
+#: Names that keys go by in queries.
+_KEY_NAMES = re.compile(
+    r"access_?token|api[-_]?key|app_?(id|code)|auth(token)?|client_secret|key|password|secret|sig(nature)?"
+    r"|subscription-key|token",
+    re.IGNORECASE,
+)
+
+
+@dataclass(frozen=True)
+class Template:
+    """A checked URL template.
+
+    Parameters
+    ----------
+    text : str
+        http or https; with {z}, {x} and {y} or {-y}, or with {q}. Holds no key: {key} stands for it.
+    subdomains : tuple of str
+        What {s} stands for, in turn.
+    """
+
+    text: str
+    subdomains: tuple[str, ...] = ("a", "b", "c")
+
+    def __post_init__(self) -> None:
+        text = self.text.strip().replace("${", "{").replace("{zoom}", "{z}")
+        object.__setattr__(self, "subdomains", tuple(self.subdomains))
+        inline = _RANGE.search(text)
+        if inline:
+            object.__setattr__(self, "subdomains", _spelled_out(inline))
+            text = _RANGE.sub("{s}", text, count=1)
+        object.__setattr__(self, "text", text)
+        self._check_url()
+        self._check_placeholders()
+
+    @property
+    def names(self) -> frozenset[str]:
+        """Placeholders it uses."""
+        return frozenset(_BRACES.findall(self.text))
+
+    @property
+    def host(self) -> str:
+        """Host asked, its first subdomain where there are several."""
+        return urlsplit(self._filled({"s": self.subdomains[0] if self.subdomains else ""})).hostname or ""
+
+    def url(
+        self, z: int, x: int, y: int, *, scale: int = 1, map_type: str = "", date: str = "", key: str = ""
+    ) -> str:
+        """URL of a tile; the subdomain follows from column and row, so that a tile always has the same."""
+        names = self.names
+        values = {"z": str(z), "x": str(x), "y": str(y), "-y": str((1 << z) - 1 - y)}
+        if "q" in names:
+            values["q"] = quadkey(z, x, y)
+        if "s" in names:
+            values["s"] = self.subdomains[(x + y) % len(self.subdomains)]
+        values["r"] = "" if scale == 1 else f"@{scale}x"
+        values.update(map_type=map_type, date=quote(date, safe=":"), key=quote(key, safe=""))
+        return self._filled(values)
+
+    def _filled(self, values: dict[str, str]) -> str:
+        return _BRACES.sub(lambda found: values.get(found.group(1), found.group(0)), self.text)
+
+    def _check_url(self) -> None:
+        parts = urlsplit(_BRACES.sub("0", self.text))
+        if parts.scheme not in ("http", "https") or not parts.hostname:
+            raise InvalidInput(
+                f"URL template of {parts.scheme or 'no'} scheme: must start with http:// or https://"
+            )
+        if parts.username is not None or parts.password is not None:
+            raise InvalidInput(
+                f"URL template for {parts.hostname}: holds a user name; no credentials may stand in it"
+            )
+        for name, value in parse_qsl(urlsplit(self.text).query):
+            if _KEY_NAMES.fullmatch(name) and "{key}" not in value:
+                raise InvalidInput(
+                    f"URL template for {parts.hostname}: holds a key in {name!r}, which would end up in files; "
+                    f"write {name}={{key}} and set TERRAINAV_KEY"
+                )
+
+    def _check_placeholders(self) -> None:
+        names = self.names
+        shown = self.text.partition("?")[0]
+        for name in sorted(names - PLACEHOLDERS.keys()):
+            raise InvalidInput(
+                f"URL template {shown}: {{{name}}} is unknown; known are {_in_braces(PLACEHOLDERS)}"
+            )
+        if re.search(r"[{}]", _BRACES.sub("", self.text)):
+            raise InvalidInput(f"URL template {shown}: a brace without its partner")
+        if "s" in names and not self.subdomains:
+            raise InvalidInput(f"URL template {shown}: {{s}} without subdomains to put there")
+        missing = [name for name in ("z", "x") if name not in names]
+        if not names & {"y", "-y"}:
+            missing.append("y")
+        if missing and "q" not in names:
+            raise InvalidInput(
+                f"URL template {shown}: without {_in_braces(missing)}; needs {{z}}, {{x}} and {{y}} (or {{-y}}, or "
+                "{q} alone)"
+            )
+
+
+def _in_braces(names: Iterable[str]) -> str:
+    return " ".join(f"{{{name}}}" for name in names)
+
+
+def _spelled_out(inline: re.Match[str]) -> tuple[str, ...]:
+    """Subdomains of a range or list in a template."""
+    first, last = inline.group(1) or inline.group(3), inline.group(2) or inline.group(4)
+    if first is None:
+        return tuple(inline.group(5).split(","))
+    if ord(first) > ord(last):
+        raise InvalidInput(f"URL template with subdomains {first}-{last}: the first comes after the last")
+    return tuple(chr(code) for code in range(ord(first), ord(last) + 1))
+
+
+def quadkey(z: int, x: int, y: int) -> str:
+    """Bing's name of a tile: a base-4 digit a zoom, column in the low bit, row in the high one."""
+    return "".join(str((x >> bit & 1) + 2 * (y >> bit & 1)) for bit in range(z - 1, -1, -1))

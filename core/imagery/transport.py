@@ -1,0 +1,284 @@
+"""HTTP as the sources need it: one attempt at one URL gives a whole body, or says what went wrong.
+
+Trying again, limits of rate and what a status means are in `client`, so that another transport (QGIS's own
+network stack) has only `Transport` to fulfil.
+"""
+
+from __future__ import annotations
+
+import logging
+import time
+import weakref
+from collections.abc import Mapping
+from contextlib import closing
+from typing import Any, Callable, NamedTuple, Protocol
+from urllib.parse import urljoin, urlsplit
+
+import requests
+import urllib3
+from requests.adapters import HTTPAdapter
+from urllib3.connection import HTTPConnection, HTTPSConnection
+from urllib3.connectionpool import HTTPConnectionPool, HTTPSConnectionPool
+
+from ..errors import Cancelled, TerrAInavError
+from ..version import version
+from .watch import Watch
+
+PROJECT_URL = "https://github.com/terrainav/terrainav"
+#: Largest body read; a tile of 512 px takes about 1 MB at most as PNG.
+MAX_BODY_BYTES = 32 << 20
+#: Redirects followed for one request; tile servers need one or two.
+MAX_REDIRECTS = 5
+_CHUNK_BYTES = 1 << 16
+
+Stop = Callable[[], bool]
+
+
+class Response(NamedTuple):
+    """An answer, whole. Names of headers are in lower case."""
+
+    status: int
+    headers: Mapping[str, str]
+    body: bytes
+
+
+class TransportError(TerrAInavError):
+    """An attempt without an answer. Its text names no URL, because URLs hold keys.
+
+    Parameters
+    ----------
+    reason : str
+    again : bool
+        Whether another attempt may fare better.
+    away : bool
+        Whether the server could not be reached at all.
+    """
+
+    def __init__(self, reason: str, *, again: bool = True, away: bool = False) -> None:
+        super().__init__(reason)
+        self.again = again
+        self.away = away
+
+
+class Transport(Protocol):
+    """One attempt at one URL; safe to call from several threads at once."""
+
+    def get(
+        self, url: str, headers: Mapping[str, str] | None = None, cancelled: Stop | None = None
+    ) -> Response:
+        """Answer of any status, its body as long as its Content-Length says.
+
+        Raises
+        ------
+        TransportError
+            No whole answer.
+        Cancelled
+            Within half a second of ``cancelled`` answering true, or of `close`.
+        """
+        ...
+
+    def close(self) -> None:
+        """Free the connections and end what is under way."""
+        ...
+
+
+class Timeouts(NamedTuple):
+    """Seconds to connect, between two pieces of an answer, and for one whole attempt."""
+
+    connect_s: float = 10.0
+    read_s: float = 20.0
+    whole_s: float = 60.0
+
+
+def user_agent() -> str:
+    """Return the name TerrAInav gives itself to servers."""
+    return f"TerrAInav/{version()} (+{PROJECT_URL})"
+
+
+class RequestsTransport:
+    """Transport over one requests Session with a pool as large as the connections.
+
+    Parameters
+    ----------
+    connections : int
+        Connections kept open to a host.
+    timeouts : Timeouts
+    max_body_bytes : int
+        Bodies beyond this are given up.
+    """
+
+    def __init__(
+        self,
+        connections: int = 8,
+        timeouts: Timeouts = Timeouts(),  # noqa: B008 (an immutable value)
+        max_body_bytes: int = MAX_BODY_BYTES,
+    ) -> None:
+        self._timeouts = timeouts
+        self._max_body_bytes = max_body_bytes
+        self._watch = Watch()
+        # Pictures do not compress further, so their Content-Length may as well be that of the picture.
+        self._headers = {
+            "User-Agent": user_agent(),
+            "Accept": "image/*,*/*;q=0.1",
+            "Accept-Encoding": "identity",
+        }
+        self._session = requests.Session()
+        adapter = _Adapter(connections, self._watch)
+        self._session.mount("http://", adapter)
+        self._session.mount("https://", adapter)
+        self._settings: dict[tuple[str, str], Mapping[str, Any]] = {}
+        # Also where nobody closes it, so that no connection and no filter stays behind.
+        self._free = weakref.finalize(self, _free, self._session, _quiet(self._watch))
+
+    def get(
+        self, url: str, headers: Mapping[str, str] | None = None, cancelled: Stop | None = None
+    ) -> Response:
+        """Answer of any status; see `Transport.get`."""
+        problem: TransportError
+        with self._watch.over(cancelled, time.monotonic() + self._timeouts.whole_s) as exchange:
+            try:
+                return self._follow(url, headers or {})
+            except TransportError as failure:
+                problem = failure
+            except (requests.RequestException, urllib3.exceptions.HTTPError, OSError, ValueError) as failure:
+                problem = self._problem(failure, urlsplit(url).hostname)
+        # Raised out here, where the failure that holds the URL is no part of it any more.
+        if exchange.ended == "cancelled":
+            raise Cancelled("cancelled while waiting for the network")
+        if exchange.ended == "late":
+            raise TransportError(f"no whole answer within {self._timeouts.whole_s:g} s")
+        raise TransportError(str(problem), again=problem.again, away=problem.away)
+
+    def close(self) -> None:
+        """Free the connections and end what is under way."""
+        self._watch.close()
+        self._free()
+
+    def _follow(self, url: str, headers: Mapping[str, str]) -> Response:
+        # By the adapter: Session.send reads the body of every redirect, however long.
+        for _ in range(MAX_REDIRECTS + 1):
+            if urlsplit(url).scheme not in ("http", "https"):
+                raise TransportError("redirect to something else than http or https", again=False)
+            answer = self._session.get_adapter(url).send(
+                requests.Request("GET", url, headers={**self._headers, **headers}).prepare(),
+                stream=True,
+                timeout=(self._timeouts.connect_s, self._timeouts.read_s),
+                **self._environment(url),
+            )
+            with closing(answer):
+                body = self._body(answer)
+                location = self._session.get_redirect_target(answer)
+                if location is None:
+                    named = {name.lower(): value for name, value in answer.headers.items()}
+                    return Response(answer.status_code, named, body)
+            url = urljoin(url, location)
+        raise TransportError(f"more than {MAX_REDIRECTS} redirects", again=False)
+
+    def _environment(self, url: str) -> Mapping[str, Any]:
+        """Proxies and certificates the environment names for a host; looked up once, because it is slow."""
+        parts = urlsplit(url)
+        host = (parts.scheme, parts.netloc)
+        if host not in self._settings:
+            found = self._session.merge_environment_settings(url, {}, None, None, None)
+            self._settings[host] = {name: found[name] for name in ("proxies", "verify", "cert")}
+        return self._settings[host]
+
+    def _body(self, answer: requests.Response) -> bytes:
+        chunks, size = [], 0
+        for chunk in answer.raw.stream(_CHUNK_BYTES, decode_content=True):
+            chunks.append(chunk)
+            size += len(chunk)
+            if size > self._max_body_bytes:
+                raise TransportError(f"body beyond {self._max_body_bytes} bytes", again=False)
+        length = answer.headers.get("Content-Length", "")
+        # urllib3 before 2 takes the end of the connection for the end of the body.
+        if length.isdigit() and "Transfer-Encoding" not in answer.headers and answer.raw.tell() < int(length):
+            raise TransportError(f"body broke off after {answer.raw.tell()} of {length} bytes")
+        return b"".join(chunks)
+
+    def _problem(self, failure: Exception, host: str | None) -> TransportError:
+        """Say what failed in words of our own: those of the libraries quote the URL."""
+        if isinstance(failure, requests.exceptions.SSLError):
+            return TransportError(f"no trusted connection to {host} (TLS)", again=False, away=True)
+        if isinstance(failure, requests.exceptions.ProxyError):
+            return TransportError("the proxy does not answer", away=True)
+        if isinstance(failure, (requests.Timeout, urllib3.exceptions.TimeoutError)):
+            return TransportError(f"no answer from {host} for {self._timeouts.read_s:g} s")
+        if isinstance(failure, requests.exceptions.InvalidURL):
+            return TransportError("the URL is not valid", again=False)
+        cause = failure.args[0] if failure.args else None
+        if isinstance(getattr(cause, "reason", cause), urllib3.exceptions.NewConnectionError):
+            return TransportError(f"no connection to {host}", away=True)
+        return TransportError(f"connection to {host} broke off")
+
+
+def _free(session: requests.Session, undo: Callable[[], None]) -> None:
+    session.close()
+    undo()
+
+
+def _quiet(watch: Watch) -> Callable[[], None]:
+    """Keep urllib3 from logging the URLs of watched requests, which hold keys; return what undoes it."""
+
+    def others(_record: logging.LogRecord) -> bool:
+        return not watch.here()
+
+    loggers = [logging.getLogger(f"urllib3.{name}") for name in ("connection", "connectionpool", "response")]
+    for logger in loggers:
+        logger.addFilter(others)
+
+    def undo() -> None:
+        for logger in loggers:
+            logger.removeFilter(others)
+
+    return undo
+
+
+class _Adapter(HTTPAdapter):
+    """Adapter whose connections can be given up while they wait."""
+
+    def __init__(self, connections: int, watch: Watch) -> None:
+        self._pools = _pool_classes(watch)
+        # Hosts of a template's subdomains and redirects; each has a pool of its own.
+        super().__init__(pool_connections=16, pool_maxsize=connections, max_retries=0)
+
+    def init_poolmanager(self, *args: Any, **kwargs: Any) -> None:
+        super().init_poolmanager(*args, **kwargs)  # type: ignore[no-untyped-call]
+        self.poolmanager.pool_classes_by_scheme = self._pools
+
+    def proxy_manager_for(self, proxy: str, **kwargs: Any) -> Any:
+        manager = super().proxy_manager_for(proxy, **kwargs)  # type: ignore[no-untyped-call]
+        manager.pool_classes_by_scheme = self._pools
+        return manager
+
+
+def _pool_classes(watch: Watch) -> dict[str, type[HTTPConnectionPool]]:
+    """Make connection pools of urllib3 whose connections tell ``watch`` what they wait on."""
+
+    class Watched:
+        sock: Any
+
+        def connect(self) -> None:
+            watch.run(super().connect, self.close)  # type: ignore[misc]
+            watch.attach(self.sock)
+
+        def getresponse(self, *args: Any, **kwargs: Any) -> Any:
+            watch.attach(self.sock)
+            return super().getresponse(*args, **kwargs)  # type: ignore[misc]
+
+        def close(self) -> None:
+            super().close()  # type: ignore[misc]
+
+    class Plain(Watched, HTTPConnection):
+        pass
+
+    class Secure(Watched, HTTPSConnection):
+        pass
+
+    class PlainPool(HTTPConnectionPool):
+        ConnectionCls = Plain
+
+    class SecurePool(HTTPSConnectionPool):
+        ConnectionCls = Secure
+
+    return {"http": PlainPool, "https": SecurePool}

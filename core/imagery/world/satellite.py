@@ -1,0 +1,145 @@
+"""The world as seen from the air."""
+
+from __future__ import annotations
+
+from typing import Dict
+
+import numpy as np
+
+from . import climate, trees
+from .buildings import Footprints
+from .detail import speckle, stripes
+from .lattice import Array
+from .leaves import HALF_WIDTH_M, HEDGE, LANE, MAIN, ROAD, TRACK, farm_mean
+from .paint import Canvas, line_cover
+from .scene import PARCEL_ZOOM, Scene
+
+_HEDGE, _SOIL_TRACK = (62, 80, 44), (176, 156, 122)
+_ASPHALT = {LANE: (150, 146, 140), ROAD: (128, 126, 124), MAIN: (112, 112, 112)}
+_VERGE = (138, 138, 92)
+_RIVER = (62, 84, 82)
+_LAKE = (44, 66, 76)
+_SHADOW = (26, 30, 34)
+_FLOOR = (44, 52, 32)
+
+
+def satellite(scene: Scene) -> Canvas:
+    """Paint the land, then water, then what stands on it."""
+    zoom = scene.samples.zoom
+    canvas = _Land(scene).paint() if zoom >= PARCEL_ZOOM else _from_afar(scene)
+    return canvas
+
+
+def _farm_colour(f: Dict[str, Array]) -> Array:
+    dry = climate.dryness(f)
+    return farm_mean(dry.ravel()).reshape(3, *dry.shape)
+
+
+def _from_afar(scene: Scene) -> Canvas:
+    region, samples = scene.region, scene.samples
+    canvas = Canvas(region.smooth(climate.natural_colour, samples), samples.shape)
+    canvas.blend(region.smooth(climate.rural_share, samples), region.smooth(_farm_colour, samples))
+    woods = scene.woods()
+    if woods is not None:
+        canvas.blend(woods, _canopy(scene))
+    canvas.lighten(_light(scene))
+    _paint_water(canvas, scene)
+    return canvas
+
+
+def _canopy(scene: Scene) -> tuple[float, float, float]:
+    return tuple(float(c) for c in trees.CANOPY)  # type: ignore[return-value]
+
+
+def _light(scene: Scene) -> Array:
+    return np.float32(1) + np.clip(scene.shade() * np.float32(0.34), -0.55, 0.45)
+
+
+def _paint_water(canvas: Canvas, scene: Scene) -> None:
+    sea = scene.sea()
+    if sea is not None:
+        canvas.blend(sea, scene.region.smooth(climate.sea_colour, scene.samples))
+    canvas.blend(scene.lakes(), _LAKE)
+    canvas.blend(scene.rivers(), _RIVER)
+
+
+class _Land:
+    """Painter of one set of samples at the zooms that show parcels."""
+
+    def __init__(self, scene: Scene) -> None:
+        self.scene, self.parcels = scene, scene.parcels
+        self.pixel_m, self.zoom = scene.pixel_m, scene.samples.zoom
+        self.looks = self.parcels.division.looks
+
+    def paint(self) -> Canvas:
+        scene = self.scene
+        seed, samples = scene.seed, scene.samples
+        self.speckle = speckle(seed, samples, 0, min(self.zoom + 6, 28))
+        canvas = Canvas([self.parcels.take(c) for c in self.looks.colour], samples.shape)
+        wild = self.parcels.leaf(self.looks.wild)
+        if wild.any():
+            canvas.blend(self.parcels.spread(wild), scene.region.smooth(climate.natural_colour, samples))
+        canvas.lighten(self._texture())
+        self._lines(canvas)
+        woods = scene.woods()
+        if woods is not None:
+            canvas.blend(woods, _FLOOR if self.zoom >= trees.FIRST_ZOOM else _canopy(scene))
+        _paint_water(canvas, scene)
+        self._roads(canvas)
+        self._buildings(canvas)
+        if self.zoom >= trees.FIRST_ZOOM:
+            self._trees(canvas)
+        return canvas
+
+    def _texture(self) -> Array:
+        """Lightness of the ground: stripes along the rows of fields, speckle, and slopes."""
+        looks, parcels = self.looks, self.parcels
+        light = _light(self.scene)
+        if self.speckle is not None:
+            light += self.speckle * parcels.take(looks.speckle)
+        strength = parcels.leaf(looks.stripes)
+        if self.zoom >= 13 and strength.any():
+            across = parcels.x * parcels.take(looks.cos)
+            across += parcels.y * parcels.take(looks.sin)
+            light += stripes(self.scene.seed, across, self.pixel_m) * parcels.spread(strength)
+        return light
+
+    def _lines(self, canvas: Canvas) -> None:
+        for line, colour in ((TRACK, _SOIL_TRACK), (HEDGE, _HEDGE)):
+            d = self.parcels.distance_m(line)
+            if d is not None:
+                canvas.blend(line_cover(d, HALF_WIDTH_M[line], self.pixel_m) * np.float32(0.8), colour)
+
+    def _roads(self, canvas: Canvas) -> None:
+        p = self.pixel_m
+        lines = [(line, self.parcels.distance_m(line)) for line in (LANE, ROAD, MAIN)]
+        for line, d in lines:
+            if d is not None:
+                canvas.blend(line_cover(d, HALF_WIDTH_M[line] + 2.0, p) * np.float32(0.6), _VERGE)
+        for line, d in lines:
+            if d is not None:
+                canvas.blend(line_cover(d, HALF_WIDTH_M[line], p), _ASPHALT[line])
+        if self.zoom >= 18 and lines[2][1] is not None:
+            canvas.blend(line_cover(lines[2][1], 0.2, p) * np.float32(0.7), (224, 206, 130))
+        cover = self.scene.motorway()
+        canvas.blend(cover, (134, 132, 130))
+
+    def _buildings(self, canvas: Canvas) -> None:
+        prints = Footprints(self.parcels)
+        if not prints.at.size:
+            return
+        if self.zoom >= 15:
+            shadow = prints.cover(moved_m=2.6)
+            shadow *= np.float32(0.6)
+            which = np.flatnonzero(shadow)
+            canvas.touch(prints.at[which], shadow[which], _SHADOW)
+        cover = prints.cover()
+        which = np.flatnonzero(cover)
+        canvas.touch(prints.at[which], cover[which], prints.roofs(which))
+
+    def _trees(self, canvas: Canvas) -> None:
+        scene = self.scene
+        contrast = 0.55 if self.zoom == trees.FIRST_ZOOM else 1.0
+        for shifted in (False, True):
+            cells, crowns = trees.plant(scene.seed, scene.samples, shifted)
+            trees.draw(canvas, cells, crowns, self.pixel_m, self.speckle, contrast, np.array(_canopy(scene), dtype=np.float32))

@@ -1,0 +1,170 @@
+"""What lies at some samples: water, woods, motorways and parcels, worked out once and shared by all styles."""
+
+from __future__ import annotations
+
+from typing import Dict
+
+import numpy as np
+
+from . import climate
+from .lattice import Array, Samples
+from .parcels import Parcels
+from .region import Region
+
+PARCEL_ZOOM = 8
+"""Zoom from which parcels and roads are drawn; a pixel of the one before is wider than a village."""
+
+RIVER_HALF_WIDTH_M = 34.0
+BROOK_HALF_WIDTH_M = 3.2
+MOTORWAY_HALF_WIDTH_M = 13.0
+_LEAST_STEEPNESS = {"river": 2.2e-6, "brook": 1.0e-5, "motorway": 1.5e-6}
+"""Where a course's field is flatter than this per metre, as at a confluence, its width grows no further."""
+
+_MOST_STEEPNESS = {"river": 6e-5, "brook": 2.5e-4, "motorway": 4e-5, "lake": 1.5e-4, "land": 2e-5, "wood": 4e-4}
+
+
+def ramp(x: Array, width: Array | float) -> Array:
+    """Coverage by the side where `x` > 0, blurred over `width`."""
+    out = x / np.asarray(width, dtype=np.float32)
+    out += np.float32(0.5)
+    return np.clip(out, 0.0, 1.0, out=out)
+
+
+class Scene:
+    """The world around some samples. Coverages are float32 in 0..1 of the samples' shape, or None where there is none."""
+
+    def __init__(self, seed: int, samples: Samples) -> None:
+        self.seed, self.samples = seed, samples
+        self.pixel_m = samples.pixel_m
+        self.region = Region.around(seed, samples)
+        self._cache: Dict[str, Array | None] = {}
+        self._parcels: Parcels | None = None
+
+    @property
+    def parcels(self) -> Parcels:
+        """The division of the land."""
+        if self._parcels is None:
+            self._parcels = Parcels(self.seed, self.region, self.samples)
+        return self._parcels
+
+    def _value(self, name: str) -> Array:
+        return self.region.value(name, self.samples)
+
+    def _reach(self, name: str, half_width_m: float) -> float:
+        """Bound on the field within a course of some half width, blur included."""
+        return (half_width_m + self.pixel_m) * _MOST_STEEPNESS[name] + self.region.blur(name)
+
+    def _course(self, name: str, half_width_m: float, factor: Array | None) -> Array | None:
+        """Coverage by a line that follows the zeros of a field."""
+        low, high = self.region.span(name, self.samples)
+        reach = self._reach(name, half_width_m)
+        if low > reach or high < -reach:
+            return None
+        f = self._value(name)
+        steep = self.region.steepness(name, self.samples)
+        width = np.maximum(steep, np.float32(_LEAST_STEEPNESS[name])) * np.float32(half_width_m)
+        if factor is not None:
+            width *= factor
+        soft = steep
+        soft *= np.float32(self.pixel_m)
+        soft += np.float32(self.region.blur(name) + 1e-12)
+        cover = ramp(f + width, soft)
+        cover -= ramp(f - width, soft)
+        return cover
+
+    def _climate(self, name: str) -> Array:
+        key = "climate " + name
+        if key not in self._cache:
+            self._cache[key] = self.region.smooth(getattr(climate, name), self.samples)
+        out = self._cache[key]
+        if out is None:
+            raise TypeError(name)
+        return out
+
+    def sea(self) -> Array | None:
+        """Coverage by the sea."""
+        if "sea" not in self._cache:
+            self._cache["sea"] = self._sea()
+        return self._cache["sea"]
+
+    def _sea(self) -> Array | None:
+        if self.region.span("land", self.samples)[0] > self._reach("land", 0.0):
+            return None
+        steep = self.region.steepness("land", self.samples) * np.float32(self.pixel_m)
+        return ramp(-self._value("land"), steep + np.float32(self.region.blur("land") + 1e-12))
+
+    def rivers(self) -> Array | None:
+        """Coverage by rivers and brooks."""
+        if "rivers" not in self._cache:
+            river = self._course("river", RIVER_HALF_WIDTH_M, self._climate("wateriness"))
+            brook = self._course("brook", BROOK_HALF_WIDTH_M, self._climate("wateriness"))
+            self._cache["rivers"] = _union(river, brook)
+        return self._cache["rivers"]
+
+    def lakes(self) -> Array | None:
+        """Coverage by lakes."""
+        if "lakes" not in self._cache:
+            self._cache["lakes"] = self._lakes()
+        return self._cache["lakes"]
+
+    def _lakes(self) -> Array | None:
+        least = 1.08
+        if self.region.span("lake", self.samples)[1] < least - self._reach("lake", 0.0):
+            return None
+        above = self._value("lake") - (np.float32(least + 1.2) - np.float32(1.2) * self._climate("wateriness"))
+        steep = self.region.steepness("lake", self.samples) * np.float32(self.pixel_m)
+        return ramp(above, steep + np.float32(self.region.blur("lake") + 1e-12))
+
+    def water(self) -> Array | None:
+        """Coverage by water of all kinds."""
+        return _union(_union(self.sea(), self.lakes()), self.rivers())
+
+    def woods(self) -> Array | None:
+        """Coverage by woods, water left out."""
+        if "woods" not in self._cache:
+            self._cache["woods"] = self._woods()
+        return self._cache["woods"]
+
+    def _woods(self) -> Array | None:
+        low, high = self.region.span("wood", self.samples)
+        least, most = self.region.derived_span(climate.wood_threshold, self.samples)
+        reach = self._reach("wood", 0.0)
+        if high < least - reach:
+            return None
+        if low > most + reach:
+            return self._outside_towns(np.ones(self.samples.shape, dtype=np.float32))
+        above = self._value("wood") - self.region.smooth(climate.wood_threshold, self.samples)
+        steep = self.region.steepness("wood", self.samples) * np.float32(self.pixel_m)
+        cover = ramp(above, steep + np.float32(self.region.blur("wood") + 1e-12))
+        return self._outside_towns(cover) if cover.any() else None
+
+    def _outside_towns(self, cover: Array) -> Array | None:
+        if self.samples.zoom >= PARCEL_ZOOM:
+            free = self.parcels.leaf(self.parcels.division.looks.open)
+            if not free.any():
+                return None
+            if not free.all():
+                cover *= self.parcels.spread(free)
+        return cover
+
+    def motorway(self) -> Array | None:
+        """Coverage by motorways."""
+        if "motorway" not in self._cache:
+            cover = self._course("motorway", MOTORWAY_HALF_WIDTH_M, None)
+            if cover is not None:
+                cover *= self._climate("settled")
+            self._cache["motorway"] = cover
+        return self._cache["motorway"]
+
+    def shade(self) -> Array:
+        """Slope towards a light in the north-west, in units in which mountain sides reach about 1."""
+        east, south = self.region.slope("relief", self.samples)
+        east += south
+        east *= np.float32(40075016.7 / 28.0)
+        return east
+
+
+def _union(a: Array | None, b: Array | None) -> Array | None:
+    if a is None or b is None:
+        return a if b is None else b
+    return np.maximum(a, b)

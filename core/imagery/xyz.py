@@ -1,0 +1,182 @@
+"""Tiles by URL template."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Mapping
+
+from ..errors import InvalidInput, PartError, SourceError
+from ..geodesy.mercator import PixelGrid
+from .client import Client
+from .decode import Placeholder, decode
+from .policy import Policy
+from .source import Part, Pixels, Window, tile_parts
+from .template import Template
+from .transport import RequestsTransport, Stop, Transport
+
+#: What {map_type} in a template may stand for.
+MAP_TYPES = ("satellite", "roadmap", "terrain")
+
+
+class XYZSource:
+    """Tiles of 256 or 512 px (or any multiple of 256) by URL template; PNG, JPEG, WebP or GIF.
+
+    Parameters
+    ----------
+    templates : str, Template, or mapping of map type to either
+    name, title, attribution : str
+        Name defaults to the template, title to its host.
+    grid : PixelGrid
+        Tile size and zooms.
+    key : str or None
+        What {key} stands for.
+    date : str
+        What {date} stands for.
+    placeholder : Placeholder
+    policy : Policy
+    client : Client or None
+        None for one over ``transport``.
+    transport : Transport or None
+        None for requests.
+    connections : int
+        Requests under way at once, where the policy allows them.
+    """
+
+    def __init__(
+        self,
+        templates: str | Template | Mapping[str, str | Template],
+        *,
+        name: str = "",
+        title: str = "",
+        attribution: str = "",
+        grid: PixelGrid = PixelGrid(),  # noqa: B008 (an immutable value)
+        key: str | None = None,
+        date: str = "",
+        placeholder: Placeholder = Placeholder(),  # noqa: B008
+        policy: Policy = Policy(),  # noqa: B008
+        client: Client | None = None,
+        transport: Transport | None = None,
+        connections: int = 8,
+    ) -> None:
+        given = dict(templates) if isinstance(templates, Mapping) else {"": templates}
+        self._templates = {
+            map_type: text if isinstance(text, Template) else Template(text)
+            for map_type, text in given.items()
+        }
+        if not self._templates:
+            raise InvalidInput("source without a URL template: needs one")
+        first = next(iter(self._templates.values()))
+        self.name = name or first.text
+        self.title = title or first.host
+        self.attribution = attribution
+        self.grid = grid
+        self.date = date
+        self.policy = policy
+        self.map_types = self._told_apart()
+        self._placeholder = placeholder
+        self._key = key or ""
+        if not date and any("date" in template.names for template in self._templates.values()):
+            raise InvalidInput(f"source {self.title}: its URL has a {{date}}; say which")
+        self._fetched = 0
+        self._lock = threading.Lock()
+        connections = policy.connections(connections)
+        self._client = client or Client(
+            transport or RequestsTransport(connections),
+            self.title,
+            connections=connections,
+            requests_per_s=policy.requests_per_s,
+            secrets=(key,) if key else (),
+        )
+
+    def __repr__(self) -> str:
+        return f"XYZSource({self.title!r}, {self.grid})"
+
+    def parts(self, window: Window) -> list[Part]:
+        """Tiles that fill ``window``."""
+        return tile_parts(window, self.grid)
+
+    def fetch(self, map_type: str, part: Window, cancelled: Stop | None = None) -> Pixels:
+        """Pixels of a tile, (tile_px, tile_px, 3) uint8.
+
+        Parameters
+        ----------
+        map_type : str
+            One of ``map_types``; anything where that is empty.
+        part : Window
+            A tile of ``grid``.
+        cancelled : callable or None
+            Asked during every wait for the network.
+
+        Raises
+        ------
+        InvalidInput
+            ``part`` is no tile of the grid, or the map type is unknown.
+        PartError, SourceError
+            As for every source.
+        Cancelled
+            Within half a second of ``cancelled`` answering true.
+        """
+        zoom, x, y = self._tile(part)
+        what = f"tile {zoom}/{x}/{y}"
+        url = self._template(map_type).url(
+            zoom,
+            x,
+            y,
+            scale=self.grid.scale,
+            map_type=map_type,
+            date=self.date,
+            key=self._key_needed(map_type),
+        )
+        self._count()
+        response = self._client.get(url, what, cancelled)
+        try:
+            self._placeholder.refuse(response.body, response.headers)
+            pixels = decode(
+                response.body, part.width_px, part.height_px, response.headers.get("content-type", "")
+            )
+            self._placeholder.refuse_flat(pixels)
+        except PartError as reason:
+            failure = PartError(self._client.redacted(f"{what}: {reason}"))
+        else:
+            return pixels
+        raise failure
+
+    def close(self) -> None:
+        """End what is under way (it raises `Cancelled`) and free the connections."""
+        self._client.close()
+
+    def _told_apart(self) -> tuple[str, ...]:
+        if "" not in self._templates:
+            return tuple(self._templates)
+        return MAP_TYPES if "map_type" in self._templates[""].names else ()
+
+    def _template(self, map_type: str) -> Template:
+        if self.map_types and map_type not in self.map_types:
+            raise InvalidInput(f"map type {map_type!r}: {self.title} has {', '.join(self.map_types)}")
+        return self._templates.get(map_type) or self._templates[""]
+
+    def _key_needed(self, map_type: str) -> str:
+        if not self._key and "key" in self._template(map_type).names:
+            raise SourceError(f"{self.title}: needs an API key, and none is set")
+        return self._key
+
+    def _tile(self, part: Window) -> tuple[int, int, int]:
+        size, grid = self.grid.tile_px, self.grid
+        x, left = divmod(part.left_px, size)
+        y, top = divmod(part.top_px, size)
+        if left or top or (part.width_px, part.height_px) != (size, size):
+            raise InvalidInput(f"{part}: is no tile of {size} px")
+        zoom, column, row = part.zoom, int(x), int(y)
+        if not grid.min_zoom <= zoom <= grid.max_zoom:
+            raise InvalidInput(f"zoom {zoom}: {self.title} has {grid.min_zoom} to {grid.max_zoom}")
+        if not (0 <= column < 1 << zoom and 0 <= row < 1 << zoom):
+            raise PartError(f"tile {zoom}/{column}/{row}: beyond the edge of the map")
+        return zoom, column, row
+
+    def _count(self) -> None:
+        """Hold a library's caller to a provider's limit too, who may not have asked beforehand."""
+        if self.policy.bulk_allowed != "no":
+            return
+        with self._lock:
+            self._fetched += 1
+            self.policy.check(self.title, self._fetched)

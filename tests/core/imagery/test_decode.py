@@ -1,0 +1,187 @@
+"""Pictures of every kind come out as 8-bit RGB; what is none, or not whole, does not come out."""
+
+from __future__ import annotations
+
+import io
+import warnings
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from PIL import Image, ImageFile
+from terrainav.core.errors import PartError
+from terrainav.core.imagery.decode import Placeholder, decode
+
+from tests.support.faults import bomb
+from tests.support.patterns import encode_position, to_bytes
+
+PICTURE = encode_position(np.arange(64) * 4, np.arange(48) * 5)
+SMOOTH = np.stack(np.broadcast_arrays(np.arange(64) * 4, np.arange(48)[:, None] * 5, 128), axis=-1).astype(
+    np.uint8
+)
+# Of JPEG at quality 95 without chroma subsampling, on a smooth picture.
+JPEG_GREY_LEVELS = 4
+
+
+def encoded(image, kind="png", **options):
+    out = io.BytesIO()
+    image.save(out, kind, **options)
+    return out.getvalue()
+
+
+@pytest.mark.parametrize("kind", ["png", "webp"])
+def test_lossless_pictures_come_out_as_they_were(kind):
+    assert np.array_equal(decode(to_bytes(PICTURE, kind), 64, 48), PICTURE)
+
+
+@pytest.mark.parametrize("options", [{}, {"progressive": True}, {"restart_marker_blocks": 2}], ids=str)
+def test_jpeg(options):
+    pixels = decode(to_bytes(SMOOTH, "jpg", **options), 64, 48)
+    assert pixels.dtype == np.uint8
+    assert np.abs(pixels.astype(int) - SMOOTH).max() <= JPEG_GREY_LEVELS
+
+
+def test_jpeg_with_something_after_its_end():
+    assert decode(to_bytes(SMOOTH, "jpg") + b"appended \xff\x12", 64, 48).shape == (48, 64, 3)
+
+
+def test_cmyk_jpeg():
+    pixels = decode(
+        encoded(Image.fromarray(SMOOTH).convert("CMYK"), "jpeg", quality=98, subsampling=0), 64, 48
+    )
+    assert np.abs(pixels.astype(int) - SMOOTH).max() <= 2 * JPEG_GREY_LEVELS
+
+
+def test_grey_and_bilevel():
+    grey = SMOOTH[..., 0]
+    assert np.array_equal(
+        decode(encoded(Image.fromarray(grey)), 64, 48), np.repeat(grey[..., None], 3, axis=2)
+    )
+    bilevel = decode(encoded(Image.fromarray(grey > 100)), 64, 48)
+    assert np.array_equal(bilevel[..., 0], np.where(grey > 100, 255, 0))
+
+
+def test_16_bit_grey_keeps_its_high_byte():
+    grey = (np.arange(64 * 48).reshape(48, 64) * 21).astype(np.uint16)
+    pixels = decode(encoded(Image.fromarray(grey)), 64, 48)
+    assert np.array_equal(pixels, np.repeat((grey >> 8).astype(np.uint8)[..., None], 3, axis=2))
+
+
+def test_palette():
+    few = (SMOOTH // 86 * 86).astype(np.uint8)
+    assert np.array_equal(decode(encoded(Image.fromarray(few).quantize(256)), 64, 48), few)
+    assert np.array_equal(decode(encoded(Image.fromarray(few).quantize(256), "gif"), 64, 48), few)
+
+
+def test_opaque_alpha_changes_nothing():
+    opaque = np.dstack([PICTURE, np.full((48, 64), 255, np.uint8)])
+    pixels = decode(encoded(Image.fromarray(opaque)), 64, 48)
+    assert np.array_equal(pixels, PICTURE)
+    assert pixels.flags.c_contiguous
+
+
+def test_translucent_pixels_lie_over_white():
+    translucent = np.dstack([PICTURE, np.full((48, 64), 51, np.uint8)])
+    expected = 255 + (PICTURE.astype(float) - 255) * 51 / 255
+    assert np.abs(decode(encoded(Image.fromarray(translucent)), 64, 48) - expected).max() <= 0.5
+
+
+@pytest.mark.parametrize("kind", ["png", "webp"])
+def test_a_hole_refuses_the_picture(kind):
+    holed = np.dstack([PICTURE, np.full((48, 64), 255, np.uint8)])
+    holed[:12] = 0
+    with pytest.raises(PartError, match=r"no imagery in 25 % of the picture \(transparent\)"):
+        decode(
+            encoded(Image.fromarray(holed), kind, **({"lossless": True} if kind == "webp" else {})), 64, 48
+        )
+
+
+def test_a_transparent_palette_entry_is_a_hole():
+    image = Image.fromarray((SMOOTH // 86 * 86).astype(np.uint8)).quantize(16)
+    with pytest.raises(PartError, match="transparent"):
+        decode(encoded(image, transparency=image.getpixel((0, 0))), 64, 48)
+
+
+@pytest.mark.parametrize("kind", ["png", "jpg", "webp"])
+@given(share=st.floats(0.0, 0.98))
+def test_a_part_of_a_picture_is_none(kind, share):
+    whole = to_bytes(PICTURE, kind)
+    try:
+        pixels = decode(whole[: int(len(whole) * share)], 64, 48)
+    except PartError:
+        return
+    # The end marker of a PNG may be missing where nothing else is.
+    assert kind == "png"
+    assert np.array_equal(pixels, PICTURE)
+
+
+def test_a_part_is_none_even_where_another_program_tells_pillow_so(monkeypatch):
+    monkeypatch.setattr(ImageFile, "LOAD_TRUNCATED_IMAGES", True)
+    whole = to_bytes(PICTURE, "jpg")
+    with pytest.raises(PartError, match="broken off"):
+        decode(whole[: len(whole) // 2], 64, 48)
+
+
+@given(st.integers(8, len(to_bytes(PICTURE, "png")) - 1), st.integers(1, 255))
+def test_no_changed_byte_of_a_png_passes(at, change):
+    broken = bytearray(to_bytes(PICTURE, "png"))
+    broken[at] ^= change
+    try:
+        pixels = decode(bytes(broken), 64, 48)
+    except PartError:
+        return
+    # A changed byte of the end marker's own checksum, or the like, that leaves every pixel right.
+    assert np.array_equal(pixels, PICTURE)
+
+
+def test_a_picture_of_another_size_is_named():
+    with pytest.raises(PartError, match="64x48 px instead of 256x256"):
+        decode(to_bytes(PICTURE, "png"), 256, 256)
+
+
+def test_a_bomb_is_not_unpacked_and_nobody_is_warned():
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        with pytest.raises(PartError, match="40000x40000 px instead of 256x256"):
+            decode(bomb(), 256, 256)
+
+
+@pytest.mark.parametrize(
+    ("body", "kind", "message"),
+    [
+        (b"", "image/png", "an empty answer instead of a picture"),
+        (
+            b"<html><body><p>Sorry &amp; bye</p></body></html>",
+            "text/html",
+            "text/html instead of a picture: Sorry & bye",
+        ),
+        (
+            b'{"errors": [{"message": "No such layer"}]}',
+            "application/json",
+            "application/json .*: No such layer",
+        ),
+        (
+            b"\x00\x01\x02\x03" * 100,
+            "application/octet-stream",
+            "application/octet-stream instead of a picture$",
+        ),
+        (b"II*\x00" + bytes(100), "", "something instead of a picture$"),
+    ],
+)
+def test_what_is_no_picture_is_quoted(body, kind, message):
+    with pytest.raises(PartError, match=message):
+        decode(body, 256, 256, kind)
+
+
+def test_placeholders():
+    placeholder = Placeholder(header=(("X-VE-Tile-Info", "no-tile"),), flat_rgb=((255, 255, 255),))
+    placeholder.refuse(b"", {"x-ve-tile-info": "tile"})
+    with pytest.raises(PartError, match=r"X-VE-Tile-Info: no-tile"):
+        placeholder.refuse(b"", {"x-ve-tile-info": "no-tile"})
+    white = np.full((4, 4, 3), 255, np.uint8)
+    with pytest.raises(PartError, match=r"one colour, rgb\(255, 255, 255\)"):
+        placeholder.refuse_flat(white)
+    placeholder.refuse_flat(white - 1)
+    white[3, 3, 0] = 254
+    placeholder.refuse_flat(white)

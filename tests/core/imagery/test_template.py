@@ -1,0 +1,96 @@
+from __future__ import annotations
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from terrainav.core.errors import InvalidInput
+from terrainav.core.imagery.template import Template, quadkey
+
+
+def test_each_placeholder_gets_its_value():
+    template = Template(
+        "https://{s}.example.org/{map_type}/{date}/{z}/{x}/{y}{r}.png?tms={-y}&q={q}&token={key}"
+    )
+    url = template.url(3, 3, 5, scale=2, map_type="terrain", date="2024-06-21", key="a&b")
+    assert url == "https://c.example.org/terrain/2024-06-21/3/3/5@2x.png?tms=2&q=213&token=a%26b"
+
+
+def test_quadkeys_are_those_of_the_published_example():
+    # Bing Maps Tile System: tile (3, 5) at level 3.
+    assert quadkey(3, 3, 5) == "213"
+    assert quadkey(0, 0, 0) == ""
+
+
+@given(st.integers(0, 22).flatmap(lambda z: st.tuples(st.just(z), *[st.integers(0, (1 << z) - 1)] * 2)))
+def test_quadkeys_can_be_read_back(tile):
+    z, x, y = tile
+    digits = quadkey(z, x, y)
+    assert len(digits) == z
+    assert int("".join(str(int(digit) & 1) for digit in digits) or "0", 2) == x
+    assert int("".join(str(int(digit) >> 1) for digit in digits) or "0", 2) == y
+
+
+@given(st.integers(0, 22).flatmap(lambda z: st.tuples(st.just(z), st.integers(0, (1 << z) - 1))))
+def test_rows_from_the_south_mirror_those_from_the_north(row):
+    z, y = row
+    south = int(Template("http://h/{z}/{x}/{-y}").url(z, 0, y).rpartition("/")[2])
+    assert south + y == 2**z - 1
+
+
+@pytest.mark.parametrize(
+    ("text", "hosts"),
+    [
+        ("https://{s}.h.org/{z}/{x}/{y}", ["a", "b", "c"]),
+        ("https://t{1-4}.h.org/{z}/{x}/{y}", ["t1", "t2", "t3", "t4"]),
+        ("https://[a-c].h.org/{z}/{x}/{y}", ["a", "b", "c"]),
+        ("https://{switch:north,south}.h.org/{z}/{x}/{y}", ["north", "south"]),
+    ],
+)
+def test_subdomains_take_turns_and_a_tile_keeps_its_own(text, hosts):
+    template = Template(text)
+    urls = [template.url(10, x, 0) for x in range(len(hosts) * 2)]
+    assert [url.split("//")[1].split(".")[0] for url in urls] == hosts * 2
+    assert template.url(10, 5, 7) == template.url(10, 5, 7)
+    assert template.host == f"{hosts[0]}.h.org"
+
+
+def test_other_programs_spelling_is_read():
+    assert Template("http://h/${z}/${x}/${y}").url(1, 0, 1) == "http://h/1/0/1"
+    assert Template("http://h/{zoom}/{x}/{y}").url(1, 0, 1) == "http://h/1/0/1"
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("http://h/{z}/{x}.png", r"without \{y\}"),
+        ("http://h/tiles", r"without \{z\} \{x\} \{y\}"),
+        ("http://h/{z}/{x}/{y}/{style}", r"\{style\} is unknown; known are \{z\} \{x\}"),
+        ("http://h/{z}/{x}/{y", "a brace without its partner"),
+        ("file:///tiles/{z}/{x}/{y}.png", "of file scheme: must start with http:// or https://"),
+        ("ftp://h/{z}/{x}/{y}.png", "must start with http"),
+        ("tiles/{z}/{x}/{y}.png", "of no scheme"),
+        ("https:///{z}/{x}/{y}.png", "must start with http"),
+        ("https://{4-1}.h/{z}/{x}/{y}", "the first comes after the last"),
+    ],
+)
+def test_templates_that_cannot_work_say_why(text, message):
+    with pytest.raises(InvalidInput, match=message):
+        Template(text)
+
+
+@pytest.mark.parametrize("name", ["key", "access_token", "apikey", "Token", "api-key", "signature"])
+def test_a_key_in_a_template_is_refused_without_being_told(name):
+    with pytest.raises(InvalidInput) as raised:
+        Template(f"https://h.org/{{z}}/{{x}}/{{y}}?style=a&{name}=AIzaSecret")
+    assert "AIzaSecret" not in str(raised.value)
+    assert f"{name}={{key}}" in str(raised.value)
+
+
+def test_credentials_in_a_template_are_refused_without_being_told():
+    with pytest.raises(InvalidInput, match="credentials") as raised:
+        Template("https://user:pass-word@h.org/{z}/{x}/{y}")
+    assert "pass-word" not in str(raised.value)
+
+
+def test_parameters_that_are_no_keys_are_let_be():
+    Template("https://h.org/wmts?LAYER=ortho&STYLE=normal&TILEMATRIX={z}&TILEROW={y}&TILECOL={x}&tokenized=1")

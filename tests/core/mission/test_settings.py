@@ -1,0 +1,135 @@
+"""Where an option's value comes from, and what is refused."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+from terrainav.core.errors import InvalidInput
+from terrainav.core.mission.area import Box, Points
+from terrainav.core.mission.settings import OPTIONS, mission_from, resolve
+
+
+@pytest.fixture
+def config(tmp_path):
+    def write(**options):
+        path = tmp_path / "config.json"
+        path.write_text(json.dumps(options))
+        return str(path)
+
+    return write
+
+
+def test_the_command_line_comes_before_the_environment_before_the_file_before_the_defaults(config):
+    file = config(fov=60, overlap=0.3, seed=7)
+    environment = {"TERRAINAV_FOV": "70", "TERRAINAV_OVERLAP": "0.2", "TERRAINAV_UNRELATED": "x"}
+    values = resolve({"fov": "80", "overlap": None}, environment, file)
+    assert values["fov"] == 80.0
+    assert values["overlap"] == (0.2,)
+    assert values["seed"] == 7
+    assert values["layout"] == "cover"
+
+
+def test_a_file_may_use_hyphens_and_lists(config):
+    values = resolve({}, {}, config(**{"aspect-ratio": [16, 9], "map_type": ["roadmap", "terrain"], "upsample": True}))
+    assert values["aspect_ratio"] == (16.0, 9.0)
+    assert values["map_type"] == ("roadmap", "terrain")
+    assert values["upsample"] is True
+
+
+def test_config_json_of_the_current_folder_is_read(config, tmp_path, monkeypatch):
+    config(fov=61)
+    monkeypatch.chdir(tmp_path)
+    assert resolve({}, {})["fov"] == 61.0
+
+
+def test_the_environment_may_hold_several_values():
+    values = resolve({}, {"TERRAINAV_ASPECT_RATIO": "3 2", "TERRAINAV_IMG_SIZE": "64 48 1"}, None)
+    assert values["aspect_ratio"] == (3.0, 2.0)
+    assert values["img_size"] == (64, 48, 1)
+
+
+@pytest.mark.parametrize(
+    ("given", "says"),
+    [
+        ({"fov": "wide"}, "fov 'wide': must be a number"),
+        ({"zoom": "1.5"}, "zoom '1.5': must be a whole number"),
+        ({"aspect_ratio": ["4"]}, "takes 2 values"),
+        ({"overlap": ["0.1", "0.2", "0.3"]}, "takes 1 to 2 values"),
+        ({"layout": "spiral"}, "must be one of cover, paper"),
+    ],
+)
+def test_a_bad_value_is_named(given, says):
+    with pytest.raises(InvalidInput) as refused:
+        resolve(given, {}, None)
+    assert says in str(refused.value)
+
+
+@pytest.mark.parametrize(
+    ("content", "says"),
+    [("{", "cannot be read as JSON"), ("[]", "must hold a JSON object"), ('{"fow": 3}', "did you mean 'fov'"), ('{"fov": "x"}', "'x'")],
+)
+def test_a_bad_file_is_named(tmp_path, content, says):
+    path = tmp_path / "c.json"
+    path.write_text(content)
+    with pytest.raises(InvalidInput) as refused:
+        resolve({}, {}, str(path))
+    assert says in str(refused.value)
+    assert "c.json" in str(refused.value)
+
+
+def test_a_file_asked_for_must_be_there(tmp_path):
+    with pytest.raises(InvalidInput, match="none.json"):
+        resolve({}, {}, str(tmp_path / "none.json"))
+
+
+def make(**given):
+    return mission_from(resolve({name: value for name, value in given.items()}, {}, None))
+
+
+def test_the_papers_example():
+    mission = make(coords="35.22_-90.07_35.06_-89.73_400", overlap=["0.25"], aspect_ratio=["16", "9"])
+    assert mission.area == Box(35.22, -90.07, 35.06, -89.73)
+    assert (mission.agl_m, mission.overlap_along, mission.overlap_across) == (400.0, 0.25, 0.25)
+    assert mission.camera.fov_deg == 78.8
+    assert mission.camera.aspect_ratio == pytest.approx(16 / 9)
+
+
+def test_overlap_along_and_across():
+    mission = make(coords="35.22_-90.07_35.06_-89.73_400", overlap=["0.8", "0.6"])
+    assert (mission.overlap_along, mission.overlap_across) == (0.8, 0.6)
+
+
+def test_a_height_of_its_own_replaces_the_coordinates():
+    assert make(coords="35.1_-89.8_120", agl="1000", agl_unit="ft").area == Points(((35.1, -89.8, 304.8),))
+
+
+def test_a_camera_by_name():
+    assert make(coords="35.1_-89.8_120", camera="dji mini 2").camera.fov_deg == pytest.approx(82.4, abs=0.1)
+
+
+@pytest.mark.parametrize(
+    ("given", "says"),
+    [
+        ({}, "no coordinates"),
+        ({"coords": "1_2_3", "area": "a.geojson"}, "give one of the two"),
+        ({"area": "a.geojson"}, "needs a height"),
+        ({"coords": "1_2_3", "camera": "DJI Mini 2", "fov": "70"}, "give one of the two"),
+        ({"coords": "1_2_3", "camera": "DJI Mini"}, "DJI Mini"),
+        ({"coords": "1_2_3", "aspect_ratio": ["0", "3"]}, "aspect ratio 0 3"),
+        ({"coords": "1_2_3", "fov": "180"}, "field of view 180"),
+        ({"coords": "1_2_3", "overlap": ["1"]}, "overlap 1.0"),
+        ({"coords": "1_2_3", "map_type": ["hybrid"]}, "map type 'hybrid'"),
+    ],
+)
+def test_what_is_missing_or_contradicts_is_named(given, says):
+    with pytest.raises(InvalidInput) as refused:
+        make(**given)
+    assert says in str(refused.value)
+    assert "\n" not in str(refused.value)
+
+
+def test_every_option_explains_itself():
+    for option in OPTIONS:
+        assert option.help
+        assert option.default is None or option.flag or option.read(option.default, "default") == option.default
