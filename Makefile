@@ -15,7 +15,7 @@ setup:  ## install what is missing: QGIS from the distribution, then .venv
 test: test-core test-plugin  ## every test: core headless, plugin inside the real QGIS
 
 test-core: setup  ## only the tests that run without Qt and QGIS
-	$(PYTHON) -m pytest -p no:pytest-qt tests --ignore=tests/plugin
+	$(PYTHON) -m pytest tests --ignore=tests/plugin
 
 test-plugin: setup  ## only the tests that run inside the real QGIS
 	$(PYTHON) tools/qgis_app.py --timeout $(PLUGIN_TIMEOUT) --pytest tests/plugin

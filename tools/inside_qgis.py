@@ -102,7 +102,13 @@ def _run_pytest(job: dict[str, Any]) -> int:
     import pytest
 
     root = job["root"]
-    settings = [f"--rootdir={root}", f"--config-file={root}/pyproject.toml", f"--confcutdir={root}/tests"]
+    settings = [
+        f"--rootdir={root}",
+        f"--config-file={root}/pyproject.toml",
+        f"--confcutdir={root}/tests",
+        "-p",
+        "pytest-qt",
+    ]
     return int(pytest.main([*settings, *job["arguments"]]))
 
 

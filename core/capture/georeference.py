@@ -14,9 +14,8 @@ from pyproj import CRS
 from ..errors import InvalidInput
 
 EPSG = 3857
-
-
-_NOT_XML = re.compile("[^\\t\\n\\r\\x20-\\ud7ff\\ue000-\\ufffd\\U00010000-\\U0010ffff]")
+#: What XML 1.0 excludes, however it is written.
+_NOT_TEXT = re.compile("[^\t\n\r -\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 
 
 @lru_cache(maxsize=1)
@@ -25,9 +24,14 @@ def web_mercator_wkt() -> str:
     return str(CRS.from_epsg(EPSG).to_wkt("WKT1_GDAL"))
 
 
+def plain_text(text: str) -> str:
+    """Text without the characters that files have no form for (control characters, halves of pairs)."""
+    return _NOT_TEXT.sub("\N{REPLACEMENT CHARACTER}", text)
+
+
 def xml_text(text: str) -> str:
-    """Text as it may stand in XML: markup escaped, characters that XML 1.0 has no form for replaced."""
-    return escape(_NOT_XML.sub("\N{REPLACEMENT CHARACTER}", text), quote=True)
+    """Text as it may stand in XML 1.0."""
+    return escape(plain_text(text), quote=True)
 
 
 @dataclass(frozen=True)

@@ -78,12 +78,12 @@ class Journal:
         self._file: IO[Any] | None = None
         self.outcomes: dict[tuple[str, str], Outcome] = {}
         try:
-            lines = path.read_bytes().splitlines(keepends=True) if path.exists() else []
+            text = path.read_bytes() if path.exists() else b""
         except OSError as wrong:
             raise OutputError(f"journal {path}: cannot be read ({wrong.strerror})") from wrong
-        self._whole_bytes = sum(len(line) for line in lines if line.endswith(b"\n"))
-        for line in lines:
-            outcome = Outcome.from_line(line) if line.endswith(b"\n") else None
+        self._whole_bytes = text.rfind(b"\n") + 1
+        for line in text[: self._whole_bytes].split(b"\n"):
+            outcome = Outcome.from_line(line)
             if outcome is not None:
                 self.outcomes[outcome.map_type, outcome.name] = outcome
 

@@ -22,8 +22,8 @@ def assemble(window: Window, parts: Sequence[Part], pixels: Mapping[Window, Pixe
     window : Window
     parts : sequence of Part
         What the source said fills the window.
-    pixels : mapping of Window to array (height_px, width_px, 3) of uint8
-        Each part's pixels.
+    pixels : mapping of Window to array (height_px, width_px, 3 or 4) of uint8
+        Each part's pixels, as `Source.fetch` gives them.
 
     Returns
     -------
@@ -32,7 +32,8 @@ def assemble(window: Window, parts: Sequence[Part], pixels: Mapping[Window, Pixe
     Raises
     ------
     PartError
-        A part of another size than it was asked for, or parts that leave a pixel of the window open.
+        A part of another size than it was asked for, or parts that leave a pixel of the window open or without
+        imagery.
     """
     height, width = window.height_px, window.width_px
     picture = np.empty((height, width, 3), np.uint8)
@@ -40,7 +41,7 @@ def assemble(window: Window, parts: Sequence[Part], pixels: Mapping[Window, Pixe
     for part in parts:
         image = pixels[part.window]
         wanted = (part.window.height_px, part.window.width_px, 3)
-        if image.shape != wanted or image.dtype != np.uint8:
+        if image.shape not in (wanted, (*wanted[:2], 4)) or image.dtype != np.uint8:
             raise PartError(
                 f"part at {part.window.left_px}, {part.window.top_px} px has shape {image.shape} of {image.dtype}: "
                 f"{wanted} of uint8 was asked for"
@@ -50,12 +51,11 @@ def assemble(window: Window, parts: Sequence[Part], pixels: Mapping[Window, Pixe
         bottom = min(part.dy_px + part.window.height_px, height)
         if right <= x or bottom <= y:
             continue
-        picture[y:bottom, x:right] = image[
-            y - part.dy_px : bottom - part.dy_px, x - part.dx_px : right - part.dx_px
-        ]
-        filled[y:bottom, x:right] = True
+        piece = image[y - part.dy_px : bottom - part.dy_px, x - part.dx_px : right - part.dx_px]
+        picture[y:bottom, x:right] = piece[..., :3]
+        filled[y:bottom, x:right] = piece[..., 3] != 0 if piece.shape[2] == 4 else True
     if not filled.all():
-        raise PartError(f"{int((~filled).sum())} of {filled.size} pixels are in no part of the source")
+        raise PartError(f"no imagery at {int((~filled).sum())} of the picture's {filled.size} pixels")
     return picture
 
 

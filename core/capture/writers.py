@@ -14,7 +14,7 @@ from PIL import Image, PngImagePlugin
 from ..errors import InvalidInput
 from ..files import write_whole
 from ..geodesy.mercator import wrap_lon_deg
-from .georeference import EPSG, Georeference, xml_text
+from .georeference import EPSG, Georeference, plain_text, xml_text
 from .tiff import HEADER_BYTES, Kind, Tag, directory, header
 
 Pixels = NDArray[np.uint8]
@@ -50,7 +50,8 @@ class Description:
         Of the picture, without ending.
     map_type : str
     source, attribution : str
-        Title of the source as people see it, and the credit it asks for.
+        Title of the source as people see it, and the credit it asks for; without characters that files have no
+        form for.
     zoom : int
     lat_deg, lon_deg, agl_m, yaw_deg, tilt_deg, roll_deg : float
         Pose of the camera; the longitude may be continuous beyond ±180.
@@ -67,6 +68,10 @@ class Description:
     yaw_deg: float = 0.0
     tilt_deg: float = 0.0
     roll_deg: float = 0.0
+
+    def __post_init__(self) -> None:
+        for field in ("source", "attribution"):
+            object.__setattr__(self, field, plain_text(getattr(self, field)))
 
     @property
     def title(self) -> str:
@@ -219,8 +224,9 @@ def _geo_keys() -> list[int]:
 
 
 def _gdal_metadata(description: Description) -> str:
+    """XML of GDAL's own tag, whose values are escaped twice: GDAL writes them so, and undoes both."""
     items = (
-        f'  <Item name="{xml_text(key)}">{xml_text(value)}</Item>\n'
+        f'  <Item name="{xml_text(key)}">{xml_text(xml_text(value))}</Item>\n'
         for key, value in description.metadata().items()
     )
     return "<GDALMetadata>\n" + "".join(items) + "</GDALMetadata>\n"

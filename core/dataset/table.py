@@ -131,7 +131,7 @@ class Table:
         InvalidInput
             Without one of the published columns, or with rows that cannot be read, which are named by line.
         """
-        faults: list[str] = []
+        faults: list[tuple[int, str]] = []
         headers, rows = _records(text, name, faults)
         columns: dict[str, Any] = {}
         for field_name in FIELDS:
@@ -143,8 +143,9 @@ class Table:
             else:
                 columns[field_name] = ("",) * len(rows) if field_name in _TEXT else np.full(len(rows), np.nan)
         if faults:
+            first = "; ".join(f"line {line} {fault}" for line, fault in sorted(faults)[:_FAULTS_NAMED])
             more = f"; and {len(faults) - _FAULTS_NAMED} more" if len(faults) > _FAULTS_NAMED else ""
-            raise InvalidInput(f"{name}: {'; '.join(faults[:_FAULTS_NAMED])}{more}")
+            raise InvalidInput(f"{name}: {first}{more}")
         ours = {_HEADERS.get(field_name, field_name) for field_name in FIELDS}
         other = {
             header: tuple(row[index] for _, row in rows)
@@ -180,7 +181,9 @@ def _number(value: float, *, whole: bool) -> str:
     return repr(int(value)) if whole and float(value).is_integer() else repr(value)
 
 
-def _records(text: str, name: str, faults: list[str]) -> tuple[list[str], list[tuple[int, list[str]]]]:
+def _records(
+    text: str, name: str, faults: list[tuple[int, str]]
+) -> tuple[list[str], list[tuple[int, list[str]]]]:
     """Headers in their new spelling, and the line number and cells of each row that has as many."""
     reader = csv.reader(io.StringIO(text, newline=""), strict=True)
     try:
@@ -193,12 +196,12 @@ def _records(text: str, name: str, faults: list[str]) -> tuple[list[str], list[t
         if header not in headers:
             raise InvalidInput(f"{name}: has no column {header}; needs {','.join(needed)}")
     width = len(headers)
-    faults += [f"line {line} has {len(row)} cells, not {width}" for line, row in rows if len(row) != width]
+    faults += [(line, f"has {len(row)} cells, not {width}") for line, row in rows if len(row) != width]
     return headers, [(line, row) for line, row in rows if len(row) == width]
 
 
 def _column(
-    name: str, header: str, cells: list[tuple[int, str]], faults: list[str]
+    name: str, header: str, cells: list[tuple[int, str]], faults: list[tuple[int, str]]
 ) -> tuple[str, ...] | NDArray[Any]:
     """Values of a column; cells that cannot be read are added to ``faults``."""
     if name in _TEXT:
@@ -211,10 +214,10 @@ def _column(
         try:
             values[index] = float(cell)
         except ValueError:
-            faults.append(f"line {line}: {header} {cell!r} is not a number")
+            faults.append((line, f"has {header} {cell!r}, not a number"))
             continue
         if not may_be_empty and not math.isfinite(values[index]):
-            faults.append(f"line {line}: {header} {cell!r} is not a finite number")
+            faults.append((line, f"has {header} {cell!r}, not a finite number"))
         elif name in _WHOLE and not values[index].is_integer():
-            faults.append(f"line {line}: {header} {cell!r} is not a whole number")
+            faults.append((line, f"has {header} {cell!r}, not a whole number"))
     return values.astype(np.int64) if name in _WHOLE and not faults else values

@@ -57,7 +57,7 @@ def decode(body: bytes, width_px: int, height_px: int, content_type: str = "") -
     """Pixels of a PNG, JPEG, WebP or GIF, decoded whole.
 
     Grey and palettes become RGB, 16 bits become 8. Translucent pixels are laid over white, as browsers do;
-    wholly transparent ones are ground without imagery, and refuse the picture: it would have a hole.
+    wholly transparent ones are ground without imagery, which a picture of nothing else is refused for.
 
     Parameters
     ----------
@@ -69,7 +69,8 @@ def decode(body: bytes, width_px: int, height_px: int, content_type: str = "") -
 
     Returns
     -------
-    array (height_px, width_px, 3) uint8
+    array (height_px, width_px, 3 or 4) uint8
+        Red, green, blue; a fourth channel tells imagery (255) from none (0) where there are such pixels.
 
     Raises
     ------
@@ -144,14 +145,15 @@ def _rgb(image: ImageFile.ImageFile) -> Pixels:
 
 
 def _over_white(rgba: Pixels) -> Pixels:
+    """Colours over white; with a fourth channel, 0 or 255, where some pixels hold no imagery at all."""
     alpha = rgba[..., 3:]
-    clear = int((alpha == 0).sum())
-    if clear:
-        share = 100.0 * clear / alpha.size
-        raise PartError(f"no imagery in {share:.3g} % of the picture (transparent)")
-    colour = rgba[..., :3]
+    if not alpha.any():
+        raise PartError("no imagery (a transparent picture)")
+    colour = np.ascontiguousarray(rgba[..., :3])
     if bool((alpha == 255).all()):
-        return np.ascontiguousarray(colour)
+        return colour
     whole = alpha.astype(np.uint16)
     mixed: Pixels = ((colour * whole + 255 * (255 - whole) + 127) // 255).astype(np.uint8)
-    return mixed
+    if bool(alpha.all()):
+        return mixed
+    return np.concatenate([mixed, np.where(alpha, np.uint8(255), np.uint8(0))], axis=2)

@@ -70,7 +70,9 @@ class Source(Protocol):
         ...
 
     def fetch(self, map_type: str, part: Window) -> Pixels:
-        """Pixels of one part, (height_px, width_px, 3) uint8.
+        """Pixels of one part, (height_px, width_px, 3) uint8: red, green, blue.
+
+        A fourth channel, where there is one, is 0 at pixels without imagery and 255 elsewhere.
 
         Raises
         ------

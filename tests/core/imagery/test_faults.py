@@ -47,7 +47,7 @@ BROKEN = {
     "corrupt": "broken picture",
     "wrong-size": "a picture of 100x120 px instead of 256x256",
     "flat": "no imagery here: the provider's placeholder picture",
-    "transparent": "no imagery in 100 % of the picture (transparent)",
+    "transparent": "no imagery (a transparent picture)",
     "redirects": "more than 5 redirects",
     "redirect-to-file": "redirect to something else than http or https",
     "200MB": "body beyond 33554432 bytes",

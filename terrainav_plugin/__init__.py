@@ -1,0 +1,1 @@
+"""The QGIS plugin: what people see and touch. Calculations are in ``terrainav.core``."""

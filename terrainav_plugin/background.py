@@ -1,0 +1,143 @@
+"""The map below: a source shown as background, and the way to the typed coordinates."""
+
+from __future__ import annotations
+
+import traceback
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from qgis.core import QgsCoordinateReferenceSystem, QgsProject, QgsRasterLayer, QgsRectangle, QgsTask
+from qgis.gui import QgsMapCanvas
+from qgis.PyQt.QtCore import QTimer, pyqtSignal
+
+from ..core.errors import Cancelled, InvalidInput, TerrAInavError
+from .box_geometry import canvas_rectangle
+from .compat import TASK_FLAGS
+from .i18n import tr
+from .mission_group import ROLE
+from .sources import WORLD, tile_layer_uri
+from .world_picture import WorldPicture, choose_picture, render
+
+if TYPE_CHECKING:
+    from ..core.mission.area import Box
+
+_BACKGROUND = "background"
+#: What Web-Mercator maps are made for; given to a project that is empty.
+_MAP_CRS = "EPSG:3857"
+#: Room left around the area that is zoomed to, as a share of it.
+_MARGIN = 1.2
+
+
+class WorldTask(QgsTask):
+    """Renders a picture of the embedded world.
+
+    Signals
+    -------
+    ended(object)
+        The task itself, on the main thread.
+    """
+
+    ended = pyqtSignal(object)
+
+    def __init__(self, picture: WorldPicture, path: Path) -> None:
+        super().__init__(tr("TerrAInav: drawing the synthetic landscape"), TASK_FLAGS)
+        self.picture = picture
+        self.path = path
+        self.error = ""
+        self.trace = ""
+
+    def run(self) -> bool:
+        """Render; on a thread of the task manager."""
+        try:
+            render(self.picture, self.path, self._go_on)
+        except Cancelled:
+            return False
+        except TerrAInavError as wrong:
+            self.error = str(wrong)
+            return False
+        except Exception as wrong:  # noqa: BLE001  an exception that leaves run() ends QGIS; it is reported instead
+            self.error = tr("unexpected error: {error}").format(error=repr(wrong))
+            self.trace = traceback.format_exc()
+            return False
+        return True
+
+    def finished(self, result: bool) -> None:  # noqa: ARG002  QGIS passes it
+        """Tell; on the main thread."""
+        self.ended.emit(self)
+
+    def _go_on(self, share: float) -> bool:
+        self.setProgress(100.0 * share)
+        return not self.isCanceled()
+
+
+class Background:
+    """Adds a source below all layers of the project; at most one layer for each source."""
+
+    def __init__(self, project: QgsProject, canvas: QgsMapCanvas) -> None:
+        self._project = project
+        self._canvas = canvas
+
+    def world_task(self, box: Box | None, map_type: str, seed: int, folder: Path) -> WorldTask | None:
+        """Task that draws the embedded world around a box; None where that is there already."""
+        picture = choose_picture(box, map_type, seed)
+        path = folder / picture.file_name
+        return None if path.is_file() else WorldTask(picture, path)
+
+    def show_world(
+        self, box: Box | None, map_type: str, seed: int, folder: Path, title: str
+    ) -> QgsRasterLayer:
+        """Show the embedded world as it was drawn for a box."""
+        path = folder / choose_picture(box, map_type, seed).file_name
+        return self._show(str(path), "gdal", title, WORLD)
+
+    def show_tiles(self, source: str, map_type: str, title: str) -> QgsRasterLayer:
+        """Show a source of tiles; raises InvalidInput where it cannot be shown."""
+        return self._show(tile_layer_uri(source, map_type), "wms", title, source)
+
+    def zoom_to(self, box: Box | None) -> None:
+        """Zoom to a box, or to everything; raises InvalidInput where the project's CRS has no such place."""
+        if box is None:
+            self._canvas.zoomToFullExtent()
+            return
+        rectangle = self.rectangle(box)
+        if rectangle.width() == 0.0 and rectangle.height() == 0.0:
+            raise InvalidInput(tr("the area is a point: it needs some width or height to zoom to"))
+        self._zoom(rectangle)
+
+    def zoom_to_layer(self, layer: QgsRasterLayer) -> None:
+        """Zoom to a layer."""
+        rectangle = self._canvas.mapSettings().layerExtentToOutputExtent(layer, layer.extent())
+        self._zoom(rectangle)
+
+    def rectangle(self, box: Box) -> QgsRectangle:
+        """Rectangle of the canvas around a box; raises InvalidInput where the project's CRS has no such place."""
+        return canvas_rectangle(box, self._canvas.mapSettings().destinationCrs(), self._project)
+
+    def _zoom(self, rectangle: QgsRectangle) -> None:
+        rectangle.scale(_MARGIN)
+        # QGIS zooms to the first layer of a project after control is back with it; this comes later.
+        QTimer.singleShot(0, self._canvas, lambda: self._canvas.zoomToFeatureExtent(rectangle))
+
+    def _show(self, uri: str, provider: str, title: str, source: str) -> QgsRasterLayer:
+        layer = self._find(source)
+        if layer is not None:
+            if layer.source() != uri:
+                layer.setDataSource(uri, title, provider, layer.dataProvider().ProviderOptions())
+            layer.triggerRepaint()
+            return layer
+        layer = QgsRasterLayer(uri, title, provider)
+        if not layer.isValid():
+            reason = layer.error().summary() or tr("no reason given")
+            raise InvalidInput(tr("{title} cannot be shown: {reason}").format(title=title, reason=reason))
+        layer.setCustomProperty(ROLE, f"{_BACKGROUND}/{source}")
+        if not self._project.mapLayers():
+            self._project.setCrs(QgsCoordinateReferenceSystem(_MAP_CRS))
+        self._project.addMapLayer(layer, False)
+        self._project.layerTreeRoot().insertLayer(-1, layer).setExpanded(False)
+        return layer
+
+    def _find(self, source: str) -> QgsRasterLayer | None:
+        for layer in self._project.mapLayers().values():
+            if layer.customProperty(ROLE) == f"{_BACKGROUND}/{source}":
+                return layer
+        return None

@@ -1,0 +1,129 @@
+"""A capture as a QGIS task."""
+
+from __future__ import annotations
+
+import time
+import traceback
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from qgis.core import QgsTask
+from qgis.PyQt.QtCore import pyqtSignal
+
+from ..core.errors import Cancelled, TerrAInavError
+from .compat import TASK_FLAGS
+from .i18n import tr
+from .sources import close, open_for_capture
+
+if TYPE_CHECKING:
+    from ..core.capture.runner import CaptureResult, Progress
+    from ..core.mission.plan import Plan
+    from .mosaic import Mosaic
+
+#: Share of the progress that capturing is; the mosaic takes the rest.
+_CAPTURE_SHARE = 0.9
+
+
+class CaptureTask(QgsTask):
+    """Captures a plan into a folder and makes a mosaic of the pictures.
+
+    Everything it needs is handed over when it is made, on the main thread; `run` uses plain values only.
+
+    Parameters
+    ----------
+    plan : Plan
+    folder : Path
+        Goes on where an earlier run of the same mission was stopped.
+    key : str or None
+        API key.
+    with_mosaic : bool
+
+    Signals
+    -------
+    progressed(object)
+        `Progress`, about ten times a second.
+    ended(object)
+        The task itself, on the main thread, whatever became of it.
+
+    Attributes
+    ----------
+    result : CaptureResult or None
+    mosaics : list of Mosaic
+    error : str
+        Why the run ended early; empty otherwise.
+    trace : str
+        Where an error came from that should not have been.
+    """
+
+    progressed = pyqtSignal(object)
+    ended = pyqtSignal(object)
+
+    def __init__(self, plan: Plan, folder: Path, key: str | None = None, with_mosaic: bool = True) -> None:
+        super().__init__(tr("TerrAInav: capturing {name}").format(name=folder.name), TASK_FLAGS)
+        self.plan = plan
+        self.folder = folder
+        self.started_s = time.monotonic()
+        self.result: CaptureResult | None = None
+        self.mosaics: list[Mosaic] = []
+        self.error = ""
+        self.trace = ""
+        self._key = key
+        self._with_mosaic = with_mosaic
+
+    @property
+    def stopped(self) -> bool:
+        """Whether the user ended it."""
+        return self.isCanceled()
+
+    def run(self) -> bool:
+        """Capture; on a thread of the task manager."""
+        try:
+            self._capture()
+        except Cancelled:
+            return False
+        except TerrAInavError as wrong:
+            self.error = str(wrong)
+            return False
+        except Exception as wrong:  # noqa: BLE001  an exception that leaves run() ends QGIS; it is reported instead
+            self.error = tr("unexpected error: {error}").format(error=repr(wrong))
+            self.trace = traceback.format_exc()
+            return False
+        return not self.isCanceled()
+
+    def finished(self, result: bool) -> None:  # noqa: ARG002  QGIS passes it
+        """Tell; on the main thread."""
+        self.ended.emit(self)
+
+    def _capture(self) -> None:
+        from ..core.capture.runner import capture
+
+        source = open_for_capture(self.plan.mission, self._key)
+        try:
+            self.result = capture(
+                self.plan,
+                source,
+                self.folder,
+                resume=True,
+                progress=self._report,
+                cancelled=self.isCanceled,
+            )
+        finally:
+            close(source)
+        if self._with_mosaic and not self.isCanceled():
+            self._make_mosaics()
+
+    def _make_mosaics(self) -> None:
+        from .mosaic import MOST_PICTURES, build_mosaics
+
+        if len(self.plan) <= MOST_PICTURES:
+            self.mosaics = build_mosaics(self.plan, self.folder, self._mosaic_progress)
+
+    def _report(self, progress: Progress) -> None:
+        done = progress.done + progress.failed + progress.skipped
+        share = _CAPTURE_SHARE if self._with_mosaic else 1.0
+        self.setProgress(100.0 * share * done / max(progress.total, 1))
+        self.progressed.emit(progress)
+
+    def _mosaic_progress(self, share: float) -> bool:
+        self.setProgress(100.0 * (_CAPTURE_SHARE + (1.0 - _CAPTURE_SHARE) * share))
+        return not self.isCanceled()

@@ -1,0 +1,408 @@
+"""The entries of the dock: area, imagery, camera, flight and output."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import NamedTuple
+
+from qgis.gui import QgsAuthConfigSelect, QgsFileWidget
+from qgis.PyQt.QtCore import Qt, pyqtSignal
+from qgis.PyQt.QtWidgets import (
+    QCheckBox,
+    QGridLayout,
+    QGroupBox,
+    QHBoxLayout,
+    QLabel,
+    QLineEdit,
+    QPushButton,
+    QToolButton,
+    QVBoxLayout,
+    QWidget,
+)
+
+from .field_marks import STYLE_SHEET, FieldMarks
+from .form_widgets import choose, combo, form_layout, row, spin
+from .i18n import tr
+from .mission_form import (
+    BOX_FIELDS,
+    M_PER_FT,
+    URL_TEMPLATE,
+    FormError,
+    FormState,
+    aspect_text,
+    looks_like_coordinates,
+    with_coordinates,
+)
+from .paths import icon
+
+#: Room for five digits and a sign.
+_EDGE_PX = 70
+
+
+class SourceChoice(NamedTuple):
+    """An entry of the source chooser; ``map_types`` is empty where the source has one kind of picture."""
+
+    name: str
+    title: str
+    map_types: tuple[str, ...]
+    needs_key: bool
+
+
+class CameraChoice(NamedTuple):
+    """An entry of the camera chooser."""
+
+    name: str
+    fov_deg: float
+    aspect_ratio: float
+
+
+class DockForm(QWidget):
+    """Entries that together make a mission.
+
+    Signals
+    -------
+    changed()
+        After every change, typed or set.
+    draw_box_clicked(), show_on_map_clicked()
+    """
+
+    changed = pyqtSignal()
+    draw_box_clicked = pyqtSignal()
+    show_on_map_clicked = pyqtSignal()
+
+    def __init__(self, sources: Sequence[SourceChoice], cameras: Sequence[CameraChoice]) -> None:
+        super().__init__()
+        self.marks = FieldMarks()
+        self._sources = {choice.name: choice for choice in sources}
+        self._cameras = cameras
+        self._setting = False
+        self._coordinates_wrong = ""
+        self.setStyleSheet(STYLE_SHEET)
+        layout = QVBoxLayout(self)
+        layout.setContentsMargins(6, 6, 6, 6)
+        for box in (self._area_box(), self._imagery_box(), self._camera_box(), self._output_box()):
+            layout.addWidget(box)
+        layout.addStretch(1)
+        self._connect()
+
+    # --- the entries as a value
+
+    def state(self) -> FormState:
+        """Return what is entered."""
+        return FormState(
+            north=self.edges["north"].text(),
+            west=self.edges["west"].text(),
+            south=self.edges["south"].text(),
+            east=self.edges["east"].text(),
+            fov_deg=self.fov.value(),
+            aspect=self.aspect.text(),
+            agl=self.agl.value(),
+            agl_unit=self.agl_unit.currentData(),
+            overlap_along_percent=self.overlap_along.value(),
+            overlap_across_percent=self.overlap_across.value(),
+            layout=self.layout_choice.currentData(),
+            map_types=tuple(
+                name for name, check in self.map_types.items() if check.isChecked() and check.isEnabled()
+            ),
+            source=self.source.currentData(),
+            template=self.template.text(),
+            image_format=self.image_format.currentData(),
+            folder=self.folder.filePath(),
+        )
+
+    def set_state(self, state: FormState) -> None:
+        """Enter a state; `changed` comes once, at the end."""
+        self._setting = True
+        try:
+            for name, edit in self.edges.items():
+                edit.setText(getattr(state, name))
+            self.fov.setValue(state.fov_deg)
+            self.aspect.setText(state.aspect)
+            choose(self.agl_unit, state.agl_unit)
+            self._agl_unit_shown = state.agl_unit
+            self.agl.setValue(state.agl)
+            self.overlap_along.setValue(state.overlap_along_percent)
+            self.overlap_across.setValue(state.overlap_across_percent)
+            choose(self.layout_choice, state.layout)
+            choose(self.source, state.source)
+            for name, check in self.map_types.items():
+                check.setChecked(name in state.map_types)
+            self.template.setText(state.template)
+            choose(self.image_format, state.image_format)
+            self.folder.setFilePath(state.folder)
+        finally:
+            self._setting = False
+        self._show_source_entries()
+        self._show_camera_name()
+        self._coordinates_wrong = ""
+        self.changed.emit()
+
+    def show_messages(self, messages: dict[str, str]) -> None:
+        """Mark fields; what was wrong with pasted coordinates stays until the field changes."""
+        if self._coordinates_wrong:
+            messages = {**messages, "north": self._coordinates_wrong}
+        self.marks.show(messages)
+
+    def show_key(self, authcfg: str) -> None:
+        """Show which authentication configuration holds the key of the chosen source."""
+        if self.key.configId() != authcfg:
+            self.key.blockSignals(True)
+            self.key.setConfigId(authcfg)
+            self.key.blockSignals(False)
+
+    def source_title(self) -> str:
+        """Return what the chosen source is called."""
+        name = self.source.currentData()
+        return self._sources[name].title if name in self._sources else tr("URL template")
+
+    def needs_key(self) -> bool:
+        """Whether the chosen source needs an API key."""
+        choice = self._sources.get(self.source.currentData())
+        return choice is not None and choice.needs_key
+
+    # --- groups
+
+    def _area_box(self) -> QGroupBox:
+        box = QGroupBox(tr("Area"))
+        self.edges = {name: QLineEdit() for name in BOX_FIELDS}
+        tips = {
+            "north": tr("Northern edge: latitude in degrees, up to 90"),
+            "west": tr(
+                "Western edge: longitude in degrees; greater than the eastern one across the antimeridian"
+            ),
+            "south": tr("Southern edge: latitude in degrees, down to -90"),
+            "east": tr("Eastern edge: longitude in degrees"),
+        }
+        letters = {"north": tr("N"), "west": tr("W"), "south": tr("S"), "east": tr("E")}
+        paste = tr("Coordinates pasted here as north_west_south_east_agl fill all fields.")
+        for name, edit in self.edges.items():
+            edit.setObjectName(name)
+            edit.setToolTip(f"{tips[name]}\n{paste}")
+            edit.setPlaceholderText(tr("degrees"))
+            edit.setMinimumWidth(_EDGE_PX)
+        grid = QGridLayout(box)
+        grid.setHorizontalSpacing(6)
+        # As on a map: north above, south below, west left, east right.
+        places = {"north": (0, 1), "west": (1, 0), "east": (1, 2), "south": (2, 1)}
+        for name, (line, column) in places.items():
+            cell = QHBoxLayout()
+            label = QLabel(letters[name])
+            label.setBuddy(self.edges[name])
+            cell.addWidget(label)
+            cell.addWidget(self.edges[name], 1)
+            grid.addLayout(cell, line, column)
+        self.draw_box = QPushButton(icon("draw_box"), tr("Draw box"))
+        self.draw_box.setObjectName("draw_box")
+        self.draw_box.setToolTip(tr("Press, drag and release on the map"))
+        grid.addWidget(self.draw_box, 1, 1)
+        for line, name in enumerate(BOX_FIELDS, start=3):
+            grid.addWidget(self.marks.label(name, self.edges[name]), line, 0, 1, 3)
+        for column in range(3):
+            grid.setColumnStretch(column, 1)
+        return box
+
+    def _imagery_box(self) -> QGroupBox:
+        box = QGroupBox(tr("Imagery"))
+        form = form_layout(box)
+        self.source = combo("source", (), tr("Where the pictures come from"))
+        for choice in self._sources.values():
+            self.source.addItem(choice.title, choice.name)
+        self.source.addItem(tr("URL template…"), URL_TEMPLATE)
+        self.show_on_map = QToolButton()
+        self.show_on_map.setObjectName("show_on_map")
+        self.show_on_map.setIcon(icon("show_on_map"))
+        self.show_on_map.setText(tr("Show on map"))
+        self.show_on_map.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextBesideIcon)
+        self.show_on_map.setToolTip(tr("Add this source to the map as background and zoom to the area"))
+        form.addRow(
+            tr("Source"),
+            self.marks.field("source", self.source, row(self.source, self.show_on_map, stretch=0)),
+        )
+        self.template = QLineEdit()
+        self.template.setObjectName("template")
+        self.template.setPlaceholderText("https://…/{z}/{x}/{y}.png")
+        self.template.setToolTip(
+            tr("Address of the tiles with {z}, {x} and {y} or {-y}; also {s}, {q}, {r}, {map_type}")
+        )
+        self._template_label = QLabel(tr("URL"))
+        form.addRow(self._template_label, self.template)
+        self.key = QgsAuthConfigSelect()
+        self.key.setObjectName("key")
+        self.key.setToolTip(
+            tr("API key, kept in QGIS's authentication database as the password of a configuration")
+        )
+        self._key_label = QLabel(tr("API key"))
+        form.addRow(self._key_label, self.key)
+        self.map_types = {
+            "satellite": QCheckBox(tr("Satellite")),
+            "roadmap": QCheckBox(tr("Roadmap")),
+            "terrain": QCheckBox(tr("Terrain")),
+        }
+        for name, check in self.map_types.items():
+            check.setObjectName(f"map_type_{name}")
+        checks = row(*self.map_types.values())
+        form.addRow(tr("Map types"), self.marks.field("map_types", checks))
+        return box
+
+    def _camera_box(self) -> QGroupBox:
+        box = QGroupBox(tr("Camera and flight"))
+        form = form_layout(box)
+        self.camera = combo("camera", (), tr("Fills in field of view and aspect ratio"))
+        for choice in self._cameras:
+            self.camera.addItem(choice.name, choice)
+        self.camera.addItem(tr("Own values"), None)
+        form.addRow(tr("Camera"), self.camera)
+        self.fov = spin(
+            "fov_deg", 0.0, 360.0, 4, " °", tr("Field of view across the picture's diagonal, in degrees")
+        )
+        form.addRow(tr("Field of view"), self.marks.field("fov_deg", self.fov))
+        self.aspect = QLineEdit()
+        self.aspect.setObjectName("aspect")
+        self.aspect.setToolTip(tr("Picture width to height: 4:3, 4000x3000 or 1.333"))
+        form.addRow(tr("Aspect ratio"), self.marks.field("aspect", self.aspect))
+        self.agl = spin("agl", -1e9, 1e9, 4, "", tr("Height above the ground (AGL) in the unit beside"))
+        self.agl_unit = combo(
+            "agl_unit", (("m", tr("m")), ("ft", tr("ft"))), tr("Metres or international feet")
+        )
+        self._agl_unit_shown = "m"
+        form.addRow(
+            tr("Height above ground"),
+            self.marks.field("agl", self.agl, row(self.agl, self.agl_unit, stretch=0)),
+        )
+        tip = tr("Share of a picture that the next one of its row shows again, in percent")
+        self.overlap_along = spin("overlap_along", 0.0, 100.0, 1, " %", tip)
+        self.overlap_along.setPrefix(tr("along") + " ")
+        tip = tr("Share of a picture that the next row shows again, in percent")
+        self.overlap_across = spin("overlap_across", 0.0, 100.0, 1, " %", tip)
+        self.overlap_across.setPrefix(tr("across") + " ")
+        overlaps = row(
+            self.marks.field("overlap_along", self.overlap_along),
+            self.marks.field("overlap_across", self.overlap_across),
+        )
+        form.addRow(tr("Overlap"), overlaps)
+        self.layout_choice = combo(
+            "layout",
+            (
+                ("cover", tr("Cover (no gaps)")),
+                ("paper", tr("Paper (UTM grid)")),
+            ),
+            tr("Cover: rows along parallels that leave nothing out. Paper: the grid as published."),
+        )
+        form.addRow(tr("Layout"), self.marks.field("layout", self.layout_choice))
+        return box
+
+    def _output_box(self) -> QGroupBox:
+        box = QGroupBox(tr("Output"))
+        form = form_layout(box)
+        self.folder = QgsFileWidget()
+        self.folder.setObjectName("folder")
+        self.folder.setStorageMode(QgsFileWidget.StorageMode.GetDirectory)
+        self.folder.setDialogTitle(tr("Folder for the pictures"))
+        self.folder.setToolTip(tr("Folder for the pictures; its last part names the mission on the map"))
+        form.addRow(tr("Folder"), self.marks.field("folder", self.folder))
+        self.image_format = combo(
+            "image_format",
+            (
+                ("tif", tr("GeoTIFF (lossless)")),
+                ("jpg", tr("JPEG (smaller)")),
+                ("png", tr("PNG")),
+            ),
+            tr("All three know their coordinate reference system"),
+        )
+        form.addRow(tr("Format"), self.marks.field("image_format", self.image_format))
+        return box
+
+    # --- reactions
+
+    def _connect(self) -> None:
+        self.draw_box.clicked.connect(self.draw_box_clicked)
+        self.show_on_map.clicked.connect(self.show_on_map_clicked)
+        for edit in self.edges.values():
+            edit.textChanged.connect(self._take_pasted)
+        self.source.currentIndexChanged.connect(self._show_source_entries)
+        self.camera.activated.connect(self._take_camera)
+        self.fov.valueChanged.connect(self._show_camera_name)
+        self.aspect.textChanged.connect(self._show_camera_name)
+        self.agl_unit.currentIndexChanged.connect(self._convert_agl)
+        for signal in (
+            self.template.textChanged,
+            self.fov.valueChanged,
+            self.aspect.textChanged,
+            self.agl.valueChanged,
+            self.agl_unit.currentIndexChanged,
+            self.overlap_along.valueChanged,
+            self.overlap_across.valueChanged,
+            self.layout_choice.currentIndexChanged,
+            self.source.currentIndexChanged,
+            self.image_format.currentIndexChanged,
+            self.folder.fileChanged,
+            *(check.toggled for check in self.map_types.values()),
+        ):
+            signal.connect(self._changed)
+
+    def _changed(self) -> None:
+        if not self._setting:
+            self.changed.emit()
+
+    def _take_pasted(self, text: str) -> None:
+        """Spread coordinates pasted into one field over all of them."""
+        if self._setting:
+            return
+        self._coordinates_wrong = ""
+        if looks_like_coordinates(text):
+            try:
+                self.set_state(with_coordinates(self.state(), text))
+            except FormError as wrong:
+                self._coordinates_wrong = wrong.messages["north"]
+            else:
+                return
+        self.changed.emit()
+
+    def _show_source_entries(self) -> None:
+        name = self.source.currentData()
+        own = name == URL_TEMPLATE
+        for widget in (self._template_label, self.template):
+            widget.setVisible(own)
+        for widget in (self._key_label, self.key):
+            widget.setVisible(self.needs_key())
+        choice = self._sources.get(name)
+        offered = choice.map_types if choice is not None else ()
+        for map_type, check in self.map_types.items():
+            # A source with one kind of picture writes it under whichever name is ticked.
+            check.setEnabled(not offered or map_type in offered)
+
+    def _take_camera(self) -> None:
+        choice = self.camera.currentData()
+        if choice is not None:
+            self.set_state(
+                replace(self.state(), fov_deg=choice.fov_deg, aspect=aspect_text(choice.aspect_ratio))
+            )
+
+    def _show_camera_name(self) -> None:
+        """Name the camera whose values are entered."""
+        if self._setting:
+            return
+        values = (round(self.fov.value(), 6), self.aspect.text().strip())
+        for index, choice in enumerate(self._cameras):
+            if values == (round(choice.fov_deg, 6), aspect_text(choice.aspect_ratio)):
+                # Cameras may share their values; the one chosen stays.
+                current = self.camera.currentData()
+                if current is None or values != (
+                    round(current.fov_deg, 6),
+                    aspect_text(current.aspect_ratio),
+                ):
+                    self.camera.setCurrentIndex(index)
+                return
+        self.camera.setCurrentIndex(self.camera.count() - 1)
+
+    def _convert_agl(self) -> None:
+        """Keep the height when its unit changes."""
+        unit = self.agl_unit.currentData()
+        if self._setting or unit == self._agl_unit_shown:
+            return
+        self._agl_unit_shown = unit
+        factor = 1.0 / M_PER_FT if unit == "ft" else M_PER_FT
+        self.agl.blockSignals(True)
+        self.agl.setValue(self.agl.value() * factor)
+        self.agl.blockSignals(False)

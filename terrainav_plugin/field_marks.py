@@ -1,0 +1,67 @@
+"""Entries of a form with a place for what is wrong with them."""
+
+from __future__ import annotations
+
+from qgis.PyQt.QtWidgets import QLabel, QVBoxLayout, QWidget
+
+#: Vermillion of the Okabe-Ito palette: readable on light and dark themes, told apart by colour-blind people.
+WRONG_COLOUR = "#D55E00"
+_WRONG = "terrainavWrong"
+STYLE_SHEET = f"""
+QLineEdit[{_WRONG}="true"], QAbstractSpinBox[{_WRONG}="true"], QComboBox[{_WRONG}="true"] {{
+    border: 2px solid {WRONG_COLOUR};
+    border-radius: 3px;
+}}
+QLabel[terrainavMark="true"] {{ color: {WRONG_COLOUR}; }}
+"""
+
+
+class FieldMarks:
+    """The named fields of a form; marks those that hold a bad value, in words below the field."""
+
+    def __init__(self) -> None:
+        self._fields: dict[str, tuple[QWidget, QLabel]] = {}
+
+    def field(self, name: str, widget: QWidget, shown: QWidget | None = None) -> QWidget:
+        """Widget, or ``shown`` which holds it, with the room for its message, to put into a layout."""
+        holder = QWidget()
+        layout = QVBoxLayout(holder)
+        layout.setContentsMargins(0, 0, 0, 0)
+        layout.setSpacing(1)
+        layout.addWidget(shown or widget)
+        layout.addWidget(self.label(name, widget))
+        return holder
+
+    def label(self, name: str, widget: QWidget) -> QLabel:
+        """Label for the message of a field, where it cannot stand right below."""
+        label = QLabel()
+        label.setObjectName(f"{name}_message")
+        label.setProperty("terrainavMark", "true")
+        label.setWordWrap(True)
+        label.hide()
+        self._fields[name] = (widget, label)
+        return label
+
+    def show(self, messages: dict[str, str]) -> None:
+        """Mark the fields in ``messages`` and unmark all others."""
+        for name, (widget, label) in self._fields.items():
+            text = messages.get(name, "")
+            label.setText(text)
+            label.setVisible(bool(text))
+            value = "true" if text else ""
+            if (widget.property(_WRONG) or "") != value:
+                widget.setProperty(_WRONG, value)
+                widget.style().unpolish(widget)
+                widget.style().polish(widget)
+
+    def message(self, name: str) -> str:
+        """Return what is said about a field; empty where it is right."""
+        return self._fields[name][1].text()
+
+    def fields(self) -> list[tuple[QWidget, QLabel]]:
+        """Fields and the labels for their messages."""
+        return list(self._fields.values())
+
+    def first_message(self) -> str:
+        """Return what is wrong with the first field that is marked; empty where none is."""
+        return next((label.text() for _, label in self._fields.values() if label.text()), "")

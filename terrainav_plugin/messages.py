@@ -1,0 +1,87 @@
+"""What the plugin tells the user: the message bar, and a log for the details."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from qgis.core import Qgis, QgsMessageLog
+from qgis.gui import QgisInterface, QgsMessageBarItem
+from qgis.PyQt.QtCore import QObject
+from qgis.PyQt.QtWidgets import QPushButton
+
+from .i18n import tr
+
+TITLE = "TerrAInav"
+_SECONDS = {Qgis.MessageLevel.Info: 8, Qgis.MessageLevel.Success: 12}
+
+
+def log(text: str, level: Qgis.MessageLevel = Qgis.MessageLevel.Info) -> None:
+    """Write a line to the log panel's TerrAInav tab."""
+    QgsMessageLog.logMessage(text, TITLE, level, notifyUser=False)
+
+
+class Messages(QObject):
+    """Messages of one session; `clear` takes back those still shown."""
+
+    def __init__(self, iface: QgisInterface) -> None:
+        super().__init__()
+        self._iface = iface
+        self._shown: list[QgsMessageBarItem] = []
+
+    def info(self, text: str) -> None:
+        """Say what happened."""
+        self._show(text, Qgis.MessageLevel.Info)
+
+    def success(self, text: str, action: tuple[str, Callable[[], None]] | None = None) -> None:
+        """Say that what was asked for is done."""
+        self._show(text, Qgis.MessageLevel.Success, action)
+
+    def warning(
+        self, text: str, details: str = "", action: tuple[str, Callable[[], None]] | None = None
+    ) -> None:
+        """Say what went wrong, or partly wrong."""
+        self._show(text, Qgis.MessageLevel.Warning, action, details)
+
+    def error(self, text: str, details: str = "") -> None:
+        """Say that something failed that should not have."""
+        self._show(text, Qgis.MessageLevel.Critical, details=details)
+
+    def clear(self) -> None:
+        """Take back what is still shown."""
+        for item in list(self._shown):
+            self._iface.messageBar().popWidget(item)
+        self._shown.clear()
+
+    def _show(
+        self,
+        text: str,
+        level: Qgis.MessageLevel,
+        action: tuple[str, Callable[[], None]] | None = None,
+        details: str = "",
+    ) -> None:
+        log(f"{text}\n{details}" if details else text, level)
+        item = QgsMessageBarItem(TITLE, text, level, _SECONDS.get(level, 0))
+        if action is not None:
+            self._add_button(item, *action)
+        if details:
+            self._add_button(item, tr("Details"), self._iface.openMessageLog, keep=True)
+        # The bar deletes an item once it is closed; its wrapper must not be used after that.
+        item.destroyed.connect(lambda: self._forget(item))
+        self._shown.append(item)
+        self._iface.messageBar().pushItem(item)
+
+    def _add_button(
+        self, item: QgsMessageBarItem, label: str, action: Callable[[], None], keep: bool = False
+    ) -> None:
+        button = QPushButton(label)
+        button.clicked.connect(lambda: self._press(item, action, keep))
+        item.layout().addWidget(button)
+
+    def _press(self, item: QgsMessageBarItem, action: Callable[[], None], keep: bool) -> None:
+        if not keep:
+            self._iface.messageBar().popWidget(item)
+        action()
+
+    def _forget(self, item: QgsMessageBarItem) -> None:
+        if item in self._shown:
+            self._shown.remove(item)

@@ -1,0 +1,119 @@
+"""Working out plans in the background while the user types: the last change wins."""
+
+from __future__ import annotations
+
+from concurrent.futures import Future, ThreadPoolExecutor
+from typing import TYPE_CHECKING, NamedTuple
+
+from qgis.PyQt.QtCore import QObject, QTimer, pyqtSignal
+
+from .preview_features import PreviewFeatures, preview_features
+
+if TYPE_CHECKING:
+    from ..core.mission.estimate import Summary
+    from ..core.mission.mission import Mission
+    from ..core.mission.plan import Plan
+
+#: Pause in typing after which a plan is worked out.
+_PAUSE_MS = 150
+
+
+class Planned(NamedTuple):
+    """A mission worked out; ``features`` where the preview is wanted."""
+
+    mission: Mission
+    plan: Plan
+    summary: Summary
+    features: PreviewFeatures | None
+
+
+class _Overtaken(Exception):
+    """A newer request has come in."""
+
+
+class Planner(QObject):
+    """Plans one mission at a time on a thread of its own; requests overtaken by newer ones are dropped.
+
+    Signals
+    -------
+    planned(object)
+        `Planned`, of the latest request.
+    refused(object)
+        The error of the latest request.
+    """
+
+    planned = pyqtSignal(object)
+    refused = pyqtSignal(object)
+    _finished = pyqtSignal(int, object)
+
+    def __init__(self, parent: QObject | None = None) -> None:
+        super().__init__(parent)
+        self._latest = 0
+        self._wanted: tuple[Mission, bool] | None = None
+        self._running: Future[Planned] | None = None
+        self._pool = ThreadPoolExecutor(1, thread_name_prefix="terrainav-plan")
+        self._pause = QTimer(self)
+        self._pause.setSingleShot(True)
+        self._pause.setInterval(_PAUSE_MS)
+        self._pause.timeout.connect(self._start)
+        # Emitted on the planner's thread, received on this object's.
+        self._finished.connect(self._deliver)
+
+    @property
+    def busy(self) -> bool:
+        """Whether an answer is still to come."""
+        return self._wanted is not None or self._running is not None
+
+    def request(self, mission: Mission, with_features: bool, at_once: bool = False) -> None:
+        """Ask for a plan; the answer comes by `planned` or `refused`."""
+        self._latest += 1
+        self._wanted = (mission, with_features)
+        self._pause.start(0 if at_once else _PAUSE_MS)
+
+    def forget(self) -> None:
+        """Drop the request under way."""
+        self._latest += 1
+        self._wanted = None
+        self._pause.stop()
+
+    def close(self) -> None:
+        """End the thread; no answer comes any more."""
+        self.forget()
+        self._pool.shutdown(wait=True, cancel_futures=True)
+
+    def _start(self) -> None:
+        if self._wanted is None or self._running is not None:
+            return
+        (mission, with_features), self._wanted = self._wanted, None
+        number = self._latest
+        self._running = self._pool.submit(self._work, number, mission, with_features)
+        self._running.add_done_callback(lambda future: self._finished.emit(number, future))
+
+    def _work(self, number: int, mission: Mission, with_features: bool) -> Planned:
+        """Plan step by step, ending early when overtaken. Runs on the planner's thread."""
+        from ..core.mission.estimate import OFFLINE, ONLINE, estimate
+        from ..core.mission.plan import plan
+        from .sources import WORLD, grid_of
+
+        steps = plan(mission, grid_of(mission))
+        self._check(number)
+        summary = estimate(steps, OFFLINE if mission.source == WORLD else ONLINE)
+        self._check(number)
+        features = preview_features(steps) if with_features else None
+        return Planned(mission, steps, summary, features)
+
+    def _check(self, number: int) -> None:
+        if number != self._latest:
+            raise _Overtaken
+
+    def _deliver(self, number: int, future: Future[Planned]) -> None:
+        self._running = None
+        if self._wanted is not None and not self._pause.isActive():
+            self._start()
+        if number != self._latest or future.cancelled():
+            return
+        error = future.exception()
+        if error is None:
+            self.planned.emit(future.result())
+        else:
+            self.refused.emit(error)

@@ -1,0 +1,150 @@
+"""The preview: what would be captured, as layers that follow every change."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from qgis.core import QgsProject, QgsVectorLayer
+from qgis.PyQt.QtCore import QObject, pyqtSignal
+
+from .i18n import tr
+from .mission_group import MissionGroup
+from .paths import style
+from .preview_features import FIELDS, PreviewFeatures
+
+if TYPE_CHECKING:
+    from ..core.mission.mission import Mission
+
+
+@dataclass(frozen=True)
+class _Kind:
+    """One of the preview's layers."""
+
+    role: str
+    geometry: str
+    crs: str
+
+    def new_layer(self, title: str) -> QgsVectorLayer:
+        uri = f"{self.geometry}?crs={self.crs}&{FIELDS[self.role]}"
+        layer = QgsVectorLayer(uri, title, "memory")
+        layer.loadNamedStyle(style(self.role))
+        # It can be made again at any time, so closing the project need not ask whether to save it.
+        layer.setCustomProperty("skipMemoryLayersCheck", 1)
+        layer.setReadOnly(True)
+        return layer
+
+
+#: From the top of the group to its bottom. Frames are exact in the CRS of their pixels, poses in degrees.
+_KINDS = (
+    _Kind("area", "MultiPolygon", "EPSG:4326"),
+    _Kind("centres", "Point", "EPSG:4326"),
+    _Kind("flight", "MultiLineString", "EPSG:4326"),
+    _Kind("footprints", "MultiPolygon", "EPSG:3857"),
+)
+
+
+def _titles(outlined: bool) -> dict[str, str]:
+    return {
+        "area": tr("Area"),
+        "centres": tr("Capture centres"),
+        "flight": tr("Flight line"),
+        "footprints": tr("Planned rows (too many images to draw each)") if outlined else tr("Planned images"),
+    }
+
+
+class Preview(QObject):
+    """Shows one plan at a time.
+
+    Signals
+    -------
+    closed()
+        After the user removed the preview's layers, or the project was closed.
+    """
+
+    closed = pyqtSignal()
+
+    def __init__(self, project: QgsProject) -> None:
+        super().__init__()
+        self._project = project
+        self._group: MissionGroup | None = None
+        self._ids: dict[str, str] = {}
+        project.layersRemoved.connect(self._forget)
+
+    @property
+    def shown(self) -> bool:
+        """Whether there are preview layers in the project."""
+        return bool(self._ids)
+
+    def layer(self, role: str) -> QgsVectorLayer | None:
+        """Layer of a kind: area, footprints, centres or flight."""
+        return self._project.mapLayer(self._ids.get(role, ""))
+
+    def show(self, group: MissionGroup, mission: Mission, features: PreviewFeatures) -> None:
+        """Draw a plan; layers that are there already are filled anew, in place."""
+        titles = _titles(features.outlined)
+        self._move_to(group)
+        for index, kind in enumerate(_KINDS):
+            layer = self.layer(kind.role)
+            if layer is None:
+                layer = self._adopt(kind.role) or self._add(kind, titles[kind.role], index)
+            if layer.name() != titles[kind.role]:
+                layer.setName(titles[kind.role])
+            provider = layer.dataProvider()
+            provider.truncate()
+            provider.addFeatures(getattr(features, kind.role))
+            layer.updateExtents()
+            layer.triggerRepaint()
+        group.remember_mission(mission.to_json())
+
+    def set_footprints_visible(self, visible: bool) -> None:
+        """Tick or untick the planned images, centres and flight line in the layer tree."""
+        for role in ("footprints", "centres", "flight"):
+            layer = self.layer(role)
+            node = self._project.layerTreeRoot().findLayer(layer) if layer is not None else None
+            if node is not None:
+                node.setItemVisibilityChecked(visible)
+
+    def remove(self) -> None:
+        """Take the preview off the map; results in its group stay."""
+        ids, self._ids = list(self._ids.values()), {}
+        self._project.removeMapLayers([layer_id for layer_id in ids if self._project.mapLayer(layer_id)])
+        if self._group is not None:
+            self._group.remove_if_empty()
+        self._group = None
+
+    def close(self) -> None:
+        """End for good: nothing of the preview and no connection to the project is left."""
+        self._project.layersRemoved.disconnect(self._forget)
+        self.remove()
+
+    def _move_to(self, group: MissionGroup) -> None:
+        """A mission with another folder has a group of its own."""
+        if self._group is not None and not self._group.is_same(group):
+            self.remove()
+        self._group = group
+
+    def _adopt(self, role: str) -> QgsVectorLayer | None:
+        """Take over the empty layer that a reopened project has kept of an earlier preview."""
+        layer = self._group.layer(role)
+        if isinstance(layer, QgsVectorLayer) and layer.providerType() == "memory":
+            self._ids[role] = layer.id()
+            return layer
+        return None
+
+    def _add(self, kind: _Kind, title: str, index: int) -> QgsVectorLayer:
+        layer = kind.new_layer(title)
+        self._group.add(layer, kind.role, index).setExpanded(False)
+        self._ids[kind.role] = layer.id()
+        return layer
+
+    def _forget(self, layer_ids: list[str]) -> None:
+        """Notice layers that the user has removed; the preview ends with its footprints."""
+        gone = set(layer_ids)
+        if not gone & set(self._ids.values()):
+            return
+        over = self._ids.get("footprints") in gone
+        self._ids = {role: layer_id for role, layer_id in self._ids.items() if layer_id not in gone}
+        if over:
+            self.remove()
+            self.closed.emit()

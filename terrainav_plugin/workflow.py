@@ -1,0 +1,316 @@
+"""What happens when: from an entry in the dock to figures, preview, background and runs."""
+
+from __future__ import annotations
+
+import traceback
+from collections.abc import Callable
+from pathlib import Path
+
+from qgis.core import QgsApplication, QgsProject
+from qgis.gui import QgisInterface
+from qgis.PyQt.QtCore import QObject, Qt, pyqtSignal
+
+from ..core.errors import TerrAInavError
+from ..core.mission.area import Box
+from . import mission_form
+from .background import Background, WorldTask
+from .box_tool import BoxTool
+from .dock import Dock
+from .estimates import estimate_html
+from .i18n import tr
+from .messages import Messages
+from .mission_form import BOX_FIELDS, FormError, FormState
+from .mission_group import MissionGroup, saved_missions
+from .planner import Planned, Planner
+from .point_tool import PointTool
+from .preview import Preview
+from .runs import Runs
+from .settings import Settings
+from .sources import WORLD, camera_choices, source_choices
+
+
+class Workflow(QObject):
+    """The plugin at work; made when it is first used.
+
+    Signals
+    -------
+    preview_shown(bool)
+        The preview has come or gone.
+    running(bool)
+        A run has begun or ended.
+    """
+
+    preview_shown = pyqtSignal(bool)
+    running = pyqtSignal(bool)
+
+    def __init__(self, iface: QgisInterface, messages: Messages) -> None:
+        super().__init__()
+        self.iface = iface
+        self.messages = messages
+        self.settings = Settings()
+        self.project = QgsProject.instance()
+        canvas = iface.mapCanvas()
+        self.planner = Planner()
+        self.preview = Preview(self.project)
+        self.background = Background(self.project, canvas)
+        self.box_tool = BoxTool(canvas)
+        self.point_tool = PointTool(canvas)
+        self.dock = Dock(source_choices(), camera_choices())
+        self.runs = Runs(self)
+        self.planned: Planned | None = None
+        self._when_planned: Callable[[Planned], None] | None = None
+        self._zoom_to_preview = False
+        self._world_task: WorldTask | None = None
+        self._connect()
+        iface.addDockWidget(Qt.DockWidgetArea.RightDockWidgetArea, self.dock)
+        self._restore()
+
+    # --- what toolbar and dock ask for
+
+    def state(self) -> FormState:
+        """What is entered."""
+        return self.dock.form.state()
+
+    def show_dock(self, visible: bool) -> None:
+        """Show or hide the dock."""
+        self.dock.setUserVisible(visible)
+
+    def draw_box(self) -> None:
+        """Let the user draw the area."""
+        self.dock.setUserVisible(True)
+        self.box_tool.start()
+
+    def take_test_shot(self) -> None:
+        """Let the user click where one picture is to be taken."""
+        self.dock.setUserVisible(True)
+        self.point_tool.start()
+
+    def set_preview(self, on: bool) -> None:
+        """Show the preview and zoom to it, or take it away."""
+        self.dock.setUserVisible(True)
+        if not on:
+            self.preview.remove()
+            self._show_preview_state(False)
+            return
+        self._zoom_to_preview = True
+        self._show_preview_state(True)
+        if not self._plan(at_once=True):
+            self._show_preview_state(False)
+            self.messages.warning(tr("No preview yet: {reason}").format(reason=self._reason()))
+
+    def capture(self) -> None:
+        """Capture the mission that is entered."""
+        self.dock.setUserVisible(True)
+        if not self.runs.folder_is_given(self.state()):
+            return
+        self.with_plan(self.runs.start)
+
+    def with_plan(self, act: Callable[[Planned], None]) -> None:
+        """Do something with the plan of what is entered now, as soon as there is one."""
+        self._when_planned = act
+        if not self._plan(at_once=True):
+            self._when_planned = None
+            self.messages.warning(tr("Nothing to capture yet: {reason}").format(reason=self._reason()))
+
+    def show_on_map(self) -> None:
+        """Add the source as background and zoom to the area."""
+        state = self.state()
+        map_type = state.map_types[0] if state.map_types else "satellite"
+        try:
+            if state.source == WORLD:
+                self._show_world(self._box(), map_type)
+                return
+            title = self.dock.form.source_title()
+            self.background.show_tiles(state.source_name, map_type, title)
+            self.background.zoom_to(self._box())
+        except TerrAInavError as wrong:
+            self.messages.warning(str(wrong))
+
+    def group(self) -> MissionGroup:
+        """Group of the mission that is entered."""
+        state = self.state()
+        return MissionGroup(self.project, state.name, state.folder.strip())
+
+    def restore_saved(self) -> None:
+        """Take up the mission of a project that has just been opened."""
+        missions = saved_missions(self.project)
+        if not missions:
+            return
+        folder, text = missions[0]
+        from ..core.mission.mission import Mission
+
+        try:
+            state = mission_form.state_of(Mission.from_json(text), folder)
+        except TerrAInavError as wrong:
+            self.messages.warning(tr("The project's mission cannot be read: {error}").format(error=wrong))
+            return
+        self.dock.form.set_state(state)
+        self._show_preview_state(True)
+        self._plan(at_once=True)
+
+    def close(self) -> None:
+        """Leave nothing behind."""
+        self.settings.form = self.state().to_json()
+        self.runs.close()
+        if self._world_task is not None:
+            self._world_task.ended.disconnect()
+            self._world_task.cancel()
+            self._world_task = None
+        self.planner.close()
+        for signal in (self.project.layersAdded, self.project.layersRemoved, self.project.cleared):
+            signal.disconnect(self._show_hint)
+        for tool in (self.box_tool, self.point_tool):
+            tool.stop()
+            tool.deleteLater()
+        self.preview.close()
+        self.iface.removeDockWidget(self.dock)
+        self.dock.deleteLater()
+
+    # --- from entries to a plan
+
+    def _connect(self) -> None:
+        form = self.dock.form
+        form.changed.connect(self._form_changed)
+        form.draw_box_clicked.connect(self.draw_box)
+        form.show_on_map_clicked.connect(self.show_on_map)
+        form.key.selectedConfigIdChanged.connect(self._key_chosen)
+        self.dock.preview_toggled.connect(self.set_preview)
+        self.dock.test_shot_clicked.connect(self.take_test_shot)
+        self.dock.capture_clicked.connect(self.capture)
+        self.dock.cancel_clicked.connect(self.runs.cancel)
+        self.box_tool.drawn.connect(self._box_drawn)
+        self.box_tool.refused.connect(self.messages.warning)
+        self.point_tool.clicked.connect(self.runs.start_test_shot)
+        self.point_tool.refused.connect(self.messages.warning)
+        self.planner.planned.connect(self._show_planned)
+        self.planner.refused.connect(self._show_refused)
+        self.preview.closed.connect(lambda: self._show_preview_state(False))
+        for signal in (self.project.layersAdded, self.project.layersRemoved, self.project.cleared):
+            signal.connect(self._show_hint)
+
+    def _restore(self) -> None:
+        state = FormState.from_json(self.settings.form)
+        if not state.folder:
+            state = mission_form.with_folder(state, str(Path.home() / "TerrAInav" / "mission-1"))
+        self.dock.form.set_state(state)
+        self._show_hint()
+
+    def _form_changed(self) -> None:
+        self.settings.form = self.state().to_json()
+        self.dock.form.show_key(self.settings.authcfg(self.state().source))
+        self._when_planned = None
+        self._plan()
+        self._show_hint()
+
+    def _plan(self, at_once: bool = False) -> bool:
+        """Have what is entered planned; False where an entry is wrong, which is then marked."""
+        state = self.state()
+        try:
+            mission = mission_form.mission(state)
+        except FormError as wrong:
+            self.planner.forget()
+            self.planned = None
+            messages = wrong.messages
+            if not any(getattr(state, name).strip() for name in BOX_FIELDS):
+                # Nothing entered yet is not an error.
+                messages = {name: text for name, text in messages.items() if name not in BOX_FIELDS}
+            self.dock.form.show_messages(messages)
+            self.dock.show_problem("" if state.has_box else tr("No area yet."))
+            return False
+        self.dock.form.show_messages({})
+        self.planner.request(mission, self.dock.preview.isChecked(), at_once)
+        return True
+
+    def _show_planned(self, planned: Planned) -> None:
+        self.planned = planned
+        self.dock.show_estimates(estimate_html(planned.summary))
+        if planned.features is not None and self.dock.preview.isChecked():
+            self.preview.show(self.group(), planned.mission, planned.features)
+            if self._zoom_to_preview:
+                self._zoom_to_preview = False
+                self._zoom_if_out_of_sight(planned.mission.area.bounds)
+        act, self._when_planned = self._when_planned, None
+        if act is not None:
+            act(planned)
+
+    def _show_refused(self, error: Exception) -> None:
+        self.planned = None
+        waiting, self._when_planned = self._when_planned, None
+        if isinstance(error, FormError):
+            self.dock.form.show_messages(error.messages)
+            self.dock.show_problem("")
+        elif isinstance(error, TerrAInavError):
+            self.dock.show_problem(str(error))
+        else:
+            self.dock.show_problem(tr("Unexpected error: {error}").format(error=repr(error)))
+            self.messages.error(
+                tr("The mission could not be planned."),
+                "".join(traceback.format_exception(None, error, error.__traceback__)),
+            )
+        if waiting is not None:
+            self.messages.warning(tr("Nothing to capture yet: {reason}").format(reason=self._reason()))
+
+    def _reason(self) -> str:
+        """First thing that is wrong with the entries."""
+        wrong = self.dock.form.marks.first_message() or self.dock.problem.text()
+        return wrong or tr("no area yet; draw a box or enter coordinates")
+
+    # --- smaller reactions
+
+    def _box_drawn(self, box: Box) -> None:
+        self.dock.form.set_state(mission_form.with_box(self.state(), box))
+
+    def _box(self) -> Box | None:
+        """Area that is entered; None while there is none."""
+        return mission_form.box(self.state())
+
+    def _key_chosen(self, authcfg: str) -> None:
+        self.settings.set_authcfg(self.state().source, authcfg)
+
+    def _show_preview_state(self, on: bool) -> None:
+        self.dock.show_preview_on(on)
+        self.preview_shown.emit(on)
+
+    def _zoom_if_out_of_sight(self, box: Box) -> None:
+        """Move the map only where the preview could not be seen: users keep the view they chose."""
+        canvas = self.iface.mapCanvas()
+        try:
+            if not canvas.extent().intersects(self.background.rectangle(box)):
+                self.background.zoom_to(box)
+        except TerrAInavError as wrong:
+            self.messages.warning(str(wrong))
+
+    def _show_world(self, box: Box | None, map_type: str) -> None:
+        if self._world_task is not None:
+            return
+        seed, folder = mission_form.SEED, self.settings.backgrounds
+        task = self.background.world_task(box, map_type, seed, folder)
+        title = self.dock.form.source_title()
+
+        def show(task: WorldTask | None) -> None:
+            self._world_task = None
+            self.dock.form.show_on_map.setEnabled(True)
+            if task is not None and task.error:
+                self.messages.error(task.error, task.trace)
+            elif task is None or not task.isCanceled():
+                try:
+                    self.background.show_world(box, map_type, seed, folder, title)
+                    self.background.zoom_to(box)
+                except TerrAInavError as wrong:
+                    self.messages.warning(str(wrong))
+
+        if task is None:
+            show(None)
+            return
+        self._world_task = task
+        self.dock.form.show_on_map.setEnabled(False)
+        task.ended.connect(show)
+        QgsApplication.taskManager().addTask(task)
+
+    def _show_hint(self, *_: object) -> None:
+        hint = ""
+        if not self.project.mapLayers():
+            hint = tr("The map is empty. Choose a source below and press “Show on map”.")
+        elif not self.state().has_box:
+            hint = tr("Press “Draw box” and drag over the area, or paste its coordinates.")
+        self.dock.show_hint(hint)

@@ -1,0 +1,104 @@
+from __future__ import annotations
+
+import json
+
+import pytest
+
+from terrainav.core.capture import journal as journal_module
+from terrainav.core.capture.journal import Journal, Outcome
+from terrainav.core.errors import OutputError
+
+DONE = Outcome("satellite", "0_0_a", 7.123456789012345)
+FAILED = Outcome("roadmap", "0_0_a", reason='404 "nicht da"\r\nü')
+
+
+def write(path, *outcomes):
+    with Journal(path) as journal:
+        for outcome in outcomes:
+            journal.add(outcome)
+
+
+def test_outcomes_come_back(tmp_path):
+    path = tmp_path / "journal.jsonl"
+    write(path, DONE, FAILED)
+    assert Journal(path).outcomes == {("satellite", "0_0_a"): DONE, ("roadmap", "0_0_a"): FAILED}
+    lines = [json.loads(line) for line in path.read_text(encoding="utf-8").split("\n")[:-1]]
+    assert lines[0] == {"map_type": "satellite", "name": "0_0_a", "status": "done", "entropy": 7.123456789012345, "reason": ""}  # fmt: skip
+    assert (lines[1]["status"], lines[1]["entropy"], lines[1]["reason"]) == ("failed", None, FAILED.reason)
+
+
+def test_a_missing_journal_is_empty(tmp_path):
+    assert Journal(tmp_path / "journal.jsonl").outcomes == {}
+
+
+def test_the_last_line_about_a_picture_holds(tmp_path):
+    path = tmp_path / "journal.jsonl"
+    write(path, Outcome("satellite", "a", reason="503"))
+    write(path, Outcome("satellite", "a", 1.0))
+    assert Journal(path).outcomes == {("satellite", "a"): Outcome("satellite", "a", 1.0)}
+    assert len(path.read_bytes().splitlines()) == 2
+
+
+@pytest.mark.parametrize("kept", range(1, len(DONE.to_line())))
+def test_a_torn_line_is_as_if_never_written(tmp_path, kept):
+    path = tmp_path / "journal.jsonl"
+    path.write_bytes(FAILED.to_line() + DONE.to_line()[:kept])
+    assert list(Journal(path).outcomes.values()) == [FAILED]
+    write(path, DONE)
+    assert path.read_bytes() == FAILED.to_line() + DONE.to_line()
+
+
+@pytest.mark.parametrize("rubbish", [b"\x00" * 40, b"[]", b'{"status": "done"}', b"\xff\xfe", b"a\rb"])
+def test_rubbish_between_lines_is_passed_over(tmp_path, rubbish):
+    path = tmp_path / "journal.jsonl"
+    path.write_bytes(rubbish + b"\n" + DONE.to_line() + b"torn\r")
+    assert list(Journal(path).outcomes.values()) == [DONE]
+    write(path, FAILED)
+    assert path.read_bytes() == rubbish + b"\n" + DONE.to_line() + FAILED.to_line()
+
+
+def test_every_line_is_there_at_once(tmp_path):
+    path = tmp_path / "journal.jsonl"
+    with Journal(path) as journal:
+        journal.add(DONE)
+        assert path.read_bytes() == DONE.to_line()
+
+
+class FullDisk:
+    """File that takes a few bytes of a line, as a disk does that is about to be full."""
+
+    def __init__(self, file):
+        self.file = file
+
+    def write(self, line):
+        return self.file.write(line[:5])
+
+    def truncate(self, size):
+        return self.file.truncate(size)
+
+    def close(self):
+        self.file.close()
+
+
+def test_a_full_disk_leaves_whole_lines(tmp_path, monkeypatch):
+    path = tmp_path / "journal.jsonl"
+    with Journal(path) as journal:
+        journal.add(DONE)
+        monkeypatch.setattr(journal, "_file", FullDisk(journal._file))
+        with pytest.raises(OutputError, match=r"cannot write journal.jsonl \(the disk took only a part"):
+            journal.add(FAILED)
+    assert path.read_bytes() == DONE.to_line()
+
+
+def test_a_journal_that_cannot_be_opened_is_named(tmp_path):
+    (tmp_path / "journal.jsonl").mkdir()
+    with pytest.raises(OutputError, match=r"journal\.jsonl: cannot be read"):
+        Journal(tmp_path / "journal.jsonl")
+    with (
+        pytest.raises(OutputError, match=r"nowhere: cannot write j \(No such file"),
+        Journal(tmp_path / "nowhere" / "j"),
+    ):
+        pass
+    with pytest.raises(OutputError, match="is not open"):
+        Journal(tmp_path / "other.jsonl").add(DONE)
+    assert journal_module.DONE == "done"

@@ -1,0 +1,291 @@
+from __future__ import annotations
+
+import threading
+import time
+from collections import Counter
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from terrainav.core.capture.pipeline import Pipeline, sweep
+from terrainav.core.errors import PartError, SourceError
+from terrainav.core.geodesy.frames import Windows
+from terrainav.core.imagery.source import Part, Window
+
+# Far longer than anything here takes: a wait that lasts so long has failed.
+NEVER_S = 30.0
+
+
+def part(number: int) -> Part:
+    return Part(Window(1, number, 0, 1, 1), 0, 0)
+
+
+def pixels(window: Window):
+    return np.full((1, 1, 3), int(window.left_px) % 256, np.uint8)
+
+
+def run(pictures, *, fetch=pixels, work=None, go_on=lambda: True, connections=3, workers=2):
+    """Run pictures, given as lists of numbers of parts; returns results by picture, the pipeline, whether complete."""
+    users = Counter(part(number).window for numbers in pictures for number in set(numbers))
+    results = {}
+
+    def finished(job, result):
+        assert job not in results
+        results[job] = result
+
+    pipeline = Pipeline(
+        users,
+        fetch,
+        work or (lambda job, parts, contents: sorted(int(c[0, 0, 0]) for c in contents.values())),
+        finished,
+        connections=connections,
+        workers=workers,
+    )
+    jobs = ((job, [part(number) for number in numbers]) for job, numbers in enumerate(pictures))
+    complete = pipeline.run(jobs, go_on)
+    return results, pipeline, complete
+
+
+@settings(max_examples=40, deadline=None)
+@given(
+    st.lists(st.lists(st.integers(0, 30), min_size=1, max_size=6), max_size=60),
+    st.integers(1, 5),
+    st.integers(1, 4),
+)
+def test_each_part_is_fetched_once_and_each_picture_made(pictures, connections, workers):
+    fetched = Counter()
+    lock = threading.Lock()
+
+    def fetch(window):
+        with lock:
+            fetched[window] += 1
+        return pixels(window)
+
+    results, pipeline, complete = run(pictures, fetch=fetch, connections=connections, workers=workers)
+    assert complete
+    assert results == {job: sorted(set(numbers)) for job, numbers in enumerate(pictures)}
+    assert set(fetched.values()) <= {1}
+    assert pipeline.requests == len(fetched) == len({number for numbers in pictures for number in numbers})
+    assert pipeline._parts == {}
+
+
+def test_parts_are_dropped_after_their_last_picture():
+    """Pictures along a line that share a part with the next: what is kept does not grow with their number."""
+    most = 0
+
+    def go_on():
+        nonlocal most
+        most = max(most, len(pipeline_parts))
+        return True
+
+    pipeline_parts = {}
+    pictures = [[number, number + 1] for number in range(3000)]
+    users = Counter(part(number).window for numbers in pictures for number in numbers)
+    pipeline = Pipeline(users, pixels, lambda *_: 0, lambda *_: None, connections=4, workers=2)
+    pipeline_parts = pipeline._parts
+    assert pipeline.run(((job, [part(n) for n in numbers]) for job, numbers in enumerate(pictures)), go_on)
+    assert 0 < most < 300
+
+
+def test_a_slow_part_does_not_take_the_whole_mission_into_memory():
+    admitted = 0
+    release = threading.Event()
+
+    def jobs():
+        nonlocal admitted
+        for number in range(5000):
+            admitted += 1
+            yield number, [part(0), part(number + 1)]
+
+    def fetch(window):
+        if window.left_px == 0:
+            assert release.wait(NEVER_S)
+        return pixels(window)
+
+    asked = 0
+
+    def go_on():
+        nonlocal asked
+        asked += 1
+        if asked == 400:
+            assert admitted <= 300
+            release.set()
+        return True
+
+    users = Counter({part(0).window: 5000, **{part(number + 1).window: 1 for number in range(5000)}})
+    pipeline = Pipeline(users, fetch, lambda *_: 0, lambda *_: None, connections=4, workers=2)
+    assert pipeline.run(jobs(), go_on)
+    assert admitted == 5000
+
+
+def test_fetching_and_making_overlap():
+    """A picture is made while another part is under way: each waits for the other."""
+    making, fetching = threading.Event(), threading.Event()
+
+    def fetch(window):
+        if window.left_px == 1:
+            fetching.set()
+            assert making.wait(NEVER_S)
+        return pixels(window)
+
+    def work(job, parts, contents):
+        if job == 0:
+            making.set()
+            assert fetching.wait(NEVER_S)
+        return job
+
+    results, _, _ = run([[0], [1]], fetch=fetch, work=work)
+    assert results == {0: 0, 1: 1}
+
+
+def test_a_failed_part_fails_its_pictures_and_no_other():
+    fetched = Counter()
+    error = PartError("404")
+
+    def fetch(window):
+        fetched[window] += 1
+        if window.left_px == 5:
+            raise error
+        return pixels(window)
+
+    results, _, complete = run([[1, 5], [1, 2], [5], [3], [2, 5]], fetch=fetch)
+    assert complete
+    assert results == {0: error, 1: [1, 2], 2: error, 3: [3], 4: error}
+    assert fetched[part(5).window] == 1
+
+
+def test_a_picture_that_cannot_be_assembled_fails_alone():
+    def work(job, parts, contents):
+        if job == 1:
+            raise PartError("hole")
+        return job
+
+    results, _, _ = run([[0], [1], [2]], work=work)
+    assert (results[0], str(results[1]), results[2]) == (0, "hole", 2)
+
+
+@pytest.mark.parametrize("error", [SourceError("403: over quota"), RuntimeError("a bug")])
+def test_other_errors_stop_the_run_and_keep_what_is_done(error):
+    seen = []
+
+    def fetch(window):
+        if window.left_px == 50:
+            raise error
+        return pixels(window)
+
+    users = Counter(part(number).window for number in range(5000))
+    pipeline = Pipeline(
+        users, fetch, lambda job, *_: job, lambda job, result: seen.append(job), connections=1, workers=1
+    )
+    with pytest.raises(type(error)) as caught:
+        pipeline.run(((number, [part(number)]) for number in range(5000)), lambda: True)
+    assert caught.value is error
+    assert set(range(40)) <= set(seen)
+    assert len(seen) < 200
+
+
+def test_an_error_while_making_stops_the_run():
+    def work(job, parts, contents):
+        raise OSError("disk")
+
+    with pytest.raises(OSError, match="disk"):
+        run([[0], [1]], work=work)
+
+
+def test_cancelling_does_not_wait_for_the_source():
+    hang = threading.Event()
+
+    def fetch(window):
+        hang.wait(NEVER_S)
+        return pixels(window)
+
+    started = time.monotonic()
+    asked = []
+    try:
+        results, _, complete = run(
+            [[n] for n in range(100)], fetch=fetch, go_on=lambda: asked.append(1) or len(asked) < 4
+        )
+        assert time.monotonic() - started < NEVER_S / 2
+        assert not complete
+        assert results == {}
+    finally:
+        hang.set()
+
+
+def test_go_on_is_asked_while_nothing_happens():
+    """The longest time between two questions, with a source that is silent, is a fraction of a second."""
+    release = threading.Event()
+    times = []
+
+    def fetch(window):
+        assert release.wait(NEVER_S)
+        return pixels(window)
+
+    def go_on():
+        times.append(time.monotonic())
+        if len(times) == 10:
+            release.set()
+        return True
+
+    run([[0]], fetch=fetch, go_on=go_on)
+    assert np.median(np.diff(times[:10])) <= 0.1
+
+
+def test_what_was_being_made_when_cancelled_is_reported():
+    making, go = threading.Event(), threading.Event()
+
+    def work(job, parts, contents):
+        making.set()
+        assert go.wait(NEVER_S)
+        return job
+
+    def go_on():
+        if making.is_set():
+            go.set()
+            return False
+        return True
+
+    results, _, complete = run([[0]], work=work, go_on=go_on, workers=1)
+    assert not complete
+    assert results == {0: 0}
+
+
+def kept_at_most(order, windows, tile=256) -> int:
+    """Most tiles that have been fetched and are still needed, over a run in this order."""
+    tiles = [
+        {
+            (x, y)
+            for x in range(
+                int(windows.left_px[i]) // tile, int(windows.left_px[i] + windows.width_px[i] - 1) // tile + 1
+            )
+            for y in range(
+                int(windows.top_px[i]) // tile, int(windows.top_px[i] + windows.height_px[i] - 1) // tile + 1
+            )
+        }
+        for i in order
+    ]
+    last = {t: at for at, needed in enumerate(tiles) for t in needed}
+    kept, most = set(), 0
+    for at, needed in enumerate(tiles):
+        kept |= needed
+        most = max(most, len(kept))
+        kept = {t for t in kept if last[t] > at}
+    return most
+
+
+@pytest.mark.parametrize(("rows", "columns"), [(3, 200), (200, 3)])
+def test_a_sweep_keeps_little_of_long_missions(rows, columns):
+    row, column = (index.ravel() for index in np.mgrid[:rows, :columns])
+    windows = Windows(column * 300 + row % 2 * 40, row * 220, np.full(row.size, 323), np.full(row.size, 242))
+    chosen = np.random.default_rng(5).permutation(row.size)
+    order = sweep(windows, chosen)
+    assert sorted(order.tolist()) == sorted(chosen.tolist())
+    assert kept_at_most(order, windows) <= 30
+
+
+def test_sweeps_of_nothing_and_of_one():
+    windows = Windows(*(np.array([5, 9]) for _ in range(4)))
+    assert sweep(windows, np.array([], np.int64)).tolist() == []
+    assert sweep(windows, np.array([1])).tolist() == [1]

@@ -1,0 +1,124 @@
+from __future__ import annotations
+
+import csv
+import io
+
+import numpy as np
+import pytest
+
+from terrainav.core.dataset.table import FIELDS, Table
+from terrainav.core.errors import InvalidInput, OutputError
+
+PUBLISHED = "img_names,columns,rows,Lat,Lon,Alt,entropies"
+
+
+def make_table(**changes) -> Table:
+    count = 3
+    numbers = {name: np.array([0.1, 1 / 3, 2.0]) for name in FIELDS}
+    values = {
+        **numbers,
+        "img_names": ("0_0_a.tif", '1,0 "b".tif', "2_0_c.tif"),
+        "columns": np.arange(count),
+        "rows": np.zeros(count, np.int64),
+        "zoom": np.full(count, 18),
+        "entropies": np.array([7.123456789012345, 0.0, np.nan]),
+        "left_px": np.array([123456789.0, 0.5, 3.0]),
+        "source": ("Synthetic (offline)",) * count,
+        "attribution": ("© who, what",) * count,
+        "status": ("done", "done", "failed"),
+        "reason": ("", "", "no imagery (404)"),
+    }
+    return Table(**{**values, **changes})
+
+
+def assert_same(one: Table, other: Table) -> None:
+    for name in FIELDS:
+        np.testing.assert_array_equal(getattr(one, name), getattr(other, name), err_msg=name)
+    assert dict(one.other) == dict(other.other)
+
+
+def test_table_survives_a_file_with_all_its_digits(tmp_path):
+    table = make_table(other={"split": ("train", "test", "")})
+    table.save(tmp_path / "meta_data.csv")
+    assert_same(Table.load(tmp_path / "meta_data.csv"), table)
+
+
+def test_columns_are_the_published_ones_and_then_ours():
+    rows = list(csv.reader(io.StringIO(make_table().to_csv())))
+    assert ",".join(rows[0]) == (
+        PUBLISHED
+        + ",pose_lat_deg,pose_lon_deg,agl_m,yaw_deg,tilt_deg,roll_deg,left_px,top_px,width_px,height_px,"
+        "image_width_px,image_height_px,source,attribution,status,reason"
+    )
+    first = dict(zip(rows[0], rows[1]))
+    assert (first["columns"], first["Alt"], first["Lat"]) == ("0", "18", "0.1")
+    assert first["left_px"] == "123456789"
+    assert rows[2][rows[0].index("left_px")] == "0.5"
+    assert rows[2][rows[0].index("Lat")] == repr(1 / 3)
+    assert dict(zip(rows[0], rows[3]))["entropies"] == ""
+
+
+def test_published_tables_are_read(tmp_path):
+    text = ",img_names,columns,row,Lat,Lon,Alt,entropies\n0,0_1_35_-89_17.jpg,0,1,35.1,-89.9,17.0,5.25\n"
+    (tmp_path / "meta_data.csv").write_bytes(b"\xef\xbb\xbf" + text.encode())
+    table = Table.load(tmp_path / "meta_data.csv")
+    assert table.img_names == ("0_1_35_-89_17.jpg",)
+    assert (table.columns[0], table.rows[0], table.zoom[0]) == (0, 1, 17)
+    assert (table.lat_deg[0], table.lon_deg[0], table.entropies[0]) == (35.1, -89.9, 5.25)
+    assert np.isnan(table.agl_m[0])
+    assert table.status == ("",)
+    assert dict(table.other) == {}
+
+
+def test_an_empty_table_is_a_table():
+    empty = make_table(
+        **{n: (() if isinstance(getattr(make_table(), n), tuple) else np.empty(0)) for n in FIELDS}
+    )
+    assert len(Table.from_csv(empty.to_csv())) == 0
+
+
+def test_bad_rows_are_named_by_line():
+    rows = [
+        "a.tif,0,0,35,-89,17,1",
+        "b.tif,0,0,north,-89,17,1",
+        "c.tif,0,0,35",
+        "d.tif,0.5,0,35,-89,17,",
+        "e.tif,0,0,,1,1,1",
+    ]
+    with pytest.raises(InvalidInput) as caught:
+        Table.from_csv("\n".join([PUBLISHED, *rows]), "table x.csv")
+    assert str(caught.value) == (
+        "table x.csv: line 3 has Lat 'north', not a number; line 4 has 4 cells, not 7; "
+        "line 5 has columns '0.5', not a whole number; and 1 more"
+    )
+
+
+@pytest.mark.parametrize("cell", ["nan", "inf", ""])
+def test_positions_must_be_finite(cell):
+    with pytest.raises(InvalidInput, match="line 2 has Lon"):
+        Table.from_csv(f"{PUBLISHED}\na.tif,0,0,35,{cell},17,1\n")
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("", "has no column img_names"),
+        ("img_names,columns,rows,Lat,Lon,Alt\n", "has no column entropies"),
+        (f'{PUBLISHED}\n"a.tif,0', "line 2 is not CSV"),
+    ],
+)
+def test_files_that_are_no_table_are_refused(text, message):
+    with pytest.raises(InvalidInput, match=message):
+        Table.from_csv(text)
+
+
+def test_missing_and_unreadable_files_are_named(tmp_path):
+    with pytest.raises(InvalidInput, match=r"table .*nothing\.csv: cannot be read"):
+        Table.load(tmp_path / "nothing.csv")
+    with pytest.raises(OutputError, match="cannot write"):
+        make_table().save(tmp_path / "nowhere" / "meta_data.csv")
+
+
+def test_columns_of_different_lengths_are_refused():
+    with pytest.raises(InvalidInput, match="column lat_deg has 2 rows"):
+        make_table(lat_deg=np.zeros(2))

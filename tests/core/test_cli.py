@@ -1,0 +1,223 @@
+"""The command as a person or a script runs it: output, files, exit codes, one clear line for each mistake."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from tests.support.tileserver import TileServer
+
+BOX = "35.16_-89.90_35.155_-89.89_400"
+
+
+@pytest.fixture
+def run(tmp_path):
+    """Run the command in an empty folder; returns the finished process."""
+
+    def command(*arguments, **environment):
+        return subprocess.run(
+            [sys.executable, "-m", "terrainav.core.cli", *arguments],
+            cwd=tmp_path,
+            env={**os.environ, **environment},
+            capture_output=True,
+            text=True,
+            timeout=120,
+            check=False,
+        )
+
+    return command
+
+
+def one_line(process, code):
+    """Return the only line of an error, which is no traceback."""
+    assert process.returncode == code, process.stderr
+    assert process.stdout == ""
+    (line,) = process.stderr.splitlines()
+    assert line.startswith("terrainav")
+    return line
+
+
+def test_plan_prints_the_figures_of_the_papers_mission(run):
+    done = run("plan", "--coords", "35.16_-89.90_35.115_-89.823_120")
+    assert done.returncode == 0, done.stderr
+    lines = dict(line.split("  ", 1) for line in done.stdout.splitlines() if "  " in line)
+    assert lines["images"].strip() == "1,935"
+    assert lines["coverage"].strip() == "100 % (complete)"
+    assert lines["source"].strip() == "Synthetic (offline)"
+    paper = run("plan", "--coords", "35.16_-89.90_35.115_-89.823_120", "--layout", "paper")
+    assert "99.7" in paper.stdout
+    assert "uncovered" in paper.stdout
+
+
+def test_plan_as_json_and_as_files(run, tmp_path):
+    outputs = [f"--output=plan.{ending}" for ending in ("csv", "geojson", "kml", "json")]
+    done = run("plan", "--coords", BOX, *outputs, "--json")
+    figures = json.loads(done.stdout)
+    assert figures["covered_share"] == 1.0
+    assert len((tmp_path / "plan.csv").read_text().splitlines()) == figures["images"] + 1
+    again = run("plan", "plan.json", "--json")
+    assert json.loads(again.stdout) == figures
+
+
+def test_underscores_minus_signs_and_settings_by_precedence(run, tmp_path):
+    (tmp_path / "config.json").write_text('{"aspect_ratio": [1, 1], "overlap": 0.5}')
+    done = run("plan", "--coords", "-35.1_-70.2_120", "--agl_unit", "ft", "--json", TERRAINAV_OVERLAP="0.2")
+    figures = json.loads(done.stdout)
+    assert abs(figures["width_px"] - figures["height_px"]) <= 2
+    assert figures["images"] == 1
+
+
+def test_capture_leaves_a_dataset(run, tmp_path):
+    done = run(
+        "capture", "--coords", BOX, "--map-type", "satellite", "roadmap", "--data-dir", "out", "--json"
+    )
+    result = json.loads(done.stdout)
+    assert done.returncode == 0, done.stderr
+    assert result["written"] == result["total"] > 0
+    assert result["requests"] == result["unique_parts"]
+    for map_type in ("satellite", "roadmap"):
+        rows = (tmp_path / "out" / map_type / "meta_data.csv").read_text().splitlines()
+        assert rows[0].startswith("img_names,columns,rows,Lat,Lon,Alt,entropies")
+        assert len(rows) - 1 == len(list((tmp_path / "out" / map_type).glob("*.tif"))) == result["total"] // 2
+
+    assert "resume" in one_line(
+        run("capture", "--coords", BOX, "--map-type", "satellite", "roadmap", "--data-dir", "out"), 3
+    )
+    assert "another mission" in one_line(run("capture", "--coords", BOX, "--data-dir", "out"), 3)
+    resumed = run("capture", "out/mission.json", "--data-dir", "out", "--resume", "--json")
+    assert json.loads(resumed.stdout)["skipped"] == result["total"]
+
+
+def test_missing_tiles_are_named_and_the_rest_is_written(run, tmp_path):
+    with TileServer() as server:
+        missing = server.url_template.replace("{z}", "no/such/{z}")
+        done = run("capture", "--coords", BOX, "--source", missing, "--data-dir", "none", "--json")
+    assert done.returncode == 1
+    result = json.loads(done.stdout)
+    assert result["written"] == 0
+    assert len(result["failed"]) == result["total"]
+    assert all(failure["reason"] for failure in result["failed"])
+    assert not list((tmp_path / "none").rglob("*.tif"))
+
+
+def test_an_interrupt_stops_and_resume_goes_on(tmp_path):
+    arguments = [
+        sys.executable,
+        "-m",
+        "terrainav.core.cli",
+        "capture",
+        "--coords",
+        "35.16_-89.90_35.13_-89.86_120",
+    ]
+    arguments += ["--data-dir", "out", "--quiet"]
+    process = subprocess.Popen(
+        arguments, cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    )
+    deadline = time.monotonic() + 60
+    while time.monotonic() < deadline and not list((tmp_path / "out").glob("satellite/*.tif")):
+        time.sleep(0.02)
+    process.send_signal(signal.SIGINT)
+    _, errors = process.communicate(timeout=60)
+    assert process.returncode == 130
+    assert "--resume" in errors
+    written = {path: path.read_bytes() for path in (tmp_path / "out").glob("satellite/*.tif")}
+    assert written
+    resumed = subprocess.run(
+        [*arguments, "--resume", "--json"],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        check=True,
+        timeout=120,
+    )
+    result = json.loads(resumed.stdout)
+    assert result["skipped"] == len(written)
+    assert result["skipped"] + result["written"] == result["total"]
+    assert all(path.read_bytes() == data for path, data in written.items())
+
+
+@pytest.mark.parametrize(
+    ("arguments", "says"),
+    [
+        (["plan"], "no coordinates"),
+        (["plan", "--coords", "35_-89"], "2 numbers"),
+        (["plan", "--coords", "95_-89_120"], "latitude 95"),
+        (["plan", "--coords", "35_-89_120", "--fov", "180"], "field of view 180"),
+        (["plan", "--coords", "35_-89_120", "--fov", "wide"], "'wide'"),
+        (["plan", "--coords", "35_-89_120", "--aspect-ratio", "4"], "aspect-ratio"),
+        (["plan", "--coords", "35_-89_-5"], "-5.0 m"),
+        (["plan", "--coords", BOX, "--overlap", "1"], "overlap 1.0"),
+        (["plan", "--coords", BOX, "--map-type", "hybrid"], "hybrid"),
+        (["plan", "--coords", BOX, "--source", "atlantis"], "atlantis"),
+        (["plan", "--coords", BOX, "--layout", "spiral"], "spiral"),
+        (["plan", "--coords", BOX, "--max-images", "3"], "limit is 3"),
+        (["plan", "--coords", BOX, "--output", "plan.shp"], "plan.shp"),
+        (["plan", "gone.json"], "gone.json"),
+        (["plan", "--nonsense"], "--nonsense"),
+        (["fly"], "fly"),
+        (["capture", "--coords", BOX, "--source", "https://tiles.example/{z}/{x}.png"], "{y}"),
+        (["capture", "--coords", BOX, "--img-size", "0", "5", "3"], "image size 0 5 3"),
+    ],
+)
+def test_every_mistake_is_one_clear_line(run, arguments, says):
+    line = one_line(run(*arguments), 2)
+    assert says in line
+
+
+def test_a_missing_key_names_where_it_goes(run):
+    without = {name: "" for name in os.environ if name.startswith("TERRAINAV_GOOGLE")}
+    line = one_line(run("capture", "--coords", BOX, "--source", "google-static", **without), 3)
+    assert "TERRAINAV_GOOGLE_KEY" in line
+
+
+def test_a_provider_that_allows_no_bulk_download_is_quoted(run):
+    line = one_line(run("capture", "--coords", "35.16_-89.90_35.115_-89.823_120", "--source", "osm"), 3)
+    assert "OpenStreetMap" in line
+
+
+def test_no_network_names_the_images(run):
+    # Port 1 of the loopback refuses connections.
+    done = run(
+        "capture", "--coords", "35_-89_120", "--source", "http://127.0.0.1:1/{z}/{x}/{y}.png", "--json"
+    )
+    assert done.returncode == 1
+    assert json.loads(done.stdout)["failed"][0]["reason"]
+
+
+def test_sources_and_cameras_are_listed(run):
+    sources = run("sources").stdout
+    assert "Synthetic (offline)" in sources
+    assert {"name", "attribution"} <= set(json.loads(run("sources", "--json").stdout)[0])
+    assert "DJI Mini 2" in run("cameras").stdout
+    assert len(json.loads(run("cameras", "--json").stdout)) > 10
+
+
+def test_version_and_help(run):
+    assert run("--version").stdout.startswith("terrainav 0.")
+    assert "capture" in run("--help").stdout
+    assert "--coords" in run("plan", "--help").stdout
+    assert run().returncode == 0
+
+
+@pytest.mark.skipif(os.name == "nt" or os.geteuid() != 0, reason="needs root to become another user")
+def test_a_folder_that_cannot_be_written_is_named(tmp_path):
+    locked = tmp_path / "locked"
+    locked.mkdir(mode=0o755)
+    script = (
+        "import os, sys; from terrainav.core.cli import main; os.setgid(65534); os.setuid(65534);"
+        f"sys.exit(main(['capture', '--coords', '35_-89_120', '--data-dir', {str(locked / 'out')!r}]))"
+    )
+    process = subprocess.run(
+        [sys.executable, "-c", script], cwd="/", capture_output=True, text=True, timeout=60, check=False
+    )
+    line = one_line(process, 3)
+    assert "locked" in line
+    assert "Permission denied" in line
+    assert not list(Path(locked).iterdir())

@@ -1,0 +1,58 @@
+from __future__ import annotations
+
+import os
+
+import pytest
+
+from terrainav.core import files
+from terrainav.core.errors import OutputError
+from terrainav.core.files import make_folder, write_whole
+
+
+def test_a_file_is_written_and_replaced(tmp_path):
+    path = tmp_path / "a.bin"
+    write_whole(path, b"one")
+    write_whole(path, (block for block in (b"two", b" more")))
+    assert path.read_bytes() == b"two more"
+    assert [entry.name for entry in tmp_path.iterdir()] == ["a.bin"]
+
+
+def test_a_failed_write_leaves_what_was_there(tmp_path):
+    def blocks():
+        yield b"half"
+        raise RuntimeError("the producer broke")
+
+    path = tmp_path / "a.bin"
+    write_whole(path, b"before")
+    with pytest.raises(RuntimeError):
+        write_whole(path, blocks())
+    assert path.read_bytes() == b"before"
+    assert [entry.name for entry in tmp_path.iterdir()] == ["a.bin"]
+
+
+def test_a_reader_never_sees_a_half_file(tmp_path, monkeypatch):
+    path = tmp_path / "a.bin"
+    seen = []
+
+    def replace(partial, target):
+        seen.append((path.exists(), os.path.dirname(partial) == str(tmp_path)))
+        return real(partial, target)
+
+    real = os.replace
+    monkeypatch.setattr(files.os, "replace", replace)
+    write_whole(path, b"all")
+    assert seen == [(False, True)]
+
+
+def test_errors_name_the_folder_and_the_reason(tmp_path):
+    with pytest.raises(OutputError) as caught:
+        write_whole(tmp_path / "no" / "a.bin", b"")
+    assert str(caught.value) == f"folder {tmp_path / 'no'}: cannot write a.bin (No such file or directory)"
+    (tmp_path / "file").write_text("x")
+    with pytest.raises(OutputError, match="a file is in its place"):
+        make_folder(tmp_path / "file")
+    with pytest.raises(OutputError, match=r"cannot be made \(Not a directory\)"):
+        make_folder(tmp_path / "file" / "below")
+    make_folder(tmp_path / "a" / "b")
+    make_folder(tmp_path / "a" / "b")
+    assert (tmp_path / "a" / "b").is_dir()

@@ -1,0 +1,121 @@
+"""Fixtures of the real application; ``python tools/qgis_app.py --pytest tests/plugin`` runs these tests inside it."""
+
+from __future__ import annotations
+
+import os
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import pytest
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+    from pytestqt.qtbot import QtBot
+    from qgis.core import QgsProject
+    from qgis.gui import QgisInterface, QgsMapCanvas
+    from qgis.PyQt.QtWidgets import QWidget
+    from terrainav.terrainav_plugin.plugin import TerrAInavPlugin
+
+    from tests.plugin.steps import Desk
+
+PLUGIN = "terrainav"
+# Where the `screenshot` fixture writes; without it nothing is written.
+SCREENSHOT_FOLDER = "TERRAINAV_SCREENSHOTS"
+
+
+def pytest_ignore_collect(collection_path: Path) -> bool | None:
+    """Leave these tests out where there is no application for them."""
+    return None if "qgis" in sys.modules else True
+
+
+def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
+    """Say that they were left out."""
+    if "qgis" not in sys.modules:
+        terminalreporter.line("tests/plugin was left out, it runs inside QGIS: make test-plugin", yellow=True)
+
+
+@pytest.fixture(scope="session")
+def iface() -> QgisInterface:
+    """The running application's interface."""
+    import qgis.utils
+
+    return qgis.utils.iface
+
+
+@pytest.fixture
+def canvas(iface: QgisInterface) -> QgsMapCanvas:
+    """The main map canvas."""
+    return iface.mapCanvas()
+
+
+@pytest.fixture(autouse=True)
+def clean_project(iface: QgisInterface) -> Iterator[QgsProject]:
+    """A new, empty project, and nothing in the message bar; what the test leaves in either goes away with it."""
+    from qgis.core import QgsProject
+
+    iface.newProject(False)
+    iface.messageBar().clearWidgets()
+    yield QgsProject.instance()
+    iface.mapCanvas().stopRendering()
+    iface.newProject(False)
+    iface.messageBar().clearWidgets()
+
+
+@pytest.fixture
+def plugin(iface: QgisInterface) -> TerrAInavPlugin:
+    """The plugin as QGIS itself has loaded it."""
+    import qgis.utils
+
+    if PLUGIN not in qgis.utils.plugins:
+        pytest.fail("QGIS could not load the plugin; its error is at the top of the output")
+    return qgis.utils.plugins[PLUGIN]
+
+
+@pytest.fixture
+def wait_until_drawn(canvas: QgsMapCanvas) -> Callable[[], None]:
+    """Wait until the canvas shows what the project holds now."""
+
+    def wait() -> None:
+        canvas.refreshAllLayers()
+        canvas.waitWhileRendering()
+
+    return wait
+
+
+@pytest.fixture
+def screenshot(iface: QgisInterface, qtbot: QtBot) -> Callable[..., None]:
+    """Save ``NAME.png``, for a person to look at: the whole screen with its dialogs, or one widget."""
+    folder = os.environ.get(SCREENSHOT_FOLDER)
+
+    def save(name: str, widget: QWidget | None = None) -> None:
+        if not folder:
+            return
+        Path(folder).mkdir(parents=True, exist_ok=True)
+        path = Path(folder) / f"{name}.png"
+        qtbot.wait(100)  # lets what has just changed be painted
+        pixmap = widget.grab() if widget else iface.mainWindow().screen().grabWindow(0)
+        if not pixmap.save(str(path)):
+            pytest.fail(f"the screenshot {path} could not be written")
+
+    return save
+
+
+@pytest.fixture
+def desk(plugin: TerrAInavPlugin, iface: QgisInterface, qtbot: QtBot, tmp_path: Path) -> Iterator[Desk]:
+    """The mission panel as it is at first use, in front of an empty project."""
+    from terrainav.terrainav_plugin.mission_form import FormState
+
+    from tests.plugin.steps import Desk
+
+    desk = Desk(plugin, iface, qtbot, tmp_path / "mission")
+    desk.workflow.settings.backgrounds_folder = str(tmp_path / "backgrounds")
+    desk.workflow.show_dock(True)
+    desk.form.set_state(FormState(folder=str(desk.folder)))
+    yield desk
+    desk.workflow.runs.cancel()
+    desk.wait_for_tasks()
+    desk.wait_for_run()
+    desk.workflow.set_preview(False)
+    desk.form.set_state(FormState())

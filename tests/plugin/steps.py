@@ -1,0 +1,126 @@
+"""What a person does with the plugin, in one line each: real events on real widgets."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from qgis.core import QgsApplication, QgsCoordinateReferenceSystem, QgsProject, QgsRectangle
+from qgis.PyQt.QtCore import QPoint, Qt
+from qgis.PyQt.QtTest import QTest
+from qgis.PyQt.QtWidgets import QPushButton
+
+# Waits end when the thing waited for happens; this only ends a test that would hang. Slow machines take long.
+PATIENCE_MS = 120_000
+# Eight by nine images of 323 x 244 px.
+SMALL_BOX = {"north": "35.1400", "west": "-89.8700", "south": "35.1310", "east": "-89.8560"}
+
+
+class Desk:
+    """The mission panel and the map, as a person has them in front of them."""
+
+    def __init__(self, plugin, iface, qtbot, folder: Path):
+        self.plugin, self.iface, self.qtbot = plugin, iface, qtbot
+        self.workflow = plugin.workflow
+        self.dock, self.form = self.workflow.dock, self.workflow.dock.form
+        self.canvas = iface.mapCanvas()
+        self.folder = folder
+
+    # --- the panel
+
+    def type_text(self, edit, text):
+        """Replace what is in a text field, key by key."""
+        edit.setFocus()
+        edit.selectAll()
+        QTest.keyClicks(edit, text) if text else QTest.keyClick(edit, Qt.Key.Key_Delete)
+
+    def enter_box(self, north, west, south, east):
+        for name, text in {"north": north, "west": west, "south": south, "east": east}.items():
+            self.type_text(self.form.edges[name], text)
+
+    def enter_small_mission(self):
+        """Enter a mission of a few dozen images of the embedded world."""
+        self.enter_box(**SMALL_BOX)
+        self.form.folder.setFilePath(str(self.folder))
+        self.wait_planned()
+
+    def choose(self, combo, value):
+        index = combo.findData(value)
+        assert index >= 0, f"{combo.objectName()} has no {value}"
+        combo.setCurrentIndex(index)
+
+    def use_template(self, template):
+        self.choose(self.form.source, "url-template")
+        self.form.template.setText(template)
+
+    def click(self, button):
+        QTest.mouseClick(button, Qt.MouseButton.LeftButton)
+
+    def message(self, field):
+        """What is said at a field."""
+        return self.form.marks.message(field)
+
+    # --- the map
+
+    def look_at(self, crs, rectangle):
+        """Set the project's CRS and what the map shows."""
+        QgsProject.instance().setCrs(QgsCoordinateReferenceSystem(crs))
+        self.canvas.setExtent(QgsRectangle(*rectangle))
+        self.canvas.waitWhileRendering()
+
+    def drag(self, start: QPoint, end: QPoint):
+        """Press, move and release the left button over the map."""
+        viewport = self.canvas.viewport()
+        QTest.mousePress(viewport, Qt.MouseButton.LeftButton, Qt.KeyboardModifier.NoModifier, start)
+        for share in (0.25, 0.5, 0.75, 1.0):
+            QTest.mouseMove(viewport, start + (end - start) * share)
+        QTest.mouseRelease(viewport, Qt.MouseButton.LeftButton, Qt.KeyboardModifier.NoModifier, end)
+
+    def click_map(self, at: QPoint):
+        viewport = self.canvas.viewport()
+        QTest.mouseClick(viewport, Qt.MouseButton.LeftButton, Qt.KeyboardModifier.NoModifier, at)
+
+    def at(self, share_x, share_y):
+        """Pixel of the map at shares of its width and height."""
+        return QPoint(int(self.canvas.width() * share_x), int(self.canvas.height() * share_y))
+
+    # --- waiting
+
+    def wait(self, condition):
+        self.qtbot.waitUntil(condition, timeout=PATIENCE_MS)
+
+    def wait_planned(self):
+        """Wait until the figures are those of what is entered."""
+        self.wait(lambda: not self.workflow.planner.busy)
+        return self.workflow.planned
+
+    def wait_for_run(self):
+        self.wait(lambda: self.workflow.runs.task is None)
+
+    def wait_for_tasks(self):
+        self.wait(lambda: QgsApplication.taskManager().countActiveTasks() == 0)
+
+    # --- what is there
+
+    def messages(self):
+        """Texts in the message bar."""
+        return [item.text() for item in self.iface.messageBar().items()]
+
+    def buttons_in_message_bar(self):
+        """Visible buttons of the message on top."""
+        item = self.iface.messageBar().currentItem()
+        return {button.text(): button for button in item.findChildren(QPushButton)} if item else {}
+
+    def group(self):
+        """The mission's group in the layer tree, and that there is only one."""
+        root = QgsProject.instance().layerTreeRoot()
+        groups = [group for group in root.findGroups(True) if group.name().startswith("TerrAInav")]
+        assert len(groups) <= 1, [group.name() for group in groups]
+        return groups[0] if groups else None
+
+    def layer_names(self):
+        group = self.group()
+        return [node.name() for node in group.findLayers()] if group else []
+
+    def layer(self, name):
+        """Layer of the mission's group."""
+        return next(node.layer() for node in self.group().findLayers() if node.name() == name)

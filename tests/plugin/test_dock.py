@@ -1,0 +1,140 @@
+"""The mission panel: what is typed becomes a mission, what is wrong is marked in words."""
+
+from __future__ import annotations
+
+import pytest
+from qgis.PyQt.QtWidgets import QApplication
+from terrainav.core.mission.presets import cameras
+
+AGRICENTER = "35.16_-89.90_35.115_-89.823_120"
+
+
+def test_pasted_coordinates_fill_all_fields(desk):
+    QApplication.clipboard().setText(AGRICENTER)
+    edit = desk.form.edges["west"]
+    edit.setFocus()
+    edit.paste()
+    assert [edit.text() for edit in desk.form.edges.values()] == ["35.16", "-89.9", "35.115", "-89.823"]
+    assert desk.form.agl.value() == 120.0
+    assert desk.wait_planned().summary.images > 1500
+
+
+@pytest.mark.parametrize(
+    "text", ["35.16 -89.90 35.115 -89.823", "35.16, \u221289.90, 35.115, \u221289.823, 80"]
+)
+def test_other_spellings_are_understood(desk, text):
+    desk.form.agl.setValue(80.0)
+    desk.form.edges["north"].setText(text)
+    assert desk.form.edges["west"].text() == "-89.9"
+    assert desk.form.agl.value() == 80.0
+
+
+def test_unreadable_coordinates_are_marked_until_they_are_right(desk):
+    desk.form.edges["north"].setText("35.16_-89.90_35.115_x_120")
+    assert "could not convert string to float" in desk.message("north")
+    desk.form.edges["north"].setText(AGRICENTER)
+    assert desk.message("north") == ""
+
+
+@pytest.mark.parametrize(
+    ("field", "entries", "words"),
+    [
+        ("north", {"north": "95"}, "latitude 95.0: must be within -90 and 90 degrees"),
+        ("west", {"west": "-400"}, "longitude -400.0: must be within -360 and 360 degrees"),
+        ("east", {"east": "abc"}, "eastern edge “abc”: must be a number"),
+        ("south", {"south": "36"}, "south lies above north"),
+        ("fov_deg", {"fov_deg": 180.0}, "field of view 180.0 deg: must be between 0 and 180"),
+        ("aspect", {"aspect": "4:0"}, "aspect ratio “4:0”: must be a number"),
+        ("aspect", {"aspect": "-1"}, "aspect ratio -1.0: must be a number above 0"),
+        ("agl", {"agl": 0.0}, "height above ground 0.0 m: must be above 0"),
+        ("overlap_along", {"overlap_along_percent": 100.0}, "overlap 1.0: must be at least 0 and below 1"),
+        ("map_types", {"map_types": ()}, "no map type: give one or more of satellite, roadmap, terrain"),
+        ("source", {"source": "url-template", "template": ""}, "source is empty"),
+    ],
+)
+def test_bad_value_is_marked_at_its_field_only(desk, field, entries, words):
+    from dataclasses import replace
+
+    desk.enter_small_mission()
+    desk.form.set_state(replace(desk.workflow.state(), **entries))
+    assert words in desk.message(field)
+    labels = [label for _, label in desk.form.marks.fields() if label.text()]
+    assert len(labels) == 1
+    assert labels[0].isVisibleTo(desk.dock)
+    assert desk.dock.estimates.text() == ""
+
+
+def test_unknown_template_is_marked_at_the_source(desk):
+    desk.enter_small_mission()
+    desk.use_template("https://example.org/{z}/{x}.png")
+    desk.wait(lambda: "without {y}" in desk.message("source"))
+
+
+def test_empty_fields_are_no_errors(desk):
+    assert [desk.message(name) for name in ("north", "west", "south", "east")] == [""] * 4
+    desk.type_text(desk.form.edges["north"], "35.2")
+    assert desk.message("north") == ""
+    assert "must be a number" in desk.message("west")
+
+
+def test_feet_and_metres_are_the_same_height(desk):
+    desk.enter_small_mission()
+    images = desk.workflow.planned.summary.images
+    desk.choose(desk.form.agl_unit, "ft")
+    assert desk.form.agl.value() == pytest.approx(393.7, abs=0.01)
+    assert desk.wait_planned().summary.images == images
+    desk.choose(desk.form.agl_unit, "m")
+    assert desk.form.agl.value() == pytest.approx(120.0, abs=0.005)
+
+
+def test_camera_presets_fill_in_their_values(desk):
+    for index, preset in enumerate(cameras()):
+        desk.form.camera.setCurrentIndex(index)
+        desk.form.camera.activated.emit(index)
+        state = desk.workflow.state()
+        # What a preset is, to the decimals the fields show.
+        assert state.fov_deg == pytest.approx(preset.camera.fov_deg, abs=1e-4)
+        width, height = (float(part) for part in state.aspect.split(":"))
+        assert width / height == preset.camera.aspect_ratio
+        assert desk.form.camera.currentText() == preset.name
+
+
+def test_changed_camera_values_are_own_values(desk):
+    desk.form.fov.setValue(50.0)
+    assert desk.form.camera.currentText() == "Own values"
+    desk.form.fov.setValue(78.8)
+    assert desk.form.camera.currentText() == cameras()[0].name
+
+
+def test_figures_are_those_of_the_last_change(desk):
+    desk.enter_small_mission()
+    for agl in (119.0, 80.0, 60.0, 100.0):
+        desk.form.agl.setValue(agl)
+    planned = desk.wait_planned()
+    assert planned.mission.agl_m == 100.0
+    assert f"{planned.summary.images:,}" in desk.dock.estimates.text()
+
+
+def test_mission_beyond_the_limit_is_refused_in_words(desk):
+    desk.enter_box("60", "-120", "-60", "120")
+    desk.form.agl.setValue(1.0)
+    desk.wait(lambda: "the limit is" in desk.dock.problem.text())
+    assert desk.dock.problem.isVisibleTo(desk.dock)
+
+
+def test_hint_leads_through_the_first_use(desk):
+    assert "The map is empty" in desk.dock.hint.text()
+    from qgis.core import QgsProject, QgsVectorLayer
+
+    QgsProject.instance().addMapLayer(QgsVectorLayer("Point?crs=EPSG:4326", "mine", "memory"))
+    assert "Draw box" in desk.dock.hint.text()
+    desk.enter_box("35.14", "-89.87", "35.13", "-89.85")
+    assert not desk.dock.hint.isVisibleTo(desk.dock)
+
+
+def test_entries_are_remembered(desk):
+    from terrainav.terrainav_plugin.mission_form import FormState
+
+    desk.enter_small_mission()
+    desk.form.agl.setValue(77.0)
+    assert FormState.from_json(desk.workflow.settings.form) == desk.workflow.state()

@@ -1,0 +1,107 @@
+"""Entries and missions, without widgets."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+from terrainav.core.mission.area import Box
+from terrainav.core.mission.mission import Mission
+from terrainav.terrainav_plugin.mission_form import (
+    FormError,
+    FormState,
+    aspect_text,
+    degrees_text,
+    mission,
+    parse_aspect,
+    parse_number,
+    state_of,
+    with_box,
+)
+from terrainav.terrainav_plugin.mission_form import (
+    test_shot as single_shot,
+)
+
+GOOD = FormState(north="35.16", west="-89.9", south="35.115", east="-89.823")
+
+
+@pytest.mark.parametrize(
+    ("text", "value"),
+    [
+        ("35.16", 35.16),
+        (" \u221289.9 ", -89.9),
+        ("89.9W", -89.9),
+        ("35.16° N", 35.16),
+        ("12° S", -12.0),
+        ("35,16", 35.16),
+        ("1e1", 10.0),
+    ],
+)
+def test_numbers_as_people_type_them(text, value):
+    assert parse_number(text) == value
+
+
+@pytest.mark.parametrize("text", ["", "N", "north", "nan", "inf", "1 2"])
+def test_what_is_no_number(text):
+    with pytest.raises(ValueError):  # noqa: PT011  float's own words vary
+        parse_number(text)
+
+
+@pytest.mark.parametrize("ratio", [4 / 3, 1.0, 3 / 2, 5280 / 3956, 0.5625, 1.7320508075688772, 1e-3, 123.456])
+def test_aspect_text_reads_back_exactly(ratio):
+    assert parse_aspect(aspect_text(ratio)) == ratio
+
+
+@pytest.mark.parametrize(
+    ("value", "text"), [(35.16, "35.16"), (-0.0, "0"), (100.0, "100"), (1.23456789, "1.2345679")]
+)
+def test_degrees_without_trailing_zeros(value, text):
+    assert degrees_text(value) == text
+
+
+def test_mission_of_a_state_and_back():
+    state = replace(
+        GOOD, agl=150.0, overlap_along_percent=60.0, map_types=("satellite", "terrain"), folder="/somewhere/x"
+    )
+    there = mission(state)
+    assert there.area == Box(35.16, -89.9, 35.115, -89.823)
+    assert there.overlap_along == 0.6
+    assert mission(state_of(there, "/somewhere/x")) == there
+    assert state_of(there, "/somewhere/x").name == "x"
+
+
+def test_mission_of_a_template_and_back():
+    template = "https://example.org/{z}/{x}/{y}.png"
+    there = mission(replace(GOOD, source="url-template", template=f" {template} "))
+    assert there.source == template
+    assert state_of(there, "").template == template
+
+
+def test_every_wrong_field_is_named_at_once():
+    with pytest.raises(FormError) as refused:
+        mission(replace(GOOD, north="x", fov_deg=0.0, agl=-1.0, overlap_across_percent=100.0))
+    assert set(refused.value.messages) == {"north", "fov_deg", "agl", "overlap_across"}
+
+
+def test_test_shot_is_one_picture_of_the_first_map_type():
+    there = single_shot(
+        replace(GOOD, north="", map_types=("roadmap", "terrain"), agl=100.0, agl_unit="ft"), 1.5, 2.5
+    )
+    assert there.kind == "single"
+    assert there.map_types == ("roadmap",)
+    assert there.area.poses == ((1.5, 2.5, 100.0 * 0.3048),)
+
+
+def test_state_survives_its_settings_text():
+    state = with_box(replace(GOOD, map_types=("terrain",), agl_unit="ft"), Box(1.0, 2.0, 0.5, 3.0))
+    assert FormState.from_json(state.to_json()) == state
+
+
+@pytest.mark.parametrize("text", ["", "{", "[]", '{"agl": "high", "unknown": 1}', "null"])
+def test_unreadable_settings_give_the_defaults(text):
+    assert FormState.from_json(text) == FormState()
+
+
+def test_default_state_flies_the_default_camera():
+    there = mission(GOOD)
+    assert there.camera == Mission(area=there.area, agl_m=120.0).camera

@@ -1,0 +1,209 @@
+"""The preview shows what would be captured, follows every change, and touches nothing else."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from qgis.core import QgsCoordinateReferenceSystem, QgsCoordinateTransform, QgsProject, QgsVectorLayer
+from qgis.PyQt.QtCore import QCoreApplication
+from terrainav.core.mission.area import Box, Points
+from terrainav.core.mission.mission import Mission
+from terrainav.core.mission.plan import plan
+from terrainav.terrainav_plugin import preview_features as features_module
+from terrainav.terrainav_plugin.preview_features import preview_features
+from terrainav.terrainav_plugin.sources import grid_of
+
+LAYERS = ["Area", "Capture centres", "Flight line", "Planned images"]
+
+
+def rectangles(layer):
+    """Edges of a layer's features in the order of the layer, (n, 4): west, south, east, north."""
+    boxes = [feature.geometry().boundingBox() for feature in layer.getFeatures()]
+    return np.array([[b.xMinimum(), b.yMinimum(), b.xMaximum(), b.yMaximum()] for b in boxes])
+
+
+@pytest.fixture
+def previewed(desk):
+    desk.enter_small_mission()
+    desk.click(desk.dock.preview)
+    desk.wait(lambda: desk.workflow.preview.shown)
+    return desk
+
+
+def test_preview_is_one_group_of_four_layers(previewed):
+    assert previewed.layer_names() == LAYERS
+    assert previewed.group().name() == "TerrAInav: mission"
+    assert previewed.plugin.actions["preview"].isChecked()
+
+
+def test_previewed_images_have_the_edges_of_the_plan(previewed):
+    layer, planned = previewed.layer("Planned images"), previewed.workflow.planned.plan
+    assert layer.crs().authid() == "EPSG:3857"
+    assert np.array_equal(rectangles(layer), np.stack(planned.edges_m, axis=1))
+    first = next(layer.getFeatures())
+    assert first["name"] == planned.names[0]
+    assert (first["column"], first["row"]) == (planned.column[0], planned.row[0])
+    assert first["lat"] == planned.lat_deg[0]
+    assert first["lon"] == planned.lon_deg[0]
+    assert first["agl_m"] == 120.0
+    # Metres of ground a pixel at zoom 18 there, from the sphere's formula.
+    assert first["gsd_m"] == pytest.approx(0.597 * np.cos(np.radians(first["lat"])), rel=2e-3)
+
+
+def test_centres_and_flight_line_follow_the_plan(previewed):
+    planned = previewed.workflow.planned.plan
+    centres = [feature.geometry().asPoint() for feature in previewed.layer("Capture centres").getFeatures()]
+    assert [(p.x(), p.y()) for p in centres] == list(zip(planned.lon_deg.tolist(), planned.lat_deg.tolist()))
+    flight = next(previewed.layer("Flight line").getFeatures())
+    (line,) = flight.geometry().asMultiPolyline()
+    assert line == centres
+    assert flight["length_m"] == planned.flight_distance_m
+
+
+def test_preview_follows_a_changed_height_in_place(previewed):
+    ids = [previewed.layer(name).id() for name in LAYERS]
+    before = previewed.layer("Planned images").featureCount()
+    previewed.form.agl.setValue(60.0)
+    previewed.wait(lambda: previewed.layer("Planned images").featureCount() != before)
+    assert (
+        previewed.layer("Planned images").featureCount() == previewed.workflow.planned.summary.images > before
+    )
+    assert [previewed.layer(name).id() for name in LAYERS] == ids
+    assert previewed.layer_names() == LAYERS
+
+
+def test_preview_follows_a_box_drawn_anew(previewed):
+    previewed.look_at("EPSG:3857", (-10_010_000, 4_178_000, -9_998_000, 4_187_000))
+    previewed.click(previewed.form.draw_box)
+    previewed.drag(previewed.at(0.45, 0.45), previewed.at(0.5, 0.5))
+    previewed.wait_planned()
+    box = previewed.workflow.planned.mission.area
+    area = previewed.layer("Area").extent()
+    assert (area.xMinimum(), area.yMaximum()) == pytest.approx((box.west_deg, box.north_deg))
+
+
+def test_preview_goes_when_it_is_switched_off(previewed):
+    previewed.click(previewed.dock.preview)
+    assert previewed.group() is None
+    assert not QgsProject.instance().mapLayers()
+    assert not previewed.plugin.actions["preview"].isChecked()
+
+
+def test_preview_ends_when_the_user_removes_its_images(previewed):
+    QgsProject.instance().removeMapLayer(previewed.layer("Planned images").id())
+    previewed.wait(lambda: not previewed.dock.preview.isChecked())
+    assert not QgsProject.instance().mapLayers()
+
+
+def test_layer_the_user_removed_comes_back_with_the_next_change(previewed):
+    QgsProject.instance().removeMapLayer(previewed.layer("Flight line").id())
+    assert previewed.dock.preview.isChecked()
+    previewed.form.agl.setValue(90.0)
+    previewed.wait_planned()
+    assert previewed.layer_names() == LAYERS
+
+
+def test_preview_survives_a_new_project(previewed):
+    previewed.iface.newProject(False)
+    previewed.wait(lambda: not previewed.dock.preview.isChecked())
+    previewed.click(previewed.dock.preview)
+    previewed.wait(lambda: previewed.workflow.preview.shown)
+    assert previewed.layer_names() == LAYERS
+
+
+def test_another_folder_names_the_group_anew(previewed):
+    previewed.form.folder.setFilePath(str(previewed.folder.with_name("other")))
+    previewed.wait(lambda: previewed.group() is not None and previewed.group().name() == "TerrAInav: other")
+    assert previewed.layer_names() == LAYERS
+
+
+def test_preview_without_an_area_says_what_is_missing(desk):
+    desk.click(desk.dock.preview)
+    assert any("No preview yet" in text for text in desk.messages())
+    assert not desk.dock.preview.isChecked()
+    assert desk.group() is None
+
+
+def test_project_of_the_user_is_not_touched(desk, clean_project, wait_until_drawn):
+    mine = QgsVectorLayer("Polygon?crs=EPSG:32616", "mine", "memory")
+    clean_project.addMapLayer(mine)
+    clean_project.setCrs(QgsCoordinateReferenceSystem("EPSG:32616"))
+    # The map notices its new CRS and layer first, which is a change to the project as well.
+    wait_until_drawn()
+    QCoreApplication.processEvents()
+    clean_project.setDirty(False)
+    desk.enter_small_mission()
+    desk.form.agl.setValue(100.0)
+    desk.wait_planned()
+    # Typing alone changes nothing at all.
+    assert not clean_project.isDirty()
+    before = clean_project.layerTreeRoot().children()
+    desk.click(desk.dock.preview)
+    desk.wait(lambda: desk.workflow.preview.shown)
+    desk.click(desk.dock.preview)
+    assert clean_project.crs().authid() == "EPSG:32616"
+    assert list(clean_project.mapLayers().values()) == [mine]
+    assert clean_project.layerTreeRoot().children() == before
+
+
+def test_preview_lies_where_the_project_shows_it(previewed):
+    """In a project of another CRS the map moves to the preview, which is drawn there."""
+    project = QgsProject.instance()
+    previewed.look_at("EPSG:32616", (0, 0, 1000, 1000))
+    previewed.click(previewed.dock.preview)
+    previewed.click(previewed.dock.preview)
+    previewed.wait(lambda: previewed.workflow.preview.shown)
+    layer = previewed.layer("Planned images")
+    there = QgsCoordinateTransform(layer.crs(), project.crs(), project).transformBoundingBox(layer.extent())
+    assert previewed.canvas.extent().intersects(there)
+
+
+# --- features alone
+
+
+def features_of(area, **changes):
+    mission = Mission(area=area, agl_m=changes.pop("agl_m", 120.0), **changes)
+    planned = plan(mission, grid_of(mission))
+    return planned, preview_features(planned)
+
+
+def test_images_across_the_antimeridian_stay_on_the_map():
+    planned, drawn = features_of(Box(0.004, 179.996, -0.004, -179.996))
+    half_world = 20_037_508.342789244
+    boxes = [feature.geometry().boundingBox() for feature in drawn.footprints]
+    assert all(-half_world <= b.xMinimum() and b.xMaximum() <= half_world for b in boxes)
+    shares = sum(feature.geometry().area() for feature in drawn.footprints)
+    west, south, east, north = planned.edges_m
+    assert shares == pytest.approx(float(((east - west) * (north - south)).sum()), rel=1e-9)
+    lines = drawn.flight[0].geometry().asMultiPolyline()
+    assert all(-180.0 <= point.x() <= 180.0 for line in lines for point in line)
+    # Each row crosses once.
+    assert len(lines) == planned.rows + 1
+    assert drawn.area[0].geometry().asGeometryCollection()[0].boundingBox().xMaximum() == 180.0
+
+
+def test_rows_stand_for_too_many_images(monkeypatch):
+    area = Box(35.14, -89.87, 35.131, -89.856)
+    planned, single = features_of(area)
+    monkeypatch.setattr(features_module, "MOST_FOOTPRINTS", 10)
+    _, drawn = features_of(area)
+    assert drawn.outlined
+    assert not drawn.centres
+    assert len(drawn.footprints) == planned.rows
+    assert sum(feature["images"] for feature in map(with_names, drawn.footprints)) == len(planned)
+    outline = drawn.footprints[0].geometry()
+    for feature in drawn.footprints[1:]:
+        outline = outline.combine(feature.geometry())
+    for feature in single.footprints:
+        assert outline.buffer(0.01, 1).contains(feature.geometry())
+
+
+def with_names(feature):
+    names = [part.split("=")[1].split(":")[0] for part in features_module.FIELDS["footprints"].split("&")]
+    return dict(zip(names, feature.attributes()))
+
+
+def test_points_have_no_area():
+    planned, drawn = features_of(Points(((10.0, 20.0, 100.0), (10.01, 20.0, 200.0))))
+    assert drawn.area == []
+    assert len(drawn.footprints) == len(drawn.centres) == len(planned) == 2

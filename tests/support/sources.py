@@ -1,0 +1,85 @@
+"""Sources in memory, for tests of what is done with pixels: they know their pixels, count, wait or fail as told."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections import Counter
+
+import numpy as np
+
+from terrainav.core.errors import PartError
+from terrainav.core.geodesy.mercator import PixelGrid
+from terrainav.core.imagery.source import Window, tile_parts
+from tests.support.patterns import encode_position
+
+
+class PatternSource:
+    """Tiles whose pixels say where on the global pixel grid they are; every request is counted."""
+
+    name = "pattern"
+    title = "Pattern"
+    attribution = "© Pattern & Söhne <imagery>"
+
+    def __init__(self, map_types=("satellite", "roadmap", "terrain"), *, tile_px=256, wait_s=0.0):
+        self.map_types = map_types
+        self.grid = PixelGrid(tile_px=tile_px)
+        self.wait_s = wait_s
+        self.fetched = Counter()
+        self.most_at_once = 0
+        self._at_once = 0
+        self._lock = threading.Lock()
+
+    def parts(self, window):
+        return tile_parts(window, self.grid)
+
+    def fetch(self, map_type, part):
+        with self._lock:
+            self.fetched[map_type, part] += 1
+            self._at_once += 1
+            self.most_at_once = max(self.most_at_once, self._at_once)
+        try:
+            if self.wait_s:
+                time.sleep(self.wait_s)
+            return self.paint(map_type, part)
+        finally:
+            with self._lock:
+                self._at_once -= 1
+
+    def paint(self, map_type, part):
+        return encode_position(
+            int(part.left_px) + np.arange(part.width_px),
+            int(part.top_px) + np.arange(part.height_px),
+            map_type,
+        )
+
+
+class FailingSource(PatternSource):
+    """Tiles of which some cannot be had: ``errors`` tells by window which error is raised."""
+
+    def __init__(self, errors: dict[Window, Exception], **options):
+        super().__init__(**options)
+        self.errors = errors
+
+    def paint(self, map_type, part):
+        if part in self.errors:
+            raise self.errors[part]
+        return super().paint(map_type, part)
+
+
+class CentredSource(PatternSource):
+    """Whole pictures by their centre, as an image service with positions of six decimals gives them."""
+
+    def __init__(self):
+        super().__init__(map_types=())
+        self.grid = PixelGrid(max_size_px=640, centre_decimals=6)
+
+    def parts(self, window):
+        from terrainav.core.imagery.source import Part
+
+        return [Part(window, 0, 0)]
+
+
+def missing(reason: str = "no imagery (404)") -> PartError:
+    """Error of a tile that is not there."""
+    return PartError(reason)
