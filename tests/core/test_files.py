@@ -1,9 +1,9 @@
 from __future__ import annotations
 
 import os
+from pathlib import Path
 
 import pytest
-
 from terrainav.core import files
 from terrainav.core.errors import OutputError
 from terrainav.core.files import make_folder, write_whole
@@ -35,7 +35,7 @@ def test_a_reader_never_sees_a_half_file(tmp_path, monkeypatch):
     seen = []
 
     def replace(partial, target):
-        seen.append((path.exists(), os.path.dirname(partial) == str(tmp_path)))
+        seen.append((path.exists(), Path(partial).parent == tmp_path))
         return real(partial, target)
 
     real = os.replace

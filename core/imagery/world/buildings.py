@@ -43,7 +43,8 @@ class Footprints:
             out = np.minimum(np.minimum(west, north) + more, np.minimum(east, south) + less)
             out *= p
             out += np.float32(0.5)
-            return np.clip(out, 0.0, 1.0, out=out)
+            clipped: Array = np.clip(out, 0.0, 1.0, out=out)
+            return clipped
         half = np.float32(0.5)
         cx = np.clip((west + more) * p + half, 0.0, 1.0) - np.clip(half - (east + less) * p, 0.0, 1.0)
         cy = np.clip((north + more) * p + half, 0.0, 1.0) - np.clip(half - (south + less) * p, 0.0, 1.0)

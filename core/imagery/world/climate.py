@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Dict
-
 import numpy as np
 
 from .lattice import Array
@@ -31,17 +29,21 @@ def _stops(x: Array, stops: tuple[float, ...]) -> list[Array]:
     weights = []
     for n, stop in enumerate(stops):
         rise = 1.0 if n == 0 else np.clip((x - stops[n - 1]) * (1.0 / (stop - stops[n - 1])), 0.0, 1.0)
-        fall = 1.0 if n == len(stops) - 1 else np.clip((stops[n + 1] - x) * (1.0 / (stops[n + 1] - stop)), 0.0, 1.0)
+        fall = (
+            1.0
+            if n == len(stops) - 1
+            else np.clip((stops[n + 1] - x) * (1.0 / (stops[n + 1] - stop)), 0.0, 1.0)
+        )
         weights.append(np.minimum(rise, fall))
     return weights
 
 
-def height(f: Dict[str, Array]) -> Array:
+def height(f: dict[str, Array]) -> Array:
     """Height above the sea in units in which high mountains reach 1."""
     return np.clip(f["land"], 0.0, None) * 0.16 + np.clip(f["relief"], -0.02, None) * 1.9
 
 
-def natural_colour(f: Dict[str, Array]) -> Array:
+def natural_colour(f: dict[str, Array]) -> Array:
     """Colour of the land where nobody farms it, shape (3, ...), in grey levels."""
     up = height(f)
     heat = f["heat"] - np.clip(up, 0.0, 2.0) * 0.35
@@ -60,25 +62,30 @@ def natural_colour(f: Dict[str, Array]) -> Array:
     return out
 
 
-def settled(f: Dict[str, Array]) -> Array:
+def settled(f: dict[str, Array]) -> Array:
     """Share of the land that is farmed and built on, 0..1."""
-    share = smoothstep(0.28, 0.44, f["heat"]) * smoothstep(-0.5, -0.1, f["wet"]) * smoothstep(0.01, 0.06, f["land"])
+    share: Array = (
+        smoothstep(0.28, 0.44, f["heat"])
+        * smoothstep(-0.5, -0.1, f["wet"])
+        * smoothstep(0.01, 0.06, f["land"])
+    )
     share *= np.float32(1) - smoothstep(0.30, 0.55, f["rough"])
     jungle = smoothstep(0.35, 0.6, f["wet"]) * smoothstep(0.75, 0.95, f["heat"])
-    return share * (np.float32(1) - np.float32(0.8) * jungle)
+    share *= np.float32(1) - np.float32(0.8) * jungle
+    return share
 
 
-def rural_share(f: Dict[str, Array]) -> Array:
+def rural_share(f: dict[str, Array]) -> Array:
     """Share of the land that is divided into fields."""
     return np.clip(settled(f) * np.float32(RURAL_PER_SETTLED), 0.0, 1.0)
 
 
-def dryness(f: Dict[str, Array]) -> Array:
+def dryness(f: dict[str, Array]) -> Array:
     """How dry the farmland is, 0..1."""
     return smoothstep(0.15, -0.4, f["wet"])
 
 
-def wateriness(f: Dict[str, Array]) -> Array:
+def wateriness(f: dict[str, Array]) -> Array:
     """Factor on the width of rivers and lakes: none on ice and in deserts, less in mountains."""
     return (
         smoothstep(-0.6, 0.1, f["wet"]) * smoothstep(0.12, 0.24, f["heat"])
@@ -89,7 +96,7 @@ def wateriness(f: Dict[str, Array]) -> Array:
 _SEA_DEEP, _SEA_MID, _SEA_SHORE = (9, 26, 52), (20, 56, 86), (66, 118, 128)
 
 
-def sea_colour(f: Dict[str, Array]) -> Array:
+def sea_colour(f: dict[str, Array]) -> Array:
     """Colour of open water by its depth, shape (3, ...): pale shelves, ice near the poles."""
     depth = np.clip(-f["land"], 0.0, None)
     shelf, deep = np.exp(depth * np.float32(-14.0)), smoothstep(0.05, 0.7, depth)
@@ -102,9 +109,11 @@ def sea_colour(f: Dict[str, Array]) -> Array:
     return out
 
 
-def wood_threshold(f: Dict[str, Array]) -> Array:
+def wood_threshold(f: dict[str, Array]) -> Array:
     """Value of the wood field above which there is wood: high in deserts and on fields, low in wet wilds."""
     wild = np.float32(1) - settled(f)
     wetness = smoothstep(-0.5, 0.5, f["wet"])
     cold = smoothstep(0.30, 0.2, f["heat"]) + smoothstep(0.4, 0.6, f["rough"]) * np.float32(0.6)
-    return np.float32(1.25) - np.float32(0.75) * wetness - np.float32(0.75) * wild * (wetness - np.float32(0.35)) + cold
+    threshold: Array = np.float32(1.25) - np.float32(0.75) * wetness + cold
+    threshold -= np.float32(0.75) * wild * (wetness - np.float32(0.35))
+    return threshold

@@ -34,7 +34,10 @@ def speckle(seed: int, samples: Samples, number: int, last_level: int) -> Array 
 
 @lru_cache(maxsize=32)
 def _stripe_table(seed: int, pixel_m: float) -> Array:
-    """One period of the stripes at a pixel size, sampled `_STRIPES_PER_PX` times a pixel; bands a pixel cannot show are left out."""
+    """One period of the stripes at a pixel size, sampled `_STRIPES_PER_PX` times a pixel.
+
+    Bands a pixel cannot show are left out.
+    """
     at = np.arange(_STRIPE_COUNT) / _STRIPES_PER_PX
     out = np.zeros(_STRIPE_COUNT, dtype=np.float32)
     period_px = _STRIPE_COUNT // _STRIPES_PER_PX
@@ -43,7 +46,7 @@ def _stripe_table(seed: int, pixel_m: float) -> Array:
         weight = min(max((wave_px - 2.0) / 2.0, 0.0), 1.0) * strength
         if weight == 0.0:
             continue
-        count = max(int(round(period_px / wave_px)), 4)
+        count = max(round(period_px / wave_px), 4)
         cell = at * (count / period_px)
         k = np.floor(cell).astype(np.int64)
         f = (cell - k).astype(np.float32)

@@ -2,7 +2,8 @@
 
 Level *k* divides the world square into ``2**k`` by ``2**k`` cells. A cell's hash depends on its column modulo ``2**k``,
 so everything built on it is periodic across the antimeridian. Noise is a uniform cubic B-spline whose coefficients sit
-on such lattices: spline spaces of successive levels are nested, so the sum of many octaves is *one* spline on the finest
+on such lattices: spline spaces of successive levels are nested, so the sum of many octaves is *one* spline on
+the finest
 level, evaluated once per pixel however many octaves it has, and its coefficients bound its values.
 
 A position is an integer cell and a float32 fraction of it, exact at every level for pixel centres of every zoom.
@@ -10,8 +11,9 @@ A position is an integer cell and a float32 fraction of it, exact at every level
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import Any, Union
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -50,7 +52,7 @@ def salt(seed: int, *words: int) -> int:
     return h
 
 
-def cell_hash(salts: Union[int, Array], level: int, i: Array, j: Array) -> NDArray[np.uint32]:
+def cell_hash(salts: int | Array, level: int, i: Array, j: Array) -> NDArray[np.uint32]:
     """Hash of lattice cells.
 
     Parameters
@@ -80,7 +82,9 @@ def signed(h: Array) -> NDArray[np.float32]:
 
 def bits(h: Array, shift: int, count: int) -> NDArray[np.float32]:
     """Take `count` bits of hashes as float32 in [0, 1): several independent numbers from one hash."""
-    return ((h >> np.uint32(shift)) & np.uint32((1 << count) - 1)).astype(np.float32) * np.float32(2.0**-count)
+    return ((h >> np.uint32(shift)) & np.uint32((1 << count) - 1)).astype(np.float32) * np.float32(
+        2.0**-count
+    )
 
 
 @dataclass(frozen=True)
@@ -107,7 +111,9 @@ class Window:
 
     def grown(self, cells: int) -> Window:
         """Return the block with a margin of `cells` on each side."""
-        return Window(self.level, self.i0 - cells, self.j0 - cells, self.columns + 2 * cells, self.rows + 2 * cells)
+        return Window(
+            self.level, self.i0 - cells, self.j0 - cells, self.columns + 2 * cells, self.rows + 2 * cells
+        )
 
 
 def refine(coefficients: Array, coarse: Window, fine: Window) -> Array:
@@ -196,7 +202,7 @@ class Samples:
         raise NotImplementedError
 
 
-class Cells:
+class Cells(ABC):
     """Where samples lie on one lattice.
 
     `fx`, `fy` are float32 fractions of the cell, broadcastable to `inner`; what is computed with `inner` shape
@@ -220,32 +226,37 @@ class Cells:
     def window(self, before: int = 0, after: int = 0) -> Window:
         """Return the block of cells that hold the samples, with a margin."""
         i0, j0 = int(self.i.min()) - before, int(self.j.min()) - before
-        return Window(self.level, i0, j0, int(self.i.max()) + after - i0 + 1, int(self.j.max()) + after - j0 + 1)
+        return Window(
+            self.level, i0, j0, int(self.i.max()) + after - i0 + 1, int(self.j.max()) + after - j0 + 1
+        )
 
     def support(self) -> Window:
         """Return the block of coefficients that a cubic spline needs at the samples."""
         return self.window(1, 2)
 
+    @abstractmethod
     def spread(self, table: Array, window: Window) -> Array:
         """Give each sample the entry of its cell from a table (rows, columns), broadcastable to the inner shape."""
-        raise NotImplementedError
 
     def outer(self, values: Array) -> Array:
         """Turn values of the inner shape into the samples' shape."""
         return values.reshape(self.shape)
 
+    @abstractmethod
     def spline(self, c: Array, window: Window, dx: bool, dy: bool) -> Array:
         """Evaluate a spline; see `Samples.spline`."""
-        raise NotImplementedError
 
 
 class GridCells(Cells):
     """Cells under a block of pixels: rows of one cell are kept together, so that little is gathered."""
 
     def spread(self, table: Array, window: Window) -> Array:
-        return table[self.j - window.j0][:, self.i - window.i0][:, None, :]
+        """Give each sample the entry of its cell; see `Cells.spread`."""
+        out: Array = table[self.j - window.j0][:, self.i - window.i0][:, None, :]
+        return out
 
     def spline(self, c: Array, window: Window, dx: bool, dy: bool) -> Array:
+        """Evaluate a spline; see `Samples.spline`."""
         wx, wy = self._weights(dx, dy)
         column = self.i - window.i0
         rows = c.take(column - 1, axis=1) * wx[0]
@@ -264,10 +275,12 @@ class PointCells(Cells):
     """Cells under scattered points."""
 
     def spread(self, table: Array, window: Window) -> Array:
+        """Give each sample the entry of its cell; see `Cells.spread`."""
         out: Array = table[self.j - window.j0, self.i - window.i0]
         return out
 
     def spline(self, c: Array, window: Window, dx: bool, dy: bool) -> Array:
+        """Evaluate a spline; see `Samples.spline`."""
         wx, wy = self._weights(dx, dy)
         column, row = self.i - window.i0, self.j - window.j0
 
@@ -275,7 +288,8 @@ class PointCells(Cells):
             total = c[r, column - 1] * wx[0]
             for t in (1, 2, 3):
                 total += c[r, column + (t - 1)] * wx[t]
-            return total
+            summed: Array = total
+            return summed
 
         out = along(row - 1) * wy[0]
         for t in (1, 2, 3):
@@ -305,6 +319,7 @@ class Grid(Samples):
         self._cells = {}
 
     def local_m(self) -> tuple[Array, Array]:
+        """Metres east and south of the tile's corner; see `Samples.local_m`."""
         i, j = self.block.indices()
         step, scale = self.pixel_m, 2.0 ** (self.zoom + 8 - self.block.level)
         east = ((i + 0.5) * scale - self.x * TILE_PX) * step
@@ -337,6 +352,7 @@ class Points(Samples):
         self._cells = {}
 
     def local_m(self) -> tuple[Array, Array]:
+        """Metres east and south of the tile's corner; see `Samples.local_m`."""
         scale, step = float(TILE_PX << self.zoom), self.pixel_m
         east = (self.u * scale - self.x * TILE_PX) * step
         south = (self.v * scale - self.y * TILE_PX) * step

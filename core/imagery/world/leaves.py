@@ -16,11 +16,13 @@ HALF_WIDTH_M = (0.0, 2.5, 1.6, 3.2, 5.0, 8.0)
 
 FARM, WILD, TOWN = range(3)
 
+
 @dataclass(frozen=True)
 class Leaves:
     """Undivided pieces: arrays of shape (n,), edges in metres of the bent plane.
 
-    `sides` has shape (4, n): what runs along the left, right, top and bottom. `resolved` is false where a piece would be
+    `sides` has shape (4, n): what runs along the left, right, top and bottom. `resolved` is false where a
+    piece would be
     divided further if its parts were not too small to see.
     """
 
@@ -47,7 +49,6 @@ class Leaves:
         return self.y1 - self.y0
 
 
-
 CROPS = (  # colour, weight on moist and on dry land, strength of its stripes, and of its speckle
     ((118, 132, 66), 0.16, 0.04, 0.05, 0.10),  # pasture
     ((86, 116, 52), 0.17, 0.05, 0.10, 0.06),  # maize
@@ -63,7 +64,16 @@ CROPS = (  # colour, weight on moist and on dry land, strength of its stripes, a
 )
 TOWN_MEAN = (118, 122, 100)
 _LAWN, _YARD = (106, 122, 70), (146, 140, 126)
-_ROOFS = ((146, 138, 130), (112, 106, 102), (164, 122, 98), (178, 168, 154), (132, 92, 74), (196, 194, 190), (96, 98, 104), (154, 112, 88))
+_ROOFS = (
+    (146, 138, 130),
+    (112, 106, 102),
+    (164, 122, 98),
+    (178, 168, 154),
+    (132, 92, 74),
+    (196, 194, 190),
+    (96, 98, 104),
+    (154, 112, 88),
+)
 _HALL_ROOFS = ((196, 196, 194), (168, 170, 172), (142, 146, 152), (214, 212, 206))
 _LEAST_PLOT_M, HALL_M = 15.0, 46.0
 
@@ -72,7 +82,8 @@ _LEAST_PLOT_M, HALL_M = 15.0, 46.0
 class Buildings:
     """A rectangle in each piece: edges in metres of the bent plane; `there` is false where it stays empty.
 
-    `roof` has shape (3, n), `ridge_x` says whether the ridge runs eastward, `pitch` is how much its sides differ in light.
+    `roof` has shape (3, n), `ridge_x` says whether the ridge runs eastward, `pitch` is how much its sides
+    differ in light.
     """
 
     x0: Array
@@ -139,7 +150,8 @@ def looks(leaves: Leaves, pixel_m: float) -> Looks:
     f = np.float32
     return Looks(
         colour.astype(f), speckled.astype(f), striped.astype(f), np.cos(angle).astype(f), np.sin(angle).astype(f),
-        town.astype(f), (leaves.kind == WILD).astype(f), np.clip(-6.0 * leaves.density, 0.0, 1.0).astype(f), _build(leaves),
+        town.astype(f), (leaves.kind == WILD).astype(f), np.clip(-6.0 * leaves.density, 0.0, 1.0).astype(f),
+        _build(leaves),
     )  # fmt: skip
 
 
@@ -152,7 +164,14 @@ def _build(leaves: Leaves) -> Buildings:
     plot = town & (least > _LEAST_PLOT_M) & (most < 3 * HALL_M) & leaves.resolved
     vacant = bits(h, 0, 8) < np.where(leaves.density > 0.3, 0.06, 0.16)
     roadside = (leaves.sides >= LANE).any(axis=0)
-    farmstead = (leaves.kind == FARM) & (bits(h, 0, 8) < 0.14) & (least > 90.0) & (least < 700.0) & leaves.resolved & roadside
+    farmstead = (
+        (leaves.kind == FARM)
+        & (bits(h, 0, 8) < 0.14)
+        & (least > 90.0)
+        & (least < 700.0)
+        & leaves.resolved
+        & roadside
+    )
     hall = plot & (least > HALL_M)
     ridge_x = np.where(width > 1.15 * length, True, np.where(length > 1.15 * width, False, bits(h, 8, 1) > 0))
     a, b = 10.5 + 6.5 * bits(h, 9, 6) + 8.0 * farmstead, 7.0 + 3.5 * bits(h, 15, 5) + 4.0 * farmstead

@@ -6,8 +6,8 @@ import numpy as np
 
 from .buildings import Footprints
 from .climate import height
-from .paint import Canvas, line_cover
 from .leaves import HALF_WIDTH_M, LANE, MAIN, ROAD, TRACK
+from .paint import Canvas, line_cover
 from .scene import PARCEL_ZOOM, Scene
 
 LAND = (242, 240, 233)
@@ -66,14 +66,22 @@ def _draw_roads(canvas: Canvas, scene: Scene) -> None:
             canvas.blend(line_cover(d, half_width, p), ink)
 
 
-_TINTS = ((0.0, (190, 206, 172)), (0.06, (206, 214, 178)), (0.18, (224, 216, 176)), (0.4, (212, 190, 152)), (0.7, (190, 166, 142)), (1.0, (236, 234, 236)))
+_TINTS = (
+    (0.0, (190, 206, 172)),
+    (0.06, (206, 214, 178)),
+    (0.18, (224, 216, 176)),
+    (0.4, (212, 190, 152)),
+    (0.7, (190, 166, 142)),
+    (1.0, (236, 234, 236)),
+)
 
 
 def terrain(scene: Scene) -> Canvas:
     """Draw hypsometric tints with hill shading, water, woods and faint roads."""
     up = scene.region.smooth(height, scene.samples)
     stops = np.array([s for s, _ in _TINTS])
-    canvas = Canvas([np.interp(up, stops, [c[k] for _, c in _TINTS]) for k in range(3)], scene.samples.shape)
+    tint = np.stack([np.interp(up, stops, [c[k] for _, c in _TINTS]) for k in range(3)])
+    canvas = Canvas(tint, scene.samples.shape)
     woods = scene.woods()
     if woods is not None:
         canvas.blend(woods * np.float32(0.35), (150, 186, 132))

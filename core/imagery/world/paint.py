@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Sequence
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,13 +31,14 @@ class Canvas:
         at = np.flatnonzero(alpha)
         if at.size < SPARSE * alpha.size:
             if at.size:
-                self.touch(at, alpha[at], [c if np.ndim(c) == 0 else np.ravel(c)[at] for c in colour])
+                inks = [np.asarray(ink, np.float32).ravel() for ink in colour]
+                self.touch(at, alpha[at], np.stack([ink if ink.size == 1 else ink[at] for ink in inks]))
             return
-        for plane, c in zip(self.planes, colour):
+        for channel, c in enumerate(colour):
             ink = np.float32(c) if np.ndim(c) == 0 else np.ravel(c)
-            step = ink - plane
+            step = ink - self.planes[channel]
             step *= alpha
-            plane += step
+            self.planes[channel] += step
 
     def touch(self, at: Array, alpha: Array, colour: Array | Sequence[float]) -> None:
         """Lay a colour over the samples with flat indices `at` only."""

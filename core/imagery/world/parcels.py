@@ -1,8 +1,10 @@
 """Fields, towns and the roads between them: one recursive division of a gently bent plane.
 
-The plane is the Mercator plane displaced by the region's ``warp`` splines. Its squares of level `ROOT` are bounded by main
+The plane is the Mercator plane displaced by the region's ``warp`` splines. Its squares of level `ROOT` are
+bounded by main
 roads and are divided in two again and again, where a hash says, each time across the other axis. A dividing line is a
-road, a lane, a track or a hedge by the size of what it divides, so lesser roads end at greater ones. Near a town's centre
+road, a lane, a track or a hedge by the size of what it divides, so lesser roads end at greater ones. Near a
+town's centre
 the division goes on to blocks and plots.
 """
 
@@ -10,13 +12,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Dict, List, Tuple
 
 import numpy as np
 
 from .climate import RURAL_PER_SETTLED, dryness, settled
-from .leaves import BORDER, FARM, HEDGE, LANE, MAIN, ROAD, TOWN, TRACK, WILD, Leaves, Looks, looks
 from .lattice import WORLD_M, Array, Points, Samples, Window, bits, cell_hash, mix, salt
+from .leaves import BORDER, FARM, HEDGE, LANE, MAIN, ROAD, TOWN, TRACK, WILD, Leaves, Looks, looks
 from .region import COARSE, Region, coarse_fields
 
 ROOT = 13
@@ -42,7 +43,10 @@ WHOLE_ZOOM = 14
 
 @dataclass(frozen=True)
 class Towns:
-    """Towns around a block: centres in metres of the bent plane from the block's corner and radii, each of shape (n,)."""
+    """Towns around a block.
+
+    Centres in metres of the bent plane from the block's corner and radii, each of shape (n,).
+    """
 
     x: Array
     y: Array
@@ -61,13 +65,14 @@ class Towns:
 class Division:
     """Root squares divided to their leaves.
 
-    Step *n* cuts the pieces of depth *n* across axis ``n % 2`` at ``cuts[n]`` (infinite: not cut); the part before the cut
+    Step *n* cuts the pieces of depth *n* across axis ``n % 2`` at ``cuts[n]`` (infinite: not cut); the part
+    before the cut
     is piece ``first[n]`` of the next depth, the part after it the piece that follows.
     """
 
     roots: Window
-    cuts: List[Array]
-    first: List[Array]
+    cuts: list[Array]
+    first: list[Array]
     leaves: Leaves
     looks: Looks
 
@@ -75,7 +80,7 @@ class Division:
 def _towns(seed: int, roots: Window, least_m: float) -> Towns:
     """Find the towns that reach into a block of root squares."""
     width, length = roots.columns * _ROOT_M, roots.rows * _ROOT_M
-    parts: List[Tuple[Array, Array, Array]] = [(np.zeros(0), np.zeros(0), np.zeros(0))]
+    parts: list[tuple[Array, Array, Array]] = [(np.zeros(0), np.zeros(0), np.zeros(0))]
     for level, share, least, largest in _TOWN_LATTICES:
         if largest < least_m:
             continue
@@ -91,7 +96,13 @@ def _towns(seed: int, roots: Window, least_m: float) -> Towns:
         if level > ROOT:
             x, y = x + cell * bits(h, 0, 8), y + cell * bits(h, 8, 8)
         radius = least + (largest - least) * bits(h, 16, 8).astype(np.float64) ** 2.5
-        near = (bits(h, 24, 8) < share) & (x > -radius) & (x < width + radius) & (y > -radius) & (y < length + radius)
+        near = (
+            (bits(h, 24, 8) < share)
+            & (x > -radius)
+            & (x < width + radius)
+            & (y > -radius)
+            & (y < length + radius)
+        )
         x, y, radius, h = x[near], y[near], radius[near], h[near]
         if x.size:
             keep = _climate(seed, roots, x, y)[0] > 0.25 + 0.5 * bits(mix(h + np.uint32(77)), 0, 8)
@@ -110,7 +121,7 @@ def _climate(seed: int, roots: Window, x: Array, y: Array) -> tuple[Array, Array
     return samples.spline(share, window), samples.spline(dry, window)
 
 
-def _root_squares(seed: int, roots: Window) -> Dict[str, Array]:
+def _root_squares(seed: int, roots: Window) -> dict[str, Array]:
     i, j = (a.ravel() for a in np.broadcast_arrays(*roots.indices()))
     x0, y0 = (i - roots.i0) * _ROOT_M, (j - roots.j0) * _ROOT_M
     share, dry = _climate(seed, roots, x0 + _ROOT_M / 2, y0 + _ROOT_M / 2)
@@ -128,8 +139,8 @@ def divide(seed: int, roots: Window, pixel_m: float) -> Division:
     least_m = _LEAST_PX * pixel_m
     nodes = _root_squares(seed, roots)
     towns = _towns(seed, roots, least_m)
-    cuts: List[Array] = []
-    first: List[Array] = []
+    cuts: list[Array] = []
+    first: list[Array] = []
     idle = 0
     for depth in range(_MAX_DEPTH):
         split = _decide(nodes, depth, towns, least_m)
@@ -149,7 +160,7 @@ def _whole(seed: int, roots: Window) -> Division:
     return divide(seed, roots, 0.0)
 
 
-def _decide(n: Dict[str, Array], depth: int, towns: Towns, least_m: float) -> Array:
+def _decide(n: dict[str, Array], depth: int, towns: Towns, least_m: float) -> Array:
     """Say which pieces are divided at this depth; settle what they are."""
     width, length = n["x1"] - n["x0"], n["y1"] - n["y0"]
     side, other = (width, length) if depth & 1 == 0 else (length, width)
@@ -174,7 +185,7 @@ def _decide(n: Dict[str, Array], depth: int, towns: Towns, least_m: float) -> Ar
     return np.asarray(wanted & (side > 2 * least_m))
 
 
-def _split(n: Dict[str, Array], split: Array, axis: int) -> tuple[Dict[str, Array], Array, Array]:
+def _split(n: dict[str, Array], split: Array, axis: int) -> tuple[dict[str, Array], Array, Array]:
     """Cut pieces in two; return the pieces of the next depth, the cuts, and where each piece's first part is."""
     low, high = ("x0", "x1") if axis == 0 else ("y0", "y1")
     h, side = n["hash"], n[high] - n[low]
@@ -183,7 +194,7 @@ def _split(n: Dict[str, Array], split: Array, axis: int) -> tuple[Dict[str, Arra
     parts = 1 + split
     slot = np.cumsum(parts) - parts
     parent = np.repeat(np.arange(h.size), parts)
-    child: Dict[str, Array] = {k: (v[:, parent] if v.ndim == 2 else v[parent]) for k, v in n.items()}
+    child: dict[str, Array] = {k: (v[:, parent] if v.ndim == 2 else v[parent]) for k, v in n.items()}
     a = slot[split]
     b = a + 1
     child[high][a] = at[split]
@@ -196,11 +207,13 @@ def _split(n: Dict[str, Array], split: Array, axis: int) -> tuple[Dict[str, Arra
     return child, np.where(split, at, np.inf), slot
 
 
-def _line(n: Dict[str, Array], side: Array, h: Array) -> Array:
+def _line(n: dict[str, Array], side: Array, h: Array) -> Array:
     """Choose what runs along a dividing line, by the length that it divides."""
     r = bits(h, 24, 8)
     line = np.where(r < 0.22, HEDGE, np.where(r < 0.36, TRACK, BORDER))
-    line = np.where(side > 480, np.where(r < 0.3, LANE, np.where(r < 0.6, TRACK, np.where(r < 0.85, HEDGE, BORDER))), line)
+    line = np.where(
+        side > 480, np.where(r < 0.3, LANE, np.where(r < 0.6, TRACK, np.where(r < 0.85, HEDGE, BORDER))), line
+    )
     line = np.where(side > 1100, np.where(r < 0.75, LANE, TRACK), line)
     line = np.where(side > 2200, ROAD, line)
     line = np.where(n["kind"] == TOWN, np.where(side > 105, LANE, BORDER), line)
@@ -221,9 +234,10 @@ def bent_plane(region: Region, samples: Samples) -> tuple[Array, Array]:
 
 
 class Parcels:
-    """The pieces under some samples: `at` are their numbers among the division's leaves, `index` each sample's among `at`.
+    """The pieces under some samples.
 
-    `x`, `y` are the samples' places in the bent plane, float32 metres from `corner`, which is the tile's.
+    `at` are their numbers among the division's leaves, `index` is each sample's among `at`. `x`, `y` are
+    the samples' places in the bent plane, float32 metres from `corner`, which is the tile's.
     """
 
     def __init__(self, seed: int, region: Region, samples: Samples) -> None:
@@ -231,7 +245,10 @@ class Parcels:
         self.pixel_m = samples.pixel_m
         self.x, self.y = bent_plane(region, samples)
         margin = 1e-3 + 1e-5 * 256 * samples.pixel_m
-        x, y = (float(self.x.min()) - margin, float(self.x.max()) + margin), (float(self.y.min()) - margin, float(self.y.max()) + margin)
+        x, y = (
+            (float(self.x.min()) - margin, float(self.x.max()) + margin),
+            (float(self.y.min()) - margin, float(self.y.max()) + margin),
+        )
         east, south = samples.origin_m
         i0, i1 = (int(np.floor((c + east) / _ROOT_M)) for c in x)
         j0, j1 = (int(np.floor((c + south) / _ROOT_M)) for c in y)
@@ -241,12 +258,15 @@ class Parcels:
         self.corner = (i0 * _ROOT_M - east, j0 * _ROOT_M - south)
         self.index = np.zeros(self.shape, dtype=np.intp)
         self.at = self._place((x, y))
-        self._distances: Dict[int, Array | None] = {}
+        self._distances: dict[int, Array | None] = {}
 
-    def _place(self, box: Tuple[Tuple[float, float], Tuple[float, float]]) -> Array:
+    def _place(self, box: tuple[tuple[float, float], tuple[float, float]]) -> Array:
         """Walk down the division with the samples, leaving aside what their box does not touch."""
         roots, corner = self.division.roots, self.corner
-        for c, start, count, stride in ((self.x, corner[0], roots.columns, 1), (self.y, corner[1], roots.rows, roots.columns)):
+        for c, start, count, stride in (
+            (self.x, corner[0], roots.columns, 1),
+            (self.y, corner[1], roots.rows, roots.columns),
+        ):
             for n in range(1, count):
                 self.index += (c >= np.float32(start + n * _ROOT_M)) * stride
         at = np.arange(roots.rows * roots.columns)
@@ -257,7 +277,7 @@ class Parcels:
                 only = int(at[0])
                 where = float(cuts[only]) + corner[axis]
                 if where > high or where < low:
-                    at = first[only : only + 1] + (where < low)
+                    at = first[only : only + 1] + int(where < low)
                     continue
             cut = cuts[at] + corner[axis]
             before, after = cut >= low, cut <= high
@@ -295,7 +315,7 @@ class Parcels:
         """Give each sample its piece's entry of a table of all leaves."""
         return self.spread(table[self.at])
 
-    def edges(self) -> Tuple[Array, Array, Array, Array]:
+    def edges(self) -> tuple[Array, Array, Array, Array]:
         """Return the left, right, top and bottom edges of the pieces under the samples, float64 local metres."""
         leaves = self.division.leaves
         east, south = self.corner
@@ -305,7 +325,7 @@ class Parcels:
         )  # fmt: skip
 
     def distance_m(self, line: int) -> Array | None:
-        """Return each sample's distance to the nearest side of its piece of one class of line, or None if there is none."""
+        """Return each sample's distance to the nearest line of a class around its piece, or None."""
         if line not in self._distances:
             self._distances[line] = self._distance_m(line)
         return self._distances[line]

@@ -8,7 +8,7 @@ deviation, so that a shore drawn from too few octaves is as soft as the shore th
 from __future__ import annotations
 
 from functools import lru_cache
-from typing import Callable, Dict, Tuple
+from typing import Callable
 
 import numpy as np
 
@@ -29,9 +29,29 @@ COARSE = 10
 BLOCK_ZOOM = 15
 """From this zoom on regions are worked out, and remembered, for tiles of this zoom, 1.2 km wide."""
 
-_FIELDS: Dict[str, Tuple[int, Tuple[float, ...]]] = {
+_FIELDS: dict[str, tuple[int, tuple[float, ...]]] = {
     # name: first level, amplitude of each octave from there on
-    "land": (1, (0.55, 0.8, 0.85, 0.62, 0.42, 0.28, 0.18, 0.12, 0.08, 0.054, 0.036, 0.024, 0.016, 0.011, 0.007, 0.004)),
+    "land": (
+        1,
+        (
+            0.55,
+            0.8,
+            0.85,
+            0.62,
+            0.42,
+            0.28,
+            0.18,
+            0.12,
+            0.08,
+            0.054,
+            0.036,
+            0.024,
+            0.016,
+            0.011,
+            0.007,
+            0.004,
+        ),
+    ),
     "rough": (3, (0.7, 0.9, 0.8, 0.6, 0.45, 0.3, 0.2, 0.12)),
     "heat": (2, (0.1, 0.1, 0.08, 0.06, 0.05, 0.04, 0.03, 0.02)),
     "wet": (2, (0.5, 0.5, 0.4, 0.3, 0.2, 0.15, 0.1, 0.08, 0.06)),
@@ -52,10 +72,11 @@ for _row, (_first, _octaves) in enumerate(_FIELDS.values()):
 _RIDGED = _INDEX["relief"]
 
 
-
 def left_out_sd(name: str, level: int) -> float:
     """Return the standard deviation of the octaves of a field that lie beyond a level."""
-    return float(CELL_SD * np.sqrt(np.sum(np.square(_AMPLITUDE[_INDEX[name], level + 1 :], dtype=np.float64))))
+    return float(
+        CELL_SD * np.sqrt(np.sum(np.square(_AMPLITUDE[_INDEX[name], level + 1 :], dtype=np.float64)))
+    )
 
 
 def smoothstep(low: float, high: float, x: Array) -> Array:
@@ -68,11 +89,18 @@ def _add_octave(seed: int, window: Window, c: Array, ridge_noise: Array | None) 
     """Add the octave of the window's level to coefficients of that level; return them and relief's own noise."""
     level = window.level
     if ridge_noise is not None:
-        # Relief is made of ridges, 1 - 2|n|: taken one level finer than its noise, where coefficients are nearly values.
+        # Relief is made of ridges, 1 - 2|n|: taken one level finer than its noise, where coefficients are
+        # nearly values.
         mountains = smoothstep(0.1, 0.95, c[_INDEX["rough"]]) + np.float32(0.06)
         if level > 9:  # flat valley floors along the rivers
-            mountains *= np.float32(0.15) + np.float32(0.85) * smoothstep(0.02, 0.3, np.abs(c[_INDEX["river"]]))
-        c[_RIDGED] += mountains * (np.float32(0.66) - np.float32(2.2) * np.abs(ridge_noise)) * _AMPLITUDE[_RIDGED, level - 1]
+            mountains *= np.float32(0.15) + np.float32(0.85) * smoothstep(
+                0.02, 0.3, np.abs(c[_INDEX["river"]])
+            )
+        c[_RIDGED] += (
+            mountains
+            * (np.float32(0.66) - np.float32(2.2) * np.abs(ridge_noise))
+            * _AMPLITUDE[_RIDGED, level - 1]
+        )
     amplitude = _AMPLITUDE[:, level] if level <= FINEST_OCTAVE else _AMPLITUDE[:, -1]
     active = np.flatnonzero(amplitude)
     if active.size == 0:
@@ -104,7 +132,7 @@ def _coarse(seed: int, window: Window) -> tuple[Array, Array | None]:
     return c, ridge
 
 
-def coarse_fields(seed: int, window: Window) -> Dict[str, Array]:
+def coarse_fields(seed: int, window: Window) -> dict[str, Array]:
     """Return the coefficients of all fields at a window of level `COARSE`."""
     return dict(zip(NAMES, _coarse(seed, window)[0]))
 
@@ -122,7 +150,8 @@ def _latitude_heat(window: Window) -> Array:
     j = window.indices()[1]
     v = np.clip(j / float(1 << window.level), 0.0, 1.0)
     latitude = np.arctan(np.sinh(np.pi * (1.0 - 2.0 * v)))
-    return (1.06 * np.cos(latitude) ** 1.15 - 0.1).astype(np.float32)
+    heat: Array = (1.06 * np.cos(latitude) ** 1.15 - 0.1).astype(np.float32)
+    return heat
 
 
 def finest_level(zoom: int) -> int:
@@ -136,14 +165,15 @@ class Region:
     def __init__(self, seed: int, zoom: int, block: tuple[int, int, int]) -> None:
         self.seed, self.zoom = seed, zoom
         self.level = finest_level(zoom)
-        # Two cells more than the tile's own spline needs: one for `nodes`, one for trees whose cells reach over its edge.
+        # Two cells more than the tile's own spline needs: one for `nodes`, one for trees whose cells reach
+        # over its edge.
         self.window = Grid(*block).cells(self.level).support().grown(2)
         windows = _ancestry(self.window, COARSE)
         self.coefficients = c = _descend(seed, windows, *_coarse(seed, windows[0]))[0]
         wide = (c[:, :-2] + c[:, 2:] + np.float32(4) * c[:, 1:-1]) * np.float32(1 / 6)
         values = (wide[..., :-2] + wide[..., 2:] + np.float32(4) * wide[..., 1:-1]) * np.float32(1 / 6)
-        self.nodes: Dict[str, Array] = dict(zip(NAMES, values))
-        self._derived: Dict[str, Array] = {}
+        self.nodes: dict[str, Array] = dict(zip(NAMES, values))
+        self._derived: dict[str, Array] = {}
 
     @staticmethod
     def around(seed: int, samples: Samples) -> Region:
@@ -158,7 +188,9 @@ class Region:
     def slope(self, name: str, samples: Samples) -> tuple[Array, Array]:
         """Evaluate a field's slope per Mercator metre, east and south."""
         c, per_m = self.coefficients[_INDEX[name]], np.float32((1 << self.level) / WORLD_M)
-        return samples.spline(c, self.window, dx=True) * per_m, samples.spline(c, self.window, dy=True) * per_m
+        return samples.spline(c, self.window, dx=True) * per_m, samples.spline(
+            c, self.window, dy=True
+        ) * per_m
 
     def steepness(self, name: str, samples: Samples) -> Array:
         """Evaluate the length of a field's slope, per Mercator metre."""
@@ -175,28 +207,30 @@ class Region:
 
     def blur(self, name: str) -> float:
         """Return the width of the ramp that stands for the octaves that this zoom leaves out."""
-        return 12.0**0.5 * left_out_sd(name, self.level)
+        return float(12.0**0.5 * left_out_sd(name, self.level))
 
     def _under(self, c: Array, window: Window, samples: Samples) -> Array:
         support = samples.cells(self.level).support()
         i, j = support.i0 - window.i0, support.j0 - window.j0
         return c[..., j : j + support.rows, i : i + support.columns]
 
-    def derived(self, function: Callable[[Dict[str, Array]], Array]) -> Array:
+    def derived(self, function: Callable[[dict[str, Array]], Array]) -> Array:
         """Return what a function of the fields gives at the lattice points, shape (..., rows, columns)."""
         name = function.__name__
         if name not in self._derived:
             self._derived[name] = function(self.nodes).astype(np.float32, copy=False)
         return self._derived[name]
 
-    def smooth(self, function: Callable[[Dict[str, Array]], Array], samples: Samples) -> Array:
+    def smooth(self, function: Callable[[dict[str, Array]], Array], samples: Samples) -> Array:
         """Evaluate a function of the fields at samples, smoothly between lattice points."""
         c, window = self.derived(function), self.window.grown(-1)
         if c.ndim == 2:
             return samples.spline(c, window)
         return np.stack([samples.spline(part, window) for part in c])
 
-    def derived_span(self, function: Callable[[Dict[str, Array]], Array], samples: Samples) -> tuple[float, float]:
+    def derived_span(
+        self, function: Callable[[dict[str, Array]], Array], samples: Samples
+    ) -> tuple[float, float]:
         """Bound a function of the fields over samples."""
         c = self._under(self.derived(function), self.window.grown(-1), samples)
         return float(c.min()), float(c.max())

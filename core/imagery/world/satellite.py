@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Dict
-
 import numpy as np
 
 from . import climate, trees
@@ -26,11 +24,10 @@ _FLOOR = (44, 52, 32)
 def satellite(scene: Scene) -> Canvas:
     """Paint the land, then water, then what stands on it."""
     zoom = scene.samples.zoom
-    canvas = _Land(scene).paint() if zoom >= PARCEL_ZOOM else _from_afar(scene)
-    return canvas
+    return _Land(scene).paint() if zoom >= PARCEL_ZOOM else _from_afar(scene)
 
 
-def _farm_colour(f: Dict[str, Array]) -> Array:
+def _farm_colour(f: dict[str, Array]) -> Array:
     dry = climate.dryness(f)
     return farm_mean(dry.ravel()).reshape(3, *dry.shape)
 
@@ -41,14 +38,10 @@ def _from_afar(scene: Scene) -> Canvas:
     canvas.blend(region.smooth(climate.rural_share, samples), region.smooth(_farm_colour, samples))
     woods = scene.woods()
     if woods is not None:
-        canvas.blend(woods, _canopy(scene))
+        canvas.blend(woods, trees.CANOPY)
     canvas.lighten(_light(scene))
     _paint_water(canvas, scene)
     return canvas
-
-
-def _canopy(scene: Scene) -> tuple[float, float, float]:
-    return tuple(float(c) for c in trees.CANOPY)  # type: ignore[return-value]
 
 
 def _light(scene: Scene) -> Array:
@@ -75,7 +68,7 @@ class _Land:
         scene = self.scene
         seed, samples = scene.seed, scene.samples
         self.speckle = speckle(seed, samples, 0, min(self.zoom + 6, 28))
-        canvas = Canvas([self.parcels.take(c) for c in self.looks.colour], samples.shape)
+        canvas = Canvas(np.stack([self.parcels.take(c) for c in self.looks.colour]), samples.shape)
         wild = self.parcels.leaf(self.looks.wild)
         if wild.any():
             canvas.blend(self.parcels.spread(wild), scene.region.smooth(climate.natural_colour, samples))
@@ -83,7 +76,7 @@ class _Land:
         self._lines(canvas)
         woods = scene.woods()
         if woods is not None:
-            canvas.blend(woods, _FLOOR if self.zoom >= trees.FIRST_ZOOM else _canopy(scene))
+            canvas.blend(woods, _FLOOR if self.zoom >= trees.FIRST_ZOOM else trees.CANOPY)
         _paint_water(canvas, scene)
         self._roads(canvas)
         self._buildings(canvas)
@@ -142,4 +135,12 @@ class _Land:
         contrast = 0.55 if self.zoom == trees.FIRST_ZOOM else 1.0
         for shifted in (False, True):
             cells, crowns = trees.plant(scene.seed, scene.samples, shifted)
-            trees.draw(canvas, cells, crowns, self.pixel_m, self.speckle, contrast, np.array(_canopy(scene), dtype=np.float32))
+            trees.draw(
+                canvas,
+                cells,
+                crowns,
+                self.pixel_m,
+                self.speckle,
+                contrast,
+                np.array(trees.CANOPY, dtype=np.float32),
+            )

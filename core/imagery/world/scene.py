@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Dict
-
 import numpy as np
 
 from . import climate
@@ -20,7 +18,14 @@ MOTORWAY_HALF_WIDTH_M = 13.0
 _LEAST_STEEPNESS = {"river": 2.2e-6, "brook": 1.0e-5, "motorway": 1.5e-6}
 """Where a course's field is flatter than this per metre, as at a confluence, its width grows no further."""
 
-_MOST_STEEPNESS = {"river": 6e-5, "brook": 2.5e-4, "motorway": 4e-5, "lake": 1.5e-4, "land": 2e-5, "wood": 4e-4}
+_MOST_STEEPNESS = {
+    "river": 6e-5,
+    "brook": 2.5e-4,
+    "motorway": 4e-5,
+    "lake": 1.5e-4,
+    "land": 2e-5,
+    "wood": 4e-4,
+}
 
 
 def ramp(x: Array, width: Array | float) -> Array:
@@ -31,13 +36,13 @@ def ramp(x: Array, width: Array | float) -> Array:
 
 
 class Scene:
-    """The world around some samples. Coverages are float32 in 0..1 of the samples' shape, or None where there is none."""
+    """The world around some samples; coverages are float32, 0..1, of their shape, or None for none."""
 
     def __init__(self, seed: int, samples: Samples) -> None:
         self.seed, self.samples = seed, samples
         self.pixel_m = samples.pixel_m
         self.region = Region.around(seed, samples)
-        self._cache: Dict[str, Array | None] = {}
+        self._cache: dict[str, Array | None] = {}
         self._parcels: Parcels | None = None
 
     @property
@@ -111,7 +116,9 @@ class Scene:
         least = 1.08
         if self.region.span("lake", self.samples)[1] < least - self._reach("lake", 0.0):
             return None
-        above = self._value("lake") - (np.float32(least + 1.2) - np.float32(1.2) * self._climate("wateriness"))
+        above = self._value("lake") - (
+            np.float32(least + 1.2) - np.float32(1.2) * self._climate("wateriness")
+        )
         steep = self.region.steepness("lake", self.samples) * np.float32(self.pixel_m)
         return ramp(above, steep + np.float32(self.region.blur("lake") + 1e-12))
 

@@ -8,8 +8,8 @@ import numpy as np
 
 from .buildings import Footprints
 from .lattice import Array, Cells, Grid, Samples, Window, bits, cell_hash, salt
-from .paint import Canvas
 from .leaves import HALF_WIDTH_M, HEDGE, LANE, MAIN, ROAD
+from .paint import Canvas
 from .scene import Scene
 
 LEVEL = 22
@@ -73,7 +73,9 @@ def plant(seed: int, samples: Samples, shifted: bool) -> tuple[Cells, Crowns]:
     cells = samples.cells(LEVEL, shifted)
     window = cells.window()
     level = LEVEL + 1 if shifted else LEVEL
-    if shifted:  # the shifted cell's centre is the unshifted cell's corner: every second point of a grid twice as fine
+    if (
+        shifted
+    ):  # the shifted cell's centre is the unshifted cell's corner: every second point of a grid twice as fine
         block = Window(LEVEL, window.i0 - 1, window.j0 - 1, window.columns + 1, window.rows + 1)
         block = Window(LEVEL, window.i0, window.j0, window.columns, window.rows)
     else:
@@ -101,27 +103,41 @@ class _Drawn:
         self.cells, self.crowns = cells, crowns
         self.dense = crowns.there.mean() > 0.25
         if not self.dense:
-            near = np.broadcast_to(cells.spread(crowns.there, crowns.window), self._inner())
+            near = np.broadcast_to(cells.spread(crowns.there, crowns.window), self.inner())
             self.at = np.flatnonzero(near)
 
-    def _inner(self) -> tuple[int, ...]:
-        return np.broadcast_shapes(self.cells.spread(self.crowns.there, self.crowns.window).shape, self.cells.fx.shape, self.cells.fy.shape)
+    def inner(self) -> tuple[int, ...]:
+        return np.broadcast_shapes(
+            self.cells.spread(self.crowns.there, self.crowns.window).shape,
+            self.cells.fx.shape,
+            self.cells.fy.shape,
+        )
 
     def take(self, table: Array) -> Array:
         spread = self.cells.spread(table, self.crowns.window)
         if self.dense:
             return spread
-        out: Array = np.broadcast_to(spread, self._inner()).ravel()[self.at]
+        out: Array = np.broadcast_to(spread, self.inner()).ravel()[self.at]
         return out
 
     def fraction(self) -> tuple[Array, Array]:
         if self.dense:
             return self.cells.fx, self.cells.fy
-        inner = self._inner()
-        return np.broadcast_to(self.cells.fx, inner).ravel()[self.at], np.broadcast_to(self.cells.fy, inner).ravel()[self.at]
+        inner = self.inner()
+        return np.broadcast_to(self.cells.fx, inner).ravel()[self.at], np.broadcast_to(
+            self.cells.fy, inner
+        ).ravel()[self.at]
 
 
-def draw(canvas: Canvas, cells: Cells, crowns: Crowns, pixel_m: float, leaf: Array | None, contrast: float, canopy: Array) -> None:
+def draw(
+    canvas: Canvas,
+    cells: Cells,
+    crowns: Crowns,
+    pixel_m: float,
+    leaf: Array | None,
+    contrast: float,
+    canopy: Array,
+) -> None:
     """Draw crowns, lit from the north-west, and their shadows."""
     if not crowns.there.any():
         return
@@ -143,18 +159,25 @@ def draw(canvas: Canvas, cells: Cells, crowns: Crowns, pixel_m: float, leaf: Arr
         _blend(canvas, drawn, shade, (18, 24, 22))
     light = np.float32(1.0) - np.float32(0.30) * np.minimum(q, np.float32(1)) - np.float32(0.30) * (dx + dy)
     if leaf is not None:
-        rough = leaf.reshape(drawn._inner()) if drawn.dense else leaf.ravel()[drawn.at]
+        rough = leaf.reshape(drawn.inner()) if drawn.dense else leaf.ravel()[drawn.at]
         light = light + rough * np.float32(0.55)
-    light = (light * np.float32(contrast) + np.float32((1 - contrast) * _MEAN_LIGHT)) * np.float32(1 / _MEAN_LIGHT)
+    light = (light * np.float32(contrast) + np.float32((1 - contrast) * _MEAN_LIGHT)) * np.float32(
+        1 / _MEAN_LIGHT
+    )
     light = light * drawn.take(np.float32(1) + (crowns.tone - np.float32(1)) * np.float32(contrast))
     hue = drawn.take(crowns.hue)
-    _blend(canvas, drawn, cover, [light * (np.float32(c) + hue * np.float32(s)) for c, s in zip(canopy, (30.0, 16.0, 4.0))])
+    _blend(
+        canvas,
+        drawn,
+        cover,
+        [light * (np.float32(c) + hue * np.float32(s)) for c, s in zip(canopy, (30.0, 16.0, 4.0))],
+    )
 
 
 def _blend(canvas: Canvas, drawn: _Drawn, cover: Array, colour: object) -> None:
     for plane, ink in zip(canvas.planes, colour):  # type: ignore[call-overload]
         if drawn.dense:
-            view = plane.reshape(drawn._inner())
+            view = plane.reshape(drawn.inner())
             step = ink - view
             step *= cover
             view += step

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Callable, Dict, Tuple
+from typing import Callable
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import InvalidInput
-from ...geodesy.mercator import PixelGrid
-from .lattice import TILE_PX, Array, Grid, Points
+from .lattice import Array, Grid, Points
 from .maps import roadmap, terrain
 from .paint import Canvas
 from .satellite import satellite
@@ -18,7 +17,11 @@ from .scene import Scene
 
 MAX_ZOOM = 22
 STYLES = ("satellite", "roadmap", "terrain")
-_PAINTERS: Dict[str, Callable[[Scene], Canvas]] = {"satellite": satellite, "roadmap": roadmap, "terrain": terrain}
+_PAINTERS: dict[str, Callable[[Scene], Canvas]] = {
+    "satellite": satellite,
+    "roadmap": roadmap,
+    "terrain": terrain,
+}
 
 
 def _painter(style: str) -> Callable[[Scene], Canvas]:
@@ -31,7 +34,8 @@ def _painter(style: str) -> Callable[[Scene], Canvas]:
 class World:
     """A seeded landscape over the whole Web-Mercator square.
 
-    Its value at a position and a zoom is the landscape low-passed for that zoom's pixels. It is a pure function of seed,
+    Its value at a position and a zoom is the landscape low-passed for that zoom's pixels. It is a pure
+    function of seed,
     style, position and zoom: the same on every machine, in every order and number of threads.
 
     Parameters
@@ -54,9 +58,11 @@ class World:
         style : str
             ``"satellite"``, ``"roadmap"`` or ``"terrain"``.
         u, v : float64 arrays
-            World fractions east and south of the north-west corner (180° W, 85.0511° N). `u` wraps around; `v` in [0, 1].
+            World fractions east and south of the north-west corner (180° W, 85.0511° N). `u` wraps around; `v`
+            in [0, 1].
         zoom : float or array
-            Pixel size as a zoom, 0 to 22: ``2**-zoom / 256`` of the world. Between whole zooms the two neighbours are mixed.
+            Pixel size as a zoom, 0 to 22: ``2**-zoom / 256`` of the world. Between whole zooms the two
+            neighbours are mixed.
             Broadcast with `u` and `v`.
 
         Returns
@@ -86,7 +92,9 @@ class World:
             out[between] += share * (above - out[between])
         return out.reshape(*shape, 3)
 
-    def _at_whole_zooms(self, painter: Callable[[Scene], Canvas], u: Array, v: Array, zoom: Array) -> NDArray[np.float32]:
+    def _at_whole_zooms(
+        self, painter: Callable[[Scene], Canvas], u: Array, v: Array, zoom: Array
+    ) -> NDArray[np.float32]:
         out = np.empty((u.size, 3), dtype=np.float32)
         x, y = np.floor(u * 2.0**zoom).astype(np.int64), np.floor(v * 2.0**zoom).astype(np.int64)
         key = (zoom << 44) | (y << 22) | x

@@ -3,8 +3,6 @@ from __future__ import annotations
 import json
 
 import pytest
-
-from terrainav.core.capture import journal as journal_module
 from terrainav.core.capture.journal import Journal, Outcome
 from terrainav.core.errors import OutputError
 
@@ -23,7 +21,14 @@ def test_outcomes_come_back(tmp_path):
     write(path, DONE, FAILED)
     assert Journal(path).outcomes == {("satellite", "0_0_a"): DONE, ("roadmap", "0_0_a"): FAILED}
     lines = [json.loads(line) for line in path.read_text(encoding="utf-8").split("\n")[:-1]]
-    assert lines[0] == {"map_type": "satellite", "name": "0_0_a", "status": "done", "entropy": 7.123456789012345, "reason": ""}  # fmt: skip
+    done = {
+        "map_type": "satellite",
+        "name": "0_0_a",
+        "status": "done",
+        "entropy": 7.123456789012345,
+        "reason": "",
+    }
+    assert lines[0] == done
     assert (lines[1]["status"], lines[1]["entropy"], lines[1]["reason"]) == ("failed", None, FAILED.reason)
 
 
@@ -101,4 +106,3 @@ def test_a_journal_that_cannot_be_opened_is_named(tmp_path):
         pass
     with pytest.raises(OutputError, match="is not open"):
         Journal(tmp_path / "other.jsonl").add(DONE)
-    assert journal_module.DONE == "done"

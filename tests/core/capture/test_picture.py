@@ -5,11 +5,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from PIL import Image
-
 from terrainav.core.capture.picture import assemble, resized
 from terrainav.core.errors import PartError
 from terrainav.core.geodesy.mercator import PixelGrid
 from terrainav.core.imagery.source import Part, Window, tile_parts
+
 from tests.support.patterns import MODULUS, decode_position
 from tests.support.sources import PatternSource
 
@@ -41,7 +41,7 @@ def test_a_picture_with_a_hole_is_none():
     source = PatternSource()
     parts = source.parts(window)
     pixels = {part.window: source.fetch("satellite", part.window) for part in parts}
-    with pytest.raises(PartError, match=r"of 90000 pixels are in no part"):
+    with pytest.raises(PartError, match=r"no imagery at \d+ of the picture's 90000 pixels"):
         assemble(window, parts[:-1], pixels)
     shifted = [part._replace(dx_px=part.dx_px + 1) if part.dx_px < 0 else part for part in parts]
     assert assemble(window, shifted, pixels).shape == (
@@ -50,8 +50,21 @@ def test_a_picture_with_a_hole_is_none():
         3,
     )  # they overlap by a pixel and leave none open
     shifted = [part._replace(dx_px=part.dx_px - 1) if part.dx_px < 0 else part for part in parts]
-    with pytest.raises(PartError, match=r"^300 of 90000 pixels"):
+    with pytest.raises(PartError, match=r"no imagery at 300 of the picture's 90000 pixels"):
         assemble(window, shifted, pixels)
+
+
+def test_transparent_pixels_are_no_imagery_where_the_picture_shows_them():
+    part = Part(Window(5, 0, 0, 256, 256), -10, -20)
+    tile = np.full((256, 256, 4), 255, np.uint8)
+    tile[:20, :, 3] = 0
+    tile[20, 10, :3] = (1, 2, 3)
+    picture = assemble(Window(5, 10, 20, 50, 40), [part], {part.window: tile})
+    assert picture.shape == (40, 50, 3)
+    assert picture[0, 0].tolist() == [1, 2, 3]
+    tile[25, 30, 3] = 0
+    with pytest.raises(PartError, match="no imagery at 1 of the picture's 2000 pixels"):
+        assemble(Window(5, 10, 20, 50, 40), [part], {part.window: tile})
 
 
 @pytest.mark.parametrize(

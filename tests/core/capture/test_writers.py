@@ -8,12 +8,12 @@ import re
 import numpy as np
 import pytest
 from PIL import Image
-
 from terrainav.core.capture import writers
 from terrainav.core.capture.georeference import Georeference
 from terrainav.core.capture.writers import Description, check_size, file_endings, write_picture
 from terrainav.core.errors import InvalidInput, OutputError
 from terrainav.core.geodesy.mercator import HALF_WORLD_M, PixelGrid
+
 from tests.support.patterns import encode_position
 
 FORMATS = ("tif", "jpg", "png")
@@ -50,7 +50,7 @@ def gdal():
 
 
 def georeference(window, size=None) -> Georeference:
-    left, top, width, height = window
+    _, _, width, height = window
     west, south, east, north = (
         float(edge) for edge in GRID.edges_m(*(np.asarray(value, np.float64) for value in window), ZOOM)
     )
@@ -310,8 +310,12 @@ def test_a_folder_that_is_not_there_is_named(tmp_path):
 
 @pytest.mark.parametrize(
     ("values", "message"),
-    [((1.0, 0.0, 1.0, 1.0, 5, 5), "west < east"), ((0.0, 0.0, 1.0, float("inf"), 5, 5), "edges"), ((0.0, 0.0, 1.0, 1.0, 0, 5), "0 x 5 px")],
-)  # fmt: skip
+    [
+        ((1.0, 0.0, 1.0, 1.0, 5, 5), "west < east"),
+        ((0.0, 0.0, 1.0, float("inf"), 5, 5), "edges"),
+        ((0.0, 0.0, 1.0, 1.0, 0, 5), "0 x 5 px"),
+    ],
+)
 def test_impossible_georeferences_are_refused(values, message):
     with pytest.raises(InvalidInput, match=message):
         Georeference(*values)

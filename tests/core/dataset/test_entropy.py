@@ -6,10 +6,8 @@ from collections import Counter
 import numpy as np
 import pytest
 from hypothesis import given, settings
-from hypothesis import strategies as st
 from hypothesis.extra.numpy import array_shapes, arrays
 from PIL import Image
-
 from terrainav.core.dataset.entropy import entropy
 from terrainav.core.errors import InvalidInput
 

@@ -5,7 +5,6 @@ import io
 
 import numpy as np
 import pytest
-
 from terrainav.core.dataset.table import FIELDS, Table
 from terrainav.core.errors import InvalidInput, OutputError
 
