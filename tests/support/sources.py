@@ -7,10 +7,10 @@ import time
 from collections import Counter
 
 import numpy as np
-
 from terrainav.core.errors import PartError
 from terrainav.core.geodesy.mercator import PixelGrid
 from terrainav.core.imagery.source import Window, tile_parts
+
 from tests.support.patterns import encode_position
 
 

@@ -86,7 +86,7 @@ def terrain(scene: Scene) -> Canvas:
     if woods is not None:
         canvas.blend(woods * np.float32(0.35), (150, 186, 132))
     shade = scene.shade()
-    light = np.float32(1) + np.clip(shade * np.float32(0.42), -0.5, 0.3)
+    light = np.float32(1) + shade * np.float32(0.3)
     canvas.lighten(light)
     canvas.blend(scene.sea(), WATER)
     canvas.blend(scene.lakes(), WATER)

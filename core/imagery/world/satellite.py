@@ -45,7 +45,7 @@ def _from_afar(scene: Scene) -> Canvas:
 
 
 def _light(scene: Scene) -> Array:
-    return np.float32(1) + np.clip(scene.shade() * np.float32(0.34), -0.55, 0.45)
+    return np.float32(1) + scene.shade() * np.float32(0.36)
 
 
 def _paint_water(canvas: Canvas, scene: Scene) -> None:

@@ -10,6 +10,8 @@ from .parcels import Parcels
 from .region import Region
 
 PARCEL_ZOOM = 8
+#: Zoom up to which relief is toned down, and what is left of it at each zoom farther out.
+_RELIEF_ZOOM, _RELIEF_SHARE = 13, 0.86
 """Zoom from which parcels and roads are drawn; a pixel of the one before is wider than a village."""
 
 RIVER_HALF_WIDTH_M = 34.0
@@ -164,10 +166,16 @@ class Scene:
         return self._cache["motorway"]
 
     def shade(self) -> Array:
-        """Slope towards a light in the north-west, in units in which mountain sides reach about 1."""
+        """Slope towards a light in the north-west, eased into -1..1.
+
+        Coarse pixels are given less of it, as cartographers do: their relief is as rough as a hillside's, but the
+        eye reads it as much higher mountains.
+        """
         east, south = self.region.slope("relief", self.samples)
         east += south
-        east *= np.float32(40075016.7 / 28.0)
+        coarse = max(_RELIEF_ZOOM - self.samples.zoom, 0)
+        east *= np.float32(40075016.7 / 28.0 * _RELIEF_SHARE**coarse)
+        east /= np.sqrt(np.float32(1) + east * east)
         return east
 
 

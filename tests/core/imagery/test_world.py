@@ -16,7 +16,7 @@ WORLD = World(2024)
 AGRICENTER = (0.25038, 0.39581)
 #: Zoom z + 1 averaged two by two is zoom z within this root mean square of grey levels: what a pixel's low-pass
 #: and the average of four, a box, make different of the same detail. Maps are flat, photographs are not.
-PYRAMID_RMS = {"satellite": 26.0, "roadmap": 8.0, "terrain": 28.0}
+PYRAMID_RMS = {"satellite": 22.0, "roadmap": 8.0, "terrain": 13.0}
 
 
 def tile_at(zoom, place=AGRICENTER):

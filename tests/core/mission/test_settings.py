@@ -31,7 +31,9 @@ def test_the_command_line_comes_before_the_environment_before_the_file_before_th
 
 
 def test_a_file_may_use_hyphens_and_lists(config):
-    values = resolve({}, {}, config(**{"aspect-ratio": [16, 9], "map_type": ["roadmap", "terrain"], "upsample": True}))
+    values = resolve(
+        {}, {}, config(**{"aspect-ratio": [16, 9], "map_type": ["roadmap", "terrain"], "upsample": True})
+    )
     assert values["aspect_ratio"] == (16.0, 9.0)
     assert values["map_type"] == ("roadmap", "terrain")
     assert values["upsample"] is True
@@ -67,7 +69,12 @@ def test_a_bad_value_is_named(given, says):
 
 @pytest.mark.parametrize(
     ("content", "says"),
-    [("{", "cannot be read as JSON"), ("[]", "must hold a JSON object"), ('{"fow": 3}', "did you mean 'fov'"), ('{"fov": "x"}', "'x'")],
+    [
+        ("{", "cannot be read as JSON"),
+        ("[]", "must hold a JSON object"),
+        ('{"fow": 3}', "did you mean 'fov'"),
+        ('{"fov": "x"}', "'x'"),
+    ],
 )
 def test_a_bad_file_is_named(tmp_path, content, says):
     path = tmp_path / "c.json"
@@ -79,12 +86,12 @@ def test_a_bad_file_is_named(tmp_path, content, says):
 
 
 def test_a_file_asked_for_must_be_there(tmp_path):
-    with pytest.raises(InvalidInput, match="none.json"):
+    with pytest.raises(InvalidInput, match=r"none\.json"):
         resolve({}, {}, str(tmp_path / "none.json"))
 
 
 def make(**given):
-    return mission_from(resolve({name: value for name, value in given.items()}, {}, None))
+    return mission_from(resolve(dict(given), {}, None))
 
 
 def test_the_papers_example():
@@ -132,4 +139,6 @@ def test_what_is_missing_or_contradicts_is_named(given, says):
 def test_every_option_explains_itself():
     for option in OPTIONS:
         assert option.help
-        assert option.default is None or option.flag or option.read(option.default, "default") == option.default
+        assert (
+            option.default is None or option.flag or option.read(option.default, "default") == option.default
+        )
