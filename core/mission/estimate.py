@@ -80,12 +80,12 @@ class Summary:
             ("picture", shape),
             (
                 "ground sample distance",
-                f"camera {_metres(self.camera_gsd_m_per_px)}, source {_metres(self.source_gsd_m_per_px)}",
+                f"camera {length_text(self.camera_gsd_m_per_px)}, source {length_text(self.source_gsd_m_per_px)}",
             ),
-            ("flight distance", _metres(self.flight_distance_m)),
+            ("flight distance", length_text(self.flight_distance_m)),
         ]
         if self.covered_share is not None and self.uncovered_m2 is not None:
-            words = "complete" if self.complete else f"{_square(self.uncovered_m2)} uncovered"
+            words = "complete" if self.complete else f"{area_text(self.uncovered_m2)} uncovered"
             lines.append(("coverage", f"{percent(self.covered_share, exact=bool(self.complete))} ({words})"))
         for label, least, median in (
             ("overlap along rows", self.least_overlap_along, self.median_overlap_along),
@@ -96,8 +96,11 @@ class Summary:
         each = " a map type" if types > 1 else ""
         lines += [
             ("tiles", f"{self.unique_tiles:,}{each}, each fetched once"),
-            ("download", _bytes(self.download_bytes)),
-            ("files", _bytes(self.output_bytes)),
+            (
+                "download",
+                size_text(self.download_bytes) if self.download_bytes else "nothing (computed here)",
+            ),
+            ("files", size_text(self.output_bytes)),
             ("time", f"about {_duration(self.seconds)}"),
         ]
         return lines
@@ -151,22 +154,26 @@ def percent(share: float, exact: bool) -> str:
     return "100 %" if exact else f"{100 * share:.4f}".rstrip("0").rstrip(".") + " %"
 
 
-def _metres(value_m: float) -> str:
+def length_text(value_m: float) -> str:
+    """Length in the unit that suits it."""
     for unit, size in (("km", 1e3), ("m", 1.0), ("cm", 1e-2)):
         if value_m >= size:
-            return f"{value_m / size:.4g} {unit}"
+            value = value_m / size
+            return f"{value:,.0f} {unit}" if value >= 1e3 else f"{value:.4g} {unit}"
     return f"{value_m * 1e3:.3g} mm"
 
 
-def _square(value_m2: float) -> str:
-    return f"{value_m2 / 1e6:.4g} km²" if value_m2 >= 1e6 else f"{value_m2:.4g} m²"
+def area_text(value_m2: float) -> str:
+    """Area in km², or in m² below a tenth of one."""
+    return f"{value_m2 / 1e6:,.4g} km²" if value_m2 >= 1e5 else f"{value_m2:,.4g} m²"
 
 
-def _bytes(count: float) -> str:
+def size_text(count: float) -> str:
+    """Size of files in the unit that suits it."""
     for unit, size in (("GB", 1e9), ("MB", 1e6), ("kB", 1e3)):
         if count >= size:
             return f"{count / size:.3g} {unit}"
-    return f"{count:.0f} bytes" if count else "nothing (computed here)"
+    return f"{count:.0f} bytes"
 
 
 def _duration(seconds: float) -> str:
