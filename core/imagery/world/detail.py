@@ -6,30 +6,55 @@ from functools import lru_cache
 
 import numpy as np
 
-from .lattice import Array, Samples, cell_hash, mix, refine, salt, signed
+from .lattice import Array, Grid, Samples, Window, cell_hash, mix, refine, salt, signed
+from .region import BLOCK_ZOOM
 
 _SPECKLE_FIRST = 14
+_SPECKLE_KEPT = 20
+"""Octaves down to this level are remembered for a block of tiles."""
+
 _STRIPE_COUNT = 8192
 _STRIPES_PER_PX = 4
 _STRIPES = ((48.0, 0.5), (22.0, 0.55), (9.0, 0.6), (4.2, 0.55), (2.0, 0.5), (0.9, 0.45), (0.4, 0.4))
 """Spacing in metres and strength of the bands of which field stripes are made."""
 
 
-def speckle(seed: int, samples: Samples, number: int, last_level: int) -> Array | None:
+def speckle(seed: int, samples: Samples, last_level: int) -> Array | None:
     """Evaluate texture of all scales from 2.4 km down to `last_level`, with a standard deviation of 0.1 an octave."""
     if last_level < _SPECKLE_FIRST:
         return None
     windows = [samples.cells(last_level).support()]
+    top = max(min(last_level, _SPECKLE_KEPT), _SPECKLE_FIRST)
+    while windows[-1].level > top:
+        windows.append(windows[-1].parent())
+    up = max(samples.zoom - BLOCK_ZOOM, 0)
+    c, whole = _coarse_speckle(seed, samples.zoom - up, samples.x >> up, samples.y >> up, top)
+    first = windows.pop()
+    i, j = first.i0 - whole.i0, first.j0 - whole.j0
+    c, coarse = c[j : j + first.rows, i : i + first.columns], first
+    for window in reversed(windows):
+        c, coarse = refine(c, coarse, window) + _octave(seed, window), window
+    return samples.spline(c, coarse)
+
+
+def _octave(seed: int, window: Window) -> Array:
+    i, j = window.indices()
+    noise = signed(cell_hash(salt(seed, 5), window.level, i, j))
+    noise *= np.float32(0.36)
+    return noise
+
+
+@lru_cache(maxsize=48)
+def _coarse_speckle(seed: int, zoom: int, x: int, y: int, level: int) -> tuple[Array, Window]:
+    """Coefficients at `level` over a block, which neighbouring tiles share."""
+    windows = [Grid(zoom, x, y).cells(level).support().grown(2)]
     while windows[-1].level > _SPECKLE_FIRST:
         windows.append(windows[-1].parent())
-    windows.reverse()
-    c: Array | None = None
-    for n, window in enumerate(windows):
-        i, j = window.indices()
-        noise = signed(cell_hash(salt(seed, 5, number), window.level, i, j))
-        noise *= np.float32(0.36)
-        c = noise if c is None else noise + refine(c, windows[n - 1], window)
-    return None if c is None else samples.spline(c, windows[-1])
+    coarse = windows.pop()
+    c: Array = _octave(seed, coarse)
+    for window in reversed(windows):
+        c, coarse = refine(c, coarse, window) + _octave(seed, window), window
+    return c, coarse
 
 
 @lru_cache(maxsize=32)

@@ -156,7 +156,7 @@ def _taps(f: Array, derivative: bool) -> tuple[Array, Array, Array, Array]:
     return low, second, np.float32(1) - low - second - high, high
 
 
-class Samples:
+class Samples(ABC):
     """Positions to evaluate the world at, all in or near one tile; see `Grid` and `Points`.
 
     Attributes
@@ -183,9 +183,9 @@ class Samples:
         """The tile's north-west corner in Mercator metres east and south of the world's."""
         return self.x * TILE_PX * self.pixel_m, self.y * TILE_PX * self.pixel_m
 
+    @abstractmethod
     def local_m(self) -> tuple[Array, Array]:
         """Return float32 metres east and south of the tile's corner, broadcastable to `shape`."""
-        raise NotImplementedError
 
     def spline(self, coefficients: Array, window: Window, dx: bool = False, dy: bool = False) -> Array:
         """Evaluate a spline (rows, columns) at the samples, or its slope per cell eastward or southward."""
@@ -205,8 +205,7 @@ class Samples:
 class Cells(ABC):
     """Where samples lie on one lattice.
 
-    `fx`, `fy` are float32 fractions of the cell, broadcastable to `inner`; what is computed with `inner` shape
-    becomes the samples' shape by `outer`.
+    `i`, `j` are columns and rows of cells; `fx`, `fy` float32 fractions of the cell, broadcastable to the inner shape.
     """
 
     level: int
@@ -238,9 +237,13 @@ class Cells(ABC):
     def spread(self, table: Array, window: Window) -> Array:
         """Give each sample the entry of its cell from a table (rows, columns), broadcastable to the inner shape."""
 
-    def outer(self, values: Array) -> Array:
-        """Turn values of the inner shape into the samples' shape."""
-        return values.reshape(self.shape)
+    @abstractmethod
+    def inner(self) -> tuple[int, ...]:
+        """Return the inner shape; it holds as many values as the samples' shape, in the same order."""
+
+    @abstractmethod
+    def pick(self, at: Array) -> Cells:
+        """Locate only the samples of some flat indices."""
 
     @abstractmethod
     def spline(self, c: Array, window: Window, dx: bool, dy: bool) -> Array:
@@ -249,6 +252,18 @@ class Cells(ABC):
 
 class GridCells(Cells):
     """Cells under a block of pixels: rows of one cell are kept together, so that little is gathered."""
+
+    def inner(self) -> tuple[int, ...]:
+        """Return the inner shape; see `Cells.inner`."""
+        return len(self.j), self.shape[0] // len(self.j), self.shape[1]
+
+    def pick(self, at: Array) -> Cells:
+        """Return the cells of some samples; see `Cells.pick`."""
+        row, column = at // self.shape[1], at % self.shape[1]
+        group = row // (self.shape[0] // len(self.j))
+        inside = row - group * (self.shape[0] // len(self.j))
+        fy = self.fy[np.minimum(group, self.fy.shape[0] - 1), inside, 0]
+        return PointCells(self.level, self.i[column], self.j[group], self.fx[column], fy, at.shape)
 
     def spread(self, table: Array, window: Window) -> Array:
         """Give each sample the entry of its cell; see `Cells.spread`."""
@@ -273,6 +288,14 @@ class GridCells(Cells):
 
 class PointCells(Cells):
     """Cells under scattered points."""
+
+    def inner(self) -> tuple[int, ...]:
+        """Return the inner shape; see `Cells.inner`."""
+        return self.shape
+
+    def pick(self, at: Array) -> Cells:
+        """Return the cells of some samples; see `Cells.pick`."""
+        return PointCells(self.level, self.i[at], self.j[at], self.fx[at], self.fy[at], at.shape)
 
     def spread(self, table: Array, window: Window) -> Array:
         """Give each sample the entry of its cell; see `Cells.spread`."""

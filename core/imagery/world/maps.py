@@ -7,7 +7,7 @@ import numpy as np
 from .buildings import Footprints
 from .climate import height
 from .leaves import HALF_WIDTH_M, LANE, MAIN, ROAD, TRACK
-from .paint import Canvas, line_cover
+from .paint import Canvas
 from .scene import PARCEL_ZOOM, Scene
 
 LAND = (242, 240, 233)
@@ -44,26 +44,22 @@ def roadmap(scene: Scene) -> Canvas:
 
 def _draw_buildings(canvas: Canvas, scene: Scene) -> None:
     prints = Footprints(scene.parcels)
-    if prints.at.size:
+    if not prints.none:
         for colour, grow in ((BUILDING_EDGE, 0.0), (BUILDING, -0.7)):
-            cover = prints.cover(grow_m=grow)
-            which = np.flatnonzero(cover)
-            canvas.touch(prints.at[which], cover[which], colour)
+            canvas.blend(prints.cover(grow_m=grow), colour)
 
 
 def _draw_roads(canvas: Canvas, scene: Scene) -> None:
     parcels, p = scene.parcels, scene.pixel_m
-    d = parcels.distance_m(TRACK)
-    if d is not None:
-        canvas.blend(line_cover(d, HALF_WIDTH_M[TRACK], p), TRACK_INK)
-    inks = ((LANE, STREET), (ROAD, ROAD_FILL), (MAIN, MAIN_FILL))
-    lines = [(parcels.distance_m(line), HALF_WIDTH_M[line], ink) for line, ink in inks]
-    for d, half_width, _ in lines:
+    lines = {line: parcels.distance_m(line) for line in (TRACK, LANE, ROAD, MAIN)}
+    for line, d in lines.items():
         if d is not None:
-            canvas.blend(line_cover(d, half_width + _CASING_M, p), CASING)
-    for d, half_width, ink in lines:
+            ink, wider = (TRACK_INK, 0.0) if line == TRACK else (CASING, _CASING_M)
+            canvas.stroke(d, p, (HALF_WIDTH_M[line] + wider, 1.0, ink))
+    for line, ink in ((LANE, STREET), (ROAD, ROAD_FILL), (MAIN, MAIN_FILL)):
+        d = lines[line]
         if d is not None:
-            canvas.blend(line_cover(d, half_width, p), ink)
+            canvas.stroke(d, p, (HALF_WIDTH_M[line], 1.0, ink))
 
 
 _TINTS = (

@@ -40,7 +40,7 @@ class Canvas:
             step *= alpha
             self.planes[channel] += step
 
-    def touch(self, at: Array, alpha: Array, colour: Array | Sequence[float]) -> None:
+    def touch(self, at: Array, alpha: Array, colour: Array | Sequence[float | Array]) -> None:
         """Lay a colour over the samples with flat indices `at` only."""
         for plane, c in zip(self.planes, colour):
             old = plane[at]
@@ -48,6 +48,17 @@ class Canvas:
             step *= alpha
             step += old
             plane[at] = step
+
+    def stroke(
+        self, distance_m: Array, pixel_m: float, *strokes: tuple[float, float, Sequence[float]]
+    ) -> None:
+        """Draw strokes (half width in m, opacity, colour), the widest first, along a line whose distance is given."""
+        d = distance_m.ravel()
+        at = np.flatnonzero(d < np.float32(strokes[0][0] + pixel_m))
+        if at.size:
+            d = d[at]
+            for half_width_m, opacity, colour in strokes:
+                self.touch(at, line_cover(d, half_width_m, pixel_m) * np.float32(opacity), colour)
 
     def lighten(self, factor: Array) -> None:
         """Multiply all channels."""
@@ -70,14 +81,23 @@ class Canvas:
         return out.reshape(*self.shape, 3)
 
 
+def clip01(x: Array) -> Array:
+    """Clip to 0..1 in place."""
+    np.maximum(x, np.float32(0), out=x)
+    return np.minimum(x, np.float32(1), out=x)
+
+
+def ramp(x: Array, width: Array | float) -> Array:
+    """Coverage by the side where `x` > 0, blurred over `width`."""
+    out: Array = x / np.asarray(width, dtype=np.float32)
+    out += np.float32(0.5)
+    return clip01(out)
+
+
 def line_cover(distance_m: Array, half_width_m: float, pixel_m: float) -> Array:
     """Share of a pixel covered by a line, by the distance of the pixel's centre to the line's middle."""
-    scale = np.float32(1.0 / pixel_m)
-    d = distance_m * scale
-    outer = np.float32(half_width_m / pixel_m + 0.5) - d
-    np.clip(outer, 0.0, 1.0, out=outer)
+    d = distance_m * np.float32(1.0 / pixel_m)
+    outer = clip01(np.float32(half_width_m / pixel_m + 0.5) - d)
     if half_width_m < pixel_m:
-        np.subtract(np.float32(0.5 - half_width_m / pixel_m), d, out=d)
-        np.clip(d, 0.0, 1.0, out=d)
-        outer -= d
+        outer -= clip01(np.float32(0.5 - half_width_m / pixel_m) - d)
     return outer

@@ -9,12 +9,13 @@ from .buildings import Footprints
 from .detail import speckle, stripes
 from .lattice import Array
 from .leaves import HALF_WIDTH_M, HEDGE, LANE, MAIN, ROAD, TRACK, farm_mean
-from .paint import Canvas, line_cover
+from .paint import Canvas
 from .scene import PARCEL_ZOOM, Scene
 
 _HEDGE, _SOIL_TRACK = (62, 80, 44), (176, 156, 122)
 _ASPHALT = {LANE: (150, 146, 140), ROAD: (128, 126, 124), MAIN: (112, 112, 112)}
 _VERGE = (138, 138, 92)
+_MARKING, _MOTORWAY = (224, 206, 130), (134, 132, 130)
 _RIVER = (62, 84, 82)
 _LAKE = (44, 66, 76)
 _SHADOW = (26, 30, 34)
@@ -67,7 +68,7 @@ class _Land:
     def paint(self) -> Canvas:
         scene = self.scene
         seed, samples = scene.seed, scene.samples
-        self.speckle = speckle(seed, samples, 0, min(self.zoom + 6, 28))
+        self.speckle = speckle(seed, samples, min(self.zoom + 6, 28))
         canvas = Canvas(np.stack([self.parcels.take(c) for c in self.looks.colour]), samples.shape)
         wild = self.parcels.leaf(self.looks.wild)
         if wild.any():
@@ -101,46 +102,35 @@ class _Land:
         for line, colour in ((TRACK, _SOIL_TRACK), (HEDGE, _HEDGE)):
             d = self.parcels.distance_m(line)
             if d is not None:
-                canvas.blend(line_cover(d, HALF_WIDTH_M[line], self.pixel_m) * np.float32(0.8), colour)
+                canvas.stroke(d, self.pixel_m, (HALF_WIDTH_M[line], 0.8, colour))
 
     def _roads(self, canvas: Canvas) -> None:
-        p = self.pixel_m
         lines = [(line, self.parcels.distance_m(line)) for line in (LANE, ROAD, MAIN)]
         for line, d in lines:
             if d is not None:
-                canvas.blend(line_cover(d, HALF_WIDTH_M[line] + 2.0, p) * np.float32(0.6), _VERGE)
+                canvas.stroke(d, self.pixel_m, (HALF_WIDTH_M[line] + 2.0, 0.6, _VERGE))
         for line, d in lines:
             if d is not None:
-                canvas.blend(line_cover(d, HALF_WIDTH_M[line], p), _ASPHALT[line])
-        if self.zoom >= 18 and lines[2][1] is not None:
-            canvas.blend(line_cover(lines[2][1], 0.2, p) * np.float32(0.7), (224, 206, 130))
-        cover = self.scene.motorway()
-        canvas.blend(cover, (134, 132, 130))
+                strokes = [(HALF_WIDTH_M[line], 1.0, _ASPHALT[line])]
+                if line == MAIN and self.zoom >= 18:
+                    strokes.append((0.2, 0.7, _MARKING))
+                canvas.stroke(d, self.pixel_m, *strokes)
+        canvas.blend(self.scene.motorway(), _MOTORWAY)
 
     def _buildings(self, canvas: Canvas) -> None:
         prints = Footprints(self.parcels)
-        if not prints.at.size:
+        if prints.none:
             return
         if self.zoom >= 15:
-            shadow = prints.cover(moved_m=2.6)
-            shadow *= np.float32(0.6)
-            which = np.flatnonzero(shadow)
-            canvas.touch(prints.at[which], shadow[which], _SHADOW)
-        cover = prints.cover()
-        which = np.flatnonzero(cover)
-        canvas.touch(prints.at[which], cover[which], prints.roofs(which))
+            shadow = prints.cover(moved_m=2.6).ravel()
+            at = np.flatnonzero(shadow)
+            canvas.touch(at, shadow[at] * np.float32(0.6), _SHADOW)
+        cover = prints.cover().ravel()
+        at = np.flatnonzero(cover)
+        canvas.touch(at, cover[at], prints.roofs(at))
 
     def _trees(self, canvas: Canvas) -> None:
-        scene = self.scene
         contrast = 0.55 if self.zoom == trees.FIRST_ZOOM else 1.0
-        for shifted in (False, True):
-            cells, crowns = trees.plant(scene.seed, scene.samples, shifted)
-            trees.draw(
-                canvas,
-                cells,
-                crowns,
-                self.pixel_m,
-                self.speckle,
-                contrast,
-                np.array(trees.CANOPY, dtype=np.float32),
-            )
+        canopy = np.array(trees.CANOPY, dtype=np.float32)
+        for cells, crowns in trees.plant(self.scene):
+            trees.draw(canvas, cells, crowns, self.pixel_m, self.speckle, contrast, canopy)

@@ -6,6 +6,7 @@ import numpy as np
 
 from . import climate
 from .lattice import Array, Samples
+from .paint import ramp
 from .parcels import Parcels
 from .region import Region
 
@@ -28,13 +29,6 @@ _MOST_STEEPNESS = {
     "land": 2e-5,
     "wood": 4e-4,
 }
-
-
-def ramp(x: Array, width: Array | float) -> Array:
-    """Coverage by the side where `x` > 0, blurred over `width`."""
-    out = x / np.asarray(width, dtype=np.float32)
-    out += np.float32(0.5)
-    return np.clip(out, 0.0, 1.0, out=out)
 
 
 class Scene:
