@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import traceback
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from qgis.core import QgsCoordinateReferenceSystem, QgsProject, QgsRasterLayer, QgsRectangle, QgsTask
-from qgis.gui import QgsMapCanvas
-from qgis.PyQt.QtCore import QTimer, pyqtSignal
+from qgis.core import QgsProject, QgsRasterLayer, QgsRectangle, QgsTask
+from qgis.gui import QgisInterface
+from qgis.PyQt.QtCore import pyqtSignal
 
 from ..core.errors import Cancelled, InvalidInput, TerrAInavError
 from .box_geometry import canvas_rectangle
@@ -22,8 +23,6 @@ if TYPE_CHECKING:
     from ..core.mission.area import Box
 
 _BACKGROUND = "background"
-#: What Web-Mercator maps are made for; given to a project that is empty.
-_MAP_CRS = "EPSG:3857"
 #: Room left around the area that is zoomed to, as a share of it.
 _MARGIN = 1.2
 
@@ -40,7 +39,7 @@ class WorldTask(QgsTask):
     ended = pyqtSignal(object)
 
     def __init__(self, picture: WorldPicture, path: Path) -> None:
-        super().__init__(tr("TerrAInav: drawing the synthetic landscape"), TASK_FLAGS)
+        super().__init__(tr("Drawing the synthetic landscape"), TASK_FLAGS)
         self.picture = picture
         self.path = path
         self.error = ""
@@ -73,9 +72,17 @@ class WorldTask(QgsTask):
 class Background:
     """Adds a source below all layers of the project; at most one layer for each source."""
 
-    def __init__(self, project: QgsProject, canvas: QgsMapCanvas) -> None:
+    def __init__(self, project: QgsProject, iface: QgisInterface) -> None:
         self._project = project
-        self._canvas = canvas
+        self._canvas = iface.mapCanvas()
+        self._waiting: Callable[[], None] | None = None
+        self._bridge = iface.layerTreeCanvasBridge()
+        self._bridge.canvasLayersChanged.connect(self._settled)
+
+    def close(self) -> None:
+        """End for good."""
+        self._bridge.canvasLayersChanged.disconnect(self._settled)
+        self._waiting = None
 
     def world_task(self, box: Box | None, map_type: str, seed: int, folder: Path) -> WorldTask | None:
         """Task that draws the embedded world around a box; None where that is there already."""
@@ -97,26 +104,38 @@ class Background:
     def zoom_to(self, box: Box | None) -> None:
         """Zoom to a box, or to everything; raises InvalidInput where the project's CRS has no such place."""
         if box is None:
-            self._canvas.zoomToFullExtent()
+            self._when_settled(self._canvas.zoomToFullExtent)
             return
-        rectangle = self.rectangle(box)
-        if rectangle.width() == 0.0 and rectangle.height() == 0.0:
-            raise InvalidInput(tr("the area is a point: it needs some width or height to zoom to"))
-        self._zoom(rectangle)
+        self.rectangle(box)
+        self._when_settled(lambda: self._show_extent(self.rectangle(box)))
 
     def zoom_to_layer(self, layer: QgsRasterLayer) -> None:
         """Zoom to a layer."""
-        rectangle = self._canvas.mapSettings().layerExtentToOutputExtent(layer, layer.extent())
-        self._zoom(rectangle)
+        extent = layer.extent()
+        self._when_settled(
+            lambda: self._show_extent(self._canvas.mapSettings().layerExtentToOutputExtent(layer, extent))
+        )
 
     def rectangle(self, box: Box) -> QgsRectangle:
         """Rectangle of the canvas around a box; raises InvalidInput where the project's CRS has no such place."""
         return canvas_rectangle(box, self._canvas.mapSettings().destinationCrs(), self._project)
 
-    def _zoom(self, rectangle: QgsRectangle) -> None:
+    def _when_settled(self, zoom: Callable[[], None]) -> None:
+        """Zoom now; or, after the first layer of a project, once QGIS has taken its CRS and zoomed to it."""
+        if self._canvas.layers() or not self._project.mapLayers():
+            zoom()
+            return
+        self._waiting = zoom
+
+    def _settled(self) -> None:
+        zoom, self._waiting = self._waiting, None
+        if zoom is not None:
+            zoom()
+
+    def _show_extent(self, rectangle: QgsRectangle) -> None:
         rectangle.scale(_MARGIN)
-        # QGIS zooms to the first layer of a project after control is back with it; this comes later.
-        QTimer.singleShot(0, self._canvas, lambda: self._canvas.zoomToFeatureExtent(rectangle))
+        self._canvas.setExtent(rectangle)
+        self._canvas.refresh()
 
     def _show(self, uri: str, provider: str, title: str, source: str) -> QgsRasterLayer:
         layer = self._find(source)
@@ -130,8 +149,6 @@ class Background:
             reason = layer.error().summary() or tr("no reason given")
             raise InvalidInput(tr("{title} cannot be shown: {reason}").format(title=title, reason=reason))
         layer.setCustomProperty(ROLE, f"{_BACKGROUND}/{source}")
-        if not self._project.mapLayers():
-            self._project.setCrs(QgsCoordinateReferenceSystem(_MAP_CRS))
         self._project.addMapLayer(layer, False)
         self._project.layerTreeRoot().insertLayer(-1, layer).setExpanded(False)
         return layer

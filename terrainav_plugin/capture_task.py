@@ -59,7 +59,7 @@ class CaptureTask(QgsTask):
     ended = pyqtSignal(object)
 
     def __init__(self, plan: Plan, folder: Path, key: str | None = None, with_mosaic: bool = True) -> None:
-        super().__init__(tr("TerrAInav: capturing {name}").format(name=folder.name), TASK_FLAGS)
+        super().__init__(tr("Capturing {name}").format(name=folder.name), TASK_FLAGS)
         self.plan = plan
         self.folder = folder
         self.started_s = time.monotonic()

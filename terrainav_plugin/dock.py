@@ -5,13 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from qgis.core import QgsApplication
-from qgis.gui import QgsDockWidget
+from qgis.gui import QgsCollapsibleGroupBoxBasic, QgsDockWidget
 from qgis.PyQt.QtCore import Qt, pyqtSignal
 from qgis.PyQt.QtGui import QIcon
 from qgis.PyQt.QtWidgets import (
     QFrame,
     QGridLayout,
-    QGroupBox,
     QLabel,
     QProgressBar,
     QPushButton,
@@ -63,6 +62,10 @@ class Dock(QgsDockWidget):
         """Show the figures of the plan."""
         self.estimates.setText(text)
         self.problem.hide()
+
+    def show_nothing(self) -> None:
+        """Show that there is nothing to work out."""
+        self.show_estimates(tr("No area yet."))
 
     def show_problem(self, text: str) -> None:
         """Show why there are no figures."""
@@ -130,7 +133,7 @@ class Dock(QgsDockWidget):
         # The form is scrolled up and down only: the panel is never too narrow for it.
         bar = scroll.style().pixelMetric(QStyle.PixelMetric.PM_ScrollBarExtent)
         scroll.setMinimumWidth(self.form.minimumSizeHint().width() + bar)
-        figures = QGroupBox(tr("Estimates"))
+        figures = QgsCollapsibleGroupBoxBasic(tr("Estimates"))
         inside = QVBoxLayout(figures)
         inside.addWidget(self.estimates)
         inside.addWidget(self.problem)

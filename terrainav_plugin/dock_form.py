@@ -6,12 +6,11 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
-from qgis.gui import QgsAuthConfigSelect, QgsFileWidget
+from qgis.gui import QgsAuthConfigSelect, QgsCollapsibleGroupBoxBasic, QgsFileWidget
 from qgis.PyQt.QtCore import Qt, pyqtSignal
 from qgis.PyQt.QtWidgets import (
     QCheckBox,
     QGridLayout,
-    QGroupBox,
     QHBoxLayout,
     QLabel,
     QLineEdit,
@@ -36,6 +35,8 @@ from .mission_form import (
 )
 from .paths import icon
 
+#: Room for "Synthetic (offline)", the widest title most people see.
+_TITLE_LETTERS = 16
 #: Room for five digits and a sign.
 _EDGE_PX = 70
 
@@ -163,8 +164,8 @@ class DockForm(QWidget):
 
     # --- groups
 
-    def _area_box(self) -> QGroupBox:
-        box = QGroupBox(tr("Area"))
+    def _area_box(self) -> QgsCollapsibleGroupBoxBasic:
+        box = QgsCollapsibleGroupBoxBasic(tr("Area"))
         self.edges = {name: QLineEdit() for name in BOX_FIELDS}
         tips = {
             "north": tr("Northern edge: latitude in degrees, up to 90"),
@@ -202,10 +203,11 @@ class DockForm(QWidget):
             grid.setColumnStretch(column, 1)
         return box
 
-    def _imagery_box(self) -> QGroupBox:
-        box = QGroupBox(tr("Imagery"))
+    def _imagery_box(self) -> QgsCollapsibleGroupBoxBasic:
+        box = QgsCollapsibleGroupBoxBasic(tr("Imagery"))
         form = form_layout(box)
         self.source = combo("source", (), tr("Where the pictures come from"))
+        self.source.setMinimumContentsLength(_TITLE_LETTERS)
         for choice in self._sources.values():
             self.source.addItem(choice.title, choice.name)
         self.source.addItem(tr("URL template…"), URL_TEMPLATE)
@@ -245,8 +247,8 @@ class DockForm(QWidget):
         form.addRow(tr("Map types"), self.marks.field("map_types", checks))
         return box
 
-    def _camera_box(self) -> QGroupBox:
-        box = QGroupBox(tr("Camera and flight"))
+    def _camera_box(self) -> QgsCollapsibleGroupBoxBasic:
+        box = QgsCollapsibleGroupBoxBasic(tr("Camera and flight"))
         form = form_layout(box)
         self.camera = combo("camera", (), tr("Fills in field of view and aspect ratio"))
         for choice in self._cameras:
@@ -254,7 +256,7 @@ class DockForm(QWidget):
         self.camera.addItem(tr("Own values"), None)
         form.addRow(tr("Camera"), self.camera)
         self.fov = spin(
-            "fov_deg", 0.0, 360.0, 4, " °", tr("Field of view across the picture's diagonal, in degrees")
+            "fov_deg", 0.0, 360.0, 6, " °", tr("Field of view across the picture's diagonal, in degrees")
         )
         form.addRow(tr("Field of view"), self.marks.field("fov_deg", self.fov))
         self.aspect = QLineEdit()
@@ -292,8 +294,8 @@ class DockForm(QWidget):
         form.addRow(tr("Layout"), self.marks.field("layout", self.layout_choice))
         return box
 
-    def _output_box(self) -> QGroupBox:
-        box = QGroupBox(tr("Output"))
+    def _output_box(self) -> QgsCollapsibleGroupBoxBasic:
+        box = QgsCollapsibleGroupBoxBasic(tr("Output"))
         form = form_layout(box)
         self.folder = QgsFileWidget()
         self.folder.setObjectName("folder")

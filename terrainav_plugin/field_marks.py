@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from qgis.PyQt.QtWidgets import QLabel, QVBoxLayout, QWidget
+from qgis.PyQt.QtGui import QResizeEvent
+from qgis.PyQt.QtWidgets import QAbstractSpinBox, QLabel, QLineEdit, QVBoxLayout, QWidget
 
 #: Vermillion of the Okabe-Ito palette: readable on light and dark themes, told apart by colour-blind people.
 WRONG_COLOUR = "#D55E00"
 _WRONG = "terrainavWrong"
 STYLE_SHEET = f"""
-QLineEdit[{_WRONG}="true"], QAbstractSpinBox[{_WRONG}="true"], QComboBox[{_WRONG}="true"] {{
+QLineEdit[{_WRONG}="true"], QComboBox[{_WRONG}="true"] {{
     border: 2px solid {WRONG_COLOUR};
     border-radius: 3px;
 }}
@@ -16,11 +17,29 @@ QLabel[terrainavMark="true"] {{ color: {WRONG_COLOUR}; }}
 """
 
 
+class _Message(QLabel):
+    """Text as high as its lines need; layouts forget about that where widgets are nested."""
+
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        """Make room for the lines there are at this width."""
+        super().resizeEvent(event)
+        self._fit()
+
+    def say(self, text: str) -> None:
+        """Show a text, or nothing."""
+        self.setText(text)
+        self.setVisible(bool(text))
+        self._fit()
+
+    def _fit(self) -> None:
+        self.setMinimumHeight(self.heightForWidth(self.width()) if self.text() else 0)
+
+
 class FieldMarks:
     """The named fields of a form; marks those that hold a bad value, in words below the field."""
 
     def __init__(self) -> None:
-        self._fields: dict[str, tuple[QWidget, QLabel]] = {}
+        self._fields: dict[str, tuple[QWidget, _Message]] = {}
 
     def field(self, name: str, widget: QWidget, shown: QWidget | None = None) -> QWidget:
         """Widget, or ``shown`` which holds it, with the room for its message, to put into a layout."""
@@ -32,9 +51,9 @@ class FieldMarks:
         layout.addWidget(self.label(name, widget))
         return holder
 
-    def label(self, name: str, widget: QWidget) -> QLabel:
+    def label(self, name: str, widget: QWidget) -> _Message:
         """Label for the message of a field, where it cannot stand right below."""
-        label = QLabel()
+        label = _Message()
         label.setObjectName(f"{name}_message")
         label.setProperty("terrainavMark", "true")
         label.setWordWrap(True)
@@ -46,13 +65,13 @@ class FieldMarks:
         """Mark the fields in ``messages`` and unmark all others."""
         for name, (widget, label) in self._fields.items():
             text = messages.get(name, "")
-            label.setText(text)
-            label.setVisible(bool(text))
+            label.say(text)
             value = "true" if text else ""
-            if (widget.property(_WRONG) or "") != value:
-                widget.setProperty(_WRONG, value)
-                widget.style().unpolish(widget)
-                widget.style().polish(widget)
+            shown = _framed(widget)
+            if (shown.property(_WRONG) or "") != value:
+                shown.setProperty(_WRONG, value)
+                shown.style().unpolish(shown)
+                shown.style().polish(shown)
 
     def message(self, name: str) -> str:
         """Return what is said about a field; empty where it is right."""
@@ -65,3 +84,8 @@ class FieldMarks:
     def first_message(self) -> str:
         """Return what is wrong with the first field that is marked; empty where none is."""
         return next((label.text() for _, label in self._fields.values() if label.text()), "")
+
+
+def _framed(widget: QWidget) -> QWidget:
+    """Widget that gets the frame: of a spin box its text, as a frame of its own would spoil the arrows."""
+    return widget.findChild(QLineEdit) if isinstance(widget, QAbstractSpinBox) else widget

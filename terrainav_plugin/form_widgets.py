@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from qgis.gui import QgsDoubleSpinBox
-from qgis.PyQt.QtWidgets import QComboBox, QFormLayout, QGroupBox, QHBoxLayout, QWidget
+from qgis.gui import QgsCollapsibleGroupBoxBasic, QgsDoubleSpinBox
+from qgis.PyQt.QtWidgets import QComboBox, QFormLayout, QHBoxLayout, QWidget
 
 
-def form_layout(box: QGroupBox) -> QFormLayout:
+def form_layout(box: QgsCollapsibleGroupBoxBasic) -> QFormLayout:
     """Layout of labelled entries for a group box."""
     form = QFormLayout(box)
     form.setFieldGrowthPolicy(QFormLayout.FieldGrowthPolicy.AllNonFixedFieldsGrow)

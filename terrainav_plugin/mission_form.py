@@ -8,7 +8,6 @@ import re
 from collections.abc import Callable
 from dataclasses import asdict, dataclass, fields, replace
 from fractions import Fraction
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from .i18n import tr
@@ -85,11 +84,6 @@ class FormState:
     def has_box(self) -> bool:
         """Whether an area has been entered."""
         return all(getattr(self, name).strip() for name in BOX_FIELDS)
-
-    @property
-    def name(self) -> str:
-        """What the mission is called on the map: the last part of its folder."""
-        return Path(self.folder.strip()).name or tr("mission")
 
     def to_json(self) -> str:
         """Text for the settings."""

@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from qgis.core import QgsProject, QgsVectorLayer
-from qgis.PyQt.QtCore import QObject, pyqtSignal
+from qgis.PyQt.QtCore import QObject, QTimer, pyqtSignal
 
 from .i18n import tr
 from .mission_group import MissionGroup
 from .paths import style
-from .preview_features import FIELDS, PreviewFeatures
+from .preview_features import CRS, FIELDS, PreviewFeatures
 
 if TYPE_CHECKING:
     from ..core.mission.mission import Mission
@@ -23,10 +24,9 @@ class _Kind:
 
     role: str
     geometry: str
-    crs: str
 
     def new_layer(self, title: str) -> QgsVectorLayer:
-        uri = f"{self.geometry}?crs={self.crs}&{FIELDS[self.role]}"
+        uri = f"{self.geometry}?crs={CRS}&{FIELDS[self.role]}"
         layer = QgsVectorLayer(uri, title, "memory")
         layer.loadNamedStyle(style(self.role))
         # It can be made again at any time, so closing the project need not ask whether to save it.
@@ -35,12 +35,15 @@ class _Kind:
         return layer
 
 
-#: From the top of the group to its bottom. Frames are exact in the CRS of their pixels, poses in degrees.
+#: Features added in one go: a few milliseconds.
+_PIECE = 1000
+_ALL_DONE = object()
+#: From the top of the group to its bottom.
 _KINDS = (
-    _Kind("area", "MultiPolygon", "EPSG:4326"),
-    _Kind("centres", "Point", "EPSG:4326"),
-    _Kind("flight", "MultiLineString", "EPSG:4326"),
-    _Kind("footprints", "MultiPolygon", "EPSG:3857"),
+    _Kind("area", "MultiPolygon"),
+    _Kind("centres", "Point"),
+    _Kind("flight", "MultiLineString"),
+    _Kind("footprints", "MultiPolygon"),
 )
 
 
@@ -69,12 +72,21 @@ class Preview(QObject):
         self._project = project
         self._group: MissionGroup | None = None
         self._ids: dict[str, str] = {}
+        self._pieces: Iterator[None] | None = None
+        self._turn = QTimer(self)
+        self._turn.setSingleShot(True)
+        self._turn.timeout.connect(self._fill_on)
         project.layersRemoved.connect(self._forget)
 
     @property
     def shown(self) -> bool:
         """Whether there are preview layers in the project."""
         return bool(self._ids)
+
+    @property
+    def busy(self) -> bool:
+        """Whether layers are still being filled."""
+        return self._pieces is not None
 
     def layer(self, role: str) -> QgsVectorLayer | None:
         """Layer of a kind: area, footprints, centres or flight."""
@@ -90,12 +102,9 @@ class Preview(QObject):
                 layer = self._adopt(kind.role) or self._add(kind, titles[kind.role], index)
             if layer.name() != titles[kind.role]:
                 layer.setName(titles[kind.role])
-            provider = layer.dataProvider()
-            provider.truncate()
-            provider.addFeatures(getattr(features, kind.role))
-            layer.updateExtents()
-            layer.triggerRepaint()
         group.remember_mission(mission.to_json())
+        self._pieces = self._fill(features)
+        self._fill_on()
 
     def set_footprints_visible(self, visible: bool) -> None:
         """Tick or untick the planned images, centres and flight line in the layer tree."""
@@ -107,6 +116,7 @@ class Preview(QObject):
 
     def remove(self) -> None:
         """Take the preview off the map; results in its group stay."""
+        self._pieces = None
         ids, self._ids = list(self._ids.values()), {}
         self._project.removeMapLayers([layer_id for layer_id in ids if self._project.mapLayer(layer_id)])
         if self._group is not None:
@@ -117,6 +127,32 @@ class Preview(QObject):
         """End for good: nothing of the preview and no connection to the project is left."""
         self._project.layersRemoved.disconnect(self._forget)
         self.remove()
+
+    def _fill_on(self) -> None:
+        """Add one piece and let the application breathe before the next."""
+        if self._pieces is None:
+            return
+        if next(self._pieces, _ALL_DONE) is _ALL_DONE:
+            self._pieces = None
+        else:
+            self._turn.start(0)
+
+    def _fill(self, features: PreviewFeatures) -> Iterator[None]:
+        """Fill the layers piece by piece; one that the user removes meanwhile is left out."""
+        for kind in _KINDS:
+            wanted = getattr(features, kind.role)
+            for start in range(0, max(len(wanted), 1), _PIECE):
+                layer = self.layer(kind.role)
+                if layer is None:
+                    break
+                if start == 0:
+                    layer.dataProvider().truncate()
+                layer.dataProvider().addFeatures(wanted[start : start + _PIECE])
+                yield None
+            layer = self.layer(kind.role)
+            if layer is not None:
+                layer.updateExtents()
+                layer.triggerRepaint()
 
     def _move_to(self, group: MissionGroup) -> None:
         """A mission with another folder has a group of its own."""

@@ -24,9 +24,11 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
+#: Of all layers: that of the pictures' pixels, in which their edges are exact.
+CRS = "EPSG:3857"
 #: Beyond this many captures only the outline of each row is drawn.
 MOST_FOOTPRINTS = 20_000
-#: Pieces an edge of the area is drawn in: edges are parallels and meridians, which other CRSs bend.
+#: Pieces an edge of the area is drawn in: parallels and meridians, which other CRSs bend.
 _EDGE_PIECES = 64
 
 FIELDS = {
@@ -35,7 +37,10 @@ FIELDS = {
         "field=name:string&field=column:integer&field=row:integer&field=lat:double&field=lon:double"
         "&field=agl_m:double&field=gsd_m:double&field=images:integer"
     ),
-    "centres": "field=name:string&field=column:integer&field=row:integer&field=agl_m:double",
+    "centres": (
+        "field=name:string&field=column:integer&field=row:integer&field=lat:double&field=lon:double"
+        "&field=agl_m:double"
+    ),
     "flight": "field=length_m:double&field=images:integer",
 }
 
@@ -70,14 +75,15 @@ def _feature(geometry: QgsGeometry, *attributes: object) -> QgsFeature:
 
 
 def _area(box: Box) -> QgsFeature:
-    """Outline of the box, in degrees, along its parallels and meridians."""
+    """Outline of the box, along its parallels and meridians."""
     west, south, north = box.west_deg, box.south_deg, box.north_deg
     parts = [(west, box.continuous_east_deg)]
     if box.continuous_east_deg > 180.0:
         parts = [(west, 180.0), (-180.0, box.continuous_east_deg - 360.0)]
     polygons = QgsMultiPolygon()
     for left, right in parts:
-        corners = [(left, north), (right, north), (right, south), (left, south)]
+        x, y = _metres([left, right, right, left], [north, north, south, south])
+        corners = list(zip(x, y))
         ring = [
             QgsPointXY(x0 + step / _EDGE_PIECES * (x1 - x0), y0 + step / _EDGE_PIECES * (y1 - y0))
             for (x0, y0), (x1, y1) in zip(corners, corners[1:] + corners[:1])
@@ -142,10 +148,12 @@ def _rows(plan: Plan) -> list[QgsFeature]:
 
 
 def _centres(plan: Plan) -> list[QgsFeature]:
-    columns = (plan.column, plan.row, plan.agl_m, _wrapped(plan.lon_deg), plan.lat_deg)
+    lon = _wrapped(plan.lon_deg)
+    x, y = _metres(lon, plan.lat_deg)
+    columns = (plan.column, plan.row, plan.lat_deg, lon, plan.agl_m)
     return [
-        _feature(QgsGeometry.fromPointXY(QgsPointXY(lon, lat)), name, column, row, agl)
-        for name, column, row, agl, lon, lat in zip(plan.names, *(values.tolist() for values in columns))
+        _feature(QgsGeometry.fromPointXY(QgsPointXY(east, north)), name, *pose)
+        for east, north, name, *pose in zip(x, y, plan.names, *(values.tolist() for values in columns))
     ]
 
 
@@ -160,7 +168,7 @@ def _flight(plan: Plan) -> QgsFeature:
     lon, lat = plan.lon_deg[keep], plan.lat_deg[keep]
     lines = QgsMultiLineString()
     for part_lon, part_lat in _split_at_antimeridian(lon, lat):
-        lines.addGeometry(QgsLineString(part_lon.tolist(), part_lat.tolist()))
+        lines.addGeometry(QgsLineString(*_metres(part_lon, part_lat)))
     return _feature(QgsGeometry(lines), plan.flight_distance_m, len(plan))
 
 
@@ -192,3 +200,14 @@ def _wrapped(lon_deg: Floats) -> Floats:
     from ..core.geodesy.mercator import wrap_lon_deg
 
     return wrap_lon_deg(lon_deg)
+
+
+def _metres(lon_deg: Floats | list[float], lat_deg: Floats | list[float]) -> tuple[list[float], list[float]]:
+    """Easting and northing in EPSG:3857 of longitudes (not wrapped) and latitudes."""
+    import numpy as np
+
+    from ..core.geodesy.mercator import HALF_WORLD_M, lat_to_v, lon_to_u
+
+    east = (2.0 * lon_to_u(np.asarray(lon_deg)) - 1.0) * HALF_WORLD_M
+    north = (1.0 - 2.0 * lat_to_v(np.asarray(lat_deg))) * HALF_WORLD_M
+    return east.tolist(), north.tolist()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import time
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -162,38 +163,42 @@ class Runs(QObject):
 
     # --- after
 
+    def _capture_ended(self, task: CaptureTask) -> None:
+        self._tell(task)
+        if task.mosaics and not task.isCanceled():
+            self._show(lambda: self._load_results(task))
+        self._over()
+
+    def _test_shot_ended(self, task: CaptureTask) -> None:
+        if task.result is not None and task.result.written:
+            self._show(lambda: self._load_test_shot(task))
+        else:
+            self._tell(task)
+        self._over()
+
     def _over(self) -> None:
         self.task = None
         self._workflow.dock.show_running(None)
         self._workflow.running.emit(False)
 
-    def _capture_ended(self, task: CaptureTask) -> None:
-        self._over()
-        self._tell(task)
-        if task.result is None or task.result.cancelled or not task.mosaics:
-            return
+    def _show(self, load: Callable[[], None]) -> None:
         try:
-            load_results(self._workflow.group(), task.folder, task.mosaics)
+            load()
         except TerrAInavError as wrong:
             self._messages.error(str(wrong))
-            return
+
+    def _load_results(self, task: CaptureTask) -> None:
+        load_results(self._workflow.group_of(task.folder), task.folder, task.mosaics)
         # The pictures themselves are there now; plans on top would only hide them.
         self._workflow.preview.set_footprints_visible(False)
 
-    def _test_shot_ended(self, task: CaptureTask) -> None:
-        self._over()
-        if task.result is None or task.result.written == 0:
-            self._tell(task)
-            return
+    def _load_test_shot(self, task: CaptureTask) -> None:
         mission, name = task.plan.mission, task.plan.names[0]
         picture = task.folder / mission.map_types[0] / f"{name}.{mission.image_format}"
         lat, lon, _ = mission.area.poses[0]
         title = tr("Test shot {lat:.5f} {lon:.5f}").format(lat=lat, lon=lon)
-        try:
-            layer = load_test_shot(self._workflow.group(), picture, title)
-            self._workflow.background.zoom_to_layer(layer)
-        except TerrAInavError as wrong:
-            self._messages.error(str(wrong))
+        layer = load_test_shot(self._workflow.group(), picture, title)
+        self._workflow.background.zoom_to_layer(layer)
 
     def _tell(self, task: CaptureTask) -> None:
         """Say how a run ended."""

@@ -52,7 +52,7 @@ class Workflow(QObject):
         canvas = iface.mapCanvas()
         self.planner = Planner()
         self.preview = Preview(self.project)
-        self.background = Background(self.project, canvas)
+        self.background = Background(self.project, iface)
         self.box_tool = BoxTool(canvas)
         self.point_tool = PointTool(canvas)
         self.dock = Dock(source_choices(), camera_choices())
@@ -128,8 +128,11 @@ class Workflow(QObject):
 
     def group(self) -> MissionGroup:
         """Group of the mission that is entered."""
-        state = self.state()
-        return MissionGroup(self.project, state.name, state.folder.strip())
+        return self.group_of(Path(self.state().folder.strip()).expanduser())
+
+    def group_of(self, folder: Path) -> MissionGroup:
+        """Group of the mission that is captured into a folder."""
+        return MissionGroup(self.project, folder.name or tr("mission"), str(folder))
 
     def restore_saved(self) -> None:
         """Take up the mission of a project that has just been opened."""
@@ -163,6 +166,7 @@ class Workflow(QObject):
             tool.stop()
             tool.deleteLater()
         self.preview.close()
+        self.background.close()
         self.iface.removeDockWidget(self.dock)
         self.dock.deleteLater()
 
@@ -215,7 +219,7 @@ class Workflow(QObject):
                 # Nothing entered yet is not an error.
                 messages = {name: text for name, text in messages.items() if name not in BOX_FIELDS}
             self.dock.form.show_messages(messages)
-            self.dock.show_problem("" if state.has_box else tr("No area yet."))
+            self.dock.show_problem("") if state.has_box else self.dock.show_nothing()
             return False
         self.dock.form.show_messages({})
         self.planner.request(mission, self.dock.preview.isChecked(), at_once)

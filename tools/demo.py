@@ -105,7 +105,7 @@ def show_background(workflow: Workflow) -> None:
 def preview(workflow: Workflow) -> None:
     """Show every image before anything is fetched."""
     QTest.mouseClick(workflow.dock.preview, Qt.MouseButton.LeftButton)
-    wait("preview", lambda: workflow.preview.shown)
+    wait("preview", lambda: workflow.preview.shown and not workflow.preview.busy)
     planned = workflow.planned
     drawn = workflow.preview.layer("footprints").featureCount()
     if drawn != planned.summary.images or not planned.summary.complete:

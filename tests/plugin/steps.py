@@ -10,9 +10,9 @@ from qgis.PyQt.QtTest import QTest
 from qgis.PyQt.QtWidgets import QPushButton
 
 # Waits end when the thing waited for happens; this only ends a test that would hang. Slow machines take long.
-PATIENCE_MS = 120_000
+PATIENCE_MS = 60_000
 # Eight by nine images of 323 x 244 px.
-SMALL_BOX = {"north": "35.1400", "west": "-89.8700", "south": "35.1310", "east": "-89.8560"}
+SMALL_BOX = {"north": "35.14", "west": "-89.87", "south": "35.131", "east": "-89.856"}
 
 
 class Desk:
@@ -90,8 +90,12 @@ class Desk:
 
     def wait_planned(self):
         """Wait until the figures are those of what is entered."""
-        self.wait(lambda: not self.workflow.planner.busy)
+        self.wait(lambda: not (self.workflow.planner.busy or self.workflow.preview.busy))
         return self.workflow.planned
+
+    def wait_previewed(self):
+        """Wait until the preview is whole."""
+        self.wait(lambda: self.workflow.preview.shown and not self.workflow.preview.busy)
 
     def wait_for_run(self):
         self.wait(lambda: self.workflow.runs.task is None)

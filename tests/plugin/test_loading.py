@@ -58,6 +58,10 @@ def names_of_the_plugin(iface):
     ]
 
 
+# Qt's style animates QGIS's own progress bars while they move, whoever's task it is.
+OF_THE_STYLE = {"QProgressStyleAnimation", "QScrollbarStyleAnimation"}
+
+
 def census(iface):
     """Count what a plugin can leave in the application."""
     window, registry = iface.mainWindow(), QgsApplication.processingRegistry()
@@ -75,7 +79,9 @@ def census(iface):
         ),
         "children of the main window": kinds(window.children()),
         "all objects below the main window": Counter(
-            item.metaObject().className() for item in window.findChildren(QObject)
+            item.metaObject().className()
+            for item in window.findChildren(QObject)
+            if item.metaObject().className() not in OF_THE_STYLE
         ),
         "layer tree groups": Counter(group.name() for group in project.layerTreeRoot().findGroups(True)),
         "layers": Counter(layer.name() for layer in project.mapLayers().values()),

@@ -67,7 +67,6 @@ def test_mission_of_a_state_and_back():
     assert there.area == Box(35.16, -89.9, 35.115, -89.823)
     assert there.overlap_along == 0.6
     assert mission(state_of(there, "/somewhere/x")) == there
-    assert state_of(there, "/somewhere/x").name == "x"
 
 
 def test_mission_of_a_template_and_back():

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from pyproj import Transformer
 from qgis.core import QgsCoordinateReferenceSystem, QgsCoordinateTransform, QgsProject, QgsVectorLayer
 from qgis.PyQt.QtCore import QCoreApplication
 from terrainav.core.mission.area import Box, Points
@@ -26,7 +27,7 @@ def rectangles(layer):
 def previewed(desk):
     desk.enter_small_mission()
     desk.click(desk.dock.preview)
-    desk.wait(lambda: desk.workflow.preview.shown)
+    desk.wait_previewed()
     return desk
 
 
@@ -52,11 +53,17 @@ def test_previewed_images_have_the_edges_of_the_plan(previewed):
 
 def test_centres_and_flight_line_follow_the_plan(previewed):
     planned = previewed.workflow.planned.plan
-    centres = [feature.geometry().asPoint() for feature in previewed.layer("Capture centres").getFeatures()]
-    assert [(p.x(), p.y()) for p in centres] == list(zip(planned.lon_deg.tolist(), planned.lat_deg.tolist()))
+    centres = list(previewed.layer("Capture centres").getFeatures())
+    poses = list(zip(planned.lat_deg.tolist(), planned.lon_deg.tolist()))
+    assert [(feature["lat"], feature["lon"]) for feature in centres] == poses
+    points = [feature.geometry().asPoint() for feature in centres]
+    to_degrees = Transformer.from_crs("EPSG:3857", "EPSG:4326")
+    drawn = to_degrees.transform([p.x() for p in points], [p.y() for p in points])
+    # A nanodegree is a tenth of a millimetre: the noise of two formulas for the same place.
+    assert np.allclose(np.transpose(drawn), poses, rtol=0.0, atol=1e-9)
     flight = next(previewed.layer("Flight line").getFeatures())
     (line,) = flight.geometry().asMultiPolyline()
-    assert line == centres
+    assert line == points
     assert flight["length_m"] == planned.flight_distance_m
 
 
@@ -78,8 +85,18 @@ def test_preview_follows_a_box_drawn_anew(previewed):
     previewed.drag(previewed.at(0.45, 0.45), previewed.at(0.5, 0.5))
     previewed.wait_planned()
     box = previewed.workflow.planned.mission.area
-    area = previewed.layer("Area").extent()
-    assert (area.xMinimum(), area.yMaximum()) == pytest.approx((box.west_deg, box.north_deg))
+    area = next(previewed.layer("Area").getFeatures())
+    assert [area[name] for name in ("north", "west", "south", "east")] == [
+        box.north_deg,
+        box.west_deg,
+        box.south_deg,
+        box.east_deg,
+    ]
+    west, north = Transformer.from_crs("EPSG:4326", "EPSG:3857", always_xy=True).transform(
+        box.west_deg, box.north_deg
+    )
+    drawn = area.geometry().boundingBox()
+    assert (drawn.xMinimum(), drawn.yMaximum()) == pytest.approx((west, north), abs=1e-6)
 
 
 def test_preview_goes_when_it_is_switched_off(previewed):
@@ -107,7 +124,7 @@ def test_preview_survives_a_new_project(previewed):
     previewed.iface.newProject(False)
     previewed.wait(lambda: not previewed.dock.preview.isChecked())
     previewed.click(previewed.dock.preview)
-    previewed.wait(lambda: previewed.workflow.preview.shown)
+    previewed.wait_previewed()
     assert previewed.layer_names() == LAYERS
 
 
@@ -139,23 +156,38 @@ def test_project_of_the_user_is_not_touched(desk, clean_project, wait_until_draw
     assert not clean_project.isDirty()
     before = clean_project.layerTreeRoot().children()
     desk.click(desk.dock.preview)
-    desk.wait(lambda: desk.workflow.preview.shown)
+    desk.wait_previewed()
     desk.click(desk.dock.preview)
     assert clean_project.crs().authid() == "EPSG:32616"
     assert list(clean_project.mapLayers().values()) == [mine]
     assert clean_project.layerTreeRoot().children() == before
 
 
-def test_preview_lies_where_the_project_shows_it(previewed):
-    """In a project of another CRS the map moves to the preview, which is drawn there."""
-    project = QgsProject.instance()
-    previewed.look_at("EPSG:32616", (0, 0, 1000, 1000))
-    previewed.click(previewed.dock.preview)
-    previewed.click(previewed.dock.preview)
-    previewed.wait(lambda: previewed.workflow.preview.shown)
-    layer = previewed.layer("Planned images")
-    there = QgsCoordinateTransform(layer.crs(), project.crs(), project).transformBoundingBox(layer.extent())
-    assert previewed.canvas.extent().intersects(there)
+def test_map_moves_to_a_preview_out_of_sight(desk, clean_project):
+    clean_project.addMapLayer(QgsVectorLayer("Polygon?crs=EPSG:32616", "mine", "memory"))
+    desk.look_at("EPSG:32616", (0, 0, 1000, 1000))
+    desk.enter_small_mission()
+    desk.click(desk.dock.preview)
+    desk.wait_previewed()
+    layer = desk.layer("Planned images")
+    there = QgsCoordinateTransform(layer.crs(), clean_project.crs(), clean_project)
+    desk.wait(lambda: desk.canvas.extent().contains(there.transformBoundingBox(layer.extent())))
+    assert clean_project.crs().authid() == "EPSG:32616"
+
+
+def test_map_stays_where_the_preview_can_be_seen(desk, clean_project, wait_until_drawn):
+    clean_project.addMapLayer(QgsVectorLayer("Polygon?crs=EPSG:3857", "mine", "memory"))
+    desk.look_at("EPSG:3857", (-10_010_000, 4_178_000, -9_998_000, 4_187_000))
+    before = desk.canvas.extent()
+    desk.enter_small_mission()
+    desk.click(desk.dock.preview)
+    desk.wait_previewed()
+    wait_until_drawn()
+    assert desk.canvas.extent() == before
+
+
+def test_first_layer_gives_an_empty_project_the_crs_of_web_maps(previewed, clean_project):
+    previewed.wait(lambda: clean_project.crs().authid() == "EPSG:3857")
 
 
 # --- features alone
@@ -176,10 +208,10 @@ def test_images_across_the_antimeridian_stay_on_the_map():
     west, south, east, north = planned.edges_m
     assert shares == pytest.approx(float(((east - west) * (north - south)).sum()), rel=1e-9)
     lines = drawn.flight[0].geometry().asMultiPolyline()
-    assert all(-180.0 <= point.x() <= 180.0 for line in lines for point in line)
+    assert all(-half_world <= point.x() <= half_world for line in lines for point in line)
     # Each row crosses once.
     assert len(lines) == planned.rows + 1
-    assert drawn.area[0].geometry().asGeometryCollection()[0].boundingBox().xMaximum() == 180.0
+    assert drawn.area[0].geometry().asGeometryCollection()[0].boundingBox().xMaximum() == half_world
 
 
 def test_rows_stand_for_too_many_images(monkeypatch):

@@ -198,8 +198,9 @@ class Samples(ABC):
             self._cells[key] = self._locate(level, shifted)
         return self._cells[key]
 
+    @abstractmethod
     def _locate(self, level: int, shifted: bool) -> Cells:
-        raise NotImplementedError
+        """Locate the samples in a level's cells."""
 
 
 class Cells(ABC):

@@ -1,0 +1,156 @@
+"""The first step in an empty project: a map to plan on."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from osgeo import gdal
+from qgis.core import QgsCoordinateReferenceSystem, QgsProject, QgsVectorLayer
+from terrainav.core.errors import InvalidInput
+from terrainav.core.imagery.catalogue import open_source
+from terrainav.core.imagery.source import Window
+from terrainav.core.mission.area import Box
+from terrainav.terrainav_plugin.sources import tile_layer_uri
+from terrainav.terrainav_plugin.world_picture import choose_picture
+
+from tests.support.tileserver import TileServer
+
+# JPEG at quality 90 of a picture with sharp edges, in grey levels of the mean.
+JPEG_MEAN_ERROR = 4.0
+
+
+@pytest.fixture(autouse=True)
+def small_pictures(monkeypatch):
+    """Drawing is what takes time; what is drawn where is the same at any size."""
+    from terrainav.terrainav_plugin import world_picture
+
+    monkeypatch.setattr(world_picture, "_MOST_PX", 6 * 256**2)
+
+
+def show(desk):
+    desk.click(desk.form.show_on_map)
+    desk.wait_for_tasks()
+    desk.wait(lambda: bool(QgsProject.instance().mapLayers()))
+    return next(iter(QgsProject.instance().mapLayers().values()))
+
+
+def test_embedded_world_comes_by_its_name_and_the_map_goes_there(desk):
+    desk.enter_box("35.16", "-89.90", "35.115", "-89.823")
+    layer = show(desk)
+    assert layer.name() == "Synthetic (offline)"
+    assert layer.isValid()
+    project = QgsProject.instance()
+    # QGIS gives an empty project the CRS of its first layer.
+    desk.wait(lambda: project.crs().authid() == "EPSG:3857")
+    assert project.layerTreeRoot().children()[-1].layer() is layer
+    box = desk.workflow.background.rectangle(Box(35.16, -89.90, 35.115, -89.823))
+    desk.wait(lambda: desk.canvas.extent().contains(box) and desk.canvas.extent().height() < 2 * box.height())
+    assert layer.extent().contains(box)
+
+
+def test_background_shows_the_world_where_it_is(desk):
+    desk.enter_box("35.16", "-89.90", "35.115", "-89.823")
+    layer = show(desk)
+    file = gdal.Open(layer.source())
+    west, resolution, _, north, _, _ = file.GetGeoTransform()
+    source = open_source("world")
+    zoom = next(
+        z for z in range(23) if source.grid.resolution_m_per_px(z) == pytest.approx(resolution, rel=1e-9)
+    )
+    half_world = 20_037_508.342789244
+    left, top = round((west + half_world) / resolution), round((half_world - north) / resolution)
+    assert (left % 256, top % 256) == (0, 0)
+    tile = source.fetch("satellite", Window(zoom, left, top, 256, 256))
+    got = np.moveaxis(file.ReadAsArray(0, 0, 256, 256), 0, -1)
+    assert np.abs(got.astype(float) - tile).mean() < JPEG_MEAN_ERROR
+
+
+def test_second_time_moves_the_one_layer(desk):
+    desk.enter_box("35.16", "-89.90", "35.115", "-89.823")
+    first = show(desk).source()
+    desk.enter_box("10.16", "20.00", "10.115", "20.1")
+    desk.click(desk.form.show_on_map)
+    desk.wait_for_tasks()
+    desk.wait(lambda: next(iter(QgsProject.instance().mapLayers().values())).source() != first)
+    assert len(QgsProject.instance().mapLayers()) == 1
+
+
+def test_without_an_area_the_whole_world_is_shown(desk):
+    layer = show(desk)
+    assert layer.extent().width() == pytest.approx(2 * 20_037_508.342789244)
+
+
+def test_crs_of_a_project_in_use_stays(desk, clean_project):
+    clean_project.addMapLayer(QgsVectorLayer("Point?crs=EPSG:32616", "mine", "memory"))
+    clean_project.setCrs(QgsCoordinateReferenceSystem("EPSG:32616"))
+    desk.enter_box("35.16", "-89.90", "35.115", "-89.823")
+    desk.click(desk.form.show_on_map)
+    desk.wait_for_tasks()
+    desk.wait(lambda: len(clean_project.mapLayers()) == 2)
+    assert clean_project.crs().authid() == "EPSG:32616"
+    box = desk.workflow.background.rectangle(Box(35.16, -89.90, 35.115, -89.823))
+    desk.wait(lambda: desk.canvas.extent().contains(box))
+
+
+def test_tiles_by_template_are_drawn(desk, wait_until_drawn):
+    with TileServer() as server:
+        desk.enter_small_mission()
+        desk.use_template(server.url_template)
+        layer = show(desk)
+        assert layer.name() == "URL template"
+        assert layer.isValid()
+        desk.wait(lambda: bool(server.requests))
+        wait_until_drawn()
+
+
+def test_keyed_source_is_not_written_into_the_project(desk):
+    desk.use_template("https://example.org/{z}/{x}/{y}.png?key={key}")
+    desk.click(desk.form.show_on_map)
+    assert any("needs a key" in text for text in desk.messages())
+    assert not QgsProject.instance().mapLayers()
+
+
+def test_source_without_tiles_says_so(desk):
+    desk.choose(desk.form.source, "google-static")
+    desk.click(desk.form.show_on_map)
+    assert any("no tiles to show" in text for text in desk.messages())
+
+
+@pytest.mark.parametrize(
+    ("template", "expected"),
+    [
+        ("https://h.org/{z}/{x}/{-y}.png", "https://h.org/{z}/{x}/{-y}.png"),
+        ("https://{s}.h.org/{z}/{x}/{y}{r}.png", "https://a.h.org/{z}/{x}/{y}.png"),
+        ("https://h.org/{map_type}/{q}.jpg?a=1&b=2", "https://h.org/terrain/{q}.jpg?a=1%26b=2"),
+    ],
+)
+def test_templates_in_the_spelling_of_qgis(template, expected):
+    assert f"url={expected}&zmin=0&zmax=22" in tile_layer_uri(template, "terrain")
+
+
+def test_unknown_source_is_refused():
+    with pytest.raises(InvalidInput, match="is unknown"):
+        tile_layer_uri("nowhere", "satellite")
+
+
+@pytest.mark.parametrize(
+    "box",
+    [
+        None,
+        Box(35.16, -89.90, 35.115, -89.823),
+        Box(0.0, 0.0, 0.0, 0.0),
+        Box(1.0, 179.5, -1.0, -179.0),
+        Box(90.0, -180.0, -90.0, 180.0),
+        Box(85.0, 10.0, 84.9999, 10.0001),
+    ],
+)
+def test_picture_holds_the_box_and_stays_small(box):
+    picture = choose_picture(box, "satellite", 2024)
+    count = 1 << picture.zoom
+    assert 0 < picture.columns * picture.rows <= 6
+    assert 0 <= picture.left <= picture.left + picture.columns <= count
+    assert 0 <= picture.top <= picture.top + picture.rows <= count
+    if box is not None and box.west_deg <= box.east_deg:
+        west, east = ((lon / 360.0 + 0.5) * count for lon in (box.west_deg, box.east_deg))
+        assert picture.left <= west
+        assert east <= picture.left + picture.columns
