@@ -278,10 +278,9 @@ class DockForm(QWidget):
         tip = tr("Share of a picture that the next row shows again, in percent")
         self.overlap_across = spin("overlap_across", 0.0, 100.0, 1, " %", tip)
         self.overlap_across.setPrefix(tr("across") + " ")
-        overlaps = row(
-            self.marks.field("overlap_along", self.overlap_along),
-            self.marks.field("overlap_across", self.overlap_across),
-        )
+        spins = row(self.overlap_along, self.overlap_across)
+        overlaps = self.marks.field("overlap_along", self.overlap_along, spins)
+        overlaps = self.marks.field("overlap_across", self.overlap_across, overlaps)
         form.addRow(tr("Overlap"), overlaps)
         self.layout_choice = combo(
             "layout",

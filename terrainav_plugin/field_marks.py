@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from qgis.PyQt.QtGui import QResizeEvent
+from qgis.PyQt.QtGui import QColor, QPalette, QResizeEvent
 from qgis.PyQt.QtWidgets import QAbstractSpinBox, QLabel, QLineEdit, QVBoxLayout, QWidget
 
 #: Vermillion of the Okabe-Ito palette: readable on light and dark themes, told apart by colour-blind people.
 WRONG_COLOUR = "#D55E00"
+#: Share of that colour behind the text of a spin box.
+_TINT = 0.3
 _WRONG = "terrainavWrong"
 STYLE_SHEET = f"""
 QLineEdit[{_WRONG}="true"], QComboBox[{_WRONG}="true"] {{
@@ -66,12 +68,8 @@ class FieldMarks:
         for name, (widget, label) in self._fields.items():
             text = messages.get(name, "")
             label.say(text)
-            value = "true" if text else ""
-            shown = _framed(widget)
-            if (shown.property(_WRONG) or "") != value:
-                shown.setProperty(_WRONG, value)
-                shown.style().unpolish(shown)
-                shown.style().polish(shown)
+            if text or widget.property(_WRONG):
+                _mark(widget, bool(text))
 
     def message(self, name: str) -> str:
         """Return what is said about a field; empty where it is right."""
@@ -86,6 +84,22 @@ class FieldMarks:
         return next((label.text() for _, label in self._fields.values() if label.text()), "")
 
 
-def _framed(widget: QWidget) -> QWidget:
-    """Widget that gets the frame: of a spin box its text, as a frame of its own would spoil the arrows."""
-    return widget.findChild(QLineEdit) if isinstance(widget, QAbstractSpinBox) else widget
+def _mark(widget: QWidget, wrong: bool) -> None:
+    widget.setProperty(_WRONG, "true" if wrong else "")
+    if isinstance(widget, QAbstractSpinBox):
+        # A frame by style sheet would spoil the arrows.
+        palette = QPalette()
+        if wrong:
+            palette.setColor(QPalette.ColorRole.Base, _tinted(palette.color(QPalette.ColorRole.Base)))
+        for part in (widget, widget.findChild(QLineEdit)):
+            part.setPalette(palette)
+    else:
+        widget.style().unpolish(widget)
+        widget.style().polish(widget)
+
+
+def _tinted(base: QColor) -> QColor:
+    """Colour on the way from a theme's own to that of what is wrong."""
+    wrong = QColor(WRONG_COLOUR)
+    parts = zip(base.getRgb()[:3], wrong.getRgb()[:3])
+    return QColor(*(round((1.0 - _TINT) * own + _TINT * other) for own, other in parts))

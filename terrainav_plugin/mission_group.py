@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 from qgis.core import QgsLayerTreeGroup, QgsLayerTreeLayer, QgsMapLayer, QgsProject
 
 from .i18n import tr
@@ -10,16 +12,33 @@ from .i18n import tr
 _FOLDER, _MISSION = "terrainav/folder", "terrainav/mission"
 #: Custom property of each layer: what it shows. A reopened project is recognised by it.
 ROLE = "terrainav/role"
+#: Role of the footprints that a dataset holds.
+CAPTURED = "captured"
 
 
 def saved_missions(project: QgsProject) -> list[tuple[str, str]]:
-    """Folder and mission (JSON) of every mission group of a project."""
-    groups = project.layerTreeRoot().findGroups(True)
-    return [
-        (group.customProperty(_FOLDER), group.customProperty(_MISSION))
-        for group in groups
-        if group.customProperty(_MISSION)
-    ]
+    """Folder and mission (JSON) of every mission group of a project.
+
+    A project may have been moved together with its datasets: its layers know where they are now.
+    """
+    missions = []
+    for group in project.layerTreeRoot().findGroups(True):
+        mission = group.customProperty(_MISSION)
+        if not mission:
+            continue
+        captured = _layer_in(group, CAPTURED)
+        if captured is not None:
+            group.setCustomProperty(_FOLDER, str(Path(captured.source().partition("|")[0]).parent))
+        missions.append((group.customProperty(_FOLDER), mission))
+    return missions
+
+
+def _layer_in(group: QgsLayerTreeGroup | None, role: str) -> QgsMapLayer | None:
+    for node in group.findLayers() if group is not None else ():
+        layer = node.layer()
+        if layer is not None and layer.customProperty(ROLE) == role:
+            return layer
+    return None
 
 
 class MissionGroup:
@@ -46,12 +65,7 @@ class MissionGroup:
 
     def layer(self, role: str) -> QgsMapLayer | None:
         """Layer of the group that shows ``role``, if there is one."""
-        group = self.find()
-        for node in group.findLayers() if group is not None else ():
-            layer = node.layer()
-            if layer is not None and layer.customProperty(ROLE) == role:
-                return layer
-        return None
+        return _layer_in(self.find(), role)
 
     def add(self, layer: QgsMapLayer, role: str, index: int) -> QgsLayerTreeLayer:
         """Put a layer into the group, at ``index`` from the top (-1 for the bottom)."""

@@ -45,11 +45,9 @@ class TerrAInavPlugin:
         self._menu.setIcon(icon("icon"))
         self.iface.rasterMenu().addMenu(self._menu)
         self._add("dock", tr("Mission panel"), self._toggle_dock, checkable=True)
-        self._add("draw_box", tr("Draw box"), lambda: self._use(lambda w: w.draw_box()), checkable=True)
+        self._add("draw_box", tr("Draw box"), self._toggle_box_tool, checkable=True)
         self._add("preview", tr("Preview footprints"), self._toggle_preview, checkable=True)
-        self._add(
-            "test_shot", tr("Test shot"), lambda: self._use(lambda w: w.take_test_shot()), checkable=True
-        )
+        self._add("test_shot", tr("Test shot"), self._toggle_point_tool, checkable=True)
         self._add("capture", tr("Capture"), lambda: self._use(lambda w: w.capture()))
         self.iface.projectRead.connect(self._project_read)
 
@@ -95,6 +93,7 @@ class TerrAInavPlugin:
         """Let the toolbar follow what is going on."""
         workflow.box_tool.setAction(self.actions["draw_box"])
         workflow.point_tool.setAction(self.actions["test_shot"])
+        self.actions["dock"].setChecked(workflow.dock.isUserVisible())
         workflow.dock.visibilityChanged.connect(self.actions["dock"].setChecked)
         workflow.preview_shown.connect(self.actions["preview"].setChecked)
         workflow.running.connect(self.actions["capture"].setDisabled)
@@ -103,9 +102,18 @@ class TerrAInavPlugin:
         workflow = self.workflow
         if workflow is not None:
             act(workflow)
+            return
+        for action in self.actions.values():
+            action.setChecked(False)
 
     def _toggle_dock(self, visible: bool) -> None:
         self._use(lambda workflow: workflow.show_dock(visible))
+
+    def _toggle_box_tool(self, on: bool) -> None:
+        self._use(lambda workflow: workflow.draw_box() if on else workflow.box_tool.stop())
+
+    def _toggle_point_tool(self, on: bool) -> None:
+        self._use(lambda workflow: workflow.take_test_shot() if on else workflow.point_tool.stop())
 
     def _toggle_preview(self, on: bool) -> None:
         self._use(lambda workflow: workflow.set_preview(on))

@@ -8,7 +8,7 @@ from qgis.core import QgsBilinearRasterResampler, QgsMapLayer, QgsRasterLayer, Q
 
 from ..core.errors import OutputError
 from .i18n import tr
-from .mission_group import MissionGroup
+from .mission_group import CAPTURED, MissionGroup
 from .mosaic import Mosaic
 from .paths import style
 
@@ -56,14 +56,13 @@ def _raster_layer(path: Path, title: str) -> QgsRasterLayer:
 
 
 def _footprints_layer(group: MissionGroup, path: Path) -> QgsMapLayer:
-    role = "captured"
-    layer = group.layer(role)
+    layer = group.layer(CAPTURED)
     if layer is None:
         layer = QgsVectorLayer(str(path), tr("Captured images"), "ogr")
         if not layer.isValid():
             raise OutputError(f"footprints {path}: QGIS cannot open them")
         layer.loadNamedStyle(style("captured"))
-        group.add(layer, role, _above_rasters(group)).setExpanded(False)
+        group.add(layer, CAPTURED, _above_rasters(group)).setExpanded(False)
     else:
         _read_again(layer, path)
     return layer

@@ -100,8 +100,9 @@ def capture(
 
 
 def _check(plan: Plan, source: Source, connections: int, workers: int | None) -> None:
-    if connections < 1 or (workers is not None and workers < 1):
-        raise InvalidInput(f"{connections} connections, {workers} workers: at least 1 of each")
+    for count, what in ((connections, "connections"), (workers, "workers")):
+        if count is not None and count < 1:
+            raise InvalidInput(f"{count} {what}: must be 1 or more")
     if source.grid != plan.grid:
         raise InvalidInput(
             f"plan is for another pixel grid than that of {source.title}: plan with the source's own"

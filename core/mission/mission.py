@@ -161,6 +161,12 @@ class Mission:
         unknown = sorted(set(data) - known)
         if unknown:
             raise InvalidInput(f"mission field {unknown[0]!r}: not one of {', '.join(sorted(known))}")
+        for name, (kinds, words) in _JSON_TYPES.items():
+            value = data.get(name)
+            if value is not None and (
+                not isinstance(value, kinds) or isinstance(value, bool) != (kinds is bool)
+            ):
+                raise InvalidInput(f"mission field {name!r} is {value!r}: must be {words}")
         try:
             data["area"] = _area_from_dict(dict(data["area"]))
             data["camera"] = Camera(**data.get("camera", {}))
@@ -196,6 +202,29 @@ class Mission:
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write the mission to a file, whole or not at all."""
         write_whole(path, self.to_json().encode())
+
+
+_NUMBER: tuple[tuple[type, ...], str] = ((int, float), "a number")
+_WHOLE: tuple[tuple[type, ...], str] = ((int,), "a whole number")
+_TEXT: tuple[tuple[type, ...], str] = ((str,), "text")
+_LIST: tuple[tuple[type, ...], str] = ((list, tuple), "a list")
+#: What JSON may hold in the fields that are neither area nor camera; null stands for the default.
+_JSON_TYPES: dict[str, tuple[Any, str]] = {
+    "agl_m": _NUMBER,
+    "overlap_along": _NUMBER,
+    "overlap_across": _NUMBER,
+    "layout": _TEXT,
+    "map_types": _LIST,
+    "source": _TEXT,
+    "zoom": _WHOLE,
+    "gsd_m_per_px": _NUMBER,
+    "max_px": _WHOLE,
+    "upsample": (bool, "true or false"),
+    "image_format": _TEXT,
+    "img_size": _LIST,
+    "seed": _WHOLE,
+    "max_images": _WHOLE,
+}
 
 
 def _area_from_dict(area: dict[str, Any]) -> Area:

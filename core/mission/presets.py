@@ -90,7 +90,7 @@ def camera_named(name: str) -> CameraPreset:
     for full in (True, False):
         for preset in presets:
             own = preset.name.lower()
-            if wanted in ({own} if full else {own.partition(" ")[2]}):
+            if wanted and wanted == (own if full else own.partition(" ")[2]):
                 return preset
     names = {preset.name.lower(): preset.name for preset in presets}
     close = [names[found] for found in difflib.get_close_matches(wanted, names, n=3, cutoff=0.5)]

@@ -110,8 +110,8 @@ class Desk:
         return [item.text() for item in self.iface.messageBar().items()]
 
     def buttons_in_message_bar(self):
-        """Visible buttons of the message on top."""
-        item = self.iface.messageBar().currentItem()
+        """Buttons of the plugin's latest message; QGIS may have put one of its own on top."""
+        item = next((item for item in self.iface.messageBar().items() if item.title() == "TerrAInav"), None)
         return {button.text(): button for button in item.findChildren(QPushButton)} if item else {}
 
     def group(self):

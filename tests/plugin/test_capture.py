@@ -374,3 +374,20 @@ def test_mission_file_holds_no_more_than_the_mission(prepared):
     capture(prepared)
     data = json.loads((prepared.folder / "mission.json").read_text())
     assert data["source"] == prepared.workflow.state().template
+
+
+def test_mission_across_the_antimeridian_has_a_mosaic_on_either_side(desk):
+    with TileServer() as server:
+        desk.enter_box("0.004", "179.996", "-0.004", "-179.996")
+        desk.use_template(server.url_template)
+        planned = desk.wait_planned().plan
+        capture(desk)
+    assert desk.layer_names() == ["Captured images", "Satellite images, part 1", "Satellite images, part 2"]
+    half_world = 20_037_508.342789244
+    west, east = (desk.layer(f"Satellite images, part {number}").extent() for number in (1, 2))
+    assert half_world - 2000 < west.xMinimum() < half_world
+    assert -half_world - 2000 < east.xMinimum() < east.xMaximum() < -half_world + 2000
+    named = sum(
+        (desk.folder / f"satellite_{number}.vrt").read_text().count("<ComplexSource>") for number in (1, 2)
+    )
+    assert named == len(planned)

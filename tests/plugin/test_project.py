@@ -66,6 +66,19 @@ def test_reopened_project_brings_the_mission_back(captured):
     assert captured.dock.preview.isChecked()
 
 
+def test_project_moved_with_its_dataset_knows_where_it_is(captured, tmp_path):
+    moved = tmp_path / "elsewhere"
+    captured.iface.newProject(False)
+    shutil.copytree(captured.folder.parent, moved, ignore=shutil.ignore_patterns("elsewhere"))
+    shutil.rmtree(captured.folder)
+    captured.iface.addProject(str(moved / "project.qgz"))
+    captured.wait_previewed()
+    assert captured.workflow.state().folder == str(moved / "mission")
+    # Going on there finds every image.
+    captured.click(captured.dock.capture)
+    captured.wait(lambda: any("were there already" in text for text in captured.messages()))
+
+
 def test_unloading_in_the_middle_of_everything_leaves_nothing(unloaded, iface, qtbot, tmp_path):
     """Dock, tools, preview, a background, messages, and a run under way."""
     from qgis.utils import plugins

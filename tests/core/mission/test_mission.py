@@ -75,7 +75,22 @@ def test_defaults_may_be_left_out():
             '{"schema": 1, "agl_m": 1, "area": {"type": "points", "poses": [[1, 2, 3]]}, "colour": 1}',
             "'colour'",
         ),
-        ('{"schema": 1, "agl_m": "x", "area": {"type": "points", "poses": [[1, 2, 3]]}}', "wrong type"),
+        ('{"schema": 1, "agl_m": "x", "area": {"type": "points", "poses": [[1, 2, 3]]}}', "must be a number"),
+        (
+            '{"schema": 1, "agl_m": true, "area": {"type": "points", "poses": [[1, 2, 3]]}}',
+            "must be a number",
+        ),
+        (
+            '{"schema": 1, "agl_m": 1, "zoom": 1.5, "area": {"type": "points", "poses": [[1, 2, 3]]}}',
+            "'zoom' is 1.5",
+        ),
+        (
+            '{"schema": 1, "agl_m": 1, "max_px": NaN, "area": {"type": "points", "poses": [[1, 2, 3]]}}',
+            "'max_px' is nan",
+        ),
+        ('{"schema": 1, "agl_m": 1, "map_types": "satellite", "area": {}}', "must be a list"),
+        ('{"schema": 1, "agl_m": 1, "upsample": 1, "area": {}}', "must be true or false"),
+        ('{"schema": 1, "agl_m": 1, "area": {"type": "points", "poses": [[1, 2, "a"]]}}', "wrong type"),
         ('{"schema": 1, "agl_m": 1, "area": {"type": "box", "north": 1}}', "wrong type"),
     ],
 )

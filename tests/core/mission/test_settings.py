@@ -123,6 +123,7 @@ def test_a_camera_by_name():
         ({"area": "a.geojson"}, "needs a height"),
         ({"coords": "1_2_3", "camera": "DJI Mini 2", "fov": "70"}, "give one of the two"),
         ({"coords": "1_2_3", "camera": "DJI Mini"}, "DJI Mini"),
+        ({"coords": "1_2_3", "camera": ""}, "camera '' is unknown"),
         ({"coords": "1_2_3", "aspect_ratio": ["0", "3"]}, "aspect ratio 0 3"),
         ({"coords": "1_2_3", "fov": "180"}, "field of view 180"),
         ({"coords": "1_2_3", "overlap": ["1"]}, "overlap 1.0"),

@@ -1,0 +1,82 @@
+"""Toolbar and menu: every button does what it says, and shows what is going on."""
+
+from __future__ import annotations
+
+from qgis.PyQt.QtWidgets import QToolBar
+from terrainav.terrainav_plugin import plugin as plugin_module
+
+BUTTONS = ["dock", "draw_box", "preview", "test_shot", "capture"]
+
+
+def test_toolbar_and_menu_hold_all_actions(plugin, iface):
+    toolbar = iface.mainWindow().findChild(QToolBar, "terrainav_toolbar")
+    assert [action.objectName() for action in toolbar.actions()] == [f"terrainav_{name}" for name in BUTTONS]
+    (menu,) = (action.menu() for action in iface.rasterMenu().actions() if action.text() == "TerrAInav")
+    assert menu.actions() == toolbar.actions()
+    for action in toolbar.actions():
+        assert not action.icon().isNull()
+        assert action.icon().availableSizes() or not action.icon().pixmap(24).isNull()
+        assert f"TerrAInav: {action.text()}" in action.toolTip()
+
+
+def test_dock_button_shows_and_hides_the_panel(desk):
+    action = desk.plugin.actions["dock"]
+    assert desk.dock.isVisible()
+    assert action.isChecked()
+    action.trigger()
+    desk.wait(lambda: not desk.dock.isVisible())
+    assert not action.isChecked()
+    action.trigger()
+    desk.wait(lambda: desk.dock.isVisible() and action.isChecked())
+
+
+def test_every_button_brings_the_panel(desk):
+    desk.enter_small_mission()
+    for name in ("draw_box", "preview", "test_shot"):
+        desk.dock.setUserVisible(False)
+        desk.plugin.actions[name].trigger()
+        desk.wait(desk.dock.isVisible)
+    desk.wait_previewed()
+
+
+def test_tool_buttons_put_their_tool_away_again(desk):
+    before = desk.canvas.mapTool()
+    for name in ("draw_box", "test_shot"):
+        action = desk.plugin.actions[name]
+        action.trigger()
+        assert action.isChecked()
+        assert desk.canvas.mapTool() is not before
+        action.trigger()
+        assert not action.isChecked()
+        assert desk.canvas.mapTool() is before
+
+
+def test_preview_button_and_panel_agree(desk):
+    desk.enter_small_mission()
+    action = desk.plugin.actions["preview"]
+    action.trigger()
+    desk.wait_previewed()
+    assert desk.dock.preview.isChecked()
+    action.trigger()
+    assert not desk.dock.preview.isChecked()
+    assert desk.group() is None
+
+
+def test_capture_button_captures(desk):
+    desk.enter_small_mission()
+    desk.plugin.actions["capture"].trigger()
+    desk.wait(lambda: desk.workflow.runs.task is not None)
+    assert (desk.folder / "mission.json").is_file() or desk.workflow.runs.task.isActive()
+
+
+def test_missing_package_is_one_line(plugin, iface, monkeypatch):
+    """Nothing else happens, and nothing is raised."""
+    needed = {**plugin_module._NEEDED, "no_such_module_anywhere": "Imaginary"}
+    monkeypatch.setattr(plugin_module, "_NEEDED", needed)
+    monkeypatch.setattr(plugin, "_workflow", None)
+    for action in plugin.actions.values():
+        action.trigger()
+    texts = {item.text() for item in iface.messageBar().items()}
+    assert texts == {"TerrAInav needs Python packages that this QGIS lacks: Imaginary."}
+    assert plugin._workflow is None
+    assert not any(action.isChecked() for action in plugin.actions.values())
