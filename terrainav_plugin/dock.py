@@ -20,7 +20,8 @@ from qgis.PyQt.QtWidgets import (
     QWidget,
 )
 
-from .dock_form import CameraChoice, DockForm, SourceChoice
+from .choices import CameraChoice, SourceChoice
+from .dock_form import DockForm
 from .i18n import tr
 from .paths import icon
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import NamedTuple
 
 from qgis.gui import QgsAuthConfigSelect, QgsCollapsibleGroupBoxBasic, QgsFileWidget
 from qgis.PyQt.QtCore import Qt, pyqtSignal
@@ -20,6 +19,7 @@ from qgis.PyQt.QtWidgets import (
     QWidget,
 )
 
+from .choices import CameraChoice, SourceChoice
 from .field_marks import STYLE_SHEET, FieldMarks
 from .form_widgets import choose, combo, form_layout, row, spin
 from .i18n import tr
@@ -39,23 +39,6 @@ from .paths import icon
 _TITLE_LETTERS = 16
 #: Room for five digits and a sign.
 _EDGE_PX = 70
-
-
-class SourceChoice(NamedTuple):
-    """An entry of the source chooser; ``map_types`` is empty where the source has one kind of picture."""
-
-    name: str
-    title: str
-    map_types: tuple[str, ...]
-    needs_key: bool
-
-
-class CameraChoice(NamedTuple):
-    """An entry of the camera chooser."""
-
-    name: str
-    fov_deg: float
-    aspect_ratio: float
 
 
 class DockForm(QWidget):

@@ -5,11 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
-from xml.sax.saxutils import escape  # nosec B406: writes XML, reads none
 
 import numpy as np
 
-from ..core.capture.georeference import web_mercator_wkt
+from ..core.capture.georeference import web_mercator_wkt, xml_text
 from ..core.errors import OutputError
 from ..core.files import write_whole
 from .i18n import tr
@@ -152,7 +151,7 @@ def _virtual_raster(
     west, _, _, north = (float(edge) for edge in plan.grid.edges_m(*origin, *size, plan.zoom))
     resolution = plan.grid.resolution_m_per_px(plan.zoom)
     yield f'<VRTDataset rasterXSize="{size[0]}" rasterYSize="{size[1]}">\n'
-    yield f"<SRS>{escape(web_mercator_wkt())}</SRS>\n"
+    yield f"<SRS>{xml_text(web_mercator_wkt())}</SRS>\n"
     yield f"<GeoTransform>{west!r}, {resolution!r}, 0.0, {north!r}, 0.0, {-resolution!r}</GeoTransform>\n"
     sources = list(_sources(plan, placed, folder))
     for band, colour in enumerate(_COLOURS[channels], 1):
@@ -176,7 +175,7 @@ def _sources(plan: Plan, placed: Placed, folder: Path) -> Iterator[tuple[str, st
     columns = (placed.left_px, placed.top_px, placed.width_px, placed.height_px)
     for path, left, top, width, height in zip(placed.paths, *(values.tolist() for values in columns)):
         own_width, own_height = plan.mission.img_size[:2] if plan.mission.img_size else (width, height)
-        name = escape(path.relative_to(folder).as_posix())
+        name = xml_text(path.relative_to(folder).as_posix())
         properties = f'RasterXSize="{own_width}" RasterYSize="{own_height}" DataType="Byte"'
         source = f'xOff="0" yOff="0" xSize="{own_width}" ySize="{own_height}"'
         place = f'xOff="{left!r}" yOff="{top!r}" xSize="{width}" ySize="{height}"'

@@ -8,7 +8,7 @@ from urllib.parse import quote
 from qgis.core import QgsApplication, QgsAuthMethodConfig
 
 from ..core.errors import InvalidInput, SourceError
-from .dock_form import CameraChoice, SourceChoice
+from .choices import CameraChoice, SourceChoice
 from .i18n import tr
 from .mission_form import FormError
 
