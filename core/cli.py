@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 #: Exit codes: some pictures could not be had; bad input; the source or the folder failed; stopped by the user.
 DONE, INCOMPLETE, BAD_INPUT, FAILED, STOPPED = 0, 1, 2, 3, 130
 #: Options that say how a mission is run, not what it is: they go with a mission file.
-_RUN_OPTIONS = ("data_dir", "connections")
+_RUN_OPTIONS = ("dataset", "batch_size", "data_dir", "connections")
 #: Failed pictures named on the terminal; all are in the journal and the tables.
 _NAMED_FAILURES = 10
 _BAR_WIDTH = 30

@@ -153,3 +153,61 @@ def fitting_zoom(span: float, size_px: float, slack: float = 1e-6) -> int:
         raise InvalidInput(f"span {span} of the world, size {size_px} px: both must be above 0")
     _, exponent = math.frexp(size_px / (256.0 * span) * (1.0 + slack))
     return exponent - 1
+
+
+def bounds_of_picture(
+    lat_deg: float, lon_deg: float, width_px: float, height_px: float, zoom: int
+) -> tuple[float, float, float, float]:
+    """Ground that a picture about a centre shows: the paper's equations 3 to 6.
+
+    Parameters
+    ----------
+    lat_deg, lon_deg : float
+        Centre of the picture.
+    width_px, height_px : float
+        Its size in 256 px terms.
+    zoom : int
+
+    Returns
+    -------
+    north, west, south, east : float
+        Degrees; longitudes are continuous with the centre's.
+    """
+    pixel = 2.0**-zoom / 256.0
+    u, v = float(lon_to_u(np.asarray(lon_deg))), float(lat_to_v(np.asarray(lat_deg)))
+    half_u, half_v = width_px * pixel / 2.0, height_px * pixel / 2.0
+    north, south = v_to_lat(np.array([v - half_v, v + half_v])).tolist()
+    west, east = u_to_lon(np.array([u - half_u, u + half_u])).tolist()
+    return north, west, south, east
+
+
+def picture_of_bounds(
+    north_deg: float, west_deg: float, south_deg: float, east_deg: float, max_px: float
+) -> tuple[int, float, float]:
+    """Zoom and size of the picture that shows some ground at the most detail (equations 7 and 8, then 4 and 5).
+
+    The inverse of `bounds_of_picture`.
+
+    Parameters
+    ----------
+    north_deg, west_deg, south_deg, east_deg : float
+        Bounds; an east below the west lies beyond the antimeridian.
+    max_px : float
+        Longest side in 256 px terms.
+
+    Returns
+    -------
+    zoom : int
+    width_px, height_px : float
+        Exact size at that zoom, not rounded.
+
+    Raises
+    ------
+    InvalidInput
+        Bounds that hold nothing.
+    """
+    span_u = ((east_deg - west_deg) % 360.0 if east_deg < west_deg else east_deg - west_deg) / 360.0
+    top, bottom = lat_to_v(np.array([north_deg, south_deg])).tolist()
+    zoom = fitting_zoom(max(span_u, bottom - top), max_px)
+    world_px = 256.0 * 2.0**zoom
+    return zoom, span_u * world_px, (bottom - top) * world_px

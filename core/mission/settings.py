@@ -144,6 +144,14 @@ OPTIONS: tuple[Option, ...] = (
     ),
     Option("max_images", int, DEFAULT_MAX_IMAGES, "refuse missions of more images"),
     Option("seed", int, 2024, "of whatever is random, such as the synthetic landscape"),
+    Option(
+        "dataset",
+        str,
+        "TerrAInav",
+        "whose layout a dataset that is read has; plan and capture write TerrAInav's own",
+        choices=("TerrAInav", "VBN"),
+    ),
+    Option("batch_size", int, 8, "images in a batch of a loaded dataset; plan and capture do not use it"),
     Option("data_dir", str, "datasets/terrainav", "folder the dataset is written to"),
     Option("connections", int, 8, "requests under way at once"),
 )
