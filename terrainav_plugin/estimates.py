@@ -5,6 +5,7 @@ from __future__ import annotations
 import html
 from typing import TYPE_CHECKING
 
+from ..core.mission.estimate import area_text, length_text, size_text
 from .i18n import tr
 
 if TYPE_CHECKING:
@@ -24,9 +25,9 @@ def estimate_lines(summary: Summary) -> list[tuple[str, str]]:
         lines.append((tr("Overlap"), _overlap(summary)))
     lines += [
         (tr("Tiles"), _tiles(summary)),
-        (tr("On disk"), _size(summary.output_bytes)),
+        (tr("On disk"), size_text(summary.output_bytes)),
         (tr("Time"), tr("about {duration}").format(duration=duration_text(summary.seconds))),
-        (tr("Flight"), _length(summary.flight_distance_m)),
+        (tr("Flight"), length_text(summary.flight_distance_m)),
     ]
     return lines
 
@@ -54,16 +55,18 @@ def _picture(summary: Summary) -> str:
 
 def _gsd(summary: Summary) -> str:
     camera, source = summary.camera_gsd_m_per_px, summary.source_gsd_m_per_px
-    return tr("camera {camera}, source {source}").format(camera=_length(camera), source=_length(source))
+    return tr("camera {camera}, source {source}").format(
+        camera=length_text(camera), source=length_text(source)
+    )
 
 
 def _coverage(summary: Summary) -> str:
     if summary.complete:
-        return tr("100 % of {area}").format(area=_area(summary.area_m2))
+        return tr("100 % of {area}").format(area=area_text(summary.area_m2))
     # Rounded down: what is not complete never reads 100.
     share = int(summary.covered_share * 1e4) / 1e2
     return tr("{share:.2f} % of {area}; {uncovered} left out").format(
-        share=share, area=_area(summary.area_m2), uncovered=_area(summary.uncovered_m2)
+        share=share, area=area_text(summary.area_m2), uncovered=area_text(summary.uncovered_m2)
     )
 
 
@@ -79,29 +82,12 @@ def _overlap(summary: Summary) -> str:
 
 
 def _tiles(summary: Summary) -> str:
+    """Tiles of all map types together."""
+    count = f"{summary.unique_tiles * len(summary.map_types):,}"
     if not summary.download_bytes:
-        return tr("{count}, computed here").format(count=f"{summary.unique_tiles:,}")
-    return tr("{count}, about {size} to download").format(
-        count=f"{summary.unique_tiles:,}", size=_size(summary.download_bytes)
-    )
-
-
-def _length(value_m: float) -> str:
-    for unit, size in (("km", 1e3), ("m", 1.0), ("cm", 1e-2)):
-        if value_m >= size:
-            return f"{value_m / size:.3g} {unit}" if value_m < 1e6 else f"{value_m / size:,.0f} {unit}"
-    return f"{value_m * 1e3:.3g} mm"
-
-
-def _area(value_m2: float) -> str:
-    return f"{value_m2 / 1e6:,.4g} km²" if value_m2 >= 1e5 else f"{value_m2:,.4g} m²"
-
-
-def _size(count: float) -> str:
-    for unit, size in (("GB", 1e9), ("MB", 1e6), ("kB", 1e3)):
-        if count >= size:
-            return f"{count / size:.3g} {unit}"
-    return f"{count:.0f} B"
+        return tr("{count}, computed here").format(count=count)
+    size = size_text(summary.download_bytes)
+    return tr("{count}, about {size} to download").format(count=count, size=size)
 
 
 def duration_text(seconds: float) -> str:

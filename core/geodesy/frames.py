@@ -58,7 +58,7 @@ class Corners(NamedTuple):
     lon_deg: Floats
 
 
-def _runs(*columns: Floats) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+def equal_runs(*columns: Floats) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
     """Index of the first of each run of equal neighbours, and for every element the run it is in."""
     change = np.zeros(columns[0].shape, bool)
     change[:1] = True
@@ -112,7 +112,7 @@ def ground_corners(camera: Camera, lat_deg: Floats, lon_deg: Floats, agl_m: Floa
     InvalidInput
         Where a corner looks past the Earth.
     """
-    first, run = _runs(lat_deg, agl_m)
+    first, run = equal_runs(lat_deg, agl_m)
     ground = trace(lat_deg[first, np.newaxis], agl_m[first, np.newaxis], camera.rays_enu(CORNERS))
     if not ground.hit.all():
         at = int(first[np.flatnonzero(~ground.hit.all(axis=1))[0]])
@@ -133,7 +133,7 @@ def map_windows(
     lat_deg, lon_deg, agl_m : array (n,)
         Poses; the windows' left edges are continuous with the longitudes.
     """
-    first, run = _runs(lat_deg, agl_m)
+    first, run = equal_runs(lat_deg, agl_m)
     edges = frame_edges(camera, lat_deg[first], agl_m[first])
     world = grid.world_px(zoom)
     u = lon_to_u(lon_deg)

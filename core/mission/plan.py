@@ -15,6 +15,7 @@ from ..geodesy.ellipsoid import WGS84
 from ..geodesy.frames import (
     Corners,
     Windows,
+    equal_runs,
     frame_edges,
     ground_corners,
     map_windows,
@@ -186,8 +187,8 @@ def _zoom(mission: Mission, grid: PixelGrid, layout: Layout) -> int:
 
 
 def _highest_guess(camera: Camera, layout: Layout, limit_px: int) -> int:
-    first = np.unique(np.stack([layout.lat_deg, layout.agl_m]), axis=1)
-    edges = frame_edges(camera, first[0], first[1])
+    first, _ = equal_runs(layout.lat_deg, layout.agl_m)
+    edges = frame_edges(camera, layout.lat_deg[first], layout.agl_m[first])
     span = max(float((2.0 * edges.half_u).max()), float((edges.bottom_v - edges.top_v).max()))
     return fitting_zoom(span, limit_px)
 
