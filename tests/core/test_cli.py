@@ -210,10 +210,18 @@ def test_version_and_help(run):
 def test_a_folder_that_cannot_be_written_is_named(tmp_path):
     locked = tmp_path / "locked"
     locked.mkdir(mode=0o755)
-    script = (
-        "import os, sys; from terrainav.core.cli import main; os.setgid(65534); os.setuid(65534);"
-        f"sys.exit(main(['capture', '--coords', '35_-89_120', '--data-dir', {str(locked / 'out')!r}]))"
-    )
+    # The other user may not be able to read the checkout, so the change comes when the folder is about to be made.
+    script = f"""
+import os, sys
+from terrainav.core.capture import runner
+from terrainav.core.cli import main
+as_root = runner.open_folder
+def as_nobody(*arguments, **options):
+    os.setegid(65534), os.seteuid(65534)
+    return as_root(*arguments, **options)
+runner.open_folder = as_nobody
+sys.exit(main(['capture', '--coords', '35_-89_120', '--data-dir', {str(locked / "out")!r}]))
+"""
     process = subprocess.run(
         [sys.executable, "-c", script], cwd="/", capture_output=True, text=True, timeout=60, check=False
     )
