@@ -123,7 +123,12 @@ def _normalised(argv: Sequence[str]) -> list[str]:
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the command; returns the exit code."""
     arguments = _parser().parse_args(_normalised(sys.argv[1:] if argv is None else argv))
-    commands = {"plan": _plan, "capture": _capture, "sources": _sources, "cameras": _cameras}
+    commands = {
+        "plan": _plan,
+        "capture": _capture,
+        "sources": _sources,
+        "cameras": _cameras,
+    }
     try:
         if arguments.version:
             from .version import version
@@ -179,12 +184,15 @@ def _opened(mission: Mission, values: dict[str, Any], *, plan_only: bool) -> Ite
 
 
 def _print_summary(worked_out: Plan, source: Source, values: dict[str, Any], as_json: bool) -> None:
+    from .capture.cost import timed_cost
+
     costs = OFFLINE if source.name == "world" else ONLINE
     summary = estimate(worked_out, costs, values["connections"], os.cpu_count() or 1)
+    cost = timed_cost(worked_out)
     if as_json:
-        print(json.dumps({"source": source.title, **summary.to_dict()}, indent=1))
+        print(json.dumps({"source": source.title, **summary.to_dict(), "cost": cost._asdict()}, indent=1))
         return
-    for label, text in [("source", source.title), *summary.lines()]:
+    for label, text in [("source", source.title), *summary.lines(), ("cost", cost.text(len(worked_out)))]:
         print(f"{label:24s}{text}")
 
 

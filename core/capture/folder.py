@@ -11,7 +11,6 @@ from ..files import make_folder, write_whole
 from ..mission.export import write_plan
 from ..mission.mission import Mission
 from ..mission.plan import Plan
-from .writers import file_endings
 
 MISSION_FILE = "mission.json"
 JOURNAL_FILE = "journal.jsonl"
@@ -72,12 +71,11 @@ def write_plan_files(folder: Path, plan: Plan) -> None:
     write_plan(plan, folder / FOOTPRINTS_FILE)
 
 
-def complete_pictures(folder: Path, image_format: str, names: Iterable[str]) -> set[str]:
+def complete_pictures(folder: Path, endings: tuple[str, ...], names: Iterable[str]) -> set[str]:
     """Those of the named pictures that are in a folder with all their files, none of them empty."""
     try:
         with os.scandir(folder) as entries:
             whole = {entry.name for entry in entries if entry.stat().st_size > 0}
     except OSError as wrong:
         raise OutputError(f"folder {folder}: cannot be read ({wrong.strerror})") from wrong
-    endings = file_endings(image_format)
     return {name for name in names if all(name + ending in whole for ending in endings)}

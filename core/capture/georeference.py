@@ -1,4 +1,4 @@
-"""Where a picture lies on the map, as values and as the texts that GIS software reads beside pictures."""
+"""Where a map frame lies, as values and as the texts that GIS software reads beside pictures."""
 
 from __future__ import annotations
 
@@ -12,16 +12,17 @@ from html import escape
 from pyproj import CRS
 
 from ..errors import InvalidInput
+from .tiff import Kind, Tag
 
 EPSG = 3857
 #: What XML 1.0 excludes, however it is written.
 _NOT_TEXT = re.compile("[^\t\n\r -\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 
 
-@lru_cache(maxsize=1)
-def web_mercator_wkt() -> str:
-    """EPSG:3857 as WKT 1, which every GDAL reads."""
-    return str(CRS.from_epsg(EPSG).to_wkt("WKT1_GDAL"))
+@lru_cache(maxsize=4)
+def crs_wkt(epsg: int) -> str:
+    """A CRS as WKT 1, which every GDAL reads."""
+    return str(CRS.from_epsg(epsg).to_wkt("WKT1_GDAL"))
 
 
 def plain_text(text: str) -> str:
@@ -82,13 +83,32 @@ class Georeference:
 
     def aux_xml(self, metadata: Mapping[str, str]) -> str:
         """Text of GDAL's auxiliary file (PAM): CRS, geotransform and metadata, for formats that hold no CRS."""
-        items = "".join(
-            f'    <MDI key="{xml_text(key)}">{xml_text(value)}</MDI>\n' for key, value in metadata.items()
+        return pam_text(
+            f'  <SRS dataAxisToSRSAxisMapping="1,2">{xml_text(crs_wkt(EPSG))}</SRS>\n'
+            f"  <GeoTransform>{', '.join(map(repr, self.geotransform))}</GeoTransform>\n",
+            metadata,
         )
-        return (
-            "<PAMDataset>\n"
-            f'  <SRS dataAxisToSRSAxisMapping="1,2">{xml_text(web_mercator_wkt())}</SRS>\n'
-            f"  <GeoTransform>{', '.join(map(repr, self.geotransform))}</GeoTransform>\n"
-            f"  <Metadata>\n{items}  </Metadata>\n"
-            "</PAMDataset>\n"
-        )
+
+    def tags(self) -> list[Tag]:
+        """GeoTIFF's tags (OGC 19-008): the size of a pixel, where the upper left corner lies, and the CRS."""
+        width_m, height_m = self.pixel_size_m
+        return [
+            Tag(33550, Kind.DOUBLE, [width_m, height_m, 0.0]),  # ModelPixelScale
+            Tag(33922, Kind.DOUBLE, [0.0, 0.0, 0.0, self.west_m, self.north_m, 0.0]),  # ModelTiepoint
+            Tag(
+                34735, Kind.SHORT, geo_keys([(1024, 1), (1025, 1), (3072, EPSG)])
+            ),  # projected, areas, the CRS
+        ]
+
+
+def geo_keys(keys: list[tuple[int, int]]) -> list[int]:
+    """GeoKey directory of keys that each have one number."""
+    return [1, 1, 0, len(keys), *(number for key, value in keys for number in (key, 0, 1, value))]
+
+
+def pam_text(place: str, metadata: Mapping[str, str]) -> str:
+    """GDAL's auxiliary file around the elements that say where the picture lies."""
+    items = "".join(
+        f'    <MDI key="{xml_text(key)}">{xml_text(value)}</MDI>\n' for key, value in metadata.items()
+    )
+    return f"<PAMDataset>\n{place}  <Metadata>\n{items}  </Metadata>\n</PAMDataset>\n"

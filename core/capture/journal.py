@@ -27,12 +27,16 @@ class Outcome:
         Bits, of a picture that is done.
     reason : str
         Why it failed; empty for one that is done.
+    sky_share, unmapped_share : float
+        Shares of its pixels that see no ground, and ground that no Web-Mercator source has.
     """
 
     map_type: str
     name: str
     entropy: float | None = None
     reason: str = ""
+    sky_share: float = 0.0
+    unmapped_share: float = 0.0
 
     @property
     def status(self) -> str:
@@ -41,13 +45,15 @@ class Outcome:
 
     def to_line(self) -> bytes:
         """Line of the journal."""
-        fields = {
+        fields: dict[str, Any] = {
             "map_type": self.map_type,
             "name": self.name,
             "status": self.status,
             "entropy": self.entropy,
             "reason": self.reason,
         }
+        if self.sky_share or self.unmapped_share:
+            fields.update(sky_share=self.sky_share, unmapped_share=self.unmapped_share)
         return json.dumps(fields, ensure_ascii=False).encode("utf-8") + b"\n"
 
     @classmethod
@@ -56,8 +62,9 @@ class Outcome:
         try:
             fields = json.loads(line)
             entropy = float(fields["entropy"]) if fields["status"] == DONE else None
-            return cls(str(fields["map_type"]), str(fields["name"]), entropy, str(fields["reason"]))
-        except (ValueError, KeyError, TypeError):
+            shares = (float(fields.get(name, 0.0)) for name in ("sky_share", "unmapped_share"))
+            return cls(str(fields["map_type"]), str(fields["name"]), entropy, str(fields["reason"]), *shares)
+        except (ValueError, KeyError, TypeError, AttributeError):
             return None
 
 

@@ -54,7 +54,8 @@ def sweep(windows: Windows, chosen: NDArray[np.int64]) -> NDArray[np.int64]:
     along, across, size = left, top, width
     if np.ptp(top) > np.ptp(left):
         along, across, size = top, left, height
-    strip = np.floor((along - along.min()) / size.max())
+    # Camera frames that look to the horizon may stand for no rectangle of the map at all.
+    strip = np.floor((along - along.min()) / max(float(size.max()), 1.0))
     return np.asarray(chosen[np.lexsort((along, across, strip))], np.int64)
 
 

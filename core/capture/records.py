@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,12 +13,16 @@ from numpy.typing import NDArray
 from ..dataset.entropy import entropy
 from ..dataset.table import Table
 from ..geodesy.mercator import wrap_lon_deg
+from ..geodesy.poses import Poses
+from ..geodesy.view import View
 from ..imagery.source import Part, Source, Window
 from ..mission.plan import Plan
+from .control_points import ControlPoints
 from .georeference import Georeference
 from .journal import Outcome
+from .perspective import camera_parts, render
 from .picture import assemble, resized
-from .writers import Description, write_picture
+from .writers import Description, Place, write_picture
 
 Floats = NDArray[np.float64]
 Pixels = NDArray[np.uint8]
@@ -35,8 +40,11 @@ class PictureJob:
     image_format : str
         tif, jpg or png.
     img_size : tuple (width, height, channels) or None
-    window : Window
-    georeference : Georeference
+    shot : Window or Shot
+        A map frame's window, or what a camera frame is made from.
+    masked : bool
+        Whether the picture has a channel for what it does not show.
+    place : Georeference or ControlPoints
     description : Description
     """
 
@@ -44,13 +52,30 @@ class PictureJob:
     folder: Path
     image_format: str
     img_size: tuple[int, int, int] | None
-    window: Window
-    georeference: Georeference
+    shot: Window | Shot
+    masked: bool
+    place: Place
     description: Description
 
 
-def make_picture(job: PictureJob, parts: Sequence[Part], pixels: Mapping[Window, Pixels]) -> float:
-    """Assemble a picture, write it, and return its entropy in bits (before a JPEG's losses).
+class Shot(NamedTuple):
+    """A camera frame: its view, the longitude of the camera, and the kernel it is resampled with."""
+
+    view: View
+    lon_deg: float
+    kernel: str
+
+
+class Made(NamedTuple):
+    """What is known of a picture once it is made: bits of entropy, and the shares without ground or without a map."""
+
+    entropy: float
+    sky_share: float = 0.0
+    unmapped_share: float = 0.0
+
+
+def make_picture(job: PictureJob, parts: Sequence[Part], pixels: Mapping[Window, Pixels]) -> Made:
+    """Make a picture, write it, and say what is known of it (its entropy before a JPEG's losses).
 
     Raises
     ------
@@ -59,9 +84,22 @@ def make_picture(job: PictureJob, parts: Sequence[Part], pixels: Mapping[Window,
     OutputError
         Where it cannot be written.
     """
-    picture = resized(assemble(job.window, parts, pixels), job.img_size)
-    write_picture(job.folder, job.image_format, picture, job.georeference, job.description)
-    return entropy(picture)
+    if isinstance(job.shot, Shot):
+        view = job.shot.view
+        picture = render(view, job.shot.lon_deg, parts, pixels, job.shot.kernel)
+        made = Made(0.0, view.sky_share, view.unmapped_share)
+        if job.masked:
+            shown = (
+                np.full(picture.shape[:2], 255, np.uint8)
+                if view.hidden is None
+                else (~view.hidden) * np.uint8(255)
+            )
+            picture = np.dstack([picture, shown])
+    else:
+        picture, made = assemble(job.shot, parts, pixels), Made(0.0)
+    picture = resized(picture, job.img_size)
+    write_picture(job.folder, job.image_format, picture, job.place, job.description)
+    return made._replace(entropy=entropy(picture[..., :3] if picture.ndim > 2 else picture))
 
 
 def window_of(plan: Plan, index: int) -> Window:
@@ -70,29 +108,62 @@ def window_of(plan: Plan, index: int) -> Window:
     return Window(plan.zoom, left, top, width, height)
 
 
+def parts_of(plan: Plan, source: Source, index: int) -> list[Part]:
+    """Parts that the picture of one capture is made of."""
+    if plan.size_px is None:
+        return source.parts(window_of(plan, index))
+    return camera_parts(plan.view(index), float(plan.lon_deg[index]))
+
+
 def job_of(plan: Plan, index: int, source: Source, map_type: str, folder: Path) -> PictureJob:
     """Job of one capture."""
     mission = plan.mission
-    window = window_of(plan, index)
-    width, height = mission.img_size[:2] if mission.img_size else (window.width_px, window.height_px)
-    west, south, east, north = (float(edges[index]) for edges in plan.edges_m)
+    width, height = int(plan.width_px[index]), int(plan.height_px[index])
+    if mission.img_size:
+        width, height = mission.img_size[:2]
+    shot: Window | Shot
+    place: Place
+    if plan.size_px is None:
+        west, south, east, north = (float(edges[index]) for edges in plan.edges_m)
+        shot, place = window_of(plan, index), Georeference(west, south, east, north, width, height)
+    else:
+        shot = Shot(plan.view(index), float(plan.lon_deg[index]), mission.resampling)
+        place = ControlPoints.of(plan, index, width, height)
+    pose = {name: float(values[index]) for name, values in zip(plan.poses._fields, plan.poses)}
     return PictureJob(
         index,
         folder,
         mission.image_format,
         mission.img_size,
-        window,
-        Georeference(west, south, east, north, width, height),
+        shot,
+        # The channels that were asked for are the channels that are written, and a JPEG has no room for a mask.
+        plan.masked and mission.img_size is None and mission.image_format != "jpg",
+        place,
         Description(
             name=plan.names[index],
             map_type=map_type,
             source=source.title,
             attribution=source.attribution,
             zoom=plan.zoom,
-            lat_deg=float(plan.lat_deg[index]),
-            lon_deg=float(plan.lon_deg[index]),
-            agl_m=float(plan.agl_m[index]),
+            more=_camera_metadata(plan, shot),
+            **pose,
         ),
+    )
+
+
+def _camera_metadata(plan: Plan, shot: Window | Shot) -> tuple[tuple[str, str], ...]:
+    """What a camera frame's metadata says beyond a map frame's."""
+    if not isinstance(shot, Shot):
+        return ()
+    camera = plan.mission.camera
+    return (
+        ("FRAME", "camera"),
+        ("FOV_DEG", repr(camera.fov_deg)),
+        ("ASPECT_RATIO", repr(camera.aspect_ratio)),
+        ("GROUND_HEIGHT_M", repr(plan.mission.ground_height_m)),
+        ("RESAMPLING", shot.kernel),
+        ("SKY_SHARE", repr(shot.view.sky_share)),
+        ("ERROR_BOUND_PX", repr(plan.accuracy.bound_px)),
     )
 
 
@@ -109,8 +180,10 @@ def table_of(plan: Plan, source: Source, outcomes: Mapping[str, Outcome]) -> Tab
     rows = [outcomes[names[index]] for index in at.tolist()]
     centre_lat, centre_lon = plan.frame_centres
     left, top, width, height = (np.asarray(values, np.float64)[at] for values in plan.windows)
-    level = np.zeros(len(at))
-    image_width, image_height = width, height
+    image_width, image_height = (np.asarray(size[at], np.float64) for size in (plan.width_px, plan.height_px))
+    poses = plan.poses.take(at)
+    unknown = np.full(len(at), np.nan)
+    nominal = Poses(*(unknown,) * 6) if plan.nominal is None else plan.nominal.take(at)
     if plan.mission.img_size:
         image_width, image_height = (np.full(len(at), float(size)) for size in plan.mission.img_size[:2])
     return Table(
@@ -121,18 +194,26 @@ def table_of(plan: Plan, source: Source, outcomes: Mapping[str, Outcome]) -> Tab
         lon_deg=centre_lon[at],
         zoom=np.full(len(at), plan.zoom, np.int64),
         entropies=np.array([np.nan if row.entropy is None else row.entropy for row in rows], np.float64),
-        pose_lat_deg=plan.lat_deg[at],
-        pose_lon_deg=wrap_lon_deg(plan.lon_deg[at]),
-        agl_m=plan.agl_m[at],
-        yaw_deg=level,
-        tilt_deg=level,
-        roll_deg=level,
+        pose_lat_deg=poses.lat_deg,
+        pose_lon_deg=wrap_lon_deg(poses.lon_deg),
+        agl_m=poses.agl_m,
+        yaw_deg=poses.yaw_deg,
+        tilt_deg=poses.tilt_deg,
+        roll_deg=poses.roll_deg,
         left_px=np.mod(left, plan.grid.world_px(plan.zoom)),
         top_px=top,
         width_px=width,
         height_px=height,
         image_width_px=image_width,
         image_height_px=image_height,
+        sky_share=np.array([row.sky_share for row in rows], np.float64),
+        unmapped_share=np.array([row.unmapped_share for row in rows], np.float64),
+        nominal_lat_deg=nominal.lat_deg,
+        nominal_lon_deg=wrap_lon_deg(nominal.lon_deg),
+        nominal_agl_m=nominal.agl_m,
+        nominal_yaw_deg=nominal.yaw_deg,
+        nominal_tilt_deg=nominal.tilt_deg,
+        nominal_roll_deg=nominal.roll_deg,
         source=(source.title,) * len(at),
         attribution=(source.attribution,) * len(at),
         status=tuple(row.status for row in rows),

@@ -19,9 +19,9 @@ from ..mission.plan import Plan
 from .folder import JOURNAL_FILE, TABLE_FILE, complete_pictures, open_folder, write_plan_files
 from .journal import DONE, FAILED, Journal, Outcome
 from .pipeline import Pipeline, sweep
-from .records import PictureJob, job_of, make_picture, table_of, window_of
+from .records import Made, PictureJob, job_of, make_picture, parts_of, table_of
 from .result import CaptureResult, Failure, Progress
-from .writers import check_size
+from .writers import check_size, file_endings
 
 __all__ = ["CaptureResult", "Failure", "Progress", "capture"]
 
@@ -113,7 +113,7 @@ def _check(plan: Plan, source: Source, connections: int, workers: int | None) ->
     width, height = (
         plan.mission.img_size[:2]
         if plan.mission.img_size
-        else (int(plan.windows.width_px.max()), int(plan.windows.height_px.max()))
+        else (int(plan.width_px.max()), int(plan.height_px.max()))
     )
     check_size(plan.mission.image_format, width, height)
 
@@ -176,7 +176,8 @@ class _Run:
 
     def _known_outcomes(self) -> dict[str, dict[str, Outcome]]:
         """What earlier runs have left of each map type: failures, and pictures that are still there."""
-        image_format, names = self._plan.mission.image_format, set(self._plan.names)
+        endings = file_endings(self._plan.mission.image_format, on_map=self._plan.size_px is None)
+        names = set(self._plan.names)
         known: dict[str, dict[str, Outcome]] = {}
         for map_type in self._map_types:
             outcomes = {name: o for (kind, name), o in self._journal.outcomes.items() if kind == map_type}
@@ -186,7 +187,7 @@ class _Run:
                     f"folder {self._folder}: holds this mission with other pictures, such as {foreign}, because the "
                     "source or the version was another; choose another folder"
                 )
-            there = complete_pictures(self._folder / map_type, image_format, outcomes)
+            there = complete_pictures(self._folder / map_type, endings, outcomes)
             known[map_type] = {n: o for n, o in outcomes.items() if o.status == FAILED or n in there}
         return known
 
@@ -203,7 +204,7 @@ class _Run:
             if users is None:
                 return False
             self._unique_parts += len(users)
-            pipeline: Pipeline[PictureJob, float] = Pipeline(
+            pipeline: Pipeline[PictureJob, Made] = Pipeline(
                 users,
                 partial(self._source.fetch, map_type),
                 make_picture,
@@ -243,9 +244,9 @@ class _Run:
         return self._listener.go_on()
 
     def _parts(self, index: int) -> list[Part]:
-        return self._source.parts(window_of(self._plan, index))
+        return parts_of(self._plan, self._source, index)
 
-    def _note(self, job: PictureJob, result: float | PartError) -> None:
+    def _note(self, job: PictureJob, result: Made | PartError) -> None:
         """Enter what became of a picture."""
         map_type, name = job.description.map_type, job.description.name
         if isinstance(result, PartError):
@@ -253,7 +254,7 @@ class _Run:
             failure = Failure(map_type, name, outcome.reason)
             self._failures.append((self._map_types.index(map_type), job.index, failure))
         else:
-            outcome = Outcome(map_type, name, result)
+            outcome = Outcome(map_type, name, result.entropy, "", result.sky_share, result.unmapped_share)
             self._done += 1
         self._journal.add(outcome)
         self._outcomes[map_type][name] = outcome

@@ -6,6 +6,7 @@ import io
 import zlib
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Union
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +15,8 @@ from PIL import Image, PngImagePlugin
 from ..errors import InvalidInput
 from ..files import write_whole
 from ..geodesy.mercator import wrap_lon_deg
-from .georeference import EPSG, Georeference, plain_text, xml_text
+from .control_points import ControlPoints
+from .georeference import Georeference, plain_text, xml_text
 from .tiff import HEADER_BYTES, Kind, Tag, directory, header
 
 Pixels = NDArray[np.uint8]
@@ -34,10 +36,13 @@ _STRIP_BYTES = 1 << 18
 _ARC_SECOND_SHARE = 10_000_000
 #: Finest denominator of an EXIF altitude first; heights beyond 4,294 km keep whole metres.
 _ALTITUDE_SHARES = (1000, 1)
+_WITH_ALPHA = 4
 #: Denominator of an EXIF heading.
 _HEADING_SHARE = 1_000_000
 
-_COMPANIONS = {"tif": (), "jpg": (".jgw", ".jpg.aux.xml"), "png": (".pgw", ".png.aux.xml")}
+#: Where a picture lies: a map frame by its edges, a camera frame by points.
+Place = Union[Georeference, ControlPoints]
+_WORLD_FILES = {"jpg": ".jgw", "png": ".pgw"}
 
 
 @dataclass(frozen=True)
@@ -55,6 +60,8 @@ class Description:
     zoom : int
     lat_deg, lon_deg, agl_m, yaw_deg, tilt_deg, roll_deg : float
         Pose of the camera; the longitude may be continuous beyond ±180.
+    more : tuple of (str, str)
+        Names and values that are added to the metadata.
     """
 
     name: str
@@ -68,6 +75,7 @@ class Description:
     yaw_deg: float = 0.0
     tilt_deg: float = 0.0
     roll_deg: float = 0.0
+    more: tuple[tuple[str, str], ...] = ()
 
     def __post_init__(self) -> None:
         for field in ("source", "attribution"):
@@ -100,12 +108,17 @@ class Description:
             "ATTRIBUTION": self.attribution,
             "ZOOM": str(self.zoom),
             **{key: repr(value) for key, value in numbers.items()},
+            **dict(self.more),
         }
 
 
-def file_endings(image_format: str) -> tuple[str, ...]:
-    """Endings of all the files of one picture; the last is the picture's own."""
-    return (*_COMPANIONS[image_format], f".{image_format}")
+def file_endings(image_format: str, *, on_map: bool = True) -> tuple[str, ...]:
+    """Endings of all the files of one picture, of a map frame or of a camera frame; the last is the picture's own."""
+    own = f".{image_format}"
+    if image_format == "tif":
+        return (own,)
+    world_file = (_WORLD_FILES[image_format],) if on_map else ()
+    return (*world_file, f"{own}.aux.xml", own)
 
 
 def check_size(image_format: str, width_px: int, height_px: int) -> None:
@@ -124,7 +137,7 @@ def check_size(image_format: str, width_px: int, height_px: int) -> None:
 
 
 def write_picture(
-    folder: Path, image_format: str, pixels: Pixels, georeference: Georeference, description: Description
+    folder: Path, image_format: str, pixels: Pixels, place: Place, description: Description
 ) -> None:
     """Write a picture and what belongs beside it, itself last: a picture that is there is complete.
 
@@ -134,28 +147,28 @@ def write_picture(
         Where ``<name>.<ending>`` goes; must be there.
     image_format : str
         tif, jpg or png.
-    pixels : array (h, w) or (h, w, 3) of uint8
-        The bytes written depend on the arguments alone.
+    pixels : array (h, w), (h, w, 3) or (h, w, 4) of uint8
+        A fourth channel is 0 where the picture has nothing to show and 255 elsewhere; a JPEG leaves it out. The
+        bytes written depend on the arguments alone.
+    place : Georeference or ControlPoints
 
     Raises
     ------
     OutputError
     """
-    metadata = description.metadata()
+    on_map = isinstance(place, Georeference)
     if image_format == "tif":
-        contents = [geotiff(pixels, georeference, description)]
+        contents = [geotiff(pixels, place, description)]
     else:
         encode = jpeg if image_format == "jpg" else png
-        contents = [
-            georeference.world_file().encode("ascii"),
-            georeference.aux_xml(metadata).encode("utf-8"),
-            encode(pixels, description),
-        ]
-    for ending, data in zip(file_endings(image_format), contents):
+        contents = [place.aux_xml(description.metadata()).encode("utf-8"), encode(pixels, description)]
+        if isinstance(place, Georeference):
+            contents.insert(0, place.world_file().encode("ascii"))
+    for ending, data in zip(file_endings(image_format, on_map=on_map), contents):
         write_whole(folder / (description.name + ending), data)
 
 
-def geotiff(pixels: Pixels, georeference: Georeference, description: Description) -> bytes:
+def geotiff(pixels: Pixels, place: Place, description: Description) -> bytes:
     """A lossless GeoTIFF (OGC 19-008) with deflate and horizontal differences.
 
     Written here and not by Pillow, whose TIFF encoder holds Python's lock: zlib lets go of it, so that the
@@ -165,7 +178,6 @@ def geotiff(pixels: Pixels, georeference: Georeference, description: Description
     channels = 1 if pixels.ndim == 2 else pixels.shape[2]
     rows = max(_STRIP_BYTES // (width * channels), 1)
     strips = _packed_strips(pixels, rows)
-    width_m, height_m = georeference.pixel_size_m
     tags = [
         Tag(256, Kind.LONG, [width]),
         Tag(257, Kind.LONG, [height]),
@@ -180,13 +192,13 @@ def geotiff(pixels: Pixels, georeference: Georeference, description: Description
         Tag(305, Kind.ASCII, SOFTWARE),
         Tag(317, Kind.SHORT, [2]),  # horizontal differences
         Tag(33432, Kind.ASCII, description.attribution),
-        Tag(33550, Kind.DOUBLE, [width_m, height_m, 0.0]),  # ModelPixelScale
-        Tag(
-            33922, Kind.DOUBLE, [0.0, 0.0, 0.0, georeference.west_m, georeference.north_m, 0.0]
-        ),  # ModelTiepoint
-        Tag(34735, Kind.SHORT, _geo_keys()),
+        *place.tags(),
         Tag(42112, Kind.ASCII, _gdal_metadata(description)),
     ]
+    if channels == _WITH_ALPHA:
+        tags.append(
+            Tag(338, Kind.SHORT, [2])
+        )  # the fourth channel is alpha, and the others are not multiplied by it
     return _with_strips(tags, strips)
 
 
@@ -217,12 +229,6 @@ def _with_strips(tags: list[Tag], strips: list[bytes]) -> bytes:
     )
 
 
-def _geo_keys() -> list[int]:
-    """GeoKey directory: a projected CRS, pixels that are areas, the CRS by its EPSG code."""
-    keys = [(1024, 0, 1, 1), (1025, 0, 1, 1), (3072, 0, 1, EPSG)]
-    return [1, 1, 0, len(keys), *(number for key in keys for number in key)]
-
-
 def _gdal_metadata(description: Description) -> str:
     """XML of GDAL's own tag, whose values are escaped twice: GDAL writes them so, and undoes both."""
     items = (
@@ -235,7 +241,7 @@ def _gdal_metadata(description: Description) -> str:
 def jpeg(pixels: Pixels, description: Description) -> bytes:
     """A JPEG with EXIF: who, what, and the camera's position and heading."""
     buffer = io.BytesIO()
-    Image.fromarray(pixels).save(
+    Image.fromarray(np.ascontiguousarray(pixels[..., :3]) if pixels.ndim > 2 else pixels).save(
         buffer, "JPEG", quality=JPEG_QUALITY, subsampling=0, exif=b"Exif\0\0" + _exif(description)
     )
     return buffer.getvalue()

@@ -58,6 +58,10 @@ class Table:
         Windows in the source's global pixel grid at ``zoom``.
     image_width_px, image_height_px : array
         Sizes of the images as written.
+    sky_share, unmapped_share : array
+        Shares of an image's pixels that see no ground, and ground that no Web-Mercator source has.
+    nominal_lat_deg, nominal_lon_deg, nominal_agl_m, nominal_yaw_deg, nominal_tilt_deg, nominal_roll_deg : array
+        Poses as they were meant to be, where wind has moved the camera.
     source, attribution : tuple of str
     status, reason : tuple of str
         ``done``, or ``failed`` and why.
@@ -84,6 +88,14 @@ class Table:
     height_px: Floats
     image_width_px: Floats
     image_height_px: Floats
+    sky_share: Floats
+    unmapped_share: Floats
+    nominal_lat_deg: Floats
+    nominal_lon_deg: Floats
+    nominal_agl_m: Floats
+    nominal_yaw_deg: Floats
+    nominal_tilt_deg: Floats
+    nominal_roll_deg: Floats
     source: tuple[str, ...]
     attribution: tuple[str, ...]
     status: tuple[str, ...]

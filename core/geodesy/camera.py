@@ -94,7 +94,7 @@ class Camera:
 
         Parameters
         ----------
-        image_xy : array (k, 2)
+        image_xy : array (k, 2), or (..., k, 2) for points of each pose's own
             Right and up, each -1..1 from edge to edge of the image.
         yaw_deg, tilt_deg, roll_deg : array (...) or float
             Attitude of each pose, broadcast against each other.
@@ -104,23 +104,60 @@ class Camera:
         array (..., k, 3)
             Not normalised: the part along the optical axis is 1.
         """
-        yaw, tilt, roll = (
-            np.radians(np.asarray(angle, np.float64))[..., np.newaxis]
-            for angle in (yaw_deg, tilt_deg, roll_deg)
-        )
-        flat = np.zeros_like(yaw)
-        heading = np.concatenate([np.sin(yaw), np.cos(yaw), flat], axis=-1)
-        level_right = np.concatenate([np.cos(yaw), -np.sin(yaw), flat], axis=-1)
-        zenith = np.array([0.0, 0.0, 1.0])
-        image_up = np.cos(tilt) * heading + np.sin(tilt) * zenith
-        pitched = np.sin(tilt) * heading - np.cos(tilt) * zenith
-        right = np.cos(roll) * level_right + np.sin(roll) * pitched
-        axis = np.cos(roll) * pitched - np.sin(roll) * level_right
+        right, image_up, axis = _image_axes(yaw_deg, tilt_deg, roll_deg)
         points = np.asarray(image_xy, np.float64)
         tan_x, tan_y = self.half_tangents
         rays: Floats = (
             axis[..., np.newaxis, :]
-            + (points[:, :1] * tan_x) * right[..., np.newaxis, :]
-            + (points[:, 1:] * tan_y) * image_up[..., np.newaxis, :]
+            + (points[..., :1] * tan_x) * right[..., np.newaxis, :]
+            + (points[..., 1:] * tan_y) * image_up[..., np.newaxis, :]
         )
         return rays
+
+    def image_xy(
+        self,
+        vectors_enu: Floats,
+        yaw_deg: Floats | float = 0.0,
+        tilt_deg: Floats | float = 0.0,
+        roll_deg: Floats | float = 0.0,
+    ) -> tuple[Floats, NDArray[np.bool_]]:
+        """Image points of directions; the inverse of `rays_enu`.
+
+        Parameters
+        ----------
+        vectors_enu : array (..., k, 3)
+            East, north, up of the camera; any length but zero.
+        yaw_deg, tilt_deg, roll_deg : array (...) or float
+
+        Returns
+        -------
+        image_xy : array (..., k, 2)
+            Right and up, -1..1 inside the image; finite but without meaning for what lies behind the camera.
+        in_front : array (..., k) of bool
+        """
+        right, image_up, axis = (
+            np.einsum("...ki,...i->...k", vectors_enu, direction)
+            for direction in _image_axes(yaw_deg, tilt_deg, roll_deg)
+        )
+        in_front = axis > 0.0
+        depth = np.where(in_front, axis, 1.0)
+        tan_x, tan_y = self.half_tangents
+        return np.stack([right / depth / tan_x, image_up / depth / tan_y], axis=-1), in_front
+
+
+def _image_axes(
+    yaw_deg: Floats | float, tilt_deg: Floats | float, roll_deg: Floats | float
+) -> tuple[Floats, Floats, Floats]:
+    """Unit vectors (..., 3) of the image's right, of its top, and of the view, in east, north, up."""
+    yaw, tilt, roll = (
+        np.radians(np.asarray(angle, np.float64))[..., np.newaxis] for angle in (yaw_deg, tilt_deg, roll_deg)
+    )
+    flat = np.zeros_like(yaw)
+    heading = np.concatenate([np.sin(yaw), np.cos(yaw), flat], axis=-1)
+    level_right = np.concatenate([np.cos(yaw), -np.sin(yaw), flat], axis=-1)
+    zenith = np.array([0.0, 0.0, 1.0])
+    image_up = np.cos(tilt) * heading + np.sin(tilt) * zenith
+    pitched = np.sin(tilt) * heading - np.cos(tilt) * zenith
+    right = np.cos(roll) * level_right + np.sin(roll) * pitched
+    axis = np.cos(roll) * pitched - np.sin(roll) * level_right
+    return right, image_up, axis

@@ -136,6 +136,38 @@ class GroundPoints(NamedTuple):
     hit: NDArray[np.bool_]
 
 
+class _Station(NamedTuple):
+    """A camera in the meridian plane: distance from the axis and from the equator in metres, and Q·Q - 1.
+
+    Q is the camera in space scaled to a unit sphere, (x/a, y/a, z/b): the last number is how far it is from the
+    ground, built from the height so that nothing cancels.
+    """
+
+    rho_m: Floats
+    z_m: Floats
+    excess: Floats
+
+
+def _station(lat_deg: Floats, agl_m: Floats, ground: Ellipsoid) -> _Station:
+    phi = np.radians(np.asarray(lat_deg, np.float64))
+    h = np.asarray(agl_m, np.float64)
+    a, b, e2 = ground.a_m, ground.b_m, ground.e2
+    s, c = np.sin(phi), np.cos(phi)
+    n = a / np.sqrt(1.0 - e2 * s * s)
+    excess = 2.0 * h * (n * c * c / a**2 + n * (1.0 - e2) * s * s / b**2) + h * h * (
+        c * c / a**2 + s * s / b**2
+    )
+    return _Station((n + h) * c, (n * (1.0 - e2) + h) * s, excess)
+
+
+def _meridian_frame(lat_deg: Floats, vectors_enu: Floats) -> tuple[Floats, Floats, Floats]:
+    """Vectors in east, north, up turned to axes through the camera's meridian on the equator, east, north pole."""
+    phi = np.radians(np.asarray(lat_deg, np.float64))
+    s, c = np.sin(phi), np.cos(phi)
+    east, north, up = vectors_enu[..., 0], vectors_enu[..., 1], vectors_enu[..., 2]
+    return -s * north + c * up, east, c * north + s * up
+
+
 def trace(lat_deg: Floats, agl_m: Floats, rays_enu: Floats, ground: Ellipsoid = WGS84) -> GroundPoints:
     """Intersect rays from a camera above the ellipsoid with it.
 
@@ -153,25 +185,98 @@ def trace(lat_deg: Floats, agl_m: Floats, rays_enu: Floats, ground: Ellipsoid = 
     ground : Ellipsoid
         The surface to hit; ``WGS84.raised(g)`` for ground at height g.
     """
-    phi = np.radians(np.asarray(lat_deg, np.float64))
-    h = np.asarray(agl_m, np.float64)
-    rays = np.asarray(rays_enu, np.float64)
-    east, north, up = rays[..., 0], rays[..., 1], rays[..., 2]
-    a, b, e2 = ground.a_m, ground.b_m, ground.e2
-    s, c = np.sin(phi), np.cos(phi)
-    n = a / np.sqrt(1.0 - e2 * s * s)
-    rho = (n + h) * c
-    z = (n * (1.0 - e2) + h) * s
-    k = 2.0 * h * (n * c * c / a**2 + n * (1.0 - e2) * s * s / b**2) + h * h * (c * c / a**2 + s * s / b**2)
-    ray_x = -s * north + c * up
-    ray_z = c * north + s * up
-    quad = (ray_x**2 + east**2) / a**2 + ray_z**2 / b**2
-    half_lin = rho * ray_x / a**2 + z * ray_z / b**2
-    disc = half_lin**2 - quad * k
+    rho, z, excess = _station(lat_deg, agl_m, ground)
+    ray_x, east, ray_z = _meridian_frame(lat_deg, np.asarray(rays_enu, np.float64))
+    disc, half_lin = _discriminant(rho, z, excess, ray_x, east, ray_z, ground)
     hit = np.asarray((disc >= 0.0) & (half_lin < 0.0))
     with np.errstate(invalid="ignore", divide="ignore"):
-        t = np.where(hit, k / (np.sqrt(np.where(hit, disc, 0.0)) - half_lin), np.nan)
+        t = np.where(hit, excess / (np.sqrt(np.where(hit, disc, 0.0)) - half_lin), np.nan)
     x, y, w = rho + t * ray_x, t * east, z + t * ray_z
-    dlon = np.degrees(np.arctan2(y, x))
-    lat = np.degrees(np.arctan2(w, (1.0 - e2) * np.hypot(x, y)))
-    return GroundPoints(lat, dlon, hit)
+    return GroundPoints(*_geodetic(x, y, w, ground.e2), hit)
+
+
+def _discriminant(
+    rho: Floats, z: Floats, excess: Floats, ray_x: Floats, east: Floats, ray_z: Floats, ground: Ellipsoid
+) -> tuple[Floats, Floats]:
+    """Discriminant of the quadratic along rays, and half its linear term (negative towards the Earth)."""
+    a, b = ground.a_m, ground.b_m
+    quad = (ray_x**2 + east**2) / a**2 + ray_z**2 / b**2
+    half_lin: Floats = rho * ray_x / a**2 + z * ray_z / b**2
+    disc: Floats = half_lin**2 - quad * excess
+    return disc, half_lin
+
+
+def clearance(
+    lat_deg: Floats, agl_m: Floats, rays_enu: Floats, ground: Ellipsoid = WGS84
+) -> tuple[Floats, Floats]:
+    """How rays pass the Earth: two numbers (...), of which a ray that hits has the first >= 0 and the second < 0.
+
+    Along a straight line in the image the first is a quadratic and the second is linear.
+    """
+    rho, z, excess = _station(lat_deg, agl_m, ground)
+    return _discriminant(rho, z, excess, *_meridian_frame(lat_deg, np.asarray(rays_enu, np.float64)), ground)
+
+
+def _geodetic(x: Floats, y: Floats, z: Floats, e2: float) -> tuple[Floats, Floats]:
+    """Latitude, and longitude from the camera's, of points on the ellipsoid, degrees."""
+    lat: Floats = np.degrees(np.arctan2(z, (1.0 - e2) * np.hypot(x, y)))
+    dlon: Floats = np.degrees(np.arctan2(y, x))
+    return lat, dlon
+
+
+def limb(lat_deg: Floats, agl_m: Floats, towards_enu: Floats, ground: Ellipsoid = WGS84) -> GroundPoints:
+    """Points of the horizon below given directions.
+
+    In space scaled to the unit sphere the limb is the circle about Q/|Q|² with radius sqrt(1 - 1/|Q|²); the point
+    is the one in the plane of the camera, the centre and the direction.
+
+    Parameters
+    ----------
+    lat_deg, agl_m : array
+        As in `trace`.
+    towards_enu : array (..., 3)
+        Directions, not vertical.
+
+    Returns
+    -------
+    GroundPoints
+        All hit.
+    """
+    a, b = ground.a_m, ground.b_m
+    rho, z, excess = _station(lat_deg, agl_m, ground)
+    x, y, w = _meridian_frame(lat_deg, np.asarray(towards_enu, np.float64))
+    q_x, q_z, size2 = rho / a, z / b, 1.0 + excess
+    x, y, w = x / a, y / a, w / b
+    inward = (x * q_x + w * q_z) / size2
+    x, w = x - inward * q_x, w - inward * q_z
+    radius = np.sqrt(excess / size2) / np.sqrt(x * x + y * y + w * w)
+    lat, dlon = _geodetic(
+        (q_x / size2 + radius * x) * a, radius * y * a, (q_z / size2 + radius * w) * b, ground.e2
+    )
+    return GroundPoints(lat, dlon, np.ones(lat.shape, bool))
+
+
+def sight_lines(
+    lat_deg: Floats, agl_m: Floats, ground_lat_deg: Floats, dlon_deg: Floats, ground: Ellipsoid = WGS84
+) -> Floats:
+    """Vectors from cameras to points of the ground; the inverse of `trace`.
+
+    Parameters
+    ----------
+    lat_deg, agl_m : array
+        Cameras, as in `trace`.
+    ground_lat_deg, dlon_deg : array
+        Points: geodetic latitude, and longitude from the camera's. All broadcast.
+
+    Returns
+    -------
+    array (..., 3)
+        East, north, up of the camera in metres, good to a nanometre.
+    """
+    rho, z, _ = _station(lat_deg, agl_m, ground)
+    phi, lam = np.radians(ground_lat_deg), np.radians(dlon_deg)
+    n = ground.normal_radius_m(np.asarray(ground_lat_deg, np.float64))
+    x = n * np.cos(phi) * np.cos(lam) - rho
+    w = n * (1.0 - ground.e2) * np.sin(phi) - z
+    s, c = np.sin(np.radians(lat_deg)), np.cos(np.radians(lat_deg))
+    return np.stack(np.broadcast_arrays(n * np.cos(phi) * np.sin(lam), c * w - s * x, c * x + s * w), axis=-1)

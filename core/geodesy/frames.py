@@ -1,4 +1,4 @@
-"""The map frame: the north-up rectangle of source pixels that stands for a nadir camera's picture."""
+"""Frames of pictures on the map: rectangles of source pixels, each edge rounded on its own."""
 
 from __future__ import annotations
 
@@ -8,24 +8,30 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InvalidInput
-from .camera import CORNERS, EDGE_MIDPOINTS, Camera
-from .ellipsoid import trace
+from .camera import EDGE_MIDPOINTS, Camera
+from .ellipsoid import WGS84, Ellipsoid, trace
 from .mercator import PixelGrid, lat_to_v, lon_to_u, u_to_lon, v_to_lat, wrap_lon_deg
+from .poses import Poses
 
 Floats = NDArray[np.float64]
 Numbers = NDArray[np.int64]
 
 
 class FrameEdges(NamedTuple):
-    """Edges of map frames as world fractions relative to nothing but the latitude of the camera.
+    """Edges of frames as world fractions, (n,) each.
 
-    ``half_u`` is the distance of the west and east edges from the camera's meridian, ``top_v`` and
-    ``bottom_v`` are the northern and southern edges; all have the cameras' shape.
+    ``west_u`` and ``east_u`` count from the camera's meridian, ``top_v`` and ``bottom_v`` from the map's north.
     """
 
-    half_u: Floats
+    west_u: Floats
+    east_u: Floats
     top_v: Floats
     bottom_v: Floats
+
+    @property
+    def size(self) -> tuple[Floats, Floats]:
+        """Width and height as world fractions, (n,) each."""
+        return self.east_u - self.west_u, self.bottom_v - self.top_v
 
 
 class Windows(NamedTuple):
@@ -48,103 +54,75 @@ class Windows(NamedTuple):
         return left, top, left + self.width_px, top + self.height_px
 
 
-class Corners(NamedTuple):
-    """Ground corners the exact camera sees, in the order of `CORNERS`; arrays (n, 4) in degrees.
-
-    Longitudes are continuous with the camera's.
-    """
-
-    lat_deg: Floats
-    lon_deg: Floats
-
-
-def equal_runs(*columns: Floats) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-    """Index of the first of each run of equal neighbours, and for every element the run it is in."""
-    change = np.zeros(columns[0].shape, bool)
-    change[:1] = True
-    for column in columns:
-        change[1:] |= column[1:] != column[:-1]
-    return np.flatnonzero(change), np.cumsum(change) - 1
-
-
-def frame_edges(camera: Camera, lat_deg: Floats, agl_m: Floats) -> FrameEdges:
+def map_frame_edges(camera: Camera, poses: Poses, ground: Ellipsoid = WGS84) -> FrameEdges:
     """Map-frame edges of north-up nadir cameras, through the exact midpoints of the image edges.
 
     Parameters
     ----------
-    lat_deg, agl_m : array (n,)
-        Degrees, and metres above the ellipsoid.
+    poses : Poses
+        (n,); their attitude is taken as level and north-up.
 
     Raises
     ------
     InvalidInput
-        Where an edge midpoint looks past the Earth: no rectangle of the map holds the picture.
+        Where an edge midpoint looks past the Earth or beyond a pole: no rectangle of the map holds the picture.
     """
-    ground = trace(
-        np.asarray(lat_deg, np.float64)[:, np.newaxis],
-        np.asarray(agl_m, np.float64)[:, np.newaxis],
-        camera.rays_enu(EDGE_MIDPOINTS),
-    )
-    if not ground.hit.all():
-        at = int(np.flatnonzero(~ground.hit.all(axis=1))[0])
+    lat_deg, agl_m = poses.lat_deg, poses.agl_m
+    seen = trace(lat_deg[:, np.newaxis], agl_m[:, np.newaxis], camera.rays_enu(EDGE_MIDPOINTS), ground)
+    if not seen.hit.all():
+        at = int(np.flatnonzero(~seen.hit.all(axis=1))[0])
         raise InvalidInput(
             f"height {float(agl_m[at]):g} m with a field of view of {camera.fov_deg:g} deg: the picture reaches "
             "past the Earth's horizon; fly lower or narrow the field of view"
         )
-    north, east, south = ground.lat_deg[:, 0], ground.dlon_deg[:, 1], ground.lat_deg[:, 2]
-    over_pole = (np.abs(ground.dlon_deg[:, 0]) > 90.0) | (np.abs(ground.dlon_deg[:, 2]) > 90.0)
+    north, east, south = seen.lat_deg[:, 0], seen.dlon_deg[:, 1], seen.lat_deg[:, 2]
+    over_pole = (np.abs(seen.dlon_deg[:, 0]) > 90.0) | (np.abs(seen.dlon_deg[:, 2]) > 90.0)
     if over_pole.any():
         at = int(np.flatnonzero(over_pole)[0])
         raise InvalidInput(
             f"picture at latitude {float(lat_deg[at])!r} from {float(agl_m[at]):g} m: it holds a pole, which Web "
             "Mercator does not; fly lower or farther from the pole"
         )
-    return FrameEdges(east / 360.0, lat_to_v(north), lat_to_v(south))
+    return FrameEdges(-east / 360.0, east / 360.0, lat_to_v(north), lat_to_v(south))
 
 
-def ground_corners(camera: Camera, lat_deg: Floats, lon_deg: Floats, agl_m: Floats) -> Corners:
-    """Where the corners of north-up nadir images meet the ground, (n, 4) each.
-
-    Rays are traced once for each run of equal latitude and height, that is once for a row of captures.
-
-    Raises
-    ------
-    InvalidInput
-        Where a corner looks past the Earth.
-    """
-    first, run = equal_runs(lat_deg, agl_m)
-    ground = trace(lat_deg[first, np.newaxis], agl_m[first, np.newaxis], camera.rays_enu(CORNERS))
-    if not ground.hit.all():
-        at = int(first[np.flatnonzero(~ground.hit.all(axis=1))[0]])
-        raise InvalidInput(
-            f"height {float(agl_m[at]):g} m with a field of view of {camera.fov_deg:g} deg: a corner of the picture "
-            "looks past the Earth's horizon; fly lower or narrow the field of view"
-        )
-    return Corners(ground.lat_deg[run], lon_deg[:, np.newaxis] + ground.dlon_deg[run])
-
-
-def map_windows(
-    camera: Camera, lat_deg: Floats, lon_deg: Floats, agl_m: Floats, grid: PixelGrid, zoom: int
+def windows_of(
+    edges: FrameEdges, run: NDArray[np.intp], lon_deg: Floats, grid: PixelGrid, zoom: int
 ) -> Windows:
-    """Map frames of north-up nadir cameras on a source's pixel grid, each edge rounded on its own.
+    """Frames on a source's pixel grid, each edge rounded on its own.
 
     Parameters
     ----------
-    lat_deg, lon_deg, agl_m : array (n,)
-        Poses; the windows' left edges are continuous with the longitudes.
+    edges : FrameEdges
+        (k,) of runs of poses.
+    run : array (n,)
+        The run of each pose.
+    lon_deg : array (n,)
+        The windows' left edges are continuous with them.
     """
-    first, run = equal_runs(lat_deg, agl_m)
-    edges = frame_edges(camera, lat_deg[first], agl_m[first])
     world = grid.world_px(zoom)
     u = lon_to_u(lon_deg)
-    left = np.floor((u - edges.half_u[run]) * world + 0.5)
-    right = np.floor((u + edges.half_u[run]) * world + 0.5)
-    top = np.floor(edges.top_v * world + 0.5)[run]
-    bottom = np.floor(edges.bottom_v * world + 0.5)[run]
-    windows = Windows(*(edge.astype(np.int64) for edge in (left, top, right - left, bottom - top)))
+    left, right = (_rounded((u + edge[run]) * float(world)) for edge in (edges.west_u, edges.east_u))
+    top, bottom = (_rounded(edge * float(world)) for edge in (edges.top_v, edges.bottom_v))
+    windows = Windows(left, top[run], right - left, (bottom - top)[run])
     if grid.centre_decimals is None:
         return windows
     return _centred(windows, grid, zoom, grid.centre_decimals)
+
+
+def map_windows(
+    camera: Camera, poses: Poses, grid: PixelGrid, zoom: int, ground: Ellipsoid = WGS84
+) -> Windows:
+    """Map frames of north-up nadir cameras on a source's pixel grid; raises InvalidInput as `map_frame_edges` does."""
+    first, run = poses.runs()
+    return windows_of(map_frame_edges(camera, poses.take(first), ground), run, poses.lon_deg, grid, zoom)
+
+
+def _rounded(position_px: Floats) -> Numbers:
+    nearest = position_px + 0.5
+    np.floor(nearest, out=nearest)
+    whole: Numbers = nearest.astype(np.int64)
+    return whole
 
 
 def _centred(windows: Windows, grid: PixelGrid, zoom: int, decimals: int) -> Windows:

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass, fields
 from typing import Any
 
 import numpy as np
 
 from .plan import Plan
+from .rungs import Accuracy
 
 
 @dataclass(frozen=True)
@@ -63,10 +64,12 @@ class Summary:
     output_bytes: int
     seconds: float
     map_types: tuple[str, ...]
+    accuracy: Accuracy
 
     def to_dict(self) -> dict[str, Any]:
         """JSON-ready mapping."""
-        return asdict(self)
+        plain = {f.name: getattr(self, f.name) for f in fields(self) if f.name != "accuracy"}
+        return {**plain, "accuracy": self.accuracy.to_dict()}
 
     def lines(self) -> list[tuple[str, str]]:
         """Label and value of each figure, in words for people."""
@@ -101,6 +104,7 @@ class Summary:
             ),
             ("files", size_text(self.output_bytes)),
             ("time", f"about {_duration(self.seconds)}"),
+            *self.accuracy.lines(),
         ]
         return lines
 
@@ -114,7 +118,7 @@ def estimate(plan: Plan, costs: Costs = ONLINE, connections: int = 8, cores: int
         Requests under way at once, and cores that encode.
     """
     mission, types = plan.mission, len(plan.mission.map_types)
-    pixels = float(np.sum(plan.windows.width_px * plan.windows.height_px))
+    pixels = float(np.sum(plan.width_px * plan.height_px))
     if mission.img_size is not None:
         pixels = float(len(plan)) * mission.img_size[0] * mission.img_size[1]
     fetch_s = plan.requests * costs.request_s / (connections if costs.request_bytes else cores)
@@ -127,8 +131,8 @@ def estimate(plan: Plan, costs: Costs = ONLINE, connections: int = 8, cores: int
         rows=plan.rows,
         columns=plan.columns,
         zoom=plan.zoom,
-        width_px=int(plan.windows.width_px.max()),
-        height_px=int(plan.windows.height_px.max()),
+        width_px=int(plan.width_px.max()),
+        height_px=int(plan.height_px.max()),
         camera_gsd_m_per_px=plan.camera_gsd_m_per_px,
         source_gsd_m_per_px=plan.source_gsd_m_per_px,
         flight_distance_m=plan.flight_distance_m,
@@ -145,6 +149,7 @@ def estimate(plan: Plan, costs: Costs = ONLINE, connections: int = 8, cores: int
         output_bytes=round(types * pixels * costs.bytes_per_px[mission.image_format]),
         seconds=types * seconds,
         map_types=mission.map_types,
+        accuracy=plan.accuracy,
     )
 
 

@@ -46,9 +46,9 @@ def _batches(plan: Plan) -> Iterator[dict[str, list[Any]]]:
             "lat_deg": plan.lat_deg[part].tolist(),
             "lon_deg": lon[part].tolist(),
             "agl_m": plan.agl_m[part].tolist(),
-            "yaw_deg": [0.0] * count,
-            "tilt_deg": [0.0] * count,
-            "roll_deg": [0.0] * count,
+            "yaw_deg": plan.poses.yaw_deg[part].tolist(),
+            "tilt_deg": plan.poses.tilt_deg[part].tolist(),
+            "roll_deg": plan.poses.roll_deg[part].tolist(),
             "zoom": [plan.zoom] * count,
             "left_px": left[part].tolist(),
             "top_px": plan.windows.top_px[part].tolist(),
@@ -56,8 +56,16 @@ def _batches(plan: Plan) -> Iterator[dict[str, list[Any]]]:
             "height_px": plan.windows.height_px[part].tolist(),
         }
         for index, corner in enumerate(("nw", "ne", "se", "sw")):
-            batch[f"{corner}_lat_deg"] = plan.corners.lat_deg[part, index].tolist()
-            batch[f"{corner}_lon_deg"] = corner_lon[part, index].tolist()
+            hit = plan.corners.hit[part, index].tolist()
+            for axis, values in (
+                ("lat", plan.corners.lat_deg[part, index]),
+                ("lon", corner_lon[part, index]),
+            ):
+                # A corner that looks past the Earth has no place on it.
+                cells = values.tolist()
+                batch[f"{corner}_{axis}_deg"] = (
+                    cells if all(hit) else [c if h else "" for c, h in zip(cells, hit)]
+                )
         yield batch
 
 
@@ -88,13 +96,41 @@ def split_at_antimeridian(lon_deg: Floats, lat_deg: Floats) -> list[tuple[Floats
     return parts
 
 
+def footprint_ring(plan: Plan, index: int) -> tuple[Floats, Floats]:
+    """Longitudes (continuous) and latitudes of a capture's footprint, counter-clockwise, not closed.
+
+    Its corners; where the horizon or a pole is in the picture, the outline of what is seen, which for a pole goes
+    once around the world and back along the pole's parallel, as maps have it.
+    """
+    if plan.corners.hit[index].all() and not plan.poles[index]:
+        # Corners come as north-west, north-east, south-east, south-west: clockwise.
+        return plan.corners.lon_deg[index, ::-1], plan.corners.lat_deg[index, ::-1]
+    seen = plan.outline(index)
+    lon, lat = seen.dlon_deg + plan.lon_deg[index], seen.lat_deg
+    if seen.pole:
+        turn = 360.0 * seen.pole
+        lon = np.concatenate([lon, lon[:1] + turn, lon[:1] + turn, lon[:1]])
+        lat = np.concatenate([lat, lat[:1], [90.0 * seen.pole] * 2])
+    return lon, lat
+
+
 def _rings(plan: Plan, part: slice) -> Iterator[list[Ring]]:
     """Closed rings, counter-clockwise, of each capture's footprint; several where it crosses ±180°."""
-    # Corners come as north-west, north-east, south-east, south-west: clockwise.
-    for lon, lat in zip(plan.corners.lon_deg[part, ::-1], plan.corners.lat_deg[part, ::-1]):
+    for index in range(*part.indices(len(plan))):
+        lon, lat = footprint_ring(plan, index)
         inside = lon.min() >= -180.0 and lon.max() <= 180.0
         pieces = [(lon, lat)] if inside else split_at_antimeridian(lon, lat)
         yield [[*zip(x.tolist(), y.tolist()), (float(x[0]), float(y[0]))] for x, y in pieces]
+
+
+def _sight(plan: Plan, index: int) -> dict[str, Any]:
+    """What a footprint's properties say of horizon and poles, where they are in the picture."""
+    found: dict[str, Any] = {}
+    if not plan.corners.hit[index].all():
+        found["horizon_edges"] = int(plan.outline(index).horizon.sum())
+    if plan.poles[index]:
+        found["pole"] = "north" if plan.poles[index] > 0 else "south"
+    return found
 
 
 def _geojson(plan: Plan) -> Iterator[str]:
@@ -103,12 +139,13 @@ def _geojson(plan: Plan) -> Iterator[str]:
     for batch in _batches(plan):
         names = POSE_COLUMNS + WINDOW_COLUMNS
         rows = zip(*(batch[name] for name in names))
-        features = []
+        features: list[str] = []
         for row, rings in zip(rows, _rings(plan, slice(start, start + _BATCH))):
             geometry: dict[str, Any] = {"type": "Polygon", "coordinates": rings}
             if len(rings) > 1:
                 geometry = {"type": "MultiPolygon", "coordinates": [[ring] for ring in rings]}
-            feature = {"type": "Feature", "properties": dict(zip(names, row)), "geometry": geometry}
+            properties = {**dict(zip(names, row)), **_sight(plan, start + len(features))}
+            feature = {"type": "Feature", "properties": properties, "geometry": geometry}
             features.append(json.dumps(feature))
         start += _BATCH
         yield ",\n".join(features) + (",\n" if start < len(plan) else "\n")

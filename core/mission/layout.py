@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -10,7 +11,7 @@ from numpy.typing import NDArray
 
 from ..errors import InvalidInput
 from ..geodesy.ellipsoid import gauss_legendre
-from ..geodesy.frames import FrameEdges, frame_edges
+from ..geodesy.frames import FrameEdges
 from ..geodesy.mercator import MAX_LAT_DEG, lat_to_v, lon_to_u, u_to_lon, v_to_lat
 from ..geodesy.utm import utm_zone
 from .area import Box, Points, Polygon
@@ -19,6 +20,8 @@ from .shape import row_spans, touching
 
 Floats = NDArray[np.float64]
 Numbers = NDArray[np.int64]
+#: Edges of the frames of captures at latitudes (n,) in degrees.
+Frames = Callable[[Floats], FrameEdges]
 
 #: Share of a pixel by which neighbours meet inside each other: far above the noise of float64 positions at
 #: zoom 22 (1e-7 px), so that rounding never opens a gap, and far below anything that costs a picture.
@@ -53,12 +56,15 @@ class Layout(NamedTuple):
     agl_m: Floats
 
 
-def lay_out(mission: Mission, pixel: float) -> Layout:
-    """Poses of a mission's captures.
+def lay_out(mission: Mission, frames: Frames, pixel: float) -> Layout:
+    """Places of a mission's captures.
 
     Parameters
     ----------
     mission : Mission
+    frames : callable
+        Edges of the mission's frames at given latitudes of the camera; what is covered lies in them, not below the
+        camera, where that looks aside.
     pixel : float
         Size of a pixel of the pictures as a fraction of the world's width, >= 0: the areas' outermost frames
         leave room for the rounding of their edges.
@@ -74,8 +80,8 @@ def lay_out(mission: Mission, pixel: float) -> Layout:
         return _points(area, mission.max_images)
     _refuse_beyond_mercator(area.bounds)
     if mission.layout == "paper":
-        return _paper(mission, area)
-    return _cover(mission, area, pixel)
+        return _paper(mission, area, frames)
+    return _cover(mission, area, frames, pixel)
 
 
 def _refuse_beyond_mercator(box: Box) -> None:
@@ -104,15 +110,15 @@ def _points(area: Points, limit: int) -> Layout:
 # --- rows along parallels
 
 
-def _cover(mission: Mission, area: Box | Polygon, pixel: float) -> Layout:
-    rows_v, edges = _row_centres(mission, area.bounds, pixel)
+def _cover(mission: Mission, area: Box | Polygon, frames: Frames, pixel: float) -> Layout:
+    rows_v, edges = _row_centres(mission, area.bounds, frames, pixel)
     rounding = _ROUNDING_PX * pixel
     spans = row_spans(area, edges.top_v - rounding, edges.bottom_v + rounding)
     used = ~np.isnan(spans[:, 0])
     rows_v, spans = rows_v[used], spans[used]
     edges = FrameEdges(*(edge[used] for edge in edges))
 
-    width = 2.0 * edges.half_u
+    width, _ = edges.size
     step = width * (1.0 - mission.overlap_along) - _MEETING_PX * pixel
     _refuse_no_step(step, mission.overlap_along)
     west_u, east_u = lon_to_u(spans[:, 0]), lon_to_u(spans[:, 1])
@@ -122,7 +128,7 @@ def _cover(mission: Mission, area: Box | Polygon, pixel: float) -> Layout:
     per_row = counts.astype(np.int64)
     row = np.repeat(np.arange(len(per_row), dtype=np.int64), per_row)
     column = np.arange(len(row), dtype=np.int64) - np.repeat(np.cumsum(per_row) - per_row, per_row)
-    middle = (west_u + east_u) / 2.0
+    middle = (west_u + east_u - edges.west_u - edges.east_u) / 2.0
     u = middle[row] + (column - (per_row[row] - 1) / 2.0) * step[row]
     lat = v_to_lat(rows_v)
     layout = Layout(column, row, lat[row], u_to_lon(u), np.full(len(row), mission.agl_m))
@@ -133,9 +139,10 @@ def _over(area: Box | Polygon, layout: Layout, edges: FrameEdges, rounding: floa
     """Captures whose frames, grown by what rounding may add, share ground with the area."""
     if isinstance(area, Box):
         return layout
-    half = u_to_lon(edges.half_u + rounding + 0.5)
+    u = lon_to_u(layout.lon_deg)
+    west, east = u_to_lon(u + edges.west_u - rounding), u_to_lon(u + edges.east_u + rounding)
     south, north = v_to_lat(edges.bottom_v + rounding), v_to_lat(edges.top_v - rounding)
-    keep = touching(area, layout.lon_deg - half, south, layout.lon_deg + half, north)
+    keep = touching(area, west, south, east, north)
     return _picked(layout, keep)
 
 
@@ -146,9 +153,9 @@ def _refuse_no_step(step: Floats, overlap: float) -> None:
         )
 
 
-def _row_centres(mission: Mission, box: Box, pixel: float) -> tuple[Floats, FrameEdges]:
-    """World fractions of the rows' centres, north to south, and the rows' frame edges."""
-    rows = _Rows(mission, box, pixel)
+def _row_centres(mission: Mission, box: Box, frames: Frames, pixel: float) -> tuple[Floats, FrameEdges]:
+    """World fractions of the rows' cameras, north to south, and the rows' frame edges."""
+    rows = _Rows(mission, box, frames, pixel)
     centres, edges = rows.settle(rows.first_top, rows.most())
     count = int(np.searchsorted(edges.bottom_v, rows.last_bottom)) + 1
     if count > len(centres):
@@ -161,23 +168,37 @@ def _row_centres(mission: Mission, box: Box, pixel: float) -> tuple[Floats, Fram
 class _Rows:
     """Rows of frames between two parallels, as world fractions."""
 
-    def __init__(self, mission: Mission, box: Box, pixel: float) -> None:
-        self._mission = mission
+    def __init__(self, mission: Mission, box: Box, frames: Frames, pixel: float) -> None:
+        self._mission, self._frames = mission, frames
         self._north, self._south = (
             float(lat_to_v(np.asarray(lat))) for lat in (box.north_deg, box.south_deg)
         )
         self._meeting = _MEETING_PX * pixel
         self.first_top = max(self._north - _ROUNDING_PX * pixel, 0.0)
         self.last_bottom = min(self._south + _ROUNDING_PX * pixel, 1.0)
+        self._least, self._most = self._cameras()
+
+    def _cameras(self) -> tuple[float, float]:
+        """Where cameras may stand to have their frames' centres in the area."""
+        places = np.array([self._north, self._south])
+        edges = self._frames(v_to_lat(places))
+        aside = (edges.top_v + edges.bottom_v) / 2.0 - places
+        # The centre of a frame that is symmetric about the camera's place differs from it by Mercator's stretch alone.
+        level = np.abs(aside) < edges.size[1] / 4.0
+        cameras = np.where(level, places, places - 1.5 * aside)
+        return max(min(self._north, float(cameras.min())), 0.0), min(
+            max(self._south, float(cameras.max())), 1.0
+        )
 
     def _edges(self, centres: Floats) -> FrameEdges:
-        """Edges of frames at the centres, each centre taken as its nearest in the area.
+        """Edges of frames at the centres, each centre taken as its nearest where cameras may stand.
 
-        A settled row's centre lies in the area; the ones beyond are only on their way.
+        A settled row's centre lies there; the ones beyond are only on their way.
         """
-        inside = np.clip(centres, self._north, self._south)
-        edges = frame_edges(self._mission.camera, v_to_lat(inside), np.full(len(inside), self._mission.agl_m))
-        return FrameEdges(edges.half_u, edges.top_v + (centres - inside), edges.bottom_v + (centres - inside))
+        inside = np.clip(centres, self._least, self._most)
+        edges = self._frames(v_to_lat(inside))
+        moved = centres - inside
+        return edges._replace(top_v=edges.top_v + moved, bottom_v=edges.bottom_v + moved)
 
     def _steps(self, centres: Floats, edges: FrameEdges) -> Floats:
         """Distance of each row from the one before, for rows at these centres."""
@@ -265,7 +286,7 @@ def _serpentine(layout: Layout) -> Layout:
 # --- the paper's grid
 
 
-def _paper(mission: Mission, area: Box | Polygon) -> Layout:
+def _paper(mission: Mission, area: Box | Polygon, frames: Frames) -> Layout:
     """Grid in UTM of the box's centre, the first image on the top-left corner (the paper's raster mission)."""
     box = area.bounds
     middle_lon = box.west_deg + box.span_deg / 2.0
@@ -290,8 +311,7 @@ def _paper(mission: Mission, area: Box | Polygon) -> Layout:
     lon, lat = zone.inverse(left + column * step_x, top - row * step_y)
     lon = zone.central_meridian_deg + np.mod(lon - zone.central_meridian_deg + 180.0, 360.0) - 180.0 + turn
     layout = Layout(column, row, lat, lon, np.full(len(lat), mission.agl_m))
-    edges = frame_edges(mission.camera, lat, layout.agl_m)
-    return _serpentine(_over(area, layout, edges, 0.0))
+    return _serpentine(layout if isinstance(area, Box) else _over(area, layout, frames(lat), 0.0))
 
 
 def _paper_count(extent_m: float, size_m: float, step_m: float) -> float:

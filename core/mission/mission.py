@@ -13,15 +13,23 @@ from ..errors import InvalidInput
 from ..files import write_whole
 from ..geodesy.camera import Camera
 from .area import Area, Box, Points, Polygon, check_agl
+from .rungs import AUTO, FOOTPRINTS, FRAMES, MESHES
+from .wind import Wind
 
 #: Version of the mission file; readers accept this one and refuse newer ones.
 SCHEMA = 1
 MAP_TYPES = ("satellite", "roadmap", "terrain")
 LAYOUTS = ("cover", "paper")
 FORMATS = ("tif", "jpg", "png")
+#: How a camera frame takes its pixels from the source's.
+RESAMPLINGS = ("nearest", "bilinear", "bicubic", "lanczos")
+#: What the sum of the stages' errors may be where nothing else is said, px.
+DEFAULT_BUDGET_PX = 0.1
 #: The paper's and Google Static Maps' longest side of a picture.
 DEFAULT_MAX_PX = 640
 DEFAULT_MAX_IMAGES = 10_000_000
+#: Ground lies between these, metres: the shore of the Dead Sea and Everest, with room for geoid and lakes' beds.
+LOWEST_GROUND_M, HIGHEST_GROUND_M = 12_000.0, 9_000.0
 
 
 def _choice(what: str, value: str, choices: tuple[str, ...]) -> None:
@@ -64,6 +72,20 @@ class Mission:
         Of whatever is random: the embedded world's landscape, later the splits of a dataset.
     max_images : int
         More pictures than this are refused before memory is taken.
+    yaw_deg, tilt_deg, roll_deg : float
+        Attitude of every capture, as in `Camera.rays_enu`; tilt 0 looks straight down.
+    ground_height_m : float
+        Height of the ground over the WGS84 ellipsoid.
+    error_budget_px : float
+        What the bounds of the stages' errors may sum to, > 0.
+    accept_error : bool
+        Go on where no methods fit the budget.
+    footprint, frame, mesh : str
+        Method of each stage by name, or ``auto`` for the cheapest that fits.
+    resampling : str
+        Of camera frames: nearest, bilinear, bicubic or lanczos.
+    wind : Wind or None
+        What moves the captures off their places; None for still air, which costs nothing.
     """
 
     area: Area
@@ -82,6 +104,17 @@ class Mission:
     img_size: tuple[int, int, int] | None = None
     seed: int = 2024
     max_images: int = DEFAULT_MAX_IMAGES
+    yaw_deg: float = 0.0
+    tilt_deg: float = 0.0
+    roll_deg: float = 0.0
+    ground_height_m: float = 0.0
+    error_budget_px: float = DEFAULT_BUDGET_PX
+    accept_error: bool = False
+    footprint: str = AUTO
+    frame: str = AUTO
+    mesh: str = AUTO
+    resampling: str = "bilinear"
+    wind: Wind | None = None
 
     def __post_init__(self) -> None:
         check_agl(self.agl_m)
@@ -99,6 +132,23 @@ class Mission:
         if not self.source:
             raise InvalidInput("source is empty: name one, or give a URL template or a file")
         self._check_pixels()
+        self._check_accuracy()
+
+    def _check_accuracy(self) -> None:
+        for name, limit in (("yaw", 360.0), ("tilt", 180.0), ("roll", 180.0)):
+            angle = getattr(self, f"{name}_deg")
+            if not -limit <= angle <= limit:
+                raise InvalidInput(f"{name} {angle} deg: must be from {-limit:g} to {limit:g}")
+        if not -LOWEST_GROUND_M <= self.ground_height_m <= HIGHEST_GROUND_M:
+            raise InvalidInput(
+                f"ground height {self.ground_height_m} m: must be from {-LOWEST_GROUND_M:g} to {HIGHEST_GROUND_M:g}"
+            )
+        if not (math.isfinite(self.error_budget_px) and self.error_budget_px > 0.0):
+            raise InvalidInput(f"error budget {self.error_budget_px} px: must be a number above 0")
+        _choice("footprint", self.footprint, (AUTO, *FOOTPRINTS))
+        _choice("frame", self.frame, (AUTO, *FRAMES))
+        _choice("mesh", self.mesh, (AUTO, *MESHES))
+        _choice("resampling", self.resampling, RESAMPLINGS)
 
     def _check_pixels(self) -> None:
         if self.zoom is not None and self.gsd_m_per_px is not None:
@@ -136,9 +186,12 @@ class Mission:
 
     def to_dict(self) -> dict[str, Any]:
         """JSON-ready mapping, with ``schema`` and the area's ``type``."""
-        plain = {f.name: getattr(self, f.name) for f in fields(self) if f.name not in ("area", "camera")}
+        plain = {
+            f.name: getattr(self, f.name) for f in fields(self) if f.name not in ("area", "camera", "wind")
+        }
         area = {"type": type(self.area).__name__.lower(), **asdict(self.area)}
-        return {"schema": SCHEMA, "area": area, "camera": asdict(self.camera), **plain}
+        wind = None if self.wind is None else asdict(self.wind)
+        return {"schema": SCHEMA, "area": area, "camera": asdict(self.camera), **plain, "wind": wind}
 
     def to_json(self) -> str:
         """Text of the mission file: the same mission gives the same text."""
@@ -170,6 +223,8 @@ class Mission:
         try:
             data["area"] = _area_from_dict(dict(data["area"]))
             data["camera"] = Camera(**data.get("camera", {}))
+            if data.get("wind") is not None:
+                data["wind"] = Wind(**data["wind"])
             data["map_types"] = tuple(data.get("map_types", ("satellite",)))
             if data.get("img_size") is not None:
                 data["img_size"] = tuple(data["img_size"])
@@ -224,6 +279,17 @@ _JSON_TYPES: dict[str, tuple[Any, str]] = {
     "img_size": _LIST,
     "seed": _WHOLE,
     "max_images": _WHOLE,
+    "yaw_deg": _NUMBER,
+    "tilt_deg": _NUMBER,
+    "roll_deg": _NUMBER,
+    "ground_height_m": _NUMBER,
+    "error_budget_px": _NUMBER,
+    "accept_error": (bool, "true or false"),
+    "footprint": _TEXT,
+    "frame": _TEXT,
+    "mesh": _TEXT,
+    "resampling": _TEXT,
+    "wind": ((dict,), "an object"),
 }
 
 

@@ -3,32 +3,35 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 from numpy.typing import NDArray
 from pyproj import Geod
 
 from ..errors import InvalidInput
-from ..geodesy.camera import Camera
+from ..geodesy.accuracy import Scene
 from ..geodesy.ellipsoid import WGS84
-from ..geodesy.frames import (
-    Corners,
-    Windows,
-    equal_runs,
-    frame_edges,
-    ground_corners,
-    map_windows,
-    window_centres,
-)
-from ..geodesy.mercator import MAX_LAT_DEG, PixelGrid, fitting_zoom, wrap_lon_deg
+from ..geodesy.footprint import Corners, ground_corners
+from ..geodesy.frames import Windows, window_centres
+from ..geodesy.horizon import Outline, outline, poles_seen
+from ..geodesy.mercator import MAX_LAT_DEG, PixelGrid, wrap_lon_deg
+from ..geodesy.poses import Poses
+from ..geodesy.view import View, view
 from .area import Points
+from .choosing import choose_methods
 from .coverage import Coverage, Overlap, coverage, overlap, unique_tiles
-from .layout import Layout, lay_out
+from .framing import check_windows, ground_of, sampled_zooms
+from .layout import Layout
 from .mission import Mission
+from .rungs import Accuracy
+from .wind import fly
 
 Floats = NDArray[np.float64]
 Numbers = NDArray[np.int64]
+
+#: Views kept of the captures looked at last: those of one row share one.
+_VIEWS_KEPT = 16
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,15 +44,22 @@ class Plan:
     grid : PixelGrid
         Pixel grid of the source the plan is for.
     zoom : int
-        The one zoom of all pictures.
+        Of map frames, that of all pictures; of camera frames, the one that suits the ground below.
     column, row : array (n,) of int64
         Grid indices; each pair once.
-    lat_deg, lon_deg, agl_m : array (n,)
-        Poses of the nadir camera; longitudes are continuous across the antimeridian.
+    poses : Poses
+        As they are flown, (n,); longitudes are continuous across the antimeridian.
     windows : Windows
-        What each picture shows, in the global pixel grid at ``zoom``.
+        In the global pixel grid at ``zoom``: what each map frame shows, and the north-up rectangle inside what each
+        camera frame shows.
     corners : Corners
-        Ground corners that the exact camera sees, (n, 4).
+        Ground corners that the camera sees, (n, 4).
+    size_px : tuple of int, or None
+        Width and height of camera frames; None for map frames, which are as large as their windows.
+    accuracy : Accuracy
+        The methods that were chosen, and their bounds.
+    nominal : Poses or None
+        As they were meant to be, where wind has moved them.
 
     Everything else is worked out when first asked for, and kept.
     """
@@ -59,14 +69,107 @@ class Plan:
     zoom: int
     column: Numbers
     row: Numbers
-    lat_deg: Floats
-    lon_deg: Floats
-    agl_m: Floats
+    poses: Poses
     windows: Windows
     corners: Corners
+    size_px: tuple[int, int] | None
+    accuracy: Accuracy
+    nominal: Poses | None = None
 
     def __len__(self) -> int:
         return len(self.column)
+
+    @property
+    def lat_deg(self) -> Floats:
+        """Latitudes of the poses, (n,)."""
+        return self.poses.lat_deg
+
+    @property
+    def lon_deg(self) -> Floats:
+        """Longitudes of the poses, continuous, (n,)."""
+        return self.poses.lon_deg
+
+    @property
+    def agl_m(self) -> Floats:
+        """Heights above ground of the poses, (n,)."""
+        return self.poses.agl_m
+
+    @property
+    def width_px(self) -> Numbers:
+        """Widths of the pictures, before any resizing, (n,)."""
+        return self.windows.width_px if self.size_px is None else np.broadcast_to(self.size_px[0], len(self))
+
+    @property
+    def height_px(self) -> Numbers:
+        """Heights of the pictures, before any resizing, (n,)."""
+        return self.windows.height_px if self.size_px is None else np.broadcast_to(self.size_px[1], len(self))
+
+    @cached_property
+    def _runs(self) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+        return self.poses.runs()
+
+    @cached_property
+    def poles(self) -> NDArray[np.int64]:
+        """For each capture 1 or -1 where it sees the north or south pole, else 0; (n,)."""
+        first, run = self._runs
+        return poles_seen(self.mission.camera, self.poses.take(first), ground_of(self.mission))[run]
+
+    @cached_property
+    def masked(self) -> bool:
+        """Whether a picture may have pixels without ground, or with ground that no map of the source shows."""
+        if self.size_px is None:
+            return False
+        beyond = np.abs(self.corners.lat_deg) > MAX_LAT_DEG
+        return bool(not self.corners.hit.all() or beyond.any() or self.poles.any())
+
+    def outline(self, index: int) -> Outline:
+        """Outline of the ground that a capture sees; longitudes count from the camera's."""
+        pose = self.poses.take(np.array([index]))
+        yaw, tilt, roll = (float(angle[0]) for angle in pose.attitude)
+        return outline(
+            self.mission.camera,
+            float(pose.lat_deg[0]),
+            float(pose.agl_m[0]),
+            (yaw, tilt, roll),
+            ground_of(self.mission),
+        )
+
+    @cached_property
+    def _views(self) -> dict[int, View]:
+        return {}
+
+    def view(self, index: int) -> View:
+        """How the picture of a camera frame is made; captures of one row share it.
+
+        Raises
+        ------
+        InvalidInput
+            Of a map frame, which is a window of the source as it is.
+        """
+        if self.size_px is None:
+            raise InvalidInput("view of a map frame: its picture is a window of the source as it is")
+        run = int(self._runs[1][index])
+        found = self._views.get(run)
+        if found is None:
+            mission = self.mission
+            scene = Scene(
+                mission.camera,
+                *self.size_px,
+                self.poses.take(self._runs[0][run : run + 1]),
+                ground_of(mission),
+            )
+            by_rays = self.accuracy.mesh_tolerance_px == 0.0 or mission.resampling == "lanczos"
+            found = view(
+                scene,
+                self.grid,
+                sampled_zooms(mission, self.grid),
+                self.accuracy.mesh_tolerance_px,
+                by_rays=by_rays,
+            )
+            while len(self._views) >= _VIEWS_KEPT:
+                self._views.pop(next(iter(self._views)), None)
+            self._views[run] = found
+        return found
 
     @cached_property
     def frame_centres(self) -> tuple[Floats, Floats]:
@@ -86,13 +189,13 @@ class Plan:
 
     @cached_property
     def edges_m(self) -> tuple[Floats, Floats, Floats, Floats]:
-        """West, south, east, north of the pictures in metres of EPSG:3857, (n,) each."""
+        """West, south, east, north of the windows in metres of EPSG:3857, (n,) each."""
         left, top, width, height = (np.asarray(part, np.float64) for part in self.windows)
         return self.grid.edges_m(left, top, width, height, self.zoom)
 
     @cached_property
     def coverage(self) -> Coverage | None:
-        """What the pictures show of the area; None for points."""
+        """What the windows show of the area; None for points."""
         if isinstance(self.mission.area, Points):
             return None
         return coverage(self.mission.area, self.windows, self.grid, self.zoom)
@@ -109,14 +212,24 @@ class Plan:
         """Parts to fetch for one map type, each once: tiles, or whole pictures by their centre."""
         if self.grid.centre_decimals is not None:
             return len(np.unique(np.stack([np.asarray(part, np.float64) for part in self.windows]), axis=1).T)
+        if self.size_px is not None:
+            return self._tiles_of_views()
         return unique_tiles(self.windows, self.grid, self.zoom)
+
+    def _tiles_of_views(self) -> int:
+        """Tiles of all zooms that the camera frames see, each counted once."""
+        first, run = self._runs
+        ends = np.append(first[1:], len(self))
+        seen: NDArray[np.int64] = np.empty(0, np.int64)
+        for index in first.tolist():
+            lon = self.poses.lon_deg[index : int(ends[run[index]])]
+            seen = np.union1d(seen, self.view(index).tile_keys(lon))
+        return len(seen)
 
     @cached_property
     def flight_distance_m(self) -> float:
         """Geodesic length of the way from the first capture to the last, without climbs."""
-        lon, lat = wrap_lon_deg(self.lon_deg), self.lat_deg
-        legs = Geod(a=WGS84.a_m, b=WGS84.b_m).inv(lon[:-1], lat[:-1], lon[1:], lat[1:])[2]
-        return float(np.sum(legs))
+        return float(np.sum(_legs(self.lat_deg, self.lon_deg)[2]))
 
     @property
     def rows(self) -> int:
@@ -137,100 +250,71 @@ class Plan:
     def camera_gsd_m_per_px(self) -> float:
         """Ground sample distance of the exact camera with as many pixels as its picture, median."""
         width_m, _ = self.mission.camera.ground_size_m(1.0)
-        return float(np.median(width_m * self.agl_m / self.windows.width_px))
+        return float(np.median(width_m * self.agl_m / self.width_px))
 
 
 def plan(mission: Mission, grid: PixelGrid) -> Plan:
-    """Work out a mission on a source's pixel grid.
+    """Work out a mission on a source's pixel grid, by the cheapest methods that fit its error budget.
 
     Raises
     ------
     InvalidInput
-        Where the mission cannot be flown: too many captures, an area or pictures beyond Web Mercator, a
-        camera that sees past the horizon, a zoom the source does not have, pictures under one pixel.
+        Where the mission cannot be flown: too many captures, an area or pictures beyond Web Mercator, a camera that
+        sees nothing of the Earth, a zoom the source does not have, pictures under one pixel; where no methods fit
+        the error budget and the mission does not accept that.
     """
-    layout = lay_out(mission, 0.0)
-    zoom = _zoom(mission, grid, layout)
-    if not isinstance(mission.area, Points):
-        # Outer frames need room for their rounding, a share of a pixel; that may, at the border of two zooms,
-        # take the lower one, whose pixels are larger.
-        layout = lay_out(mission, 1.0 / grid.world_px(zoom))
-        lower = _zoom(mission, grid, layout)
-        if lower != zoom:
-            zoom = min(zoom, lower)
-            layout = lay_out(mission, 1.0 / grid.world_px(zoom))
-    windows = map_windows(mission.camera, layout.lat_deg, layout.lon_deg, layout.agl_m, grid, zoom)
-    _check_windows(windows, layout, grid, zoom)
-    corners = ground_corners(mission.camera, layout.lat_deg, layout.lon_deg, layout.agl_m)
-    return Plan(mission, grid, zoom, *layout, windows=windows, corners=corners)
-
-
-def _zoom(mission: Mission, grid: PixelGrid, layout: Layout) -> int:
-    """Return the zoom asked for, or the highest one at which every picture fits its longest side."""
-    highest = grid.max_zoom if mission.upsample else grid.native_zoom
-    if mission.zoom is not None:
-        if not grid.min_zoom <= mission.zoom <= grid.max_zoom:
-            raise InvalidInput(f"zoom {mission.zoom}: the source has {grid.min_zoom} to {grid.max_zoom}")
-        return mission.zoom
-    if mission.gsd_m_per_px is not None:
-        return _zoom_for_gsd(mission.gsd_m_per_px, grid, layout.lat_deg, highest)
-    limit = mission.max_px if grid.max_size_px is None else min(mission.max_px, grid.max_size_px)
-    zoom = min(_highest_guess(mission.camera, layout, limit) + 1, highest)
-    while zoom > grid.min_zoom and _longest_px(mission, grid, layout, zoom) > limit * grid.scale:
-        zoom -= 1
-    if _longest_px(mission, grid, layout, zoom) > limit * grid.scale:
-        raise InvalidInput(
-            f"pictures from {mission.agl_m:g} m are larger than {limit} px at zoom {zoom}, the source's lowest; fly "
-            "lower or allow larger pictures (--max-px)"
+    flown, chosen = choose_methods(mission, grid, partial(_disturbed, mission))
+    check_windows(flown, grid)
+    layout, ground = flown.layout, ground_of(mission)
+    corners = ground_corners(mission.camera, flown.poses, ground, chosen.footprint.rung.name)
+    nominal = None
+    if mission.wind is not None:
+        nominal = Poses.turned(
+            layout.lat_deg, layout.lon_deg, layout.agl_m, mission.yaw_deg, mission.tilt_deg, mission.roll_deg
         )
-    return zoom
-
-
-def _highest_guess(camera: Camera, layout: Layout, limit_px: int) -> int:
-    first, _ = equal_runs(layout.lat_deg, layout.agl_m)
-    edges = frame_edges(camera, layout.lat_deg[first], layout.agl_m[first])
-    span = max(float((2.0 * edges.half_u).max()), float((edges.bottom_v - edges.top_v).max()))
-    return fitting_zoom(span, limit_px)
-
-
-def _longest_px(mission: Mission, grid: PixelGrid, layout: Layout, zoom: int) -> int:
-    windows = map_windows(mission.camera, layout.lat_deg, layout.lon_deg, layout.agl_m, grid, zoom)
-    return int(max(windows.width_px.max(), windows.height_px.max()))
-
-
-def _zoom_for_gsd(gsd_m_per_px: float, grid: PixelGrid, lat_deg: Floats, highest: int) -> int:
-    """Return the lowest zoom whose pixels are nowhere larger than asked for."""
-    for zoom in range(grid.min_zoom, highest + 1):
-        if float(grid.ground_m_per_px(lat_deg, zoom).max()) <= gsd_m_per_px:
-            return zoom
-    finest = float(grid.ground_m_per_px(lat_deg, highest).max())
-    raise InvalidInput(
-        f"ground sample distance {gsd_m_per_px} m: the source's own pixels are {finest:.3g} m here; ask for that or "
-        "more, or allow enlarged pixels (--upsample)"
+    return Plan(
+        mission=mission,
+        grid=grid,
+        zoom=flown.zoom,
+        column=layout.column,
+        row=layout.row,
+        poses=flown.poses,
+        windows=flown.windows,
+        corners=corners,
+        size_px=flown.size_px,
+        accuracy=chosen,
+        nominal=nominal,
     )
 
 
-def _check_windows(windows: Windows, layout: Layout, grid: PixelGrid, zoom: int) -> None:
-    """Refuse pictures that reach beyond the map or are under one pixel, or larger than the source serves."""
-    world = grid.world_px(zoom)
-    _, top, _, bottom = windows.bounds_px
-    outside = (top < 0) | (bottom > world) | (windows.width_px > world)
-    if outside.any():
-        at = int(np.flatnonzero(outside)[0])
+def _disturbed(mission: Mission, layout: Layout, nominal: Poses) -> Poses:
+    """Poses that are flown: moved and turned by the wind."""
+    if mission.wind is None:
+        return nominal
+    forward, _, distance = _legs(layout.lat_deg, layout.lon_deg)
+    heading = np.append(forward, forward[-1:]) if len(forward) else np.zeros(len(layout.lat_deg))
+    off = fly(mission.wind, distance / mission.wind.airspeed_m_per_s, heading, layout.agl_m)
+    lat, ground = nominal.lat_deg, ground_of(mission)
+    north = np.degrees(off.north_m / ground.meridional_radius_m(lat))
+    east = np.degrees(off.east_m / (ground.normal_radius_m(lat) * np.cos(np.radians(lat))))
+    agl = nominal.agl_m + off.up_m
+    if (agl <= 0.0).any():
         raise InvalidInput(
-            f"picture at latitude {float(layout.lat_deg[at])!r} from {float(layout.agl_m[at]):g} m: reaches beyond the "
-            f"map, which ends at ±{MAX_LAT_DEG:.4f}; fly lower or nearer to the equator"
+            f"wind of {mission.wind.speed_m_per_s:g} m/s at {mission.agl_m:g} m: the gusts throw the camera to the "
+            "ground; fly higher or in less turbulence"
         )
-    small = np.minimum(windows.width_px, windows.height_px) < 1
-    if small.any():
-        at = int(np.flatnonzero(small)[0])
-        raise InvalidInput(
-            f"picture from {float(layout.agl_m[at]):g} m at zoom {zoom}: under one pixel; fly higher or "
-            "choose a higher zoom"
-        )
-    if grid.max_size_px is not None and max(windows.width_px.max(), windows.height_px.max()) > (
-        grid.max_size_px * grid.scale
-    ):
-        raise InvalidInput(
-            f"pictures at zoom {zoom}: larger than the {grid.max_size_px} px the source serves; choose a lower zoom"
-        )
+    return Poses(
+        lat + north,
+        nominal.lon_deg + east,
+        agl,
+        nominal.yaw_deg + off.yaw_deg,
+        nominal.tilt_deg + off.tilt_deg,
+        nominal.roll_deg + off.roll_deg,
+    )
+
+
+def _legs(lat_deg: Floats, lon_deg: Floats) -> tuple[Floats, Floats, Floats]:
+    """Azimuths at start and end in degrees, and length in metres, of the geodesics from each capture to the next."""
+    lon = wrap_lon_deg(lon_deg)
+    forward, back, distance = Geod(a=WGS84.a_m, b=WGS84.b_m).inv(lon[:-1], lat_deg[:-1], lon[1:], lat_deg[1:])
+    return forward, back, distance

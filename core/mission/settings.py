@@ -19,14 +19,18 @@ from ..geodesy.camera import Camera
 from .area import Area, Points
 from .coords import KINDS, UNITS, load_polygon, parse_coords
 from .mission import (
+    DEFAULT_BUDGET_PX,
     DEFAULT_MAX_IMAGES,
     DEFAULT_MAX_PX,
     FORMATS,
     LAYOUTS,
     MAP_TYPES,
+    RESAMPLINGS,
     Mission,
 )
 from .presets import camera_named
+from .rungs import AUTO, FOOTPRINTS, FRAMES, MESHES
+from .wind import Wind
 
 ENVIRONMENT_PREFIX = "TERRAINAV_"
 CONFIG_FILE = "config.json"
@@ -114,6 +118,12 @@ OPTIONS: tuple[Option, ...] = (
     Option(
         "aspect_ratio", float, None, "width and height of the picture (4 3)", count=(2, 2), metavar=("W", "H")
     ),
+    Option("yaw", float, 0.0, "degrees the top of the picture is turned clockwise from north"),
+    Option(
+        "tilt", float, 0.0, "degrees the view is lifted from straight down towards the top of the picture"
+    ),
+    Option("roll", float, 0.0, "degrees the camera is rolled, right side down"),
+    Option("ground_height", float, 0.0, "height of the ground over the WGS84 ellipsoid in metres"),
     Option(
         "overlap",
         float,
@@ -142,6 +152,34 @@ OPTIONS: tuple[Option, ...] = (
         count=(3, 3),
         metavar=("W", "H", "C"),
     ),
+    Option(
+        "error_budget",
+        float,
+        DEFAULT_BUDGET_PX,
+        "most pixels the errors of all stages may sum to, by their bounds",
+    ),
+    Option("accept_error", str, False, "go on where no methods fit the error budget", flag=True),
+    Option("footprint", str, AUTO, "method of the footprints' corners", choices=(AUTO, *FOOTPRINTS)),
+    Option(
+        "frame",
+        str,
+        AUTO,
+        "pictures as they are on the map (north-up, not resampled), or as the camera sees them",
+        choices=(AUTO, *FRAMES),
+    ),
+    Option(
+        "mesh", str, AUTO, "how the ground under a camera's picture is worked out", choices=(AUTO, *MESHES)
+    ),
+    Option("resampling", str, "bilinear", "of pictures as the camera sees them", choices=RESAMPLINGS),
+    Option(
+        "wind",
+        float,
+        None,
+        "moves and turns the captures: mean speed in m/s, degrees it blows from, turbulence (gusts over mean speed)",
+        count=(3, 3),
+        metavar=("SPEED", "FROM", "TURBULENCE"),
+    ),
+    Option("airspeed", float, 15.0, "flight speed through the air in m/s, for --wind"),
     Option("max_images", int, DEFAULT_MAX_IMAGES, "refuse missions of more images"),
     Option("seed", int, 2024, "of whatever is random, such as the synthetic landscape"),
     Option(
@@ -241,7 +279,25 @@ def mission_from(values: Mapping[str, Any]) -> Mission:
         img_size=values["img_size"],
         seed=values["seed"],
         max_images=values["max_images"],
+        yaw_deg=values["yaw"],
+        tilt_deg=values["tilt"],
+        roll_deg=values["roll"],
+        ground_height_m=values["ground_height"],
+        error_budget_px=values["error_budget"],
+        accept_error=values["accept_error"],
+        footprint=values["footprint"],
+        frame=values["frame"],
+        mesh=values["mesh"],
+        resampling=values["resampling"],
+        wind=_wind(values),
     )
+
+
+def _wind(values: Mapping[str, Any]) -> Wind | None:
+    if values["wind"] is None:
+        return None
+    speed, from_deg, turbulence = values["wind"]
+    return Wind(speed, from_deg, turbulence, values["seed"], values["airspeed"])
 
 
 def _area(values: Mapping[str, Any]) -> tuple[Area, float]:

@@ -33,7 +33,7 @@ ON_DEMAND = {
     "owslib",
 }
 
-ROOMS = ("geodesy", "mission", "imagery", "dataset", "capture")
+ROOMS = ("geodesy", "mission", "imagery", "dataset", "capture", "report")
 
 # Room -> rooms it may import. What lies in `core` itself beside `cli` (errors, the shipped tables) knows no room and is
 # open to all.
@@ -44,6 +44,7 @@ ARROWS = {
     "imagery": {"core", "geodesy"},
     "dataset": {"core", "geodesy"},
     "capture": {"core", "geodesy", "mission", "imagery", "dataset"},
+    "report": {"core", "geodesy", "mission", "imagery", "dataset", "capture"},
     "cli": {"core", *ROOMS},
 }
 

@@ -11,6 +11,7 @@ import pytest
 from terrainav.core.errors import InvalidInput, PartError, SourceError
 from terrainav.core.geodesy.camera import Camera
 from terrainav.core.geodesy.frames import map_windows
+from terrainav.core.geodesy.poses import Poses
 from terrainav.core.imagery.source import Window
 from terrainav.core.imagery.staticmap import StaticMapSource, sign
 
@@ -45,9 +46,8 @@ def source_of():
 
 def planned(source, lat_deg, lon_deg, agl_m=120.0, zoom=18):
     """Window of one capture, as the plan has it."""
-    windows = map_windows(
-        Camera(), np.array([lat_deg]), np.array([lon_deg]), np.array([agl_m]), source.grid, zoom
-    )
+    pose = Poses.level(np.array([lat_deg]), np.array([lon_deg]), np.array([agl_m]))
+    windows = map_windows(Camera(), pose, source.grid, zoom)
     return Window(zoom, *(values[0].item() for values in windows))
 
 

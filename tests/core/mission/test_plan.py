@@ -219,7 +219,7 @@ def test_across_the_antimeridian_is_like_anywhere_else():
 
 
 def test_the_whole_world_from_limit_to_limit():
-    worked_out = plan(Mission(Box(85.05, -180, -85.05, 180), 200e3), GRID)
+    worked_out = plan(Mission(Box(85.05, -180, -85.05, 180), 50e3, frame="map", accept_error=True), GRID)
     assert worked_out.coverage.complete
     assert worked_out.requests == 4**worked_out.zoom
     _, top, _, bottom = worked_out.windows.bounds_px
@@ -248,7 +248,8 @@ def test_points_keep_their_own_heights_and_share_a_zoom():
 def test_the_zoom_is_the_highest_at_which_all_pictures_fit():
     for agl in (10.0, 97.3, 120.0, 240.0, 1000.0, 16e3):
         worked_out = plan(
-            Mission(Points(((35.14, -89.86, agl),)), agl), PixelGrid(max_zoom=30, native_zoom=30)
+            Mission(Points(((35.14, -89.86, agl),)), agl, frame="map", accept_error=True),
+            PixelGrid(max_zoom=30, native_zoom=30),
         )
         finer = plan(
             worked_out.mission.with_(zoom=worked_out.zoom + 1), PixelGrid(max_zoom=30, native_zoom=30)
@@ -304,10 +305,22 @@ def test_names_are_the_published_ones():
         (Mission(Box(35.16, -89.9, 35.115, -89.8), 120.0, max_images=1000), "the limit is 1000"),
         (Mission(Box(60, -100, -60, 100), 0.01), "the limit is 10000000"),
         (Mission(Box(85.1, 0, 85, 1), 1000.0), "latitude 85.1"),
-        (Mission(Points(((85.0511, 0.0, 1000.0),)), 1000.0), "beyond the map"),
-        (Mission(Points(((0.0, 0.0, 8e6),)), 8e6), "horizon"),
+        (Mission(Points(((85.0511, 0.0, 100.0),)), 100.0), "beyond the map"),
+        (Mission(Points(((86.0, 0.0, 1000.0),)), 1000.0), "beyond the map"),
+        (Mission(Points(((0.0, 0.0, 8e6),)), 8e6, frame="map"), "holds up to 0.1"),
+        (Mission(Points(((0.0, 0.0, 3e6),)), 3e6, tilt_deg=150.0), "no ray of its image meets the Earth"),
+        (Mission(AGRICENTER, 120.0, error_budget_px=1e-12), "times as much"),
+        (Mission(AGRICENTER, 120.0, tilt_deg=5.0, footprint="loc2"), "tilt or roll of 5 deg"),
+        (
+            Mission(Points(((35.0, -89.0, 0.01),)), 0.01, camera=Camera(0.01, 1.0), frame="camera"),
+            "resolve 4e-08 m",
+        ),
         (Mission(AGRICENTER, 120.0, zoom=23), "zoom 23: the source has 0 to 22"),
         (Mission(Points(((35, -89, 0.01),)), 0.01, zoom=5), "under one pixel"),
+        (
+            Mission(Points(((35, -89, 120.0),)), 120.0, camera=Camera(60.0, 1e4), tilt_deg=1.0),
+            "under one pixel",
+        ),
         (Mission(Box(35, -89, 35, -89), 120.0, overlap_along=0.9999999), "overlap less"),
         (Mission(Box(10, -170, -10, 170), 1e5, layout="paper"), "use --layout cover"),
     ],

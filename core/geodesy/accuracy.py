@@ -1,0 +1,230 @@
+"""What each method may be wrong by, in pixels and in metres: bounds in closed form, before anything is computed.
+
+An error is the distance, in the planned image, between where a ground point is put and where the ideal pinhole over
+the ellipsoid sees it. Symbols of the bounds: R = b²/a the least radius of curvature, ε = h/R, t the tangent of half the
+diagonal field of view, ρ half the diagonal in px, κ = εt, T = |tan φ|.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .camera import CORNERS, Camera
+from .ellipsoid import WGS84, Ellipsoid
+from .poses import Poses
+
+Floats = NDArray[np.float64]
+
+#: What the flat model may be stretched to: beyond, its series no longer bounds it.
+FLAT_DOMAIN = 0.1
+#: Factor on each truncated series for the terms behind it; validated by Monte Carlo over the whole domain.
+_BEYOND_THE_SERIES = 1.15
+#: Noise of float64 in every bound, px, and of ground positions in degrees, metres.
+_NOISE_PX, _NOISE_M = 1e-6, 4e-9
+#: Noise of the exact camera's image positions, px of an image of a few thousand.
+_EXACT_NOISE_PX = 1e-9
+#: Largest distance of a ground position from its neighbour in float64 degrees: a smaller pixel is not resolved.
+RESOLVED_M = 4e-8
+
+
+@dataclass(frozen=True, eq=False)
+class Scene:
+    """What bounds depend on: a camera, its image, and poses.
+
+    Parameters
+    ----------
+    camera : Camera
+    width_px, height_px : float or array (n,)
+        Of the planned image.
+    poses : Poses
+        (n,).
+    ground : Ellipsoid
+    """
+
+    camera: Camera
+    width_px: float | Floats
+    height_px: float | Floats
+    poses: Poses
+    ground: Ellipsoid = WGS84
+
+    @property
+    def radius_m(self) -> float:
+        """Least radius of curvature of the ground, R = b²/a."""
+        return self.ground.b_m**2 / self.ground.a_m
+
+    @property
+    def diagonal_tangent(self) -> float:
+        """Tangent of half the diagonal field of view, t."""
+        return math.hypot(*self.camera.half_tangents)
+
+    @property
+    def half_diagonal_px(self) -> Floats:
+        """ρ, (n,); one number where all images have one size."""
+        return np.asarray(np.hypot(self.width_px, self.height_px) / 2.0, np.float64)
+
+    @property
+    def focal_px(self) -> Floats:
+        """Focal length in px, (n,)."""
+        return self.half_diagonal_px / self.diagonal_tangent
+
+    @property
+    def focal_column(self) -> Floats:
+        """Focal lengths as a column, (n, 1)."""
+        return np.broadcast_to(self.focal_px, self.poses.lat_deg.shape)[:, np.newaxis]
+
+    @property
+    def height_share(self) -> Floats:
+        """ε, (n,)."""
+        return self.poses.agl_m / self.radius_m
+
+    @property
+    def lat_tangent(self) -> Floats:
+        """T, (n,); finite, as no float64 is π/2."""
+        return np.asarray(np.abs(np.tan(np.radians(self.poses.lat_deg))), np.float64)
+
+    @property
+    def nadir_px_m(self) -> Floats:
+        """Metres of flat ground per px straight below, (n,)."""
+        return self.poses.agl_m / self.focal_px
+
+
+def flat_bending_px(scene: Scene) -> Floats:
+    """ρεt²/2: the Earth's bend under a flat picture, (n,)."""
+    return scene.half_diagonal_px * scene.height_share * scene.diagonal_tangent**2 / 2.0
+
+
+def loc1_px(scene: Scene) -> Floats:
+    """Bound of `footprint.loc1`: ρ[εt²/2 + κ(T + e²)], (n,)."""
+    kappa = scene.height_share * scene.diagonal_tangent
+    series = flat_bending_px(scene) + scene.half_diagonal_px * kappa * (scene.lat_tangent + scene.ground.e2)
+    return _with_noise(scene, series)
+
+
+def loc2_px(scene: Scene) -> Floats:
+    """Bound of `footprint.loc2`: ρ[εt²/2 + κ²(½ + T²)], (n,)."""
+    kappa = scene.height_share * scene.diagonal_tangent
+    series = flat_bending_px(scene) + scene.half_diagonal_px * kappa**2 * (0.5 + scene.lat_tangent**2)
+    return _with_noise(scene, series)
+
+
+def map_frame_px(scene: Scene) -> Floats:
+    """Bound of the map frame through the edge midpoints, and of leaving a small attitude out, (n,).
+
+    ρεt²/2 + 1.05(T/R)[W·h/4 + (W·w + H·h)/8] + ρ(max(w, h)/R)²(1 + T²) for footprints of w by h metres and images of
+    W by H px; yaw moves a corner by ρ times itself, tilt and roll by f(1 + t²) times themselves.
+    """
+    radius, bend = scene.radius_m, scene.lat_tangent
+    width_m, height_m = (2.0 * scene.poses.agl_m * tangent for tangent in scene.camera.half_tangents)
+    width_px, height_px = scene.width_px, scene.height_px
+    converging = (
+        1.05 * bend / radius * (width_px * height_m / 4.0 + (width_px * width_m + height_px * height_m) / 8.0)
+    )
+    second = scene.half_diagonal_px * (np.maximum(width_m, height_m) / radius) ** 2 * (1.0 + bend**2)
+    return _with_noise(scene, flat_bending_px(scene) + converging + second) + attitude_px(scene)
+
+
+def attitude_px(scene: Scene) -> Floats:
+    """How far a level, north-up picture is from the turned one at most, (n,); for small angles."""
+    yaw, tilt, roll = (
+        np.abs(np.radians(np.mod(angle + 180.0, 360.0) - 180.0)) for angle in scene.poses.attitude
+    )
+    across = scene.focal_px * (1.0 + scene.diagonal_tangent**2)
+    turned: Floats = scene.half_diagonal_px * yaw + across * (tilt + roll)
+    return turned
+
+
+def exact_px(scene: Scene) -> Floats:
+    """Bound of the exact camera in float64: the noise of ground positions, (n,)."""
+    return _NOISE_M / scene.nadir_px_m + _EXACT_NOISE_PX
+
+
+def mesh_noise_px(scene: Scene) -> Floats:
+    """Least bound of a cell of a mesh: the noise of map positions in float64, (n,)."""
+    return _NOISE_PX + 16.0 * _NOISE_M / scene.nadir_px_m
+
+
+def _with_noise(scene: Scene, series: Floats) -> Floats:
+    return _BEYOND_THE_SERIES * series + _NOISE_PX + _NOISE_M / scene.nadir_px_m
+
+
+def outside_flat_domain(scene: Scene) -> str:
+    """Why the flat rungs have no bound here, with the value and the limit; empty where they have one."""
+    stretch = float(np.max(scene.height_share)) * scene.diagonal_tangent**2
+    kappa = scene.height_share * scene.diagonal_tangent
+    size = float(np.max(kappa * np.maximum(scene.lat_tangent, 1.0)))
+    tilted = float(max(np.max(np.abs(scene.poses.tilt_deg)), np.max(np.abs(scene.poses.roll_deg))))
+    if tilted > 0.0:
+        return f"tilt or roll of {tilted:g} deg: holds for cameras that look straight down"
+    if not stretch <= FLAT_DOMAIN:
+        return f"height over Earth's radius times tan²(FOV/2) is {stretch:.3g}: holds up to {FLAT_DOMAIN:g}"
+    if not size <= FLAT_DOMAIN:
+        return f"footprint over Earth's radius times tan(latitude) is {size:.3g}: holds up to {FLAT_DOMAIN:g}"
+    return ""
+
+
+def corner_angles(scene: Scene) -> tuple[Floats, Floats]:
+    """Of the corners' rays: sine of the angle below the horizontal and squared length over the axis', (n, 4)."""
+    rays = scene.camera.rays_enu(CORNERS, *scene.poses.attitude)
+    squared = np.sum(rays * rays, axis=-1)
+    return -rays[..., 2] / np.sqrt(squared), squared
+
+
+def grazing(sin_below: Floats, height_share: Floats) -> tuple[Floats, Floats]:
+    """Of rays from a camera over a sphere: (1 + ε) sin β, and the squared sine of the angle at the ground.
+
+    β is the angle below the horizontal. The second is negative for rays that miss.
+    """
+    reach = 1.0 + height_share
+    return reach * sin_below, 1.0 - reach**2 * (1.0 - sin_below**2)
+
+
+def condition_number(scene: Scene) -> float:
+    """Largest relative change of a ground position per relative change of what it is worked out from.
+
+    The larger of sec φ, of Mercator's latitude, and of the ray that meets the ground most flatly: its ground distance
+    against its angle off nadir, on a sphere. Infinite where the horizon is in the picture.
+    """
+    mercator = 1.0 / float(np.min(np.cos(np.radians(np.abs(scene.poses.lat_deg)))))
+    sin_below, _ = corner_angles(scene)
+    share = scene.height_share[:, np.newaxis]
+    lifted, squared = grazing(sin_below, share)
+    if (squared <= 0.0).any() or (sin_below <= 0.0).any():
+        return math.inf
+    grazed = np.sqrt(squared)
+    off_nadir = np.arccos(np.clip(sin_below, -1.0, 1.0))
+    # ds/dβ = R((1 + ε) sin β / c - 1), and (1 + ε) sin β - c = ε(2 + ε)/((1 + ε) sin β + c) without cancelling.
+    slope = share * (2.0 + share) / ((lifted + grazed) * grazed)
+    arc = np.arctan2(np.sqrt(1.0 - sin_below**2) * share * (2.0 + share) / (lifted + grazed), 1.0)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        rays = np.where(arc > 0.0, off_nadir * slope / arc, 1.0)
+    return max(mercator, float(np.max(rays)))
+
+
+def terrain_px_per_m(scene: Scene) -> float:
+    """Displacement in the image per metre of relief that is not modelled, at the worst corner.
+
+    A point higher by dz moves by dz·sin α·cos α / h in angle at an angle α off nadir; infinite at the horizon.
+    """
+    sin_below, squared = corner_angles(scene)
+    if (sin_below <= 0.0).any():
+        return math.inf
+    across = np.sqrt(1.0 - np.minimum(sin_below, 1.0) ** 2)
+    angle_per_m = sin_below * across / scene.poses.agl_m[:, np.newaxis]
+    return float(np.max(angle_per_m * squared * scene.focal_column))
+
+
+def ground_m_per_px(scene: Scene) -> float:
+    """Most metres of ground a px of the image spans, at the corner that sees farthest; infinite at the horizon."""
+    sin_below, squared = corner_angles(scene)
+    share = scene.height_share[:, np.newaxis]
+    lifted, grazed2 = grazing(sin_below, share)
+    if (grazed2 <= 0.0).any() or (sin_below <= 0.0).any():
+        return math.inf
+    grazed = np.sqrt(grazed2)
+    slant = scene.radius_m * share * (2.0 + share) / (lifted + grazed)
+    per_px = slant / grazed / (np.sqrt(squared) * scene.focal_column)
+    return float(max(np.max(per_px * np.sqrt(squared)), np.max(scene.nadir_px_m)))

@@ -1,0 +1,122 @@
+"""The north-up rectangle of the map that lies wholly inside what a camera sees: what covering an area counts on."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import InvalidInput
+from .camera import Camera
+from .ellipsoid import WGS84, Ellipsoid
+from .footprint import exact
+from .frames import FrameEdges
+from .mercator import lat_to_v, lon_to_u
+from .poses import Poses
+
+Floats = NDArray[np.float64]
+
+#: Points along each edge of the image. A chord between two leaves 1/256 of the edge's bend outside.
+_EDGE_POINTS = 16
+#: Ratios of height to width that are tried, and how far they reach from that of the ground itself.
+_RATIOS, _RATIO_REACH = 65, 16.0
+#: Points an image is searched with for the middle of the ground it shows, along each side.
+_SEARCH_POINTS = 9
+#: Rounding an edge to the grid may move it outward by half a pixel; the rest is for the bend between the points.
+_MARGIN_PX = 0.55
+#: Poses worked on in one go, to bound memory.
+_BATCH = 1024
+
+
+def _image_frame() -> Floats:
+    """Points of the image's frame, (4·points, 2), corners first of each edge."""
+    corners = np.array([[-1.0, 1.0], [1.0, 1.0], [1.0, -1.0], [-1.0, -1.0]])
+    shares = np.arange(_EDGE_POINTS)[:, np.newaxis] / _EDGE_POINTS
+    edges = [start + shares * (end - start) for start, end in zip(corners, np.roll(corners, -1, axis=0))]
+    return np.concatenate(edges)
+
+
+def inscribed_edges(
+    camera: Camera, poses: Poses, ground: Ellipsoid = WGS84, pixel: float = 0.0
+) -> FrameEdges:
+    """Rectangles inside what cameras see, as large as their centre allows.
+
+    The centre is where the image's centre sees the ground; where that looks past the Earth, the middle of the part
+    of the image that does not.
+
+    Parameters
+    ----------
+    poses : Poses
+        (n,), of any attitude.
+    pixel : float
+        Size of a source pixel as a world fraction: the rectangles leave room for the rounding of their edges.
+
+    Returns
+    -------
+    FrameEdges
+        Of no extent where nothing of the map lies inside.
+
+    Raises
+    ------
+    InvalidInput
+        A camera none of whose rays meets the Earth.
+    """
+    if len(poses.lat_deg) > _BATCH:
+        starts = range(0, len(poses.lat_deg), _BATCH)
+        parts = [
+            inscribed_edges(camera, Poses(*(p[i : i + _BATCH] for p in poses)), ground, pixel) for i in starts
+        ]
+        return FrameEdges(*(np.concatenate(columns) for columns in zip(*parts)))
+    at_zero = poses._replace(lon_deg=np.zeros(len(poses.lat_deg)))
+    centre = _map_points(camera, at_zero, (_anchor(camera, at_zero, ground),), ground)
+    ring = _map_points(camera, at_zero, tuple(map(tuple, _image_frame().tolist())), ground)
+    half_u, half_v = _half_sizes(ring - centre)
+    half_u, half_v = (np.maximum(half - _MARGIN_PX * pixel, 0.0) for half in (half_u, half_v))
+    u, v = centre[:, 0, 0], centre[:, 0, 1]
+    return FrameEdges(u - half_u, u + half_u, v - half_v, v + half_v)
+
+
+def _map_points(
+    camera: Camera, poses: Poses, points: tuple[tuple[float, float], ...], ground: Ellipsoid
+) -> Floats:
+    """World fractions from the camera's meridian and from the map's north, (n, k, 2)."""
+    seen = exact(camera, poses, points, ground)
+    return np.stack([lon_to_u(seen.lon_deg) - 0.5, lat_to_v(seen.lat_deg)], axis=-1)
+
+
+def _anchor(camera: Camera, poses: Poses, ground: Ellipsoid) -> tuple[float, float]:
+    """Image point about which the rectangles lie."""
+    if exact(camera, poses, ((0.0, 0.0),), ground).hit.all():
+        return 0.0, 0.0
+    along = np.linspace(-1.0, 1.0, _SEARCH_POINTS)
+    points = [(x, y) for x in along.tolist() for y in along.tolist()]
+    hit = exact(camera, poses, tuple(points), ground).hit
+    if not hit.any(axis=1).all():
+        at = int(np.flatnonzero(~hit.any(axis=1))[0])
+        raise InvalidInput(
+            f"camera with tilt {float(poses.tilt_deg[at]):g} and roll {float(poses.roll_deg[at]):g} deg at "
+            f"{float(poses.agl_m[at]):g} m: no ray of its image meets the Earth; tilt it down"
+        )
+    everywhere = hit.all(axis=0)
+    x, y = np.array(points)[everywhere if everywhere.any() else hit[0]].mean(axis=0).tolist()
+    return x, y
+
+
+def _half_sizes(ring: Floats) -> tuple[Floats, Floats]:
+    """Half width and height, (n,) each, of the largest centred rectangle inside each ring (n, k, 2)."""
+    start, way = ring, np.roll(ring, -1, axis=1) - ring
+    # A line through two vertices leaves the rectangle on its side while |way × corner| stays below |way × start|.
+    distance = np.abs(way[..., 0] * start[..., 1] - way[..., 1] * start[..., 0])
+    reach_u, reach_v = np.abs(way[..., 1]), np.abs(way[..., 0])
+    extent = np.ptp(ring, axis=1)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        shape = extent[:, 1] / extent[:, 0]
+        ratios = shape[:, np.newaxis] * np.geomspace(1.0 / _RATIO_REACH, _RATIO_REACH, _RATIOS)
+        # Vertices that coincide make no line.
+        need = reach_u[:, :, np.newaxis] + reach_v[:, :, np.newaxis] * ratios[:, np.newaxis]
+        half_u = np.where(need > 0.0, distance[:, :, np.newaxis] / need, np.inf).min(axis=1)
+    area = half_u * half_u * ratios
+    best = np.argmax(np.where(np.isfinite(area), area, -1.0), axis=1)[:, np.newaxis]
+    width = np.take_along_axis(half_u, best, axis=1)[:, 0]
+    height = width * np.take_along_axis(ratios, best, axis=1)[:, 0]
+    finite = np.isfinite(width) & np.isfinite(height)
+    return np.where(finite, width, 0.0), np.where(finite, height, 0.0)

@@ -1,0 +1,266 @@
+"""How a mission's pictures lie on the map: the frames of its captures, their zoom and their size."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import NamedTuple, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import InvalidInput
+from ..geodesy.accuracy import Scene
+from ..geodesy.ellipsoid import WGS84, Ellipsoid
+from ..geodesy.frames import FrameEdges, Windows, map_frame_edges, windows_of
+from ..geodesy.inscribed import inscribed_edges
+from ..geodesy.mercator import MAX_LAT_DEG, PixelGrid, fitting_zoom
+from ..geodesy.poses import Poses
+from ..geodesy.view import fitting_detail
+from .area import Points
+from .layout import Layout, lay_out
+from .mission import Mission
+
+Floats = NDArray[np.float64]
+
+#: Longest side of a camera frame, px: a picture of it takes 1.2 GB.
+_LONGEST_CAMERA_FRAME_PX = 20_000
+
+
+class Framed(NamedTuple):
+    """Captures with the windows of their pictures.
+
+    ``size_px`` is the width and height of camera frames, and None for map frames, whose windows are the pictures.
+    """
+
+    layout: Layout
+    poses: Poses
+    zoom: int
+    windows: Windows
+    size_px: tuple[int, int] | None
+
+
+class Framing(Protocol):
+    """A kind of frame."""
+
+    def edges(self, poses: Poses, pixel: float, /) -> FrameEdges:
+        """Edges of the frames of poses, for pixels of this world fraction."""
+        ...
+
+    def zoom(self, layout: Layout) -> int:
+        """Zoom of a mission's pictures."""
+        ...
+
+    def size_px(self, layout: Layout) -> tuple[int, int] | None:
+        """Width and height of pictures that all have one size."""
+        ...
+
+
+def ground_of(mission: Mission) -> Ellipsoid:
+    """The ground of a mission, as an ellipsoid."""
+    return WGS84.raised(mission.ground_height_m) if mission.ground_height_m else WGS84
+
+
+def framed(
+    mission: Mission, grid: PixelGrid, framing: Framing, disturbed: Callable[[Layout, Poses], Poses]
+) -> Framed:
+    """Lay a mission out in frames of one kind.
+
+    Parameters
+    ----------
+    disturbed : callable
+        Places and nominal poses to the poses that are flown.
+
+    Raises
+    ------
+    InvalidInput
+        As `plan` does.
+    """
+
+    def laid_out(pixel: float) -> Layout:
+        def frames(lat_deg: Floats) -> FrameEdges:
+            return framing.edges(_posed(mission, lat_deg, np.zeros_like(lat_deg), mission.agl_m), pixel)
+
+        return lay_out(mission, frames, pixel)
+
+    layout = laid_out(0.0)
+    zoom = framing.zoom(layout)
+    if not isinstance(mission.area, Points):
+        # Outer frames need room for their rounding, a share of a pixel; that may, at the border of two zooms,
+        # take the lower one, whose pixels are larger.
+        layout = laid_out(1.0 / grid.world_px(zoom))
+        lower = framing.zoom(layout)
+        if lower != zoom:
+            zoom = min(zoom, lower)
+            layout = laid_out(1.0 / grid.world_px(zoom))
+    poses = disturbed(layout, _posed(mission, layout.lat_deg, layout.lon_deg, layout.agl_m))
+    first, run = poses.runs()
+    edges = framing.edges(poses.take(first), 1.0 / grid.world_px(zoom))
+    windows = windows_of(edges, run, poses.lon_deg, grid, zoom)
+    return Framed(layout, poses, zoom, windows, framing.size_px(layout))
+
+
+def _posed(mission: Mission, lat_deg: Floats, lon_deg: Floats, agl_m: Floats | float) -> Poses:
+    height = np.broadcast_to(np.asarray(agl_m, np.float64), lat_deg.shape)
+    return Poses.turned(lat_deg, lon_deg, height, mission.yaw_deg, mission.tilt_deg, mission.roll_deg)
+
+
+def _limit_px(mission: Mission, grid: PixelGrid) -> int:
+    return mission.max_px if grid.max_size_px is None else min(mission.max_px, grid.max_size_px)
+
+
+def _highest(mission: Mission, grid: PixelGrid) -> int:
+    return grid.max_zoom if mission.upsample else grid.native_zoom
+
+
+def sampled_zooms(mission: Mission, grid: PixelGrid) -> tuple[int, int]:
+    """Lowest and highest zoom that camera frames take their pixels from."""
+    highest = _highest(mission, grid) if mission.zoom is None else mission.zoom
+    return grid.min_zoom, max(highest, grid.min_zoom)
+
+
+def _checked_zoom(zoom: int, grid: PixelGrid) -> int:
+    if not grid.min_zoom <= zoom <= grid.max_zoom:
+        raise InvalidInput(f"zoom {zoom}: the source has {grid.min_zoom} to {grid.max_zoom}")
+    return zoom
+
+
+@dataclass(frozen=True)
+class MapFraming:
+    """Pictures that are rectangles of the map."""
+
+    mission: Mission
+    grid: PixelGrid
+
+    def edges(self, poses: Poses, _pixel: float, /) -> FrameEdges:
+        """Edges through the midpoints of the images' edges, whatever the pixel."""
+        return map_frame_edges(self.mission.camera, poses, ground_of(self.mission))
+
+    def size_px(self, layout: Layout) -> None:
+        """None: each picture is as large as its window."""
+
+    def zoom(self, layout: Layout) -> int:
+        """Return the zoom asked for, or the highest one at which every picture fits its longest side."""
+        mission, grid = self.mission, self.grid
+        if mission.zoom is not None:
+            return _checked_zoom(mission.zoom, grid)
+        highest = _highest(mission, grid)
+        if mission.gsd_m_per_px is not None:
+            return _zoom_for_gsd(mission.gsd_m_per_px, grid, layout.lat_deg, highest)
+        limit = _limit_px(mission, grid)
+        poses = Poses.level(layout.lat_deg, layout.lon_deg, layout.agl_m)
+        first, run = poses.runs()
+        edges = self.edges(poses.take(first), 0.0)
+        zoom = min(fitting_zoom(max(float(size.max()) for size in edges.size), limit) + 1, highest)
+
+        def fits(zoom: int) -> bool:
+            # Edges are rounded each on its own: a picture has at most one pixel more than its frame.
+            most = max(float(size.max()) for size in edges.size) * grid.world_px(zoom) + 1.0
+            if most <= limit * grid.scale and grid.centre_decimals is None:
+                return True
+            if most > limit * grid.scale + 2.0 and grid.centre_decimals is None:
+                return False
+            windows = windows_of(edges, run, layout.lon_deg, grid, zoom)
+            return int(max(windows.width_px.max(), windows.height_px.max())) <= limit * grid.scale
+
+        while zoom > grid.min_zoom and not fits(zoom):
+            zoom -= 1
+        if not fits(zoom):
+            raise InvalidInput(
+                f"pictures from {mission.agl_m:g} m are larger than {limit} px at zoom {zoom}, the source's lowest; "
+                "fly lower or allow larger pictures (--max-px)"
+            )
+        return zoom
+
+
+@dataclass(frozen=True)
+class CameraFraming:
+    """Pictures as the camera sees them; on the map they count for the north-up rectangle inside."""
+
+    mission: Mission
+    grid: PixelGrid
+
+    def edges(self, poses: Poses, pixel: float) -> FrameEdges:
+        """Edges of the rectangles inside, with room for their rounding."""
+        return inscribed_edges(self.mission.camera, poses, ground_of(self.mission), pixel)
+
+    def size_px(self, layout: Layout) -> tuple[int, int]:
+        """Size of the images: as fine as the zoom or the distance asked for, else of the longest side allowed."""
+        mission, grid = self.mission, self.grid
+        aspect = mission.camera.aspect_ratio
+        longest = float(_limit_px(mission, grid) * grid.scale)
+        width = longest if aspect >= 1.0 else longest * aspect
+        ground_m = mission.camera.ground_size_m(float(np.median(layout.agl_m)))[0]
+        if mission.gsd_m_per_px is not None:
+            width = ground_m / mission.gsd_m_per_px
+        elif mission.zoom is not None:
+            width = ground_m / float(np.median(grid.ground_m_per_px(layout.lat_deg, mission.zoom)))
+        size = round(width), round(width / aspect)
+        if min(size) < 1:
+            raise InvalidInput(
+                f"picture of {width:.3g} x {width / aspect:.3g} px: under one pixel; choose a less extreme aspect "
+                "ratio, a higher zoom or larger pictures (--max-px)"
+            )
+        if max(size) > _LONGEST_CAMERA_FRAME_PX:
+            raise InvalidInput(
+                f"pictures of {size[0]} x {size[1]} px: camera frames end at {_LONGEST_CAMERA_FRAME_PX} px; "
+                "choose a lower zoom or a larger ground sample distance"
+            )
+        return size
+
+    def zoom(self, layout: Layout) -> int:
+        """Return the zoom asked for, or the one that suits the ground right below the camera."""
+        mission, grid = self.mission, self.grid
+        if mission.zoom is not None:
+            return _checked_zoom(mission.zoom, grid)
+        poses = Poses.level(layout.lat_deg, layout.lon_deg, layout.agl_m)
+        scene = Scene(mission.camera, *self.size_px(layout), poses)
+        stretch = WGS84.normal_radius_m(layout.lat_deg) * np.cos(np.radians(layout.lat_deg)) * 2.0 * math.pi
+        span = float(np.median(scene.nadir_px_m / np.maximum(stretch, 1.0)))
+        return fitting_detail(span, grid, (grid.min_zoom, _highest(mission, grid)))
+
+
+def _zoom_for_gsd(gsd_m_per_px: float, grid: PixelGrid, lat_deg: Floats, highest: int) -> int:
+    """Return the lowest zoom whose pixels are nowhere larger than asked for."""
+    for zoom in range(grid.min_zoom, highest + 1):
+        if float(grid.ground_m_per_px(lat_deg, zoom).max()) <= gsd_m_per_px:
+            return zoom
+    finest = float(grid.ground_m_per_px(lat_deg, highest).max())
+    raise InvalidInput(
+        f"ground sample distance {gsd_m_per_px} m: the source's own pixels are {finest:.3g} m here; ask for that or "
+        "more, or allow enlarged pixels (--upsample)"
+    )
+
+
+def check_windows(framed: Framed, grid: PixelGrid) -> None:
+    """Refuse pictures that reach beyond the map or are under one pixel, or larger than the source serves."""
+    windows, poses, zoom = framed.windows, framed.poses, framed.zoom
+    world = grid.world_px(zoom)
+    _, top, _, bottom = windows.bounds_px
+    if framed.size_px is not None:
+        middle = (top + bottom) / 2.0
+        outside = ~((middle >= 0.0) & (middle <= world))
+    else:
+        outside = (top < 0) | (bottom > world) | (windows.width_px > world)
+    if outside.any():
+        at = int(np.flatnonzero(outside)[0])
+        raise InvalidInput(
+            f"picture at latitude {float(poses.lat_deg[at])!r} from {float(poses.agl_m[at]):g} m: reaches beyond the "
+            f"map, which ends at ±{MAX_LAT_DEG:.4f}; fly lower or nearer to the equator"
+        )
+    if framed.size_px is not None:
+        return
+    small = np.minimum(windows.width_px, windows.height_px) < 1
+    if small.any():
+        at = int(np.flatnonzero(small)[0])
+        raise InvalidInput(
+            f"picture from {float(poses.agl_m[at]):g} m at zoom {zoom}: under one pixel; fly higher or "
+            "choose a higher zoom"
+        )
+    if grid.max_size_px is not None and max(windows.width_px.max(), windows.height_px.max()) > (
+        grid.max_size_px * grid.scale
+    ):
+        raise InvalidInput(
+            f"pictures at zoom {zoom}: larger than the {grid.max_size_px} px the source serves; choose a lower zoom"
+        )

@@ -1,0 +1,1 @@
+"""Error against run time of a mission, and the methods it is compared with."""
