@@ -48,7 +48,8 @@ def choose_methods(mission: Mission, grid: PixelGrid, disturbed: Disturbed) -> t
         does.
     """
     camera_outside = _NO_CAMERA_FRAME if grid.centre_decimals is not None else ""
-    map_outside = _WIND if mission.wind is not None else accuracy.outside_flat_domain(_ends(mission))
+    gusty = mission.wind is not None and mission.wind.sigma_m_per_s > 0.0
+    map_outside = _WIND if gusty else accuracy.outside_flat_domain(_ends(mission))
     turned_away: Choice | None = None
     if mission.frame != "camera":
         if not map_outside:
@@ -182,6 +183,6 @@ def _left_out(mission: Mission, footprint: Rung, picture: Rung, mesh: Choice | N
         found.append(
             ("exact footprints", f"the bound of {footprint.name}, {bound_text(footprint.bound_px)} px, fits")
         )
-    if mission.wind is None:
-        found.append(("wind", "still air was asked for"))
+    if mission.wind is None or mission.wind.sigma_m_per_s == 0.0:
+        found.append(("wind", "air without gusts was asked for" if mission.wind else "still air was asked for"))
     return found

@@ -1,6 +1,6 @@
 """Gusts and the aircraft that holds its place and attitude in them, as one linear stochastic system.
 
-Gusts are Dryden's: MIL-F-8785C §3.7.1.2 (spectra) and §3.7.3.4 (low altitude), whose spectra MIL-HDBK-1797 §4.9.2 keeps
+Gusts are Dryden's, with the spectra and the scale lengths of MIL-F-8785C (1980); MIL-HDBK-1797 writes the same spectra
 with scale lengths of half the size across and upwards. Gust rotation rates are left out: a small aircraft is much
 shorter than any of the scale lengths.
 

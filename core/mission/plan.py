@@ -229,7 +229,7 @@ class Plan:
     @cached_property
     def flight_distance_m(self) -> float:
         """Geodesic length of the way from the first capture to the last, without climbs."""
-        return float(np.sum(_legs(self.lat_deg, self.lon_deg)[2]))
+        return float(np.sum(_legs(self.lat_deg, self.lon_deg)[1]))
 
     @property
     def rows(self) -> int:
@@ -291,9 +291,10 @@ def _disturbed(mission: Mission, layout: Layout, nominal: Poses) -> Poses:
     """Poses that are flown: moved and turned by the wind."""
     if mission.wind is None:
         return nominal
-    forward, _, distance = _legs(layout.lat_deg, layout.lon_deg)
+    forward, distance = _legs(layout.lat_deg, layout.lon_deg)
     heading = np.append(forward, forward[-1:]) if len(forward) else np.zeros(len(layout.lat_deg))
-    off = fly(mission.wind, distance / mission.wind.airspeed_m_per_s, heading, layout.agl_m)
+    interval_s = distance / mission.wind.ground_speed_m_per_s(heading[:-1])
+    off = fly(mission.wind, interval_s, heading, layout.agl_m, mission.yaw_deg)
     lat, ground = nominal.lat_deg, ground_of(mission)
     north = np.degrees(off.north_m / ground.meridional_radius_m(lat))
     east = np.degrees(off.east_m / (ground.normal_radius_m(lat) * np.cos(np.radians(lat))))
@@ -313,8 +314,8 @@ def _disturbed(mission: Mission, layout: Layout, nominal: Poses) -> Poses:
     )
 
 
-def _legs(lat_deg: Floats, lon_deg: Floats) -> tuple[Floats, Floats, Floats]:
-    """Azimuths at start and end in degrees, and length in metres, of the geodesics from each capture to the next."""
+def _legs(lat_deg: Floats, lon_deg: Floats) -> tuple[Floats, Floats]:
+    """Azimuth in degrees and length in metres of the geodesic from each capture to the next, (n - 1,) each."""
     lon = wrap_lon_deg(lon_deg)
-    forward, back, distance = Geod(a=WGS84.a_m, b=WGS84.b_m).inv(lon[:-1], lat_deg[:-1], lon[1:], lat_deg[1:])
-    return forward, back, distance
+    forward, _, distance = Geod(a=WGS84.a_m, b=WGS84.b_m).inv(lon[:-1], lat_deg[:-1], lon[1:], lat_deg[1:])
+    return forward, distance

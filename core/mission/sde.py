@@ -20,10 +20,10 @@ from ..errors import InvalidInput
 
 Floats = NDArray[np.float64]
 
-#: Largest ‖A‖ dt that the series are summed at: every term is then less than half the one before it.
+#: Largest ‖A‖ dt that the series are summed at: every term is then at most half the one before it.
 SERIES_NORM = 0.5
-#: Terms of the series. The covariance of a state that noise reaches through m integrations starts only at term 2m
-#: (m up to 6 here leaves room: it is 4 for the integral of a position), and 16 more bring it to rounding.
+#: Terms of the series. The variance of a state that noise reaches through m integrations starts only at term 2m + 1
+#: (m is 4 for the integral of a position), and 16 more bring it to rounding; that leaves room for m = 5.
 SERIES_TERMS = 28
 #: 2^64 steps of the series outlast the slowest time constant of any system that float64 can hold beside its fastest.
 MOST_DOUBLINGS = 64

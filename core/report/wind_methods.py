@@ -1,8 +1,8 @@
 """The usual integrators of flight in wind, by the covariances they give: no sampling noise hides their error.
 
 Each is a linear recursion x ← M x + v with v of covariance Q, so that its covariance goes P ← M P Mᵀ + Q. Methods as in
-Kloeden & Platen 1992, "Numerical Solution of Stochastic Differential Equations", §9.1 (Euler-Maruyama) and §12.2
-(implicit Euler and, with weights of one half, the trapezoid).
+Kloeden & Platen 1992, "Numerical Solution of Stochastic Differential Equations": Euler-Maruyama, and the implicit Euler
+family with weight 1 (implicit Euler) and one half (the trapezoid).
 """
 
 from __future__ import annotations

@@ -328,6 +328,29 @@ def test_a_flight_is_the_same_everywhere():
         assert getattr(flown, name) == pytest.approx(values, abs=2e-6)
 
 
+def test_a_flight_does_not_depend_on_how_it_is_cut_up(monkeypatch):
+    whole = fly(BREEZE, *steady(50, interval_s=0.3))
+    monkeypatch.setattr(wind, "CHUNK", 7)
+    parts = fly(BREEZE, *steady(50, interval_s=0.3))
+    for name, values in vars(whole).items():
+        assert getattr(parts, name) == pytest.approx(values, rel=1e-12, abs=1e-12)
+
+
+def test_a_flight_goes_to_each_exposure_at_its_height():
+    agl_m = np.array([30.0, 120.0, 30.0])
+    steps_taken, which = wind._steps(BREEZE, np.array([2.0, 5.0]), agl_m)
+    start = gusts.flight_system(BREEZE.sigma_m_per_s, AIRSPEED, 30.0).stationary_covariance()
+    root = steps_taken[which[0], :, SIZE:]
+    assert not steps_taken[which[0], :, :SIZE].any()
+    assert in_sigmas(root @ root.T - start, start) <= 1e-12
+    for exposure, interval_s in ((1, 2.0), (2, 5.0)):
+        system = gusts.flight_system(BREEZE.sigma_m_per_s, AIRSPEED, float(agl_m[exposure]))
+        growth, covariance = stepped(interval_s, system)
+        step = steps_taken[which[exposure]]
+        assert step[:, :SIZE] == pytest.approx(growth, abs=1e-12)
+        assert in_sigmas(step[:, SIZE:] @ step[:, SIZE:].T - covariance, covariance) <= 1e-12
+
+
 def test_equal_intervals_but_for_rounding_are_one_step():
     interval_s = 4.0 * (1.0 + 1e-14 * np.arange(1000))
     steps_taken, which = wind._steps(BREEZE, interval_s, np.full(1001, AGL_M))
