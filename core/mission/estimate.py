@@ -23,12 +23,15 @@ class Costs:
         Assembling, encoding and writing, on one core.
     bytes_per_px : dict
         Size of the written files by format.
+    warp_s_per_px : float
+        Making a camera frame from its tiles, on one core.
     """
 
     request_s: float
     request_bytes: float
     encode_s_per_px: dict[str, float]
     bytes_per_px: dict[str, float]
+    warp_s_per_px: float = 1e-7
 
 
 #: Aerial photographs: compressed tiles of 256 px have about 15 kB, a request takes about 60 ms.
@@ -123,6 +126,8 @@ def estimate(plan: Plan, costs: Costs = ONLINE, connections: int = 8, cores: int
         pixels = float(len(plan)) * mission.img_size[0] * mission.img_size[1]
     fetch_s = plan.requests * costs.request_s / (connections if costs.request_bytes else cores)
     encode_s = pixels * costs.encode_s_per_px[mission.image_format] / cores
+    if plan.size_px is not None:
+        encode_s += float(np.sum(plan.width_px * plan.height_px)) * costs.warp_s_per_px / cores
     # Computing tiles takes the cores from encoding; waiting for a server does not.
     seconds = max(fetch_s, encode_s) if costs.request_bytes else fetch_s + encode_s
     coverage, overlap = plan.coverage, plan.overlap

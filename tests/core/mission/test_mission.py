@@ -12,6 +12,7 @@ from terrainav.core.errors import InvalidInput
 from terrainav.core.geodesy.camera import Camera
 from terrainav.core.mission.area import Box, Points, Polygon
 from terrainav.core.mission.mission import MAP_TYPES, Mission
+from terrainav.core.mission.wind import Wind
 
 BOX = Box(35.16, -89.90, 35.115, -89.823)
 TRIANGLE = Polygon(
@@ -39,6 +40,17 @@ missions = st.builds(
     source=st.text(min_size=1).filter(lambda text: text.isprintable()),
     img_size=st.one_of(st.none(), st.just((64, 48, 1))),
     seed=st.integers(0, 2**31),
+    yaw_deg=st.floats(-360, 360),
+    tilt_deg=st.floats(-180, 180),
+    roll_deg=st.floats(-180, 180),
+    ground_height_m=st.floats(-12e3, 9e3),
+    error_budget_px=st.floats(1e-9, 100),
+    accept_error=st.booleans(),
+    footprint=st.sampled_from(["auto", "loc1", "exact"]),
+    frame=st.sampled_from(["auto", "map", "camera"]),
+    mesh=st.sampled_from(["auto", "mesh-0.1px", "rays"]),
+    resampling=st.sampled_from(["nearest", "bilinear", "bicubic", "lanczos"]),
+    wind=st.one_of(st.none(), st.builds(Wind, st.floats(0, 10), st.floats(0, 359), st.floats(0, 0.5))),
 )
 
 
@@ -127,6 +139,14 @@ def test_a_missing_mission_file_is_named(tmp_path):
         ({"max_images": 0}, "0 images"),
         ({"img_size": (0, 5, 3)}, "image size 0 5 3"),
         ({"img_size": (5, 5, 2)}, "1 or 3 channels"),
+        ({"tilt_deg": 181.0}, "tilt 181.0 deg"),
+        ({"yaw_deg": math.nan}, "yaw nan deg"),
+        ({"ground_height_m": 2e4}, "ground height 20000.0 m"),
+        ({"error_budget_px": 0.0}, "error budget 0.0 px: must be a number above 0"),
+        ({"footprint": "loc3"}, "footprint 'loc3': must be one of auto, loc1, loc2, exact"),
+        ({"frame": "round"}, "frame 'round'"),
+        ({"mesh": "mesh"}, "mesh 'mesh'"),
+        ({"resampling": "cubic"}, "resampling 'cubic'"),
     ],
 )
 def test_values_outside_their_domain_are_named(change, says):

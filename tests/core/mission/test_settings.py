@@ -8,6 +8,7 @@ import pytest
 from terrainav.core.errors import InvalidInput
 from terrainav.core.mission.area import Box, Points
 from terrainav.core.mission.settings import OPTIONS, mission_from, resolve
+from terrainav.core.mission.wind import Wind
 
 
 @pytest.fixture
@@ -135,6 +136,27 @@ def test_what_is_missing_or_contradicts_is_named(given, says):
         make(**given)
     assert says in str(refused.value)
     assert "\n" not in str(refused.value)
+
+
+def test_attitude_budget_and_wind():
+    mission = make(
+        coords="35.1_-89.8_120",
+        yaw="30",
+        tilt="60",
+        roll="-2",
+        ground_height="80",
+        error_budget="0.5",
+        resampling="bicubic",
+        wind=["8", "270", "0.2"],
+        airspeed="12",
+        seed="7",
+    )
+    assert (mission.yaw_deg, mission.tilt_deg, mission.roll_deg, mission.ground_height_m) == (30, 60, -2, 80)
+    assert (mission.error_budget_px, mission.resampling) == (0.5, "bicubic")
+    assert mission.wind == Wind(8.0, 270.0, 0.2, 7, 12.0)
+    assert make(coords="35.1_-89.8_120").wind is None
+    with pytest.raises(InvalidInput, match="takes 3 values"):
+        make(coords="35.1_-89.8_120", wind=["8"])
 
 
 def test_every_option_explains_itself():
