@@ -98,17 +98,24 @@ def flat_bending_px(scene: Scene) -> Floats:
 
 
 def loc1_px(scene: Scene) -> Floats:
-    """Bound of `footprint.loc1`: ρ[εt²/2 + κ(T + e²)], (n,)."""
-    kappa = scene.height_share * scene.diagonal_tangent
-    series = flat_bending_px(scene) + scene.half_diagonal_px * kappa * (scene.lat_tangent + scene.ground.e2)
-    return _with_noise(scene, series)
+    """Bound of `footprint.loc1`: that of loc2 and ρκ(T + e²), (n,)."""
+    first = scene.half_diagonal_px * _size_share(scene) * (scene.lat_tangent + scene.ground.e2)
+    return _with_noise(scene, first + _second_order_px(scene))
 
 
 def loc2_px(scene: Scene) -> Floats:
     """Bound of `footprint.loc2`: ρ[εt²/2 + κ²(½ + T²)], (n,)."""
-    kappa = scene.height_share * scene.diagonal_tangent
-    series = flat_bending_px(scene) + scene.half_diagonal_px * kappa**2 * (0.5 + scene.lat_tangent**2)
-    return _with_noise(scene, series)
+    return _with_noise(scene, _second_order_px(scene))
+
+
+def _size_share(scene: Scene) -> Floats:
+    """κ, (n,)."""
+    return scene.height_share * scene.diagonal_tangent
+
+
+def _second_order_px(scene: Scene) -> Floats:
+    laid_out = _size_share(scene) ** 2 * (0.5 + scene.lat_tangent**2)
+    return flat_bending_px(scene) + scene.half_diagonal_px * laid_out
 
 
 def map_frame_px(scene: Scene) -> Floats:
@@ -124,7 +131,9 @@ def map_frame_px(scene: Scene) -> Floats:
         1.05 * bend / radius * (width_px * height_m / 4.0 + (width_px * width_m + height_px * height_m) / 8.0)
     )
     second = scene.half_diagonal_px * (np.maximum(width_m, height_m) / radius) ** 2 * (1.0 + bend**2)
-    return _with_noise(scene, flat_bending_px(scene) + converging + second) + attitude_px(scene)
+    # Edges go from degrees to fractions of the world and come back: as much noise again, twice.
+    there_and_back = 2.0 * _NOISE_M / scene.nadir_px_m
+    return _with_noise(scene, flat_bending_px(scene) + converging + second) + there_and_back + attitude_px(scene)
 
 
 def attitude_px(scene: Scene) -> Floats:
@@ -154,8 +163,7 @@ def _with_noise(scene: Scene, series: Floats) -> Floats:
 def outside_flat_domain(scene: Scene) -> str:
     """Why the flat rungs have no bound here, with the value and the limit; empty where they have one."""
     stretch = float(np.max(scene.height_share)) * scene.diagonal_tangent**2
-    kappa = scene.height_share * scene.diagonal_tangent
-    size = float(np.max(kappa * np.maximum(scene.lat_tangent, 1.0)))
+    size = float(np.max(_size_share(scene) * np.maximum(scene.lat_tangent, 1.0)))
     tilted = float(max(np.max(np.abs(scene.poses.tilt_deg)), np.max(np.abs(scene.poses.roll_deg))))
     if tilted > 0.0:
         return f"tilt or roll of {tilted:g} deg: holds for cameras that look straight down"

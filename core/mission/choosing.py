@@ -184,5 +184,7 @@ def _left_out(mission: Mission, footprint: Rung, picture: Rung, mesh: Choice | N
             ("exact footprints", f"the bound of {footprint.name}, {bound_text(footprint.bound_px)} px, fits")
         )
     if mission.wind is None or mission.wind.sigma_m_per_s == 0.0:
-        found.append(("wind", "air without gusts was asked for" if mission.wind else "still air was asked for"))
+        found.append(
+            ("wind", "air without gusts was asked for" if mission.wind else "still air was asked for")
+        )
     return found
