@@ -133,7 +133,9 @@ def map_frame_px(scene: Scene) -> Floats:
     second = scene.half_diagonal_px * (np.maximum(width_m, height_m) / radius) ** 2 * (1.0 + bend**2)
     # Edges go from degrees to fractions of the world and come back: as much noise again, twice.
     there_and_back = 2.0 * _NOISE_M / scene.nadir_px_m
-    return _with_noise(scene, flat_bending_px(scene) + converging + second) + there_and_back + attitude_px(scene)
+    return (
+        _with_noise(scene, flat_bending_px(scene) + converging + second) + there_and_back + attitude_px(scene)
+    )
 
 
 def attitude_px(scene: Scene) -> Floats:

@@ -171,8 +171,8 @@ def _meridian_frame(lat_deg: Floats, vectors_enu: Floats) -> tuple[Floats, Float
 def trace(lat_deg: Floats, agl_m: Floats, rays_enu: Floats, ground: Ellipsoid = WGS84) -> GroundPoints:
     """Intersect rays from a camera above the ellipsoid with it.
 
-    The quadratic is built from the height, so that nothing cancels: 1.5e-9 m against 50-digit
-    arithmetic from 3 m to 1000 km above ground.
+    The quadratic is built from the height, so that nothing cancels: against 50-digit arithmetic the ground is off by
+    three roundings of the ray at most, 3·2⁻⁵³·slant/sin(incidence), and by the 1.6e-9 m that degrees resolve.
 
     Parameters
     ----------
@@ -186,24 +186,13 @@ def trace(lat_deg: Floats, agl_m: Floats, rays_enu: Floats, ground: Ellipsoid = 
         The surface to hit; ``WGS84.raised(g)`` for ground at height g.
     """
     rho, z, excess = _station(lat_deg, agl_m, ground)
-    ray_x, east, ray_z = _meridian_frame(lat_deg, np.asarray(rays_enu, np.float64))
-    disc, half_lin = _discriminant(rho, z, excess, ray_x, east, ray_z, ground)
+    rays = np.asarray(rays_enu, np.float64)
+    disc, half_lin = clearance(lat_deg, agl_m, rays, ground)
     hit = np.asarray((disc >= 0.0) & (half_lin < 0.0))
     with np.errstate(invalid="ignore", divide="ignore"):
         t = np.where(hit, excess / (np.sqrt(np.where(hit, disc, 0.0)) - half_lin), np.nan)
-    x, y, w = rho + t * ray_x, t * east, z + t * ray_z
-    return GroundPoints(*_geodetic(x, y, w, ground.e2), hit)
-
-
-def _discriminant(
-    rho: Floats, z: Floats, excess: Floats, ray_x: Floats, east: Floats, ray_z: Floats, ground: Ellipsoid
-) -> tuple[Floats, Floats]:
-    """Discriminant of the quadratic along rays, and half its linear term (negative towards the Earth)."""
-    a, b = ground.a_m, ground.b_m
-    quad = (ray_x**2 + east**2) / a**2 + ray_z**2 / b**2
-    half_lin: Floats = rho * ray_x / a**2 + z * ray_z / b**2
-    disc: Floats = half_lin**2 - quad * excess
-    return disc, half_lin
+    ray_x, ray_y, ray_z = _meridian_frame(lat_deg, rays)
+    return GroundPoints(*_geodetic(rho + t * ray_x, t * ray_y, z + t * ray_z, ground.e2), hit)
 
 
 def clearance(
@@ -211,10 +200,24 @@ def clearance(
 ) -> tuple[Floats, Floats]:
     """How rays pass the Earth: two numbers (...), of which a ray that hits has the first >= 0 and the second < 0.
 
-    Along a straight line in the image the first is a quadratic and the second is linear.
+    They are the discriminant of the quadratic along the ray and half its linear term. Along a straight line in the
+    image the first is a quadratic and the second is linear.
     """
+    a, b, e2 = ground.a_m, ground.b_m, ground.e2
     rho, z, excess = _station(lat_deg, agl_m, ground)
-    return _discriminant(rho, z, excess, *_meridian_frame(lat_deg, np.asarray(rays_enu, np.float64)), ground)
+    x, east, w = _meridian_frame(lat_deg, rays_enu)
+    square = (x**2 + east**2) / a**2 + w**2 / b**2
+    half_lin: Floats = rho * x / a**2 + z * w / b**2
+    near = half_lin**2 - square * excess
+    if np.all(excess <= 1.0):
+        return near, half_lin
+    # From high up those two cancel; |d|² - |Q × d|², the same by Lagrange's identity, does not.
+    phi = np.radians(np.asarray(lat_deg, np.float64))
+    s, c = np.sin(phi), np.cos(phi)
+    n = a / np.sqrt(1.0 - e2 * s * s)
+    moment = (n * (1.0 - e2 * s * s) + agl_m) * rays_enu[..., 1] + n * e2 * s * c * rays_enu[..., 2]
+    high = square - (1.0 + excess) * (east / a) ** 2 - (moment / (a * b)) ** 2
+    return np.where(excess > 1.0, high, near), half_lin
 
 
 def _geodetic(x: Floats, y: Floats, z: Floats, e2: float) -> tuple[Floats, Floats]:

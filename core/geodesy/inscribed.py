@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from ..errors import InvalidInput
 from .camera import Camera
 from .ellipsoid import WGS84, Ellipsoid
-from .footprint import exact
+from .footprint import Corners, exact
 from .frames import FrameEdges
 from .mercator import lat_to_v, lon_to_u
 from .poses import Poses
@@ -23,6 +23,8 @@ _RATIOS, _RATIO_REACH = 65, 16.0
 _SEARCH_POINTS = 9
 #: Rounding an edge to the grid may move it outward by half a pixel; the rest is for the bend between the points.
 _MARGIN_PX = 0.55
+#: Longitudes within this of a level camera's are not beyond a pole.
+_SAME_SIDE_DEG = 90.0
 #: Poses worked on in one go, to bound memory.
 _BATCH = 1024
 
@@ -67,20 +69,50 @@ def inscribed_edges(
         ]
         return FrameEdges(*(np.concatenate(columns) for columns in zip(*parts)))
     at_zero = poses._replace(lon_deg=np.zeros(len(poses.lat_deg)))
+    frame = tuple((x, y) for x, y in _image_frame().tolist())
+    if not any(angle.any() for angle in poses.attitude):
+        seen = exact(camera, at_zero, frame, ground)
+        if seen.hit.all() and (np.abs(seen.lon_deg) < _SAME_SIDE_DEG).all():
+            return _shrunk(_level_edges(_on_map(seen)), pixel)
     centre = _map_points(camera, at_zero, (_anchor(camera, at_zero, ground),), ground)
-    ring = _map_points(camera, at_zero, tuple(map(tuple, _image_frame().tolist())), ground)
-    half_u, half_v = _half_sizes(ring - centre)
-    half_u, half_v = (np.maximum(half - _MARGIN_PX * pixel, 0.0) for half in (half_u, half_v))
+    half_u, half_v = _half_sizes(_map_points(camera, at_zero, frame, ground) - centre)
     u, v = centre[:, 0, 0], centre[:, 0, 1]
-    return FrameEdges(u - half_u, u + half_u, v - half_v, v + half_v)
+    return _shrunk(FrameEdges(u - half_u, u + half_u, v - half_v, v + half_v), pixel)
+
+
+def _shrunk(edges: FrameEdges, pixel: float) -> FrameEdges:
+    """Edges with room for their rounding; those that would pass each other meet in the middle."""
+    west, east, top, bottom = edges
+    across, down = (np.minimum(_MARGIN_PX * pixel, size / 2.0) for size in edges.size)
+    return FrameEdges(west + across, east - across, top + down, bottom - down)
+
+
+def _level_edges(ring: Floats) -> FrameEdges:
+    """Edges inside the rings (n, k, 2) of level, north-up cameras, whose own edges are nearly the map's."""
+    north, east, south, west = (
+        np.take(ring, range(start, start + _EDGE_POINTS + 1), axis=1, mode="wrap")
+        for start in range(0, 4 * _EDGE_POINTS, _EDGE_POINTS)
+    )
+    return FrameEdges(
+        west[..., 0].max(axis=1),
+        east[..., 0].min(axis=1),
+        north[..., 1].max(axis=1),
+        south[..., 1].min(axis=1),
+    )
 
 
 def _map_points(
     camera: Camera, poses: Poses, points: tuple[tuple[float, float], ...], ground: Ellipsoid
 ) -> Floats:
     """World fractions from the camera's meridian and from the map's north, (n, k, 2)."""
-    seen = exact(camera, poses, points, ground)
-    return np.stack([lon_to_u(seen.lon_deg) - 0.5, lat_to_v(seen.lat_deg)], axis=-1)
+    return _on_map(exact(camera, poses, points, ground))
+
+
+def _on_map(seen: Corners) -> Floats:
+    """World fractions of ground points, (n, k, 2)."""
+    # The poles are infinitely far up and down; anywhere beyond the map will do.
+    v = np.clip(lat_to_v(seen.lat_deg), -1.0, 2.0)
+    return np.stack([lon_to_u(seen.lon_deg) - 0.5, v], axis=-1)
 
 
 def _anchor(camera: Camera, poses: Poses, ground: Ellipsoid) -> tuple[float, float]:
@@ -102,21 +134,22 @@ def _anchor(camera: Camera, poses: Poses, ground: Ellipsoid) -> tuple[float, flo
 
 
 def _half_sizes(ring: Floats) -> tuple[Floats, Floats]:
-    """Half width and height, (n,) each, of the largest centred rectangle inside each ring (n, k, 2)."""
+    """Half width and height, (n,) each, of the largest centred rectangle inside each ring (n, k, 2).
+
+    0 for rings without extent, as those have that lie beyond the map.
+    """
+    extent = np.ptp(ring, axis=1)
+    flat = (extent <= 0.0).any(axis=1)
+    shape = np.where(flat, 1.0, extent[:, 1]) / np.where(flat, 1.0, extent[:, 0])
+    ratios = shape[:, np.newaxis] * np.geomspace(1.0 / _RATIO_REACH, _RATIO_REACH, _RATIOS)
     start, way = ring, np.roll(ring, -1, axis=1) - ring
     # A line through two vertices leaves the rectangle on its side while |way × corner| stays below |way × start|.
-    distance = np.abs(way[..., 0] * start[..., 1] - way[..., 1] * start[..., 0])
-    reach_u, reach_v = np.abs(way[..., 1]), np.abs(way[..., 0])
-    extent = np.ptp(ring, axis=1)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        shape = extent[:, 1] / extent[:, 0]
-        ratios = shape[:, np.newaxis] * np.geomspace(1.0 / _RATIO_REACH, _RATIO_REACH, _RATIOS)
-        # Vertices that coincide make no line.
-        need = reach_u[:, :, np.newaxis] + reach_v[:, :, np.newaxis] * ratios[:, np.newaxis]
-        half_u = np.where(need > 0.0, distance[:, :, np.newaxis] / need, np.inf).min(axis=1)
-    area = half_u * half_u * ratios
-    best = np.argmax(np.where(np.isfinite(area), area, -1.0), axis=1)[:, np.newaxis]
+    distance = np.abs(way[..., 0] * start[..., 1] - way[..., 1] * start[..., 0])[:, :, np.newaxis]
+    reach_u, reach_v = (np.abs(way[..., axis])[:, :, np.newaxis] for axis in (1, 0))
+    need = reach_u + reach_v * ratios[:, np.newaxis]
+    # Vertices that coincide make no line.
+    room = np.where(need > 0.0, distance / np.where(need > 0.0, need, 1.0), np.inf)
+    half_u = np.where(flat[:, np.newaxis], 0.0, room.min(axis=1))
+    best = np.argmax(half_u * half_u * ratios, axis=1)[:, np.newaxis]
     width = np.take_along_axis(half_u, best, axis=1)[:, 0]
-    height = width * np.take_along_axis(ratios, best, axis=1)[:, 0]
-    finite = np.isfinite(width) & np.isfinite(height)
-    return np.where(finite, width, 0.0), np.where(finite, height, 0.0)
+    return width, width * np.take_along_axis(ratios, best, axis=1)[:, 0]
