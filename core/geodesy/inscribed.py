@@ -15,14 +15,16 @@ from .poses import Poses
 
 Floats = NDArray[np.float64]
 
-#: Points along each edge of the image. A chord between two leaves 1/256 of the edge's bend outside.
-_EDGE_POINTS = 16
+#: Points along each edge of the image.
+_EDGE_POINTS = 12
 #: Ratios of height to width that are tried, and how far they reach from that of the ground itself.
-_RATIOS, _RATIO_REACH = 65, 16.0
+_RATIOS, _RATIO_REACH = 33, 16.0
 #: Points an image is searched with for the middle of the ground it shows, along each side.
 _SEARCH_POINTS = 9
-#: Rounding an edge to the grid may move it outward by half a pixel; the rest is for the bend between the points.
-_MARGIN_PX = 0.55
+#: Rounding an edge to the grid may move it outward by half a pixel; the rest is for what float64 does to positions.
+_MARGIN_PX = 0.5 + 1e-3
+#: Poles are infinitely far up and down the map; this far, in world fractions, is far enough.
+_BEYOND = 1.0
 #: Longitudes within this of a level camera's are not beyond a pole.
 _SAME_SIDE_DEG = 90.0
 #: Poses worked on in one go, to bound memory.
@@ -73,17 +75,28 @@ def inscribed_edges(
     if not any(angle.any() for angle in poses.attitude):
         seen = exact(camera, at_zero, frame, ground)
         if seen.hit.all() and (np.abs(seen.lon_deg) < _SAME_SIDE_DEG).all():
-            return _shrunk(_level_edges(_on_map(seen)), pixel)
+            ring = _on_map(seen)
+            return _shrunk(_level_edges(ring), ring, pixel)
     centre = _map_points(camera, at_zero, (_anchor(camera, at_zero, ground),), ground)
-    half_u, half_v = _half_sizes(_map_points(camera, at_zero, frame, ground) - centre)
+    ring = _map_points(camera, at_zero, frame, ground)
+    half_u, half_v = _half_sizes(ring - centre)
     u, v = centre[:, 0, 0], centre[:, 0, 1]
-    return _shrunk(FrameEdges(u - half_u, u + half_u, v - half_v, v + half_v), pixel)
+    return _shrunk(FrameEdges(u - half_u, u + half_u, v - half_v, v + half_v), ring, pixel)
 
 
-def _shrunk(edges: FrameEdges, pixel: float) -> FrameEdges:
-    """Edges with room for their rounding; those that would pass each other meet in the middle."""
+def _shrunk(edges: FrameEdges, ring: Floats, pixel: float) -> FrameEdges:
+    """Edges with room for their rounding and for how far the ring bends inward between its points.
+
+    Edges that would pass each other meet in the middle.
+    """
     west, east, top, bottom = edges
-    across, down = (np.minimum(_MARGIN_PX * pixel, size / 2.0) for size in edges.size)
+    sides = ring.reshape(len(ring), 4, _EDGE_POINTS, 2)
+    second, chord = np.diff(sides, n=2, axis=2), sides[:, :, 2:] - sides[:, :, :-2]
+    length = np.hypot(chord[..., 0], chord[..., 1])
+    # Across its chord a curve leaves it by an eighth of its second difference; along it, points are only spaced.
+    aside = np.abs(second[..., 0] * chord[..., 1] - second[..., 1] * chord[..., 0])
+    sag = (aside / np.where(length > 0.0, length, 1.0)).max(axis=(1, 2)) / 8.0
+    across, down = (np.minimum(_MARGIN_PX * pixel + sag, size / 2.0) for size in edges.size)
     return FrameEdges(west + across, east - across, top + down, bottom - down)
 
 
@@ -110,8 +123,7 @@ def _map_points(
 
 def _on_map(seen: Corners) -> Floats:
     """World fractions of ground points, (n, k, 2)."""
-    # The poles are infinitely far up and down; anywhere beyond the map will do.
-    v = np.clip(lat_to_v(seen.lat_deg), -1.0, 2.0)
+    v = np.clip(lat_to_v(seen.lat_deg), -_BEYOND, 1.0 + _BEYOND)
     return np.stack([lon_to_u(seen.lon_deg) - 0.5, v], axis=-1)
 
 
