@@ -149,8 +149,22 @@ def attitude_px(scene: Scene) -> Floats:
 
 
 def exact_px(scene: Scene) -> Floats:
-    """Bound of the exact camera in float64: the noise of ground positions, (n,)."""
-    return _NOISE_M / scene.nadir_px_m + _EXACT_NOISE_PX
+    """Bound of the exact camera's corners in float64: the noise of ground positions, (n,).
+
+    A corner whose ray is L times as long as the axis' and meets the ground at an angle β below the horizontal spreads
+    that noise by up to L²·sin β in the image; in a level one, whose corners are seen as aslant as they are far, by 1.
+    """
+    sin_below, squared = corner_angles(scene)
+    spread = np.max(squared * np.clip(sin_below, 0.0, 1.0), axis=1)
+    level = (scene.poses.tilt_deg == 0.0) & (scene.poses.roll_deg == 0.0)
+    spread = np.where(level, 1.0, np.maximum(spread, 1.0))
+    return _NOISE_M / scene.nadir_px_m * spread + _EXACT_NOISE_PX
+
+
+def image_px(scene: Scene) -> Floats:
+    """Bound of the exact camera over a whole image in float64, (n,): no ray is longer than a corner's."""
+    longest = 1.0 + scene.diagonal_tangent**2
+    return _NOISE_M / scene.nadir_px_m * longest + _EXACT_NOISE_PX
 
 
 def mesh_noise_px(scene: Scene) -> Floats:

@@ -1,0 +1,120 @@
+"""Bounds over a seeded draw of their domains, and what the bounds are made of."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from terrainav.core.geodesy import accuracy
+from terrainav.core.geodesy.accuracy import Scene
+from terrainav.core.geodesy.camera import Camera
+from terrainav.core.geodesy.mercator import PixelGrid
+from terrainav.core.geodesy.mesh import ImageRays, mesh
+from terrainav.core.geodesy.poses import Poses
+from terrainav.core.geodesy.view import view
+
+from tests.core.geodesy import bounds, longdouble
+from tests.core.geodesy.reference import look, see
+
+pytestmark = pytest.mark.skipif(not longdouble.EXTENDED, reason=longdouble.WHY_NOT)
+
+
+def scene(lat=35.14, agl=120.0, yaw=0.0, tilt=0.0, roll=0.0, camera=Camera(), size=(640, 480)):  # noqa: B008
+    one = np.array([float(lat)])
+    return Scene(camera, *size, Poses.turned(one, np.zeros(1), np.array([float(agl)]), yaw, tilt, roll))
+
+
+def test_methods_for_level_cameras_stay_within_their_bounds():
+    for name, tally in bounds.level_methods(seed=7, draws=60, each=150).items():
+        assert tally.count > 2000
+        assert tally.worst <= 1.0, (name, tally.scene)
+        # A bound ten times too large would be no guide.
+        assert tally.median > 0.1, name
+
+
+def test_the_exact_camera_stays_within_its_bound():
+    tally = bounds.exact_footprints(seed=8, draws=100, each=150)
+    assert tally.count > 5000
+    assert tally.worst <= 1.0, tally.scene
+
+
+@pytest.mark.parametrize("tolerance", [0.3, 0.03, 0.003])
+def test_cells_of_meshes_stay_within_their_bounds(tolerance):
+    points, meshes = bounds.meshes(9, 60, tolerance)
+    assert points.count > 10_000
+    assert points.worst <= 1.0, points.scene
+    _, plain = bounds.meshes(10, 40, tolerance, widest=120.0)
+    assert plain.worst <= 1.0, plain.scene
+    assert meshes.count > 10
+
+
+def test_rectangles_lie_inside_what_cameras_see():
+    assert bounds.rectangles_inside(seed=11, draws=120, each=20) <= 1e-3
+
+
+@pytest.mark.parametrize(
+    "pose",
+    [{}, {"tilt": 60.0, "yaw": 30.0}, {"tilt": 85.0, "roll": 5.0}, {"lat": 40.1, "agl": 8e6}, {"agl": 3.6e7}],
+)
+@pytest.mark.parametrize("tolerance", [0.1, 0.003])
+def test_every_pixel_is_a_cell_or_a_ray_or_sky(pose, tolerance):
+    here = scene(**pose)
+    rays = ImageRays.of(here)
+    cells = mesh(rays, tolerance)
+    times = np.zeros((480, 640), int)
+    for left, top, right, bottom in np.concatenate([cells.box, cells.loose]).tolist():
+        times[top:bottom, left:right] += 1
+    assert times.max() == 1
+    row, column = np.nonzero(times == 0)
+    _, _, hit = rays.map_points(column + 0.5, row + 0.5)
+    assert not hit.any()
+    assert (cells.bound_px <= tolerance).all()
+    made = view(here, PixelGrid(), (0, 22), tolerance)
+    _, _, seen = rays.map_points(*(axis + 0.5 for axis in np.meshgrid(np.arange(640), np.arange(480))))
+    sky = np.zeros((480, 640), bool) if made.sky is None else made.sky
+    np.testing.assert_array_equal(sky, ~seen)
+
+
+def test_numbers_that_were_measured_elsewhere():
+    # The flat model's corner error at latitude 40.1 (px of 640): 0.0025 at 120 m, 0.021 at 1 km, 0.34 at 16 km.
+    for agl, error in ((120.0, 0.0025), (1e3, 0.021), (16e3, 0.34)):
+        assert float(accuracy.flat_bending_px(scene(40.1, agl))[0]) == pytest.approx(error, rel=0.05)
+    assert accuracy.terrain_px_per_m(scene()) == pytest.approx(400.0 / 120.0, rel=1e-12)
+    assert accuracy.condition_number(scene(85.05, 10.0)) == pytest.approx(11.6, abs=0.05)
+    assert accuracy.condition_number(scene(tilt=85.0)) == math.inf
+
+
+@pytest.mark.parametrize(("inside_deg", "condition"), [(1.0, 68.0), (0.01, 1.1e3)])
+def test_the_condition_near_the_horizon(inside_deg, condition):
+    """Relative change of the ground distance per relative change of the angle, by differences at 50 digits."""
+    camera = Camera(0.001, 1.0)
+    agl, radius = 120.0, 6378137.0 * (1 - 1 / 298.257223563)
+    tilt = 90.0 - math.degrees(math.acos(radius / (radius + agl))) - inside_deg
+    from mpmath import mp, mpf
+
+    def distance(angle):
+        lat, _ = see(0.0, agl, 0.001, 1.0, 0.0, float(angle), 0.0, 0.0, 0.0)
+        return lat
+
+    with mp.workdps(50):
+        step = tilt * 1e-7
+        change = (distance(tilt + step) - distance(tilt - step)) / (2 * mpf(step)) * tilt / distance(tilt)
+    found = accuracy.condition_number(scene(0.0, agl, tilt=tilt, camera=camera))
+    assert float(change) == pytest.approx(condition, rel=0.15)
+    assert found == pytest.approx(float(change), rel=0.25)
+
+
+@pytest.mark.parametrize("pose", [{}, {"tilt": 40.0}, {"tilt": 55.0, "roll": 10.0, "yaw": 200.0}])
+def test_relief_moves_points_as_stated(pose):
+    here = scene(**pose)
+    stated = accuracy.terrain_px_per_m(here)
+    angles = [pose.get(name, 0.0) for name in ("yaw", "tilt", "roll")]
+    worst = 0.0
+    for x, y in ((-1.0, 1.0), (1.0, 1.0), (1.0, -1.0), (-1.0, -1.0)):
+        lat, dlon = see(35.14, 120.0, 78.8, 4 / 3, *angles, x, y)
+        # The same place a centimetre higher: a camera that much lower over ground that much higher.
+        found = look(35.14, 119.99, 78.8, 4 / 3, *angles, lat, dlon, 0.01)
+        worst = max(worst, math.hypot((float(found[0]) - x) * 320, (float(found[1]) - y) * 240) / 0.01)
+    assert worst <= stated * 1.01
+    assert worst >= stated * 0.4
