@@ -1,4 +1,4 @@
-"""The command ``terrainav``: plan, capture, sources, cameras."""
+"""The command ``terrainav``: plan, capture, report, sources, cameras."""
 
 from __future__ import annotations
 
@@ -31,6 +31,8 @@ _RUN_OPTIONS = ("dataset", "batch_size", "data_dir", "connections")
 #: Failed pictures named on the terminal; all are in the journal and the tables.
 _NAMED_FAILURES = 10
 _BAR_WIDTH = 30
+#: Requests that a report may make for the few pictures it measures on.
+_REPORT_REQUESTS = 200
 
 
 class _Parser(argparse.ArgumentParser):
@@ -91,6 +93,17 @@ def _parser() -> argparse.ArgumentParser:
     capturing.add_argument("--json", action="store_true", help="print the result as JSON")
     capturing.add_argument("--quiet", action="store_true", help="no progress bar")
 
+    reporting = commands.add_parser(
+        "report", help="measure a mission's error against run time; writes a page"
+    )
+    _add_mission_options(reporting)
+    reporting.add_argument(
+        "--output", metavar="DIR", required=True, help="folder of the page and its pictures"
+    )
+    reporting.add_argument(
+        "--accept-terms", action="store_true", help="agree to the terms of a source that asks for it"
+    )
+
     for name, text in (
         ("sources", "list sources of imagery and their terms"),
         ("cameras", "list camera presets"),
@@ -126,6 +139,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     commands = {
         "plan": _plan,
         "capture": _capture,
+        "report": _report,
         "sources": _sources,
         "cameras": _cameras,
     }
@@ -330,6 +344,23 @@ def _print_result(result: CaptureResult, as_json: bool) -> None:
             f"failed: {len(result.failed) - _NAMED_FAILURES:,} more, named in {result.folder}",
             file=sys.stderr,
         )
+
+
+def _say(what: str) -> None:
+    print(f"measuring: {what}", file=sys.stderr)
+
+
+def _report(arguments: argparse.Namespace) -> int:
+    from .imagery.catalogue import check_policy
+    from .report.page import write_report
+
+    mission, values = _settings(arguments)
+    with _opened(mission, values, plan_only=False) as source:
+        worked_out = plan(mission, source.grid)
+        check_policy(source, _REPORT_REQUESTS, accept_terms=arguments.accept_terms)
+        page = write_report(worked_out, source, arguments.output, progress=_say)
+    print(f"report in {page}")
+    return DONE
 
 
 def _sources(arguments: argparse.Namespace) -> int:

@@ -27,7 +27,7 @@ _BEYOND_THE_SERIES = 1.15
 _NOISE_PX, _NOISE_M = 1e-6, 4e-9
 #: Noise of the exact camera's image positions, px of an image of a few thousand.
 _EXACT_NOISE_PX = 1e-9
-#: Largest distance of a ground position from its neighbour in float64 degrees: a smaller pixel is not resolved.
+#: Smallest pixel on the ground that positions in float64 degrees resolve to a tenth of itself.
 RESOLVED_M = 4e-8
 
 
@@ -148,23 +148,21 @@ def attitude_px(scene: Scene) -> Floats:
     return turned
 
 
-def exact_px(scene: Scene) -> Floats:
-    """Bound of the exact camera's corners in float64: the noise of ground positions, (n,).
+def finest_px_m(scene: Scene) -> Floats:
+    """Least metres of ground that a px of the image spans, (n,).
 
-    A corner whose ray is L times as long as the axis' and meets the ground at an angle β below the horizontal spreads
-    that noise by up to L²·sin β in the image; in a level one, whose corners are seen as aslant as they are far, by 1.
+    A ray L times as long as the axis' that leads D down for each unit along the axis spreads the ground in the image by
+    up to L·D more than one straight down does, and that is most at a corner; in a level image by no more.
     """
     sin_below, squared = corner_angles(scene)
     spread = np.max(squared * np.clip(sin_below, 0.0, 1.0), axis=1)
     level = (scene.poses.tilt_deg == 0.0) & (scene.poses.roll_deg == 0.0)
-    spread = np.where(level, 1.0, np.maximum(spread, 1.0))
-    return _NOISE_M / scene.nadir_px_m * spread + _EXACT_NOISE_PX
+    return np.asarray(scene.nadir_px_m / np.where(level, 1.0, np.maximum(spread, 1.0)), np.float64)
 
 
-def image_px(scene: Scene) -> Floats:
-    """Bound of the exact camera over a whole image in float64, (n,): no ray is longer than a corner's."""
-    longest = 1.0 + scene.diagonal_tangent**2
-    return _NOISE_M / scene.nadir_px_m * longest + _EXACT_NOISE_PX
+def exact_px(scene: Scene) -> Floats:
+    """Bound of the exact camera in float64, at any point of the image: the noise of ground positions, (n,)."""
+    return _NOISE_M / finest_px_m(scene) + _EXACT_NOISE_PX
 
 
 def mesh_noise_px(scene: Scene) -> Floats:

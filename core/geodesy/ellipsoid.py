@@ -259,6 +259,20 @@ def limb(lat_deg: Floats, agl_m: Floats, towards_enu: Floats, ground: Ellipsoid 
     return GroundPoints(lat, dlon, np.ones(lat.shape, bool))
 
 
+def limb_azimuth(lat_deg: Floats, agl_m: Floats, towards_enu: Floats, ground: Ellipsoid = WGS84) -> Floats:
+    """Azimuth, radians from north, of the level directions whose points of the horizon are those of given ones.
+
+    Directions that differ by a part along the line from the Earth's centre share their point of the `limb`; that line
+    leans from the vertical by N e² sin φ cos φ over N(1 - e² sin² φ) + h.
+    """
+    phi = np.radians(np.asarray(lat_deg, np.float64))
+    s, c = np.sin(phi), np.cos(phi)
+    n = ground.a_m / np.sqrt(1.0 - ground.e2 * s * s)
+    lean = n * ground.e2 * s * c / (n * (1.0 - ground.e2 * s * s) + agl_m)
+    azimuth: Floats = np.arctan2(towards_enu[..., 0], towards_enu[..., 1] + lean * towards_enu[..., 2])
+    return azimuth
+
+
 def sight_lines(
     lat_deg: Floats, agl_m: Floats, ground_lat_deg: Floats, dlon_deg: Floats, ground: Ellipsoid = WGS84
 ) -> Floats:

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from ..errors import InvalidInput
 from .camera import CORNERS, Camera
-from .ellipsoid import WGS84, Ellipsoid, clearance, limb, sight_lines, trace
+from .ellipsoid import WGS84, Ellipsoid, clearance, limb, limb_azimuth, sight_lines, trace
 from .poses import Poses
 
 Floats = NDArray[np.float64]
@@ -198,4 +198,4 @@ class _View:
         points = start[edges] + np.array(shares)[:, np.newaxis] * way[edges]
         rays = self.camera.rays_enu(points, *self.attitude)
         ahead = clearance(*self._where, rays, self.ground)[1] < 0.0
-        return np.asarray(np.arctan2(rays[ahead, 0], rays[ahead, 1]), np.float64)
+        return limb_azimuth(*self._where, rays[ahead], self.ground)

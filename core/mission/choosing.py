@@ -105,7 +105,7 @@ def scene_of(mission: Mission, flown: Framed) -> Scene:
 
 
 def _check_resolved(scene: Scene) -> None:
-    finest = float(np.min(scene.nadir_px_m))
+    finest = float(np.min(accuracy.finest_px_m(scene)))
     if finest < accuracy.RESOLVED_M:
         raise InvalidInput(
             f"pixels of {finest:.2g} m on the ground: degrees in float64 resolve {accuracy.RESOLVED_M:g} m; fly "

@@ -58,9 +58,9 @@ class Tally:
         return float(np.median(np.concatenate(self.ratios))) if self.ratios else np.nan
 
 
-def cameras(rng, count, widest=179.9) -> Iterator[Camera]:
-    """Cameras of 0.01 deg to the widest field of view, in their tangents, and aspect ratios of 1e-3 to 1e3."""
-    low, high = np.log10(np.tan(np.radians([0.005, widest / 2])))
+def cameras(rng, count, widest=179.9, narrowest=0.01) -> Iterator[Camera]:
+    """Cameras between two fields of view, evenly in the logarithm of their tangents, and of any aspect ratio."""
+    low, high = np.log10(np.tan(np.radians([narrowest / 2, widest / 2])))
     for _ in range(count):
         fov = 2 * np.degrees(np.arctan(10 ** rng.uniform(low, high)))
         yield Camera(float(np.clip(fov, 0.01, widest)), float(10 ** rng.uniform(-3, 3)))
@@ -165,7 +165,8 @@ def any_pose(rng, camera, count):
     tilt = np.where(rng.random(count) < 0.3, 0.0, rng.uniform(0, 110, count))
     roll = np.where(rng.random(count) < 0.5, 0.0, rng.uniform(-60, 60, count))
     poses = Poses(latitudes(rng, count), np.zeros(count), agl, rng.uniform(0, 360, count), tilt, roll)
-    return Scene(camera, *image_size(camera), poses)
+    resolved = accuracy.finest_px_m(Scene(camera, *image_size(camera), poses)) >= accuracy.RESOLVED_M
+    return Scene(camera, *image_size(camera), poses.take(resolved)) if resolved.any() else None
 
 
 def exact_footprints(seed, draws, each) -> Tally:
@@ -187,10 +188,10 @@ def exact_footprints(seed, draws, each) -> Tally:
     return tally
 
 
-def meshes(seed, draws, tolerance_px, widest=179.9) -> tuple[Tally, Tally]:
+def meshes(seed, draws, tolerance_px, widest=179.9, narrowest=0.01) -> tuple[Tally, Tally]:
     """Points in the cells of meshes over their cell's bound: all of them, and the worst of each mesh."""
     rng, of_points, of_meshes = np.random.default_rng(seed), Tally(), Tally()
-    for camera in cameras(rng, draws, widest):
+    for camera in cameras(rng, draws, widest, narrowest):
         width, height = (max(round(size), 1) for size in image_size(camera))
         one = any_pose(rng, camera, 1)
         if one is None:

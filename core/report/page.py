@@ -1,0 +1,271 @@
+"""The report of a mission: a page with its diagrams and the numbers behind them."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+from ..files import make_folder, write_whole
+from ..imagery.source import Source
+from ..mission.plan import Plan
+from . import plots, words
+from .html import Content, Markup, element, figure, page, pairs, table
+from .machine import machine, versions
+from .measure import Measurement, Progress, measure
+from .tables import (
+    choices_table,
+    csv_files,
+    encodings_table,
+    flight_table,
+    kernels_table,
+    methods_table,
+    savings_table,
+)
+
+PAGE = "index.html"
+WORK_PRECISION, RESAMPLING, WIND = "work-precision.png", "resampling.png", "wind.png"
+
+
+def write_report(
+    plan: Plan,
+    source: Source,
+    folder: str | os.PathLike[str],
+    *,
+    map_type: str | None = None,
+    progress: Progress | None = None,
+    quick: bool = False,
+) -> Path:
+    """Measure a mission's methods on its own captures and write a page about them.
+
+    Parameters
+    ----------
+    plan : Plan
+    source : Source
+        That the plan is for.
+    folder : path
+        Made unless it is there; files of an earlier report are replaced.
+    map_type : str, optional
+        Of the pictures that are measured; the mission's first one without it.
+    progress : callable, optional
+        Called with what is being measured, in words.
+    quick : bool
+        Time every method once only.
+
+    Returns
+    -------
+    Path
+        Of the page, which is written last: where it is there, all of the report is.
+
+    Raises
+    ------
+    OutputError
+        The folder cannot be written, or matplotlib is not installed.
+    PartError, SourceError
+        No picture can be had from the source.
+    """
+    plots.check_matplotlib()
+    make_folder(folder)
+    found = measure(plan, source, map_type=map_type, quick=quick, progress=progress)
+    if progress is not None:
+        progress("page")
+    files = {**csv_files(found), **drawings(plan, found)}
+    text = _page(plan, source, found, sorted(name for name in files if name.endswith(".csv")))
+    for name, data in files.items():
+        write_whole(Path(folder) / name, data)
+    target = Path(folder) / PAGE
+    write_whole(target, text.encode("utf-8"))
+    return target
+
+
+def drawings(plan: Plan, found: Measurement) -> dict[str, bytes]:
+    """Return the diagrams of a measurement as PNG, by the file's name."""
+    drawn = {
+        WORK_PRECISION: plots.work_precision(
+            found.stages, plan.accuracy.budget_px, found.floor_px, words.mission_title(plan)
+        )
+    }
+    if found.resampling is not None:
+        drawn[RESAMPLING] = plots.resampling(found.resampling)
+    if found.flight is not None:
+        drawn[WIND] = plots.flight(found.flight)
+    return drawn
+
+
+def _page(plan: Plan, source: Source, found: Measurement, csv_names: list[str]) -> str:
+    kept, sentence = words.verdict(plan, found)
+    sections = [
+        element("p", "TerrAInav: error against run time", class_="kicker"),
+        element("h1", words.mission_title(plan)),
+        element("p", sentence, class_="verdict kept" if kept else "verdict broken"),
+        _section("The mission", pairs(words.mission_facts(plan, source, found.map_type))),
+        _section(
+            "What was chosen",
+            element(
+                "p",
+                "Every stage takes the cheapest method whose bound, together with the others', fits the "
+                "error budget. Bounds are worked out before anything is computed; they hold for all of the "
+                "mission's captures.",
+            ),
+            table(choices_table(plan, found)),
+        ),
+        _section("Error against run time", *_work_precision(plan, found)),
+        _section("What was left out, and what that saves", *_left_out(plan, found)),
+        _section("What is not in the bounds", *_conditioning(plan)),
+        _section("Grey levels", *_greys(plan, found)),
+    ]
+    if found.flight is not None:
+        sections.append(_section("Flight in wind", *_wind(found)))
+    sections += [
+        _section(
+            "How it was measured",
+            element("ul", *(element("li", text) for text in words.how_measured(found))),
+            pairs([*machine(), *versions()]),
+        ),
+        _section(
+            "The numbers",
+            element("ul", *(element("li", element("a", name, href=name)) for name in csv_names)),
+        ),
+    ]
+    return page(f"{words.mission_title(plan)}: error against run time", _STYLE, *sections)
+
+
+def _section(title: str, *content: Content) -> Markup:
+    return element("section", element("h2", title), *content)
+
+
+def _work_precision(plan: Plan, found: Measurement) -> list[Markup]:
+    content = [
+        figure(
+            WORK_PRECISION,
+            "Diagram: error in px against seconds a capture, one line for each stage through its methods",
+            "Each line is a stage, each marker one of its methods; left is more exact, down is cheaper. "
+            "Filled markers are measured, whiskers reach to the bound that was known beforehand, rings mark "
+            "what was chosen, and the dashed line is the error budget. What has no error of its own stands "
+            "at the left.",
+        ),
+        table(methods_table(found)),
+    ]
+    rejected = plan.accuracy.picture.rejected
+    if rejected is not None and not rejected.outside:
+        content.append(
+            element(
+                "p",
+                "Errors and bounds of the map frame are given here in pixels of the planned picture; where it was "
+                "rejected, in pixels of the map frame that would have been, which is smaller.",
+                class_="note",
+            )
+        )
+    return content
+
+
+def _left_out(plan: Plan, found: Measurement) -> list[Markup]:
+    if not found.left_out:
+        return [element("p", "Nothing: this mission needs everything there is.")]
+    pictures = len(plan) * len(plan.mission.map_types)
+    lead = (
+        f"For the whole mission, {pictures:,} picture{'s' if pictures > 1 else ''}, on one core: what the "
+        "left-out method takes beyond the chosen one, both measured here."
+    )
+    return [
+        element("p", lead),
+        table(savings_table(found.left_out)),
+        *(element("p", note, class_="note") for note in words.saving_notes(plan, found)),
+    ]
+
+
+def _conditioning(plan: Plan) -> list[Markup]:
+    accuracy = plan.accuracy
+    return [
+        element("h3", "Condition number of the scene"),
+        element("p", words.condition_text(accuracy.condition)),
+        element("h3", "Terrain"),
+        element("p", words.terrain_text(accuracy.terrain_px_per_m)),
+    ]
+
+
+def _greys(plan: Plan, found: Measurement) -> list[Markup]:
+    content = []
+    if found.resampling is not None:
+        used = "none" if plan.size_px is None else plan.mission.resampling
+        content += [
+            element(
+                "p",
+                "What resampling does to the picture is not a matter of position and not in the bounds. "
+                "Errors are RMS over points between the source's pixels, of 255 grey levels, against "
+                f"{found.resampling.truth}.",
+            ),
+            figure(
+                RESAMPLING,
+                "Diagram: RMS grey levels of error against spatial frequency, one line for each kernel",
+                "Error of each kernel in bands of spatial frequency; the grey area is the picture's own "
+                "detail there. Where a line meets it, that detail is lost.",
+            ),
+            table(kernels_table(found.kernels, found.resampling, used)),
+        ]
+    content += [
+        element("p", "What each kind of file keeps of one picture of this mission, beside its size:"),
+        table(encodings_table(found.encodings)),
+    ]
+    return content
+
+
+def _wind(found: Measurement) -> list[Markup]:
+    if found.flight is None:
+        return []
+    flight = found.flight
+    ratio = flight.slowest_s / flight.fastest_s
+    lead = (
+        "Gusts and the aircraft that holds its place in them have time constants from "
+        f"{flight.fastest_s * 1e3:.2g} ms to {flight.slowest_s:.3g} s, {ratio:,.0f} times as long: a stiff "
+        "system. TerrAInav discretises it exactly, with one step from each exposure to the next "
+        f"({flight.interval_s:.3g} s); the usual integrators are shown beside it."
+    )
+    return [
+        element("p", lead),
+        figure(
+            WIND,
+            "Two diagrams: error against seconds an exposure, and error against the step, of four integrators",
+            "Left: error of the covariance of the state at the next exposure against the time an exposure "
+            "takes. Right: error of the covariance that a long flight settles at against the step; a line "
+            "ends where its method is unstable. The trapezoid settles at the right covariance at any step, "
+            "but not at the right memory of it: the left diagram shows that.",
+        ),
+        table(flight_table(flight)),
+    ]
+
+
+_STYLE = """
+:root { --ink: #1b1f24; --soft: #59636e; --paper: #ffffff; --rule: #d8dee4; --tint: #f3f6f9; --mark: #e3effa;
+  --good: #1a7f4b; --bad: #b3261e; }
+@media (prefers-color-scheme: dark) {
+  :root { --ink: #e6e9ec; --soft: #9aa5b1; --paper: #14181d; --rule: #313943; --tint: #1c222a; --mark: #16324a;
+    --good: #5fd49a; --bad: #ff8a80; } }
+* { box-sizing: border-box; }
+body { margin: 0; background: var(--paper); color: var(--ink);
+  font: 16px/1.55 system-ui, -apple-system, "Segoe UI", "Noto Sans", "DejaVu Sans", sans-serif; }
+main { max-width: 62rem; margin: 0 auto; padding: 2.5rem 1.25rem 4rem; }
+h1 { font-size: 1.9rem; line-height: 1.2; margin: 0 0 1rem; font-weight: 650; }
+h2 { font-size: 1.25rem; margin: 2.75rem 0 .6rem; padding-top: 1rem; border-top: 1px solid var(--rule); }
+h3 { font-size: 1rem; margin: 1.2rem 0 .2rem; }
+p, ul { max-width: 46rem; margin: .4rem 0 .9rem; }
+ul { padding-left: 1.2rem; }
+.kicker { color: var(--soft); letter-spacing: .04em; margin: 0 0 .3rem; }
+.note, figcaption { color: var(--soft); font-size: .9rem; }
+.verdict { border-left: 4px solid var(--good); background: var(--tint); padding: .8rem 1rem; max-width: none; }
+.verdict.broken { border-color: var(--bad); }
+dl { display: grid; grid-template-columns: max-content 1fr; gap: .3rem 1.4rem; margin: .6rem 0; }
+dt { color: var(--soft); }
+dd { margin: 0; }
+.scroll { overflow-x: auto; margin: .8rem 0; }
+table { border-collapse: collapse; font-size: .9rem; font-variant-numeric: tabular-nums; width: 100%; }
+th, td { text-align: left; vertical-align: top; padding: .4rem .7rem .4rem .5rem;
+  border-bottom: 1px solid var(--rule); }
+td.short { white-space: nowrap; }
+th { font-weight: 600; color: var(--soft); }
+tr.chosen td { background: var(--mark); }
+figure { margin: 1.2rem 0; }
+img { display: block; width: 100%; height: auto; background: #fff; padding: .6rem; border: 1px solid var(--rule);
+  border-radius: 6px; }
+figcaption { margin-top: .5rem; max-width: 46rem; }
+a { color: inherit; }
+"""

@@ -1,0 +1,353 @@
+"""Diagrams of what was measured, as PNG. The only module that draws, and that needs matplotlib."""
+
+from __future__ import annotations
+
+import importlib
+import io
+import math
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+from ..errors import OutputError
+from .flight import Flight
+from .greys import BANDS, Resampling
+from .measure import Measured
+from .wind_methods import METHODS
+
+#: Okabe and Ito's palette, which people with any kind of colour vision tell apart.
+BLACK, ORANGE, SKY, GREEN, YELLOW, BLUE, VERMILION, PURPLE = (
+    "#000000",
+    "#E69F00",
+    "#56B4E9",
+    "#009E73",
+    "#F0E442",
+    "#0072B2",
+    "#D55E00",
+    "#CC79A7",
+)
+_GREY = "#777777"
+_DPI = 130
+_FONT = {"label": 11, "title": 13, "note": 9}
+#: Decades of error below which points are drawn at the edge: they are exact for every use.
+_LEAST_PX = 1e-11
+#: Points of one stage this close, as a share of both axes, share one label.
+_SAME_PLACE = 0.03
+#: Powers of ten written out, and what an exponent's rounding may be.
+_PLAIN, _ROUNDING = 3, 1e-9
+_SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+
+
+class _Look(NamedTuple):
+    """Colour, marker and name of a line."""
+
+    colour: str
+    marker: str
+    label: str
+
+
+_STAGES = {
+    "footprint": _Look(BLUE, "o", "footprint: where the corners are"),
+    "picture": _Look(VERMILION, "s", "picture: map frame or camera frame"),
+    "mesh": _Look(GREEN, "^", "camera frame: mesh or rays"),
+}
+_KERNELS = {
+    "nearest": _Look(ORANGE, "v", "nearest"),
+    "bilinear": _Look(BLUE, "o", "bilinear"),
+    "bicubic": _Look(GREEN, "s", "bicubic"),
+    "lanczos": _Look(PURPLE, "D", "Lanczos"),
+}
+_METHODS = dict(
+    zip(
+        METHODS,
+        (
+            _Look(BLUE, "*", "exact (used)"),
+            _Look(VERMILION, "o", "Euler–Maruyama"),
+            _Look(ORANGE, "s", "implicit Euler"),
+            _Look(GREEN, "^", "trapezoid"),
+        ),
+    )
+)
+
+
+def check_matplotlib() -> None:
+    """Raise OutputError where matplotlib is not there to draw with."""
+    _figure_class()
+
+
+def _figure_class() -> Any:
+    # The object interface with its own canvas: no state of pyplot's, and no display.
+    try:
+        return importlib.import_module("matplotlib.figure").Figure
+    except ImportError as missing:
+        raise OutputError(
+            "report: matplotlib, which draws the diagrams, is not installed; get it with: pip install "
+            "'terrainav[report]'"
+        ) from missing
+
+
+def _figure(width: float, height: float) -> Any:
+    figure = _figure_class()(figsize=(width, height), dpi=_DPI, facecolor="white", constrained_layout=True)
+    importlib.import_module("matplotlib.backends.backend_agg").FigureCanvasAgg(figure)
+    return figure
+
+
+def _png(figure: Any) -> bytes:
+    buffer = io.BytesIO()
+    # Without the date and version that matplotlib writes by itself: the same figure gives the same bytes.
+    figure.savefig(buffer, format="png", metadata={"Software": None})
+    return buffer.getvalue()
+
+
+def _dress(axes: Any, title: str, across: str, up: str) -> None:
+    axes.set_title(title, fontsize=_FONT["title"], loc="left", pad=10)
+    axes.set_xlabel(across, fontsize=_FONT["label"])
+    axes.set_ylabel(up, fontsize=_FONT["label"])
+    axes.grid(True, which="major", color="#dddddd", linewidth=0.7)
+    axes.set_axisbelow(True)
+    for side in ("top", "right"):
+        axes.spines[side].set_visible(False)
+
+
+def _logarithmic(axes: Any, which: str) -> None:
+    """Logarithmic axes with plain text at their ticks: mathematical text warns with some versions of its parser."""
+    for name in which:
+        getattr(axes, f"set_{name}scale")("log")
+        axis = getattr(axes, f"{name}axis")
+        axis.set_major_formatter(_power_of_ten)
+        axis.set_minor_formatter(lambda _value, _position: "")
+
+
+def _power_of_ten(value: float, _position: int) -> str:
+    if value <= 0.0:
+        return ""
+    exponent = math.log10(value)
+    if abs(exponent - round(exponent)) > _ROUNDING:
+        return f"{value:g}"
+    exponent = round(exponent)
+    if -_PLAIN <= exponent <= _PLAIN:
+        return f"{10.0**exponent:g}"
+    return "10" + str(exponent).translate(_SUPERSCRIPTS)
+
+
+def work_precision(
+    stages: dict[str, tuple[Measured, ...]], budget_px: float, floor_px: float, title: str
+) -> bytes:
+    """Work-precision diagram: error against seconds a capture, one line a stage through its methods.
+
+    Filled markers are measured, thin whiskers reach to the bounds, and a ring marks what was chosen.
+    """
+    figure = _figure(10.0, 6.6)
+    axes = figure.add_subplot()
+    _dress(axes, title, "error in the image, px", "seconds a capture, one core")
+    _logarithmic(axes, "xy")
+    least = _left_edge(stages, floor_px)
+    drawn: list[tuple[float, float]] = []
+    lines: list[tuple[str, list[tuple[float, float, Measured]], bool]] = []
+    for stage, methods in stages.items():
+        look = _STAGES[stage]
+        points = [
+            (max(one.error_px, least), one.seconds, one)
+            for one in methods
+            if one.error_px is not None and one.seconds is not None
+        ]
+        if not points:
+            continue
+        axes.plot(
+            [x for x, _, _ in points],
+            [y for _, y, _ in points],
+            color=look.colour,
+            marker=look.marker,
+            markersize=8,
+            linewidth=1.8,
+            label=look.label,
+            zorder=3,
+        )
+        for x, y, one in points:
+            if 0.0 < one.rung.bound_px < math.inf:
+                axes.plot(
+                    [x, one.rung.bound_px], [y, y], color=look.colour, linewidth=0.9, alpha=0.7, zorder=2
+                )
+                axes.plot([one.rung.bound_px], [y], color=look.colour, marker="|", markersize=10, zorder=2)
+            if one.chosen:
+                axes.plot(
+                    [x], [y], "o", markersize=17, markerfacecolor="none", markeredgecolor=BLACK, zorder=4
+                )
+        drawn += [(x, y) for x, y, _ in points]
+        lines.append((look.colour, points, stage != "picture"))
+    axes.axvline(budget_px, color=BLACK, linestyle="--", linewidth=1.3, zorder=1)
+    axes.annotate(
+        f"budget {budget_px:g} px",
+        (budget_px, 1.0),
+        xycoords=("data", "axes fraction"),
+        xytext=(4, -4),
+        textcoords="offset points",
+        va="top",
+        fontsize=_FONT["note"],
+    )
+    bounds = [one.rung.bound_px for stage in stages.values() for one in stage if one.error_px is not None]
+    right = max([budget_px, *(bound for bound in bounds if math.isfinite(bound)), *(x for x, _ in drawn)])
+    axes.set_xlim(min([x for x, _ in drawn], default=least) / 6.0, right * 6.0)
+    if drawn:
+        axes.set_ylim(min(y for _, y in drawn) / 5.0, max(y for _, y in drawn) * 12.0)
+    for colour, points, above in lines:
+        _label_points(axes, colour, points, above=above)
+    _legend_of_marks(axes)
+    return _png(figure)
+
+
+def _left_edge(stages: dict[str, tuple[Measured, ...]], floor_px: float) -> float:
+    """Error at which what has none is drawn: the least that was found, or the reference's own."""
+    errors = [one.error_px for stage in stages.values() for one in stage if one.error_px]
+    return max(_LEAST_PX, floor_px, min(errors, default=_LEAST_PX))
+
+
+def _label_points(
+    axes: Any, colour: str, points: Sequence[tuple[float, float, Measured]], *, above: bool
+) -> None:
+    """Write each method's name beside its marker; those in one place share a label."""
+    groups: list[tuple[float, float, list[str]]] = []
+    wide, high = (_SAME_PLACE * math.log10(ends[1] / ends[0]) for ends in (axes.get_xlim(), axes.get_ylim()))
+    for x, y, one in points:
+        name = one.rung.name.replace("mesh-", "").replace("px", " px")
+        for at_x, at_y, names in groups:
+            if abs(math.log10(x / at_x)) < wide and abs(math.log10(y / at_y)) < high:
+                names.append(name)
+                break
+        else:
+            groups.append((x, y, [name]))
+    for x, y, names in groups:
+        axes.annotate(
+            _joined(names),
+            (x, y),
+            xytext=(2, 10) if above else (0, -13),
+            textcoords="offset points",
+            ha="left" if above else "center",
+            va="bottom" if above else "top",
+            rotation=40 if above else 0,
+            rotation_mode="anchor",
+            fontsize=_FONT["note"],
+            color=colour,
+            zorder=5,
+        )
+
+
+def _joined(names: Sequence[str]) -> str:
+    first, last = names[0], names[-1]
+    if len(names) == 1:
+        return first
+    if first.endswith(" px") and last.endswith(" px"):
+        first = first[:-3]
+    return f"{first} {'and' if len(names) == 2 else 'to'} {last}"
+
+
+def _legend_of_marks(axes: Any) -> None:
+    lines = importlib.import_module("matplotlib.lines")
+    handles, _ = axes.get_legend_handles_labels()
+    handles += [
+        lines.Line2D(
+            [], [], color=_GREY, marker="|", markersize=10, linewidth=0.9, label="whisker: up to its bound"
+        ),
+        lines.Line2D(
+            [],
+            [],
+            color="none",
+            marker="o",
+            markersize=13,
+            markerfacecolor="none",
+            markeredgecolor=BLACK,
+            label="ring: chosen",
+        ),
+    ]
+    axes.legend(
+        handles=handles,
+        fontsize=_FONT["note"],
+        frameon=False,
+        loc="upper center",
+        ncol=3,
+        bbox_to_anchor=(0.5, -0.11),
+    )
+
+
+def resampling(found: Resampling) -> bytes:
+    """Grey levels of error against spatial frequency, one line a kernel, over the picture's own detail."""
+    figure = _figure(10.0, 5.2)
+    axes = figure.add_subplot()
+    _dress(
+        axes,
+        f"Resampling between the pixels of zoom {found.zoom}: error by detail",
+        "spatial frequency, cycles a source pixel (0.5 is the finest pattern along one axis)",
+        "RMS in the band, grey levels of 255",
+    )
+    _logarithmic(axes, "y")
+    middle = [(low + high) / 2.0 for low, high in zip(BANDS, BANDS[1:])]
+    axes.fill_between(middle, found.signal, 1e-3, color="#e9e9e9", zorder=1, label="the picture itself")
+    for kernel in found.kernels:
+        look = _KERNELS[kernel.kernel]
+        axes.plot(
+            middle,
+            kernel.by_band,
+            color=look.colour,
+            marker=look.marker,
+            linewidth=1.8,
+            label=f"{look.label}: {kernel.rms:.2f} in all",
+            zorder=3,
+        )
+    values = [value for one in found.kernels for value in one.by_band if value > 0.0]
+    axes.set_ylim(min(values, default=0.1) / 2.0, max([*found.signal, *values, 1.0]) * 1.6)
+    axes.set_xlim(0.0, BANDS[-1])
+    axes.legend(fontsize=_FONT["note"], frameon=False, ncol=3)
+    return _png(figure)
+
+
+def flight(found: Flight) -> bytes:
+    """Two diagrams of the integrators: error against run time, and error against the step with its stable limit."""
+    figure = _figure(12.5, 5.4)
+    work, steps = figure.subplots(1, 2)
+    _dress(
+        work,
+        f"Flight in wind from one exposure to the next, {found.interval_s:.3g} s",
+        "relative error of the covariance",
+        "seconds an exposure, one core",
+    )
+    _dress(steps, "Covariance that each method settles at", "step, s", "relative error of the covariance")
+    for axes in (work, steps):
+        _logarithmic(axes, "xy")
+    for method, look in _METHODS.items():
+        style = {"color": look.colour, "marker": look.marker, "linewidth": 1.6, "label": look.label}
+        limit_s = found.limits_s[method]
+        tried = [
+            one for one in found.integrated if one.method == method and one.error and one.step_s <= limit_s
+        ]
+        size = 15 if look.marker == "*" else 6
+        work.plot([one.error for one in tried], [one.seconds for one in tried], markersize=size, **style)
+        settled = [one for one in found.settled if one.method == method and one.error]
+        steps.plot(
+            [one.step_s for one in settled],
+            [one.error for one in settled],
+            markersize=8 if look.marker == "*" else 5,
+            **style,
+        )
+        if math.isfinite(limit_s):
+            steps.axvline(limit_s, color=look.colour, linestyle=":", linewidth=1.4)
+            steps.annotate(
+                f"{look.label} is unstable\nbeyond {limit_s * 1e3:.2g} ms",
+                (limit_s, 0.35),
+                xycoords=("data", "axes fraction"),
+                xytext=(6, 0),
+                textcoords="offset points",
+                fontsize=_FONT["note"],
+                color=look.colour,
+            )
+    steps.axvline(found.interval_s, color=_GREY, linestyle="--", linewidth=1.0)
+    steps.annotate(
+        "interval between\nexposures",
+        (found.interval_s, 0.62),
+        xycoords=("data", "axes fraction"),
+        xytext=(-5, 0),
+        textcoords="offset points",
+        ha="right",
+        fontsize=_FONT["note"],
+        color=_GREY,
+    )
+    work.legend(fontsize=_FONT["note"], frameon=False)
+    return _png(figure)

@@ -1,0 +1,311 @@
+"""Reports of two missions: pages that hold together, and numbers that are what they say."""
+
+from __future__ import annotations
+
+import csv
+import io
+import math
+import re
+import sys
+from html.parser import HTMLParser
+
+import numpy as np
+import pytest
+from PIL import Image
+from terrainav.core.errors import OutputError, PartError
+from terrainav.core.files import PARTIAL_ENDING
+from terrainav.core.geodesy.mercator import PixelGrid
+from terrainav.core.imagery.source import tile_parts
+from terrainav.core.imagery.world import WorldSource
+from terrainav.core.mission.area import Box, Points
+from terrainav.core.mission.mission import Mission
+from terrainav.core.mission.plan import plan
+from terrainav.core.mission.wind import Wind
+from terrainav.core.report import bench, plots
+from terrainav.core.report.html import element, page, table
+from terrainav.core.report.measure import measure
+from terrainav.core.report.page import PAGE, write_report
+from terrainav.core.report.tables import Table, csv_files
+
+pytest.importorskip("matplotlib", reason="matplotlib, which draws the report's diagrams, is not installed")
+
+WORLD = WorldSource()
+MISSIONS = {
+    "map frames": Mission(Box(35.1425, -89.866, 35.1405, -89.863), 120.0, max_px=160),
+    "camera frames in wind": Mission(
+        Box(35.1425, -89.868, 35.1405, -89.863),
+        120.0,
+        max_px=160,
+        tilt_deg=55.0,
+        wind=Wind(6.0, 250.0, 0.15),
+        image_format="jpg",
+    ),
+}
+VOID = {"meta", "img", "link", "br"}
+
+
+class WellFormed(HTMLParser):
+    """Checks that elements are closed in the order they were opened, and collects what they refer to."""
+
+    def __init__(self):
+        super().__init__()
+        self.open, self.links, self.ids, self.text = [], [], [], []
+
+    def handle_starttag(self, tag, attrs):
+        if tag not in VOID:
+            self.open.append(tag)
+        self.links += [value for name, value in attrs if name in ("src", "href")]
+
+    def handle_endtag(self, tag):
+        assert self.open, f"</{tag}> closes nothing"
+        assert self.open.pop() == tag
+
+    def handle_data(self, data):
+        if not self.open or self.open[-1] != "style":
+            self.text.append(data)
+
+
+def read(text):
+    parser = WellFormed()
+    parser.feed(text)
+    parser.close()
+    assert parser.open == []
+    return parser
+
+
+@pytest.fixture(scope="module", params=MISSIONS, ids=str)
+def report(request, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("report") / "of a mission"
+    said = []
+    worked_out = plan(MISSIONS[request.param], WORLD.grid)
+    target = write_report(worked_out, WORLD, folder, progress=said.append, quick=True)
+    assert said
+    return worked_out, folder, target
+
+
+def rows(folder, name):
+    with (folder / name).open(encoding="utf-8", newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def test_the_page_is_well_formed_and_needs_nothing_from_elsewhere(report):
+    _worked_out, folder, target = report
+    assert target == folder / PAGE
+    text = target.read_text(encoding="utf-8")
+    assert text.startswith("<!DOCTYPE html>")
+    parsed = read(text)
+    assert not [link for link in parsed.links if "/" in link or ":" in link]
+    assert set(parsed.links) == {path.name for path in folder.iterdir()} - {PAGE}
+    assert not re.search(r"@import|url\(|<script|https?://", text)
+    assert not [path for path in folder.iterdir() if path.name.endswith(PARTIAL_ENDING)]
+
+
+def test_the_page_says_what_was_chosen_and_whether_it_held(report):
+    worked_out, _, target = report
+    words = " ".join(" ".join(read(target.read_text(encoding="utf-8")).text).split())
+    assert "within the bounds" in words
+    assert "NOT within" not in words
+    assert "nan" not in words.lower().split()
+    names = {"map": "map frame", "camera": "camera frame"}
+    for choice in worked_out.accuracy.choices:
+        assert names.get(choice.rung.name, choice.rung.name) in words
+        assert choice.reason in words
+    for what, why in worked_out.accuracy.left_out:
+        assert what in words
+        assert why in words
+    for name in ("numpy", "pyproj", "Pillow", "PROJ", "processor", "cores"):
+        assert name in words
+    assert ("Euler-Maruyama" in words) == (worked_out.mission.wind is not None)
+
+
+def test_the_pictures_are_pictures(report):
+    worked_out, folder, _ = report
+    found = sorted(path.name for path in folder.glob("*.png"))
+    wind = ["wind.png"] if worked_out.mission.wind else []
+    assert found == sorted(["resampling.png", *wind, "work-precision.png"])
+    for name in found:
+        with Image.open(folder / name) as picture:
+            assert picture.format == "PNG"
+            picture.load()
+            assert picture.width > 1000
+            # White paper, and something drawn on it.
+            assert np.ptp(np.asarray(picture.convert("L"))) > 200
+
+
+def test_errors_are_within_their_bounds_and_times_are_times(report):
+    worked_out, folder, _ = report
+    methods = rows(folder, "methods.csv")
+    measured = [row for row in methods if row["error_px"]]
+    assert len(measured) >= 10
+    for row in methods:
+        assert bool(row["outside"]) == (row["bound_px"] == "") == (row["error_px"] == "")
+    for row in measured:
+        assert 0.0 <= float(row["error_px"]) <= float(row["bound_px"])
+        assert 0.0 < float(row["seconds_per_capture"]) < 60.0
+    chosen = {row["stage"]: row["method"] for row in methods if row["chosen"] == "1"}
+    assert chosen == {choice.rung.stage: choice.rung.name for choice in worked_out.accuracy.choices}
+    for choice in worked_out.accuracy.choices:
+        row = next(
+            row for row in methods if row["method"] == choice.rung.name and row["stage"] == choice.rung.stage
+        )
+        assert float(row["bound_px"]) == pytest.approx(choice.rung.bound_px)
+    exact = [row for row in measured if row["method"] in ("exact", "rays")]
+    assert len(exact) == 2
+    assert all(float(row["error_px"]) < 1e-6 for row in exact)
+
+
+def test_every_csv_is_read_back(report):
+    worked_out, folder, _ = report
+    names = sorted(path.name for path in folder.glob("*.csv"))
+    wind = ["wind.csv"] if worked_out.mission.wind else []
+    assert names == sorted(["files.csv", "left_out.csv", "methods.csv", "resampling.csv", *wind])
+    assert all(rows(folder, name) for name in names)
+    left_out = {row["what"]: row for row in rows(folder, "left_out.csv")}
+    assert left_out.keys() == {what for what, _ in worked_out.accuracy.left_out}
+    if "resampling" in left_out:
+        assert float(left_out["resampling"]["seconds"]) > 0.0
+    files = rows(folder, "files.csv")
+    kept = {row["file"]: float(row["rms_grey_levels"]) for row in files}
+    assert [name for name, rms in kept.items() if rms == 0.0] == [
+        "PNG, lossless",
+        "GeoTIFF, deflate, lossless",
+    ]
+    assert kept["JPEG, quality 75"] > kept["JPEG, quality 85"] > kept["JPEG, quality 95"] > 0.0
+    assert sum(int(row["chosen"]) for row in files) == 1
+
+
+def test_finer_kernels_are_nearer_to_the_worlds_true_values(report):
+    _, folder, _ = report
+    found = rows(folder, "resampling.csv")
+    rms = {row["kernel"]: float(row["rms_of_all_bands"]) for row in found if row["kernel"] != "signal"}
+    assert rms["nearest"] > rms["bilinear"] > rms["bicubic"]
+    assert rms["bilinear"] > rms["lanczos"]
+    for kernel, whole in rms.items():
+        bands = [float(row["rms_grey_levels"]) for row in found if row["kernel"] == kernel]
+        # The window of the spectrum weighs the middle of the patch more than its edges.
+        assert math.sqrt(sum(band**2 for band in bands)) == pytest.approx(whole, rel=0.35)
+
+
+def test_the_exact_discretisation_is_the_only_exact_one_and_euler_maruyama_ends(report):
+    worked_out, folder, _ = report
+    if worked_out.mission.wind is None:
+        assert not (folder / "wind.csv").exists()
+        return
+    found = rows(folder, "wind.csv")
+    step = [row for row in found if row["what"] == "covariance at the next exposure"]
+    exact = [row for row in step if row["method"] == "exact"]
+    assert len(exact) == 1
+    assert float(exact[0]["relative_error"]) < 1e-11
+    assert all(float(row["relative_error"] or 9.0) > 1e-6 for row in step if row["method"] != "exact")
+    settled = [row for row in found if row["what"] == "covariance settled at"]
+    for row in settled:
+        stable = row["method"] != "Euler-Maruyama" or float(row["step_s"]) < 0.0085
+        assert bool(row["relative_error"]) == stable
+        if row["method"] == "exact":
+            assert float(row["relative_error"]) < 1e-9
+
+
+@pytest.mark.parametrize("where", ["file", "under a file"])
+def test_a_folder_that_cannot_be_is_refused_before_anything_is_measured(tmp_path, where):
+    taken = tmp_path / "taken"
+    taken.write_text("something else", encoding="utf-8")
+    worked_out = plan(MISSIONS["map frames"], WORLD.grid)
+
+    def never(_):
+        raise RuntimeError("measured although there is nowhere to write to")
+
+    with pytest.raises(OutputError, match="taken"):
+        write_report(worked_out, WORLD, taken if where == "file" else taken / "below", progress=never)
+    assert taken.read_text(encoding="utf-8") == "something else"
+
+
+def test_without_matplotlib_the_error_says_how_to_get_it(tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "matplotlib.figure", None)
+    with pytest.raises(OutputError, match=r"pip install 'terrainav\[report\]'"):
+        write_report(plan(MISSIONS["map frames"], WORLD.grid), WORLD, tmp_path / "out")
+    assert not (tmp_path / "out").exists()
+
+
+class Patchy(WorldSource):
+    """The world without some of its tiles."""
+
+    def __init__(self, missing):
+        super().__init__()
+        self.missing = missing
+
+    def fetch(self, map_type, part):
+        if self.missing(part):
+            raise PartError("no tile here")
+        return super().fetch(map_type, part)
+
+
+def test_a_capture_without_imagery_is_passed_over_and_a_source_without_any_is_an_error():
+    # Far apart, so that they share no tile.
+    far = Points(((35.1425, -89.866, 120.0), (35.2425, -89.866, 120.0), (35.3425, -89.866, 120.0)))
+    worked_out = plan(Mission(far, 120.0, max_px=160), WORLD.grid)
+    middle = float(np.median(worked_out.windows.top_px))
+    found = measure(worked_out, Patchy(lambda part: abs(part.top_px - middle) < 1000), quick=True)
+    assert found.within
+    with pytest.raises(PartError, match="no tile here"):
+        measure(worked_out, Patchy(lambda part: True), quick=True)
+
+
+class ByCentre:
+    """A source that gives pictures by their centre, grey ones."""
+
+    name, title, attribution, map_types = "grey", "Grey <b>& co</b>", "nobody", ("satellite",)
+    grid = PixelGrid(max_zoom=21, native_zoom=21, centre_decimals=6, max_size_px=640)
+
+    def parts(self, window):
+        whole = window._replace(left_px=round(window.left_px), top_px=round(window.top_px))
+        return [part._replace(window=window, dx_px=0, dy_px=0) for part in tile_parts(whole, self.grid)[:1]]
+
+    def fetch(self, map_type, part):
+        return np.full((part.height_px, part.width_px, 3), 128, np.uint8)
+
+    def close(self):
+        """Nothing is held."""
+
+
+def test_a_source_by_centre_has_no_camera_frames_and_its_title_is_escaped(tmp_path):
+    source = ByCentre()
+    worked_out = plan(MISSIONS["map frames"], source.grid)
+    target = write_report(worked_out, source, tmp_path, quick=True)
+    text = target.read_text(encoding="utf-8")
+    read(text)
+    assert "Grey &lt;b&gt;&amp; co&lt;/b&gt;" in text
+    methods = rows(tmp_path, "methods.csv")
+    assert {row["stage"] for row in methods} == {"footprint", "picture"}
+    camera = next(row for row in methods if row["method"] == "camera")
+    assert "by their centre" in camera["outside"]
+    assert not (tmp_path / "resampling.csv").exists()
+
+
+@pytest.mark.parametrize("frame", ["map", "camera"])
+def test_large_pictures_are_timed_on_a_part(monkeypatch, frame):
+    monkeypatch.setattr(bench, "_MOST_PX", 2_000)
+    worked_out = plan(MISSIONS["map frames"].with_(frame=frame), WORLD.grid)
+    found = measure(worked_out, WORLD, quick=True)
+    wide, high = found.planned_px
+    assert wide * high > 4_000
+    assert 1_800 < found.timed_px[0] * found.timed_px[1] <= 2_100
+    assert found.within
+    # Bytes are those of whole pictures: some two a pixel of this landscape as a GeoTIFF.
+    assert all(1.0 < (one.size_bytes or 0) / (wide * high) < 8.0 for one in found.stages["picture"])
+
+
+def test_text_is_escaped_wherever_it_stands():
+    nasty = "<script>'\"&"
+    made = page(
+        nasty, "p { color: red }", element("p", nasty, title=nasty), table(Table((nasty,), [(nasty,)]))
+    )
+    assert "<script>" not in made
+    assert read(made).text.count(nasty) == 4
+
+
+def test_the_same_diagram_has_the_same_bytes():
+    found = measure(plan(MISSIONS["map frames"], WORLD.grid), WORLD, quick=True)
+    once, again = (plots.work_precision(found.stages, 0.1, found.floor_px, "title") for _ in range(2))
+    assert once == again
+    text = csv_files(found)["methods.csv"].decode("utf-8")
+    assert len(list(csv.reader(io.StringIO(text)))) == 1 + sum(map(len, found.stages.values()))
