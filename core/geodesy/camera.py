@@ -45,6 +45,8 @@ class Camera:
             raise InvalidInput(f"field of view {self.fov_deg} deg: must be between 0 and 180, both excluded")
         if not (math.isfinite(self.aspect_ratio) and self.aspect_ratio > 0.0):
             raise InvalidInput(f"aspect ratio {self.aspect_ratio}: must be a number above 0 (width / height)")
+        object.__setattr__(self, "fov_deg", float(self.fov_deg))
+        object.__setattr__(self, "aspect_ratio", float(self.aspect_ratio))
 
     @property
     def half_tangents(self) -> tuple[float, float]:

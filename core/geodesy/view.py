@@ -136,12 +136,21 @@ class View:
                 sample.v.max(axis=1),
             )
 
-    def tile_keys(self, lon_deg: Floats) -> Numbers:
-        """One number for every tile that cameras at these longitudes (n,) see, each once; columns wrapped."""
+    def tile_keys(self, lon_deg: Floats, moved_v: Floats) -> Numbers:
+        """One number for every tile that cameras see, each once; columns wrapped.
+
+        Parameters
+        ----------
+        lon_deg, moved_v : array (n,)
+            Longitudes of cameras, and how far south of the view's own place they stand, as world fractions.
+        """
         found = []
         u = lon_to_u(lon_deg)
         for zoom, west, east, north, south in self.extents():
-            first_x, last_x, first_y, last_y = self._spans(zoom, u[:, np.newaxis], west, east, north, south)
+            down_v = moved_v[:, np.newaxis]
+            first_x, last_x, first_y, last_y = self._spans(
+                zoom, u[:, np.newaxis], west, east, north + down_v, south + down_v
+            )
             for across in range(int((last_x - first_x).max(initial=-1)) + 1):
                 for down in range(int((last_y - first_y).max(initial=-1)) + 1):
                     column = np.minimum(first_x + across, last_x) % (1 << zoom)

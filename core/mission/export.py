@@ -27,6 +27,9 @@ CORNER_COLUMNS = tuple(
     f"{corner}_{axis}_deg" for corner in ("nw", "ne", "se", "sw") for axis in ("lat", "lon")
 )
 COLUMNS = POSE_COLUMNS + WINDOW_COLUMNS + CORNER_COLUMNS
+#: Footprints up to this high have edges that are straight in degrees to 1e-4 of their size, but for latitudes where
+#: no map shows them.
+_STRAIGHT_DEG = 0.1
 #: Captures turned to text in one go, so that a million rows never stand in memory as text.
 _BATCH = 10_000
 
@@ -99,10 +102,11 @@ def split_at_antimeridian(lon_deg: Floats, lat_deg: Floats) -> list[tuple[Floats
 def footprint_ring(plan: Plan, index: int) -> tuple[Floats, Floats]:
     """Longitudes (continuous) and latitudes of a capture's footprint, counter-clockwise, not closed.
 
-    Its corners; where the horizon or a pole is in the picture, the outline of what is seen, which for a pole goes
-    once around the world and back along the pole's parallel, as maps have it.
+    Its corners; where it is so large that its edges are bent on a map, or the horizon or a pole is in the picture,
+    the outline of what is seen. Around a pole that goes once around the world and back along the pole's parallel.
     """
-    if plan.corners.hit[index].all() and not plan.poles[index]:
+    small = np.ptp(plan.corners.lat_deg[index]) < _STRAIGHT_DEG
+    if small and plan.corners.hit[index].all() and not plan.poles[index]:
         # Corners come as north-west, north-east, south-east, south-west: clockwise.
         return plan.corners.lon_deg[index, ::-1], plan.corners.lat_deg[index, ::-1]
     seen = plan.outline(index)

@@ -32,6 +32,13 @@ DEFAULT_MAX_IMAGES = 10_000_000
 LOWEST_GROUND_M, HIGHEST_GROUND_M = 12_000.0, 9_000.0
 
 
+#: Fields that are real numbers.
+_REAL = (
+    *("agl_m", "overlap_along", "overlap_across", "gsd_m_per_px", "error_budget_px"),
+    *("yaw_deg", "tilt_deg", "roll_deg", "ground_height_m"),
+)
+
+
 def _choice(what: str, value: str, choices: tuple[str, ...]) -> None:
     if value not in choices:
         raise InvalidInput(f"{what} {value!r}: must be one of {', '.join(choices)}")
@@ -133,6 +140,10 @@ class Mission:
             raise InvalidInput("source is empty: name one, or give a URL template or a file")
         self._check_pixels()
         self._check_accuracy()
+        for name in _REAL:
+            # A whole number and its float are the same mission, and the same text.
+            if isinstance(getattr(self, name), int):
+                object.__setattr__(self, name, float(getattr(self, name)))
 
     def _check_accuracy(self) -> None:
         for name, limit in (("yaw", 360.0), ("tilt", 180.0), ("roll", 180.0)):

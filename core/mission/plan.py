@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property, partial
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +17,7 @@ from ..geodesy.ellipsoid import WGS84
 from ..geodesy.footprint import Corners, ground_corners
 from ..geodesy.frames import Windows, window_centres
 from ..geodesy.horizon import Outline, outline, poles_seen
-from ..geodesy.mercator import MAX_LAT_DEG, PixelGrid, wrap_lon_deg
+from ..geodesy.mercator import MAX_LAT_DEG, PixelGrid, lat_to_v, wrap_lon_deg
 from ..geodesy.poses import Poses
 from ..geodesy.view import View, view
 from .area import Points
@@ -30,8 +32,12 @@ from .wind import fly
 Floats = NDArray[np.float64]
 Numbers = NDArray[np.int64]
 
-#: Views kept of the captures looked at last: those of one row share one.
-_VIEWS_KEPT = 16
+Kept = TypeVar("Kept")
+
+#: Views and outlines kept of the captures looked at last: those of one row share one.
+_KEPT = 16
+#: Views from which tiles are counted, at most: a plan of more distinct ones moves some of them to where the others are.
+_VIEWS_COUNTED = 500
 
 
 @dataclass(frozen=True, eq=False)
@@ -123,20 +129,14 @@ class Plan:
         return bool(not self.corners.hit.all() or beyond.any() or self.poles.any())
 
     def outline(self, index: int) -> Outline:
-        """Outline of the ground that a capture sees; longitudes count from the camera's."""
-        pose = self.poses.take(np.array([index]))
-        yaw, tilt, roll = (float(angle[0]) for angle in pose.attitude)
-        return outline(
-            self.mission.camera,
-            float(pose.lat_deg[0]),
-            float(pose.agl_m[0]),
-            (yaw, tilt, roll),
-            ground_of(self.mission),
-        )
+        """Outline of the ground that a capture sees; longitudes count from the camera's. Captures of a row share it."""
 
-    @cached_property
-    def _views(self) -> dict[int, View]:
-        return {}
+        def made(pose: Poses) -> Outline:
+            yaw, tilt, roll = (float(angle[0]) for angle in pose.attitude)
+            lat, agl = float(pose.lat_deg[0]), float(pose.agl_m[0])
+            return outline(self.mission.camera, lat, agl, (yaw, tilt, roll), ground_of(self.mission))
+
+        return self._kept("outlines", index, made)
 
     def view(self, index: int) -> View:
         """How the picture of a camera frame is made; captures of one row share it.
@@ -146,29 +146,29 @@ class Plan:
         InvalidInput
             Of a map frame, which is a window of the source as it is.
         """
-        if self.size_px is None:
+        size = self.size_px
+        if size is None:
             raise InvalidInput("view of a map frame: its picture is a window of the source as it is")
-        run = int(self._runs[1][index])
-        found = self._views.get(run)
+        mission, tolerance = self.mission, self.accuracy.mesh_tolerance_px
+
+        def made(pose: Poses) -> View:
+            scene = Scene(mission.camera, *size, pose, ground_of(mission))
+            by_rays = tolerance == 0.0 or mission.resampling == "lanczos"
+            return view(scene, self.grid, sampled_zooms(mission, self.grid), tolerance, by_rays=by_rays)
+
+        return self._kept("views", index, made)
+
+    def _kept(self, what: str, index: int, make: Callable[[Poses], Kept]) -> Kept:
+        """What belongs to a capture's run of poses, made when first asked for; the last few are kept."""
+        first, run = self._runs
+        at = int(run[index])
+        kept: dict[int, Kept] = self.__dict__.get(f"_kept_{what}", {})
+        found = kept.get(at)
         if found is None:
-            mission = self.mission
-            scene = Scene(
-                mission.camera,
-                *self.size_px,
-                self.poses.take(self._runs[0][run : run + 1]),
-                ground_of(mission),
-            )
-            by_rays = self.accuracy.mesh_tolerance_px == 0.0 or mission.resampling == "lanczos"
-            found = view(
-                scene,
-                self.grid,
-                sampled_zooms(mission, self.grid),
-                self.accuracy.mesh_tolerance_px,
-                by_rays=by_rays,
-            )
-            while len(self._views) >= _VIEWS_KEPT:
-                self._views.pop(next(iter(self._views)), None)
-            self._views[run] = found
+            found = make(self.poses.take(first[at : at + 1]))
+            # Replaced as a whole, so that threads may share a plan: at worst one makes anew what another has made.
+            last = dict(list(kept.items())[1 - _KEPT :])
+            self.__dict__[f"_kept_{what}"] = {**last, at: found}
         return found
 
     @cached_property
@@ -217,13 +217,22 @@ class Plan:
         return unique_tiles(self.windows, self.grid, self.zoom)
 
     def _tiles_of_views(self) -> int:
-        """Tiles of all zooms that the camera frames see, each counted once."""
-        first, run = self._runs
-        ends = np.append(first[1:], len(self))
+        """Tiles of all zooms that the camera frames see, each counted once.
+
+        Exact for rows of captures that share their view; nearly so where wind or a grid in UTM gives each capture a
+        view of its own, and there are more than a few hundred.
+        """
+        first, _ = self._runs
+        starts = (
+            first
+            if len(first) <= _VIEWS_COUNTED
+            else np.arange(0, len(self), -(-len(self) // _VIEWS_COUNTED))
+        )
+        v = lat_to_v(self.lat_deg)
         seen: NDArray[np.int64] = np.empty(0, np.int64)
-        for index in first.tolist():
-            lon = self.poses.lon_deg[index : int(ends[run[index]])]
-            seen = np.union1d(seen, self.view(index).tile_keys(lon))
+        for start, end in zip(starts.tolist(), np.append(starts[1:], len(self)).tolist()):
+            keys = self.view(start).tile_keys(self.lon_deg[start:end], v[start:end] - v[start])
+            seen = np.union1d(seen, keys)
         return len(seen)
 
     @cached_property
