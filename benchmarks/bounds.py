@@ -68,8 +68,9 @@ Rectangles inside what cameras see leave their image by at most {max(beyond, 0.0
 positions, over {RECTANGLES[0]:,} cameras of {RECTANGLES[1]} poses each.
 
 The bound of the exact camera is one of rounding, which is random: what holds in the worst of a million scenes is
-far from the median one. Draws of fields of view are even in the logarithm of their tangent, so that half of all cameras see less
-than 7°; a mesh is a single cell there, and its bound is rounding, too. The rows for wide cameras leave those out.
+far from the median one. Draws of fields of view are even in the logarithm of their tangent, so that half of all
+cameras see less than 7°; a mesh is a single cell there, and its bound is rounding, too. The rows for wide cameras
+leave those out.
 """
 
 

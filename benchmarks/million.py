@@ -215,8 +215,8 @@ The peak includes Python, numpy and PROJ: {plans[0]["before_mb"]:.0f} MB before 
 
 ## The same {others[0]["points"]:,} points other ways
 
-Centre and corners of each capture. The ways that go point by point are timed on a share and scaled. The ratio is against
-the whole plan above, which has all its other figures in it, too.
+Centre and corners of each capture. The ways that go point by point are timed on a share and scaled. The ratio is
+against the whole plan above, which has all its other figures in it, too.
 
 | way | points timed | seconds for all | times the whole plan |
 | --- | ---: | ---: | ---: |

@@ -11,8 +11,9 @@ from PIL import Image
 
 from ..errors import PartError
 from ..geodesy.mercator import PixelGrid, lon_to_u
-from ..geodesy.view import KERNEL_REACH_PX, Patches, Samples, View
+from ..geodesy.view import Patches, Samples, View
 from ..imagery.source import Part, Window
+from .picture import checked
 from .resample import sample
 
 Floats = NDArray[np.float64]
@@ -94,15 +95,9 @@ def _ground(zoom: int, parts: Sequence[Part], pixels: Mapping[Window, Pixels]) -
     ground = np.zeros((bottom - top, right - left, 3), np.uint8)
     missing: NDArray[np.bool_] | None = None
     for part in here:
-        tile = pixels[part.window]
-        wanted = (part.window.height_px, part.window.width_px, 3)
-        if tile.shape not in (wanted, (*wanted[:2], 4)) or tile.dtype != np.uint8:
-            raise PartError(
-                f"part at {part.window.left_px}, {part.window.top_px} px has shape {tile.shape} of {tile.dtype}: "
-                f"{wanted} of uint8 was asked for"
-            )
-        rows = slice(part.dy_px - top, part.dy_px - top + wanted[0])
-        columns = slice(part.dx_px - left, part.dx_px - left + wanted[1])
+        tile = checked(part.window, pixels[part.window])
+        rows = slice(part.dy_px - top, part.dy_px - top + part.window.height_px)
+        columns = slice(part.dx_px - left, part.dx_px - left + part.window.width_px)
         ground[rows, columns] = tile[..., :3]
         if tile.shape[2] == 4 and not tile[..., 3].all():
             missing = np.zeros(ground.shape[:2], bool) if missing is None else missing
@@ -181,6 +176,3 @@ def _gather(
             _refuse_missing(int(np.count_nonzero(near)))
         values = sample(ground.pixels, x, y, kernel).reshape(-1, count, 3).mean(axis=1)
         picture[samples.row[part], samples.column[part]] = np.clip(np.rint(values), 0, 255).astype(np.uint8)
-
-
-__all__ = ["KERNEL_REACH_PX", "camera_parts", "render"]

@@ -39,13 +39,7 @@ def assemble(window: Window, parts: Sequence[Part], pixels: Mapping[Window, Pixe
     picture = np.empty((height, width, 3), np.uint8)
     filled = np.zeros((height, width), np.bool_)
     for part in parts:
-        image = pixels[part.window]
-        wanted = (part.window.height_px, part.window.width_px, 3)
-        if image.shape not in (wanted, (*wanted[:2], 4)) or image.dtype != np.uint8:
-            raise PartError(
-                f"part at {part.window.left_px}, {part.window.top_px} px has shape {image.shape} of {image.dtype}: "
-                f"{wanted} of uint8 was asked for"
-            )
+        image = checked(part.window, pixels[part.window])
         x, y = max(part.dx_px, 0), max(part.dy_px, 0)
         right = min(part.dx_px + part.window.width_px, width)
         bottom = min(part.dy_px + part.window.height_px, height)
@@ -57,6 +51,17 @@ def assemble(window: Window, parts: Sequence[Part], pixels: Mapping[Window, Pixe
     if not filled.all():
         raise PartError(f"no imagery at {int((~filled).sum())} of the picture's {filled.size} pixels")
     return picture
+
+
+def checked(window: Window, image: Pixels) -> Pixels:
+    """Pixels of a part, as they are; raises PartError where they are of another size than was asked for."""
+    wanted = (window.height_px, window.width_px, 3)
+    if image.shape not in (wanted, (*wanted[:2], 4)) or image.dtype != np.uint8:
+        raise PartError(
+            f"part at {window.left_px}, {window.top_px} px has shape {image.shape} of {image.dtype}: "
+            f"{wanted} of uint8 was asked for"
+        )
+    return image
 
 
 def resized(picture: Pixels, img_size: tuple[int, int, int] | None) -> Pixels:

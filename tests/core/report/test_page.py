@@ -7,6 +7,7 @@ import io
 import math
 import re
 import sys
+from dataclasses import replace
 from html.parser import HTMLParser
 
 import numpy as np
@@ -25,7 +26,8 @@ from terrainav.core.report import bench, plots
 from terrainav.core.report.html import element, page, table
 from terrainav.core.report.measure import measure
 from terrainav.core.report.page import PAGE, write_report
-from terrainav.core.report.tables import Table, csv_files
+from terrainav.core.report.tables import Table, csv_files, methods_table
+from terrainav.core.report.words import verdict
 
 pytest.importorskip("matplotlib", reason="matplotlib, which draws the report's diagrams, is not installed")
 
@@ -279,6 +281,23 @@ def test_a_source_by_centre_has_no_camera_frames_and_its_title_is_escaped(tmp_pa
     camera = next(row for row in methods if row["method"] == "camera")
     assert "by their centre" in camera["outside"]
     assert not (tmp_path / "resampling.csv").exists()
+
+
+def test_a_budget_that_was_exceeded_and_a_bound_that_was_broken_are_said():
+    high = Mission(Points(((40.0, -90.0, 16e3),)), 16e3, accept_error=True)
+    worked_out = plan(high, ByCentre.grid)
+    found = measure(worked_out, ByCentre(), quick=True)
+    kept, sentence = verdict(worked_out, found)
+    assert kept
+    assert "more than the budget of 0.1 px: that was accepted" in sentence
+    assert 0.1 < found.error_px <= worked_out.accuracy.bound_px
+    on_map = found.stages["picture"][0]
+    broken = replace(on_map, error_px=2.0 * on_map.rung.bound_px)
+    wrong = replace(found, stages={**found.stages, "picture": (broken, *found.stages["picture"][1:])})
+    kept, sentence = verdict(worked_out, wrong)
+    assert not kept
+    assert "NOT within" in sentence
+    assert any("above its bound" in row[3] for row in methods_table(wrong).rows)
 
 
 @pytest.mark.parametrize("frame", ["map", "camera"])
