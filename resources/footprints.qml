@@ -147,6 +147,6 @@
   <blendMode>0</blendMode>
   <featureBlendMode>0</featureBlendMode>
   <layerOpacity>1</layerOpacity>
-  <mapTip>&lt;b>[% "name" %]&lt;/b></mapTip>
+  <mapTip>&lt;b>[% "name" %]&lt;/b>[% CASE WHEN "yaw" IS NOT NULL THEN '&lt;br/>yaw ' || round("yaw", 2) || '°, tilt ' || round("tilt", 2) || '°, roll ' || round("roll", 2) || '°' || CASE WHEN "horizon" THEN '&lt;br/>the horizon is in the picture' ELSE '' END ELSE '' END %]</mapTip>
   <layerGeometryType>2</layerGeometryType>
 </qgis>

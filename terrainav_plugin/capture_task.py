@@ -1,4 +1,4 @@
-"""A capture as a QGIS task."""
+"""A capture as a QGIS task, and what makes its pictures fit for the map."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _CAPTURE_SHARE = 0.9
 
 
 class CaptureTask(QgsTask):
-    """Captures a plan into a folder and makes a mosaic of the pictures.
+    """Captures a plan into a folder; makes a mosaic of map frames, and lays a test shot on the map.
 
     Everything it needs is handed over when it is made, on the main thread; `run` uses plain values only.
 
@@ -36,7 +36,8 @@ class CaptureTask(QgsTask):
         Goes on where an earlier run of the same mission was stopped.
     key : str or None
         API key.
-    with_mosaic : bool
+    test_shot : bool
+        Whether it is a single picture, to be looked at.
 
     Signals
     -------
@@ -49,6 +50,8 @@ class CaptureTask(QgsTask):
     ----------
     result : CaptureResult or None
     mosaics : list of Mosaic
+    picture : Path or None
+        Of a test shot: what shows it on the map.
     error : str
         Why the run ended early; empty otherwise.
     trace : str
@@ -58,17 +61,19 @@ class CaptureTask(QgsTask):
     progressed = pyqtSignal(object)
     ended = pyqtSignal(object)
 
-    def __init__(self, plan: Plan, folder: Path, key: str | None = None, with_mosaic: bool = True) -> None:
+    def __init__(self, plan: Plan, folder: Path, key: str | None = None, test_shot: bool = False) -> None:
         super().__init__(tr("Capturing {name}").format(name=folder.name), TASK_FLAGS)
         self.plan = plan
         self.folder = folder
         self.started_s = time.monotonic()
         self.result: CaptureResult | None = None
         self.mosaics: list[Mosaic] = []
+        self.picture: Path | None = None
         self.error = ""
         self.trace = ""
         self._key = key
-        self._with_mosaic = with_mosaic
+        self._test_shot = test_shot
+        self._with_mosaic = not test_shot and plan.size_px is None
 
     @property
     def stopped(self) -> bool:
@@ -109,14 +114,30 @@ class CaptureTask(QgsTask):
             )
         finally:
             close(source)
-        if self._with_mosaic and not self.isCanceled():
+        if self.isCanceled():
+            return
+        if self._with_mosaic:
             self._make_mosaics()
+        elif self._test_shot and self.result.written:
+            self._place_picture()
 
     def _make_mosaics(self) -> None:
         from .mosaic import MOST_PICTURES, build_mosaics
 
         if len(self.plan) <= MOST_PICTURES:
             self.mosaics = build_mosaics(self.plan, self.folder, self._mosaic_progress)
+
+    def _place_picture(self) -> None:
+        mission = self.plan.mission
+        folder = self.folder / mission.map_types[0]
+        picture = folder / f"{self.plan.names[0]}.{mission.image_format}"
+        if self.plan.size_px is not None:
+            from .on_map import lay_on_map
+
+            on_map = folder / "on-map.tif"
+            lay_on_map(self.plan, picture, on_map)
+            picture = on_map
+        self.picture = picture
 
     def _report(self, progress: Progress) -> None:
         done = progress.done + progress.failed + progress.skipped

@@ -22,6 +22,7 @@ from qgis.PyQt.QtWidgets import (
 
 from .choices import CameraChoice, SourceChoice
 from .dock_form import DockForm
+from .figures import Figures
 from .i18n import tr
 from .paths import icon
 
@@ -59,10 +60,13 @@ class Dock(QgsDockWidget):
         self.hint.setText(text)
         self.hint.setVisible(bool(text))
 
-    def show_estimates(self, text: str) -> None:
-        """Show the figures of the plan."""
+    def show_estimates(self, text: str, details: str = "") -> None:
+        """Show the figures of the plan, and more about them in a tooltip."""
         self.estimates.setText(text)
+        self.estimates.setToolTip(details)
+        self.estimates.show()
         self.problem.hide()
+        self._figures.fit()
 
     def show_nothing(self) -> None:
         """Show that there is nothing to work out."""
@@ -71,8 +75,11 @@ class Dock(QgsDockWidget):
     def show_problem(self, text: str) -> None:
         """Show why there are no figures."""
         self.estimates.setText("")
+        self.estimates.setToolTip("")
         self.problem.setText(text)
+        self.estimates.hide()
         self.problem.setVisible(bool(text))
+        self._figures.fit()
 
     def show_preview_on(self, on: bool) -> None:
         """Press or release the preview button without asking for a preview."""
@@ -136,8 +143,8 @@ class Dock(QgsDockWidget):
         scroll.setMinimumWidth(self.form.minimumSizeHint().width() + bar)
         figures = QgsCollapsibleGroupBoxBasic(tr("Estimates"))
         inside = QVBoxLayout(figures)
-        inside.addWidget(self.estimates)
-        inside.addWidget(self.problem)
+        self._figures = Figures(self.estimates, self.problem)
+        inside.addWidget(self._figures)
         buttons = QGridLayout()
         buttons.addWidget(self.preview, 0, 0)
         buttons.addWidget(self.test_shot, 0, 1)

@@ -9,36 +9,26 @@ from qgis.gui import QgsAuthConfigSelect, QgsCollapsibleGroupBoxBasic, QgsFileWi
 from qgis.PyQt.QtCore import Qt, pyqtSignal
 from qgis.PyQt.QtWidgets import (
     QCheckBox,
-    QGridLayout,
-    QHBoxLayout,
     QLabel,
     QLineEdit,
-    QPushButton,
     QToolButton,
     QVBoxLayout,
     QWidget,
 )
 
+from .area_entries import AreaEntries
 from .choices import CameraChoice, SourceChoice
+from .dock_sections import AccuracySection, AttitudeSection, WindSection
 from .field_marks import STYLE_SHEET, FieldMarks
+from .form_state import M_PER_FT, URL_TEMPLATE, FormState, with_unchanged
+from .form_text import aspect_text, looks_like_coordinates
 from .form_widgets import choose, combo, form_layout, row, spin
 from .i18n import tr
-from .mission_form import (
-    BOX_FIELDS,
-    M_PER_FT,
-    URL_TEMPLATE,
-    FormError,
-    FormState,
-    aspect_text,
-    looks_like_coordinates,
-    with_coordinates,
-)
+from .mission_form import FormError, beyond_text, with_coordinates
 from .paths import icon
 
 #: Room for "Synthetic (offline)", the widest title most people see.
 _TITLE_LETTERS = 16
-#: Room for five digits and a sign.
-_EDGE_PX = 70
 
 
 class DockForm(QWidget):
@@ -62,18 +52,30 @@ class DockForm(QWidget):
         self._cameras = cameras
         self._setting = False
         self._coordinates_wrong = ""
+        self._more = ""
         self.setStyleSheet(STYLE_SHEET)
+        area = AreaEntries(self.marks)
+        self.edges, self.draw_box = area.edges, area.draw_box
+        imagery, camera, output = self._imagery_box(), self._camera_box(), self._output_box()
+        self.attitude, self.wind = AttitudeSection(self.marks), WindSection(self.marks)
+        self.accuracy = AccuracySection(self.marks)
+        self.sections = (self.attitude, self.wind, self.accuracy)
         layout = QVBoxLayout(self)
         layout.setContentsMargins(6, 6, 6, 6)
-        for box in (self._area_box(), self._imagery_box(), self._camera_box(), self._output_box()):
+        for box in (area, imagery, camera, *self.sections, output):
             layout.addWidget(box)
         layout.addStretch(1)
+        self._given = self._shown = self._read()
         self._connect()
 
     # --- the entries as a value
 
     def state(self) -> FormState:
         """Return what is entered."""
+        return with_unchanged(self._read(), self._shown, self._given)
+
+    def _read(self) -> FormState:
+        """Return what the widgets say."""
         return FormState(
             north=self.edges["north"].text(),
             west=self.edges["west"].text(),
@@ -83,8 +85,8 @@ class DockForm(QWidget):
             aspect=self.aspect.text(),
             agl=self.agl.value(),
             agl_unit=self.agl_unit.currentData(),
-            overlap_along_percent=self.overlap_along.value(),
-            overlap_across_percent=self.overlap_across.value(),
+            overlap_along=self.overlap_along.value() / 100.0,
+            overlap_across=self.overlap_across.value() / 100.0,
             layout=self.layout_choice.currentData(),
             map_types=tuple(
                 name for name, check in self.map_types.items() if check.isChecked() and check.isEnabled()
@@ -93,6 +95,8 @@ class DockForm(QWidget):
             template=self.template.text(),
             image_format=self.image_format.currentData(),
             folder=self.folder.filePath(),
+            more=self._more,
+            **{name: value for section in self.sections for name, value in section.values().items()},
         )
 
     def set_state(self, state: FormState) -> None:
@@ -106,8 +110,8 @@ class DockForm(QWidget):
             choose(self.agl_unit, state.agl_unit)
             self._agl_unit_shown = state.agl_unit
             self.agl.setValue(state.agl)
-            self.overlap_along.setValue(state.overlap_along_percent)
-            self.overlap_across.setValue(state.overlap_across_percent)
+            self.overlap_along.setValue(100.0 * state.overlap_along)
+            self.overlap_across.setValue(100.0 * state.overlap_across)
             choose(self.layout_choice, state.layout)
             choose(self.source, state.source)
             for name, check in self.map_types.items():
@@ -115,8 +119,12 @@ class DockForm(QWidget):
             self.template.setText(state.template)
             choose(self.image_format, state.image_format)
             self.folder.setFilePath(state.folder)
+            for section in self.sections:
+                section.set_state(state)
+            self._more = state.more
         finally:
             self._setting = False
+        self._given, self._shown = state, self._read()
         self._show_source_entries()
         self._show_camera_name()
         self._coordinates_wrong = ""
@@ -126,6 +134,8 @@ class DockForm(QWidget):
         """Mark fields; what was wrong with pasted coordinates stays until the field changes."""
         if self._coordinates_wrong:
             messages = {**messages, "north": self._coordinates_wrong}
+        for section in self.sections:
+            section.show_marked(messages)
         self.marks.show(messages)
 
     def show_key(self, authcfg: str) -> None:
@@ -146,45 +156,6 @@ class DockForm(QWidget):
         return choice is not None and choice.needs_key
 
     # --- groups
-
-    def _area_box(self) -> QgsCollapsibleGroupBoxBasic:
-        box = QgsCollapsibleGroupBoxBasic(tr("Area"))
-        self.edges = {name: QLineEdit() for name in BOX_FIELDS}
-        tips = {
-            "north": tr("Northern edge: latitude in degrees, up to 90"),
-            "west": tr(
-                "Western edge: longitude in degrees; greater than the eastern one across the antimeridian"
-            ),
-            "south": tr("Southern edge: latitude in degrees, down to -90"),
-            "east": tr("Eastern edge: longitude in degrees"),
-        }
-        letters = {"north": tr("N"), "west": tr("W"), "south": tr("S"), "east": tr("E")}
-        paste = tr("Coordinates pasted here as north_west_south_east_agl fill all fields.")
-        for name, edit in self.edges.items():
-            edit.setObjectName(name)
-            edit.setToolTip(f"{tips[name]}\n{paste}")
-            edit.setPlaceholderText(tr("degrees"))
-            edit.setMinimumWidth(_EDGE_PX)
-        grid = QGridLayout(box)
-        grid.setHorizontalSpacing(6)
-        # As on a map: north above, south below, west left, east right.
-        places = {"north": (0, 1), "west": (1, 0), "east": (1, 2), "south": (2, 1)}
-        for name, (line, column) in places.items():
-            cell = QHBoxLayout()
-            label = QLabel(letters[name])
-            label.setBuddy(self.edges[name])
-            cell.addWidget(label)
-            cell.addWidget(self.edges[name], 1)
-            grid.addLayout(cell, line, column)
-        self.draw_box = QPushButton(icon("draw_box"), tr("Draw box"))
-        self.draw_box.setObjectName("draw_box")
-        self.draw_box.setToolTip(tr("Press, drag and release on the map"))
-        grid.addWidget(self.draw_box, 1, 1)
-        for line, name in enumerate(BOX_FIELDS, start=3):
-            grid.addWidget(self.marks.label(name, self.edges[name]), line, 0, 1, 3)
-        for column in range(3):
-            grid.setColumnStretch(column, 1)
-        return box
 
     def _imagery_box(self) -> QgsCollapsibleGroupBoxBasic:
         box = QgsCollapsibleGroupBoxBasic(tr("Imagery"))
@@ -322,8 +293,11 @@ class DockForm(QWidget):
             self.image_format.currentIndexChanged,
             self.folder.fileChanged,
             *(check.toggled for check in self.map_types.values()),
+            *(section.changed for section in self.sections),
         ):
             signal.connect(self._changed)
+        self.changed.connect(lambda: self.accuracy.show_more(beyond_text(self.state())))
+        self.accuracy.reset_clicked.connect(lambda: self.set_state(replace(self.state(), more="")))
 
     def _changed(self) -> None:
         if not self._setting:

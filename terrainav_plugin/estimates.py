@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 import html
+import math
 from typing import TYPE_CHECKING
 
 from ..core.mission.estimate import area_text, length_text, size_text
+from ..core.mission.rungs import bound_text
 from .i18n import tr
 
 if TYPE_CHECKING:
     from ..core.mission.estimate import Summary
+    from ..core.mission.rungs import Accuracy
 
 
-def estimate_lines(summary: Summary) -> list[tuple[str, str]]:
-    """Label and value of every figure."""
+def estimate_lines(summary: Summary, cost: str = "") -> list[tuple[str, str]]:
+    """Label and value of every figure; ``cost`` is what the methods were timed at, empty while that is not known."""
     lines = [
         (tr("Images"), _images(summary)),
         (tr("Picture"), _picture(summary)),
@@ -28,15 +31,60 @@ def estimate_lines(summary: Summary) -> list[tuple[str, str]]:
         (tr("On disk"), size_text(summary.output_bytes)),
         (tr("Time"), tr("about {duration}").format(duration=duration_text(summary.seconds))),
         (tr("Flight"), length_text(summary.flight_distance_m)),
+        *_accuracy_lines(summary.accuracy),
+        (tr("Cost"), cost or tr("being timed…")),
     ]
     return lines
 
 
-def estimate_html(summary: Summary) -> str:
+def _accuracy_lines(accuracy: Accuracy) -> list[tuple[str, str]]:
+    """What was chosen, in the words of the core's own line for it."""
+    # A sign stays with its number, and a number with its unit.
+    text = accuracy.text().replace("≤ ", "≤\N{NO-BREAK SPACE}").replace(" px", "\N{NO-BREAK SPACE}px")
+    *stages, left_out, terrain = text.split("; ")
+    return [
+        (tr("Methods"), "; ".join(stages)),
+        (
+            tr("Error"),
+            tr("≤ {bound} px of a budget of {budget:g} px").format(
+                bound=bound_text(accuracy.bound_px), budget=accuracy.budget_px
+            )
+            + ("" if accuracy.bound_px <= accuracy.budget_px else tr(", which is exceeded")),
+        ),
+        (tr("Left out"), left_out.partition(": ")[2]),
+        (tr("Terrain"), terrain.partition(": ")[2]),
+    ]
+
+
+def estimate_html(summary: Summary, cost: str = "") -> str:
     """All figures as a table for a label."""
+    return _table(estimate_lines(summary, cost))
+
+
+def details_html(accuracy: Accuracy) -> str:
+    """Why the methods were chosen, as a table for a tooltip."""
+    lines = []
+    for choice in accuracy.choices:
+        rung, rejected = choice.rung, choice.rejected
+        text = tr("{name}, ≤ {px} px, {metres} on the ground").format(
+            name=rung.name, px=bound_text(rung.bound_px), metres=_ground_text(rung.bound_m)
+        )
+        if rejected is not None:
+            text += tr("; not {name}: {reason}").format(name=rejected.name, reason=choice.reason)
+        lines.append((rung.stage.capitalize(), text))
+    lines += [(tr("No {what}").format(what=what), why) for what, why in accuracy.left_out]
+    lines.append((tr("Condition number"), dict(accuracy.lines())["condition number"]))
+    return _table(lines)
+
+
+def _ground_text(bound_m: float) -> str:
+    return f"≤ {length_text(bound_m)}" if math.isfinite(bound_m) else tr("without limit at the horizon")
+
+
+def _table(lines: list[tuple[str, str]]) -> str:
     rows = (
         f'<tr><td style="padding-right:10px"><b>{html.escape(label)}</b></td><td>{html.escape(value)}</td></tr>'
-        for label, value in estimate_lines(summary)
+        for label, value in lines
     )
     return f'<table cellspacing="1">{"".join(rows)}</table>'
 

@@ -1,29 +1,64 @@
-"""The dock's entries as plain values, and the mission they ask for. Knows no widget."""
+"""The mission that the dock's entries ask for, and the entries that ask for a mission. Knows no widget."""
 
 from __future__ import annotations
 
 import json
-import math
-import re
 from collections.abc import Callable
-from dataclasses import asdict, dataclass, fields, replace
-from fractions import Fraction
+from dataclasses import fields, replace
 from typing import TYPE_CHECKING, Any
 
+from .form_state import BOX_FIELDS, URL_TEMPLATE, FormState
+from .form_text import (
+    SEPARATORS,
+    aspect_text,
+    degrees_text,
+    exact_degrees_text,
+    parse_aspect,
+    parse_number,
+)
 from .i18n import tr
 
 if TYPE_CHECKING:
     from ..core.mission.area import Area, Box
     from ..core.mission.mission import Mission
 
-#: International foot.
-M_PER_FT = 0.3048
-#: What the source chooser holds instead of a catalogue entry's name.
-URL_TEMPLATE = "url-template"
-#: Of the embedded world's landscape.
-SEED = 2024
-BOX_FIELDS = ("north", "west", "south", "east")
-_SEPARATORS = re.compile(r"[_,;\s]+")
+#: Fields of a mission that the dock has entries for; all others it carries along.
+_ENTERED = {
+    "area",
+    "agl_m",
+    "camera",
+    "overlap_along",
+    "overlap_across",
+    "layout",
+    "map_types",
+    "source",
+    "image_format",
+    "yaw_deg",
+    "tilt_deg",
+    "roll_deg",
+    "ground_height_m",
+    "error_budget_px",
+    "accept_error",
+    "frame",
+    "resampling",
+    "wind",
+}
+#: Of those, the ones that are the same in both, each with messages of its own.
+_SAME = (
+    "overlap_along",
+    "overlap_across",
+    "layout",
+    "map_types",
+    "image_format",
+    "yaw_deg",
+    "tilt_deg",
+    "roll_deg",
+    "ground_height_m",
+    "error_budget_px",
+    "accept_error",
+    "frame",
+    "resampling",
+)
 
 
 class FormError(Exception):
@@ -34,141 +69,15 @@ class FormError(Exception):
         self.messages = messages
 
 
-@dataclass(frozen=True)
-class FormState:
-    """What the dock shows, as typed: texts where people type freely, numbers where a spin box guards them.
-
-    Parameters
-    ----------
-    north, west, south, east : str
-        Edges of the area in degrees.
-    fov_deg : float
-        Diagonal field of view.
-    aspect : str
-        Width over height, as ``4:3`` or as a number.
-    agl : float
-        Height above ground, in ``agl_unit`` (m or ft).
-    overlap_along_percent, overlap_across_percent : float
-    source : str
-        Name of a catalogue entry, or `URL_TEMPLATE`, for which ``template`` holds the template.
-    """
-
-    north: str = ""
-    west: str = ""
-    south: str = ""
-    east: str = ""
-    fov_deg: float = 78.8
-    aspect: str = "4:3"
-    agl: float = 120.0
-    agl_unit: str = "m"
-    overlap_along_percent: float = 0.0
-    overlap_across_percent: float = 0.0
-    layout: str = "cover"
-    map_types: tuple[str, ...] = ("satellite",)
-    source: str = "world"
-    template: str = ""
-    image_format: str = "tif"
-    folder: str = ""
-
-    @property
-    def agl_m(self) -> float:
-        """Height above ground in metres."""
-        return self.agl * (M_PER_FT if self.agl_unit == "ft" else 1.0)
-
-    @property
-    def source_name(self) -> str:
-        """What the mission names its source by."""
-        return self.template.strip() if self.source == URL_TEMPLATE else self.source
-
-    @property
-    def has_box(self) -> bool:
-        """Whether an area has been entered."""
-        return all(getattr(self, name).strip() for name in BOX_FIELDS)
-
-    def to_json(self) -> str:
-        """Text for the settings."""
-        return json.dumps(asdict(self))
-
-    @classmethod
-    def from_json(cls, text: str) -> FormState:
-        """State from what `to_json` gave; entries that no longer fit keep their defaults."""
-        try:
-            data = json.loads(text) if text else {}
-        except json.JSONDecodeError:
-            data = {}
-        state = cls()
-        for entry in fields(cls):
-            value = data.get(entry.name) if isinstance(data, dict) else None
-            default = getattr(state, entry.name)
-            if isinstance(default, tuple) and isinstance(value, list):
-                value = tuple(str(item) for item in value)
-            if type(value) is type(default):
-                state = replace(state, **{entry.name: value})
-        return state
-
-
-def parse_number(text: str) -> float:
-    """Read a number as people type it: Unicode minus, degree sign and hemisphere letters are understood.
-
-    Raises
-    ------
-    ValueError
-        Where there is no number.
-    """
-    plain = text.strip().replace("\u2212", "-").rstrip("°").strip()
-    sign = 1.0
-    if plain and plain[-1:].upper() in "NESW":
-        sign = -1.0 if plain[-1].upper() in "SW" else 1.0
-        plain = plain[:-1].rstrip().rstrip("°")
-    if "," in plain and "." not in plain:
-        plain = plain.replace(",", ".")
-    value = float(plain)
-    if not math.isfinite(value):
-        raise ValueError(text)
-    return sign * value
-
-
-def parse_aspect(text: str) -> float:
-    """Width over height from ``4:3``, ``4/3``, ``4000x3000`` or ``1.333``; raises ValueError otherwise."""
-    for separator in (":", "/", "x", "×"):
-        if separator in text:
-            width, height = (parse_number(part) for part in text.split(separator, 1))
-            if height == 0.0:
-                raise ValueError(text)
-            return width / height
-    return parse_number(text)
-
-
-def aspect_text(ratio: float) -> str:
-    """Shortest text that `parse_aspect` reads back as ``ratio``."""
-    if not (math.isfinite(ratio) and ratio > 0.0):
-        return repr(ratio)
-    fraction = Fraction(ratio).limit_denominator(10_000)
-    if fraction.denominator and fraction.numerator / fraction.denominator == ratio:
-        return f"{fraction.numerator}:{fraction.denominator}"
-    return repr(ratio)
-
-
-def degrees_text(value: float, decimals: int = 7) -> str:
-    """Degrees without trailing zeros; 7 decimals are a centimetre on the ground."""
-    text = f"{value:.{decimals}f}".rstrip("0").rstrip(".")
-    return "0" if text in ("", "-0") else text
-
-
-def with_box(state: FormState, box: Box) -> FormState:
+def with_box(state: FormState, box: Box, text: Callable[[float], str] = degrees_text) -> FormState:
     """State with the edges of ``box``."""
     return replace(
         state,
-        north=degrees_text(box.north_deg),
-        west=degrees_text(box.west_deg),
-        south=degrees_text(box.south_deg),
-        east=degrees_text(box.east_deg),
+        north=text(box.north_deg),
+        west=text(box.west_deg),
+        south=text(box.south_deg),
+        east=text(box.east_deg),
     )
-
-
-def looks_like_coordinates(text: str) -> bool:
-    """Whether a text entered into one field holds several numbers, as pasted coordinates do."""
-    return len(_SEPARATORS.split(text.strip())) >= 3
 
 
 def with_coordinates(state: FormState, text: str) -> FormState:
@@ -185,7 +94,7 @@ def with_coordinates(state: FormState, text: str) -> FormState:
     from ..core.mission.area import Box
     from ..core.mission.coords import parse_coords
 
-    parts = _SEPARATORS.split(text.strip())
+    parts = SEPARATORS.split(text.strip())
     if len(parts) == len(BOX_FIELDS):
         parts.append(repr(state.agl))
     try:
@@ -232,7 +141,9 @@ def mission(state: FormState) -> Mission:
         With the core's message at every field that is wrong.
     """
     checks = _Checks()
-    return _mission(state, _box(state, checks), checks)
+    area = _box(state, checks)
+    carried = _carried_area(state)
+    return _mission(state, area if carried is None else carried, checks)
 
 
 def test_shot(state: FormState, lat_deg: float, lon_deg: float) -> Mission:
@@ -255,26 +166,50 @@ def with_folder(state: FormState, folder: str) -> FormState:
 
 
 def _mission(state: FormState, area: Area | None, checks: _Checks) -> Mission:
-    from ..core.mission.area import Box, check_agl
-    from ..core.mission.mission import Mission
+    from ..core.mission.area import check_agl
 
     camera = _camera(state, checks)
     checks("agl", lambda: check_agl(state.agl_m))
-    entries: dict[str, Any] = {
-        "overlap_along": state.overlap_along_percent / 100.0,
-        "overlap_across": state.overlap_across_percent / 100.0,
-        "layout": state.layout,
-        "map_types": state.map_types,
-        "source": state.source_name,
-        "image_format": state.image_format,
-        "seed": SEED,
-    }
-    sound = Box(0.0, 0.0, 0.0, 0.0)
-    for name, value in entries.items():
-        checks(name, lambda name=name, value=value: Mission(area=sound, agl_m=1.0, **{name: value}))
+    entries = {name: getattr(state, name) for name in _SAME}
+    entries["source"] = state.source_name
+    beyond = checks("more", lambda: _beyond(state))
+    if beyond is not None:
+        for name, value in entries.items():
+            checks(name, lambda name=name, value=value: beyond.with_(**{name: value}))
+        entries["wind"] = _wind(state, beyond, checks)
     if checks.messages:
         raise FormError(checks.messages)
-    return Mission(area=area, agl_m=state.agl_m, camera=camera, **entries)
+    return beyond.with_(area=area, agl_m=state.agl_m, camera=camera, **entries)
+
+
+def _beyond(state: FormState) -> Mission:
+    """A mission with what the dock has no entry for; raises InvalidInput."""
+    from ..core.mission.mission import SCHEMA, Mission
+
+    anywhere = {"type": "box", "north_deg": 0.0, "west_deg": 0.0, "south_deg": 0.0, "east_deg": 0.0}
+    return Mission.from_dict({"schema": SCHEMA, "area": anywhere, "agl_m": 1.0, **state.beyond_entries})
+
+
+def _wind(state: FormState, beyond: Mission, checks: _Checks) -> Any:
+    """Wind that is entered, checked entry by entry; None for none."""
+    from ..core.mission.wind import Wind
+
+    if not state.wind:
+        return None
+    seed = beyond.seed if beyond.wind is None else beyond.wind.seed
+    entries = {
+        "airspeed_m_per_s": state.airspeed_m_per_s,
+        "wind_from_deg": state.wind_from_deg,
+        "wind_speed_m_per_s": state.wind_speed_m_per_s,
+        "turbulence": state.turbulence,
+    }
+    wind = Wind(seed=seed)
+    for field, value in entries.items():
+        # Each on top of those that are right already; speed and turbulence are judged by the airspeed.
+        name = {"wind_from_deg": "from_deg", "wind_speed_m_per_s": "speed_m_per_s"}.get(field, field)
+        better = checks(field, lambda wind=wind, name=name, value=value: replace(wind, **{name: value}))
+        wind = wind if better is None else better
+    return wind
 
 
 def _camera(state: FormState, checks: _Checks) -> Any:
@@ -311,20 +246,92 @@ def _box(state: FormState, checks: _Checks) -> Box | None:
     return checks("south", lambda: Box(edges["north"], edges["west"], edges["south"], edges["east"]))
 
 
+def _carried_area(state: FormState) -> Area | None:
+    """Polygon or points that the box entered stands for; None where another box has been entered since."""
+    from ..core.mission.area import Box, Points
+
+    beyond = _Checks()("more", lambda: _beyond(state))
+    if "area" not in state.beyond_entries or beyond is None or isinstance(beyond.area, Box):
+        return None
+    area = beyond.area
+    if with_box(state, bounds_of(area), exact_degrees_text) != state:
+        return None
+    if isinstance(area, Points) and state.agl_m != beyond.agl_m and state.agl_m > 0.0:
+        area = Points(tuple((lat, lon, state.agl_m) for lat, lon, _ in area.poses))
+    return area
+
+
 def state_of(mission: Mission, folder: str) -> FormState:
-    """State that asks for ``mission`` again, whose area is a box; heights in metres."""
+    """State that asks for ``mission`` again; heights in metres."""
     state = FormState(
         fov_deg=mission.camera.fov_deg,
         aspect=aspect_text(mission.camera.aspect_ratio),
-        agl=mission.agl_m,
-        overlap_along_percent=mission.overlap_along * 100.0,
-        overlap_across_percent=mission.overlap_across * 100.0,
-        layout=mission.layout,
-        map_types=mission.map_types,
+        agl=float(mission.agl_m),
         source=mission.source,
-        image_format=mission.image_format,
         folder=folder,
+        more=_more(mission),
+        **{name: getattr(mission, name) for name in _SAME},
     )
     if "{" in mission.source or "://" in mission.source:
         state = replace(state, source=URL_TEMPLATE, template=mission.source)
-    return with_box(state, mission.area.bounds)
+    if mission.wind is not None:
+        state = replace(
+            state,
+            wind=True,
+            wind_speed_m_per_s=mission.wind.speed_m_per_s,
+            wind_from_deg=mission.wind.from_deg,
+            turbulence=mission.wind.turbulence,
+            airspeed_m_per_s=mission.wind.airspeed_m_per_s,
+        )
+    # A mission file may write 90 for 90.0.
+    floats = {f.name: float(getattr(state, f.name)) for f in fields(state) if f.type == "float"}
+    return with_box(replace(state, **floats), bounds_of(mission.area), exact_degrees_text)
+
+
+def bounds_of(area: Area) -> Box:
+    """Smallest box around an area, points included."""
+    from ..core.geodesy.mercator import wrap_lon_deg
+    from ..core.mission.area import Box, Points
+
+    if not isinstance(area, Points):
+        return area.bounds
+    lat, lon, _ = zip(*area.poses)
+    # Away from the first point, so that points on either side of the antimeridian are neighbours.
+    away = [float(wrap_lon_deg(value - lon[0])) for value in lon]
+    west, east = (
+        value if abs(value) <= 180.0 else float(wrap_lon_deg(value))
+        for value in (lon[0] + min(away), lon[0] + max(away))
+    )
+    return Box(max(lat), west, min(lat), east)
+
+
+def _more(mission: Mission) -> str:
+    """What ``mission`` says beyond the entries, as JSON; empty for nothing."""
+    from ..core.mission.area import Box
+    from ..core.mission.mission import Mission
+
+    plain = Mission(area=Box(0.0, 0.0, 0.0, 0.0), agl_m=1.0)
+    data = mission.to_dict()
+    more = {
+        f.name: data[f.name]
+        for f in fields(Mission)
+        if f.name not in _ENTERED and getattr(mission, f.name) != getattr(plain, f.name)
+    }
+    if mission.wind is not None and mission.wind.seed != mission.seed:
+        more["wind"] = {"seed": mission.wind.seed}
+    if not isinstance(mission.area, Box):
+        more.update(area=data["area"], agl_m=mission.agl_m)
+    return json.dumps(more) if more else ""
+
+
+def beyond_text(state: FormState) -> str:
+    """What a state's mission says beyond the entries, in words; empty for nothing."""
+    words = []
+    for name, value in state.beyond_entries.items():
+        if name == "area":
+            if _carried_area(state) is not None:
+                words.append(tr("area: {kind}").format(kind=value.get("type")))
+        elif name not in ("agl_m", "wind"):
+            text = " × ".join(map(str, value)) if isinstance(value, list) else str(value)
+            words.append(f"{name.replace('_', ' ')}: {text}")
+    return ", ".join(words)

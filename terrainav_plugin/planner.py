@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
+from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
 from qgis.PyQt.QtCore import QObject, QTimer, pyqtSignal
 
+from .i18n import tr
 from .preview_features import PreviewFeatures, preview_features
 
 if TYPE_CHECKING:
@@ -16,6 +19,8 @@ if TYPE_CHECKING:
 
 #: Pause in typing after which a plan is worked out.
 _PAUSE_MS = 150
+#: Pixels of the largest picture that is timed: some seconds, and memory to spare.
+_MOST_TIMED_PX = 4_000_000
 
 
 class Planned(NamedTuple):
@@ -38,19 +43,23 @@ class Planner(QObject):
     -------
     planned(object)
         `Planned`, of the latest request.
+    costed(object, str)
+        The same, and what its methods were timed at; after `planned`.
     refused(object)
         The error of the latest request.
     """
 
     planned = pyqtSignal(object)
+    costed = pyqtSignal(object, str)
     refused = pyqtSignal(object)
     _finished = pyqtSignal(int, object)
 
     def __init__(self, parent: QObject | None = None) -> None:
         super().__init__(parent)
         self._latest = 0
-        self._wanted: tuple[Mission, bool] | None = None
-        self._running: Future[Planned] | None = None
+        self._timed = True
+        self._wanted: tuple[Mission, bool, bool] | None = None
+        self._running: Future[Planned] | Future[tuple[Planned, str]] | None = None
         self._pool = ThreadPoolExecutor(1, thread_name_prefix="terrainav-plan")
         self._pause = QTimer(self)
         self._pause.setSingleShot(True)
@@ -64,10 +73,12 @@ class Planner(QObject):
         """Whether an answer is still to come."""
         return self._wanted is not None or self._running is not None
 
-    def request(self, mission: Mission, with_features: bool, at_once: bool = False) -> None:
-        """Ask for a plan; the answer comes by `planned` or `refused`."""
+    def request(
+        self, mission: Mission, with_features: bool, at_once: bool = False, timed: bool = True
+    ) -> None:
+        """Ask for a plan; the answer comes by `planned` or `refused`, and by `costed` where it is to be timed."""
         self._latest += 1
-        self._wanted = (mission, with_features)
+        self._wanted = (mission, with_features, timed)
         self._pause.start(0 if at_once else _PAUSE_MS)
 
     def forget(self) -> None:
@@ -84,9 +95,12 @@ class Planner(QObject):
     def _start(self) -> None:
         if self._wanted is None or self._running is not None:
             return
-        (mission, with_features), self._wanted = self._wanted, None
+        (mission, with_features, self._timed), self._wanted = self._wanted, None
         number = self._latest
-        self._running = self._pool.submit(self._work, number, mission, with_features)
+        self._submit(self._work, number, mission, with_features)
+
+    def _submit(self, work: Callable[..., object], number: int, *values: object) -> None:
+        self._running = self._pool.submit(work, number, *values)
         self._running.add_done_callback(lambda future: self._finished.emit(number, future))
 
     def _work(self, number: int, mission: Mission, with_features: bool) -> Planned:
@@ -102,6 +116,17 @@ class Planner(QObject):
         features = preview_features(steps) if with_features else None
         return Planned(mission, steps, summary, features)
 
+    def _time(self, number: int, planned: Planned) -> tuple[Planned, str]:
+        """Time the methods of a plan, last of all. Runs on the planner's thread."""
+        from ..core.capture.cost import timed_cost
+
+        self._check(number)
+        plan = planned.plan
+        if int(plan.width_px[0]) * int(plan.height_px[0]) > _MOST_TIMED_PX:
+            return planned, tr("not timed, as the pictures are large")
+        # A copy: what the plan keeps of its views belongs to whoever captures it.
+        return planned, timed_cost(replace(plan)).text(len(plan) * len(planned.mission.map_types))
+
     def _check(self, number: int) -> None:
         if number != self._latest:
             raise _Overtaken
@@ -113,7 +138,11 @@ class Planner(QObject):
         if number != self._latest or future.cancelled():
             return
         error = future.exception()
-        if error is None:
+        if error is not None:
+            self.refused.emit(error)
+        elif isinstance(future.result(), Planned):
+            if self._timed and self._running is None:
+                self._submit(self._time, number, future.result())
             self.planned.emit(future.result())
         else:
-            self.refused.emit(error)
+            self.costed.emit(*future.result())

@@ -12,7 +12,7 @@ from qgis.PyQt.QtCore import QObject, QTimer, pyqtSignal
 from .i18n import tr
 from .mission_group import MissionGroup
 from .paths import style
-from .preview_features import CRS, FIELDS, PreviewFeatures
+from .preview_features import CRS, FIELDS, PreviewFeatures, field_names
 
 if TYPE_CHECKING:
     from ..core.mission.mission import Mission
@@ -163,10 +163,14 @@ class Preview(QObject):
     def _adopt(self, role: str) -> QgsVectorLayer | None:
         """Take over the empty layer that a reopened project has kept of an earlier preview."""
         layer = self._group.layer(role)
-        if isinstance(layer, QgsVectorLayer) and layer.providerType() == "memory":
-            self._ids[role] = layer.id()
-            return layer
-        return None
+        if not (isinstance(layer, QgsVectorLayer) and layer.providerType() == "memory"):
+            return None
+        if layer.fields().names() != field_names(role):
+            # Of another version, which knew other attributes.
+            self._project.removeMapLayer(layer.id())
+            return None
+        self._ids[role] = layer.id()
+        return layer
 
     def _add(self, kind: _Kind, title: str, index: int) -> QgsVectorLayer:
         layer = kind.new_layer(title)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import TYPE_CHECKING, NamedTuple
 
 from qgis.core import (
@@ -11,7 +12,6 @@ from qgis.core import (
     QgsMultiLineString,
     QgsMultiPolygon,
     QgsPointXY,
-    QgsPolygon,
     QgsRectangle,
 )
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from ..core.mission.area import Box
+    from ..core.mission.area import Box, Polygon
     from ..core.mission.plan import Plan
 
     Floats = NDArray[np.float64]
@@ -36,6 +36,7 @@ FIELDS = {
     "footprints": (
         "field=name:string&field=column:integer&field=row:integer&field=lat:double&field=lon:double"
         "&field=agl_m:double&field=gsd_m:double&field=images:integer"
+        "&field=yaw:double&field=tilt:double&field=roll:double&field=horizon:bool"
     ),
     "centres": (
         "field=name:string&field=column:integer&field=row:integer&field=lat:double&field=lon:double"
@@ -43,6 +44,11 @@ FIELDS = {
     ),
     "flight": "field=length_m:double&field=images:integer",
 }
+
+
+def field_names(role: str) -> list[str]:
+    """Names of the attributes of a layer."""
+    return [part.partition("=")[2].partition(":")[0] for part in FIELDS[role].split("&")]
 
 
 class PreviewFeatures(NamedTuple):
@@ -59,7 +65,7 @@ def preview_features(plan: Plan) -> PreviewFeatures:
     """Area, footprints, capture centres and flight line of a plan."""
     outlined = len(plan) > MOST_FOOTPRINTS
     return PreviewFeatures(
-        area=[_area(plan.mission.area.bounds)] if plan.mission.kind == "raster" else [],
+        area=[_area(plan.mission.area)] if plan.mission.kind == "raster" else [],
         footprints=_rows(plan) if outlined else _footprints(plan),
         centres=[] if outlined else _centres(plan),
         flight=[_flight(plan)],
@@ -74,23 +80,28 @@ def _feature(geometry: QgsGeometry, *attributes: object) -> QgsFeature:
     return feature
 
 
-def _area(box: Box) -> QgsFeature:
-    """Outline of the box, along its parallels and meridians."""
-    west, south, north = box.west_deg, box.south_deg, box.north_deg
-    parts = [(west, box.continuous_east_deg)]
-    if box.continuous_east_deg > 180.0:
-        parts = [(west, 180.0), (-180.0, box.continuous_east_deg - 360.0)]
-    polygons = QgsMultiPolygon()
-    for left, right in parts:
-        x, y = _metres([left, right, right, left], [north, north, south, south])
-        corners = list(zip(x, y))
-        ring = [
-            QgsPointXY(x0 + step / _EDGE_PIECES * (x1 - x0), y0 + step / _EDGE_PIECES * (y1 - y0))
-            for (x0, y0), (x1, y1) in zip(corners, corners[1:] + corners[:1])
-            for step in range(_EDGE_PIECES)
-        ]
-        polygons.addGeometry(QgsPolygon(QgsLineString([*ring, ring[0]])))
-    return _feature(QgsGeometry(polygons), box.north_deg, box.west_deg, box.south_deg, box.east_deg)
+def _area(area: Box | Polygon) -> QgsFeature:
+    """Outline of the area: edges that are straight in longitude and latitude, in pieces as other CRSs bend them."""
+    import numpy as np
+
+    from ..core.mission.area import Polygon
+    from .camera_outlines import ring_polygon
+
+    if isinstance(area, Polygon):
+        rings = area.arrays()
+    else:
+        west, east = area.west_deg, area.continuous_east_deg
+        north, south = area.north_deg, area.south_deg
+        rings = [(np.array([west, east, east, west]), np.array([north, north, south, south]))]
+    share = np.arange(_EDGE_PIECES) / _EDGE_PIECES
+    outer, *holes = (
+        ring_polygon(*((at[:, None] + share * (np.roll(at, -1) - at)[:, None]).ravel() for at in ring))
+        for ring in rings
+    )
+    for hole in holes:
+        outer = outer.difference(hole)
+    box = area.bounds
+    return _feature(outer, box.north_deg, box.west_deg, box.south_deg, box.east_deg)
 
 
 def _rectangle(west: float, south: float, east: float, north: float, half_world_m: float) -> QgsGeometry:
@@ -100,24 +111,36 @@ def _rectangle(west: float, south: float, east: float, north: float, half_world_
     west, east = west - shift, east - shift
     if east <= half_world_m:
         return QgsGeometry.fromRect(QgsRectangle(west, south, east, north))
+    from .camera_outlines import surface
+
     parts = QgsMultiPolygon()
     for left, right in ((west, half_world_m), (-half_world_m, east - turn)):
-        parts.addGeometry(QgsGeometry.fromRect(QgsRectangle(left, south, right, north)).constGet().clone())
+        parts.addGeometry(surface([left, left, right, right], [south, north, north, south]))
     return QgsGeometry(parts)
 
 
 def _footprints(plan: Plan) -> list[QgsFeature]:
-    """Frames of the pictures, exactly as their files will state them."""
-    from ..core.geodesy.mercator import HALF_WORLD_M
-
+    """What each picture shows: the frame its file will state, or the ground the camera sees."""
     gsd = plan.grid.ground_m_per_px(plan.lat_deg, plan.zoom)
-    columns = (plan.column, plan.row, plan.lat_deg, _wrapped(plan.lon_deg), plan.agl_m, gsd, *plan.edges_m)
+    where = (plan.column, plan.row, plan.lat_deg, _wrapped(plan.lon_deg), plan.agl_m, gsd)
+    sight = (*plan.poses.attitude, ~plan.corners.hit.all(axis=1))
     return [
-        _feature(_rectangle(west, south, east, north, HALF_WORLD_M), name, column, row, lat, lon, agl, gsd, 1)
-        for name, column, row, lat, lon, agl, gsd, west, south, east, north in zip(
-            plan.names, *(values.tolist() for values in columns)
+        _feature(shape, name, *values[: len(where)], 1, *values[len(where) :])
+        for shape, name, *values in zip(
+            _shapes(plan), plan.names, *(values.tolist() for values in (*where, *sight))
         )
     ]
+
+
+def _shapes(plan: Plan) -> Iterator[QgsGeometry]:
+    from ..core.geodesy.mercator import HALF_WORLD_M
+    from .camera_outlines import camera_outlines
+
+    if plan.size_px is not None:
+        yield from camera_outlines(plan)
+        return
+    for edges in zip(*(edge.tolist() for edge in plan.edges_m)):
+        yield _rectangle(*edges, HALF_WORLD_M)
 
 
 def _rows(plan: Plan) -> list[QgsFeature]:
@@ -139,8 +162,12 @@ def _rows(plan: Plan) -> list[QgsFeature]:
     )
     gsd = plan.grid.ground_m_per_px(plan.lat_deg, plan.zoom)[order][starts]
     lat, agl = plan.lat_deg[order][starts], plan.agl_m[order][starts]
+    # A row is no picture: it has no attitude and no horizon.
+    none = (None,) * 4
     return [
-        _feature(_rectangle(*box, HALF_WORLD_M), f"row {number}", None, number, lat, None, agl, gsd, count)
+        _feature(
+            _rectangle(*box, HALF_WORLD_M), f"row {number}", None, number, lat, None, agl, gsd, count, *none
+        )
         for number, count, lat, agl, gsd, *box in zip(
             *(values.tolist() for values in (row[starts], counts, lat, agl, gsd, *edges))
         )
@@ -204,10 +231,7 @@ def _wrapped(lon_deg: Floats) -> Floats:
 
 def _metres(lon_deg: Floats | list[float], lat_deg: Floats | list[float]) -> tuple[list[float], list[float]]:
     """Easting and northing in EPSG:3857 of longitudes (not wrapped) and latitudes."""
-    import numpy as np
+    from .camera_outlines import metres
 
-    from ..core.geodesy.mercator import HALF_WORLD_M, lat_to_v, lon_to_u
-
-    east = (2.0 * lon_to_u(np.asarray(lon_deg)) - 1.0) * HALF_WORLD_M
-    north = (1.0 - 2.0 * lat_to_v(np.asarray(lat_deg))) * HALF_WORLD_M
+    east, north = metres(lon_deg, lat_deg)
     return east.tolist(), north.tolist()

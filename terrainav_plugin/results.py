@@ -1,10 +1,19 @@
-"""The result of a run on the map: one mosaic for each map type, and the footprints."""
+"""The result of a run on the map: one mosaic of map frames for each map type, and the footprints."""
 
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from qgis.core import QgsBilinearRasterResampler, QgsMapLayer, QgsRasterLayer, QgsVectorLayer
+from qgis.core import (
+    QgsAction,
+    QgsBilinearRasterResampler,
+    QgsField,
+    QgsMapLayer,
+    QgsRasterLayer,
+    QgsVectorLayer,
+)
+from qgis.PyQt.QtCore import QVariant
 
 from ..core.errors import OutputError
 from .i18n import tr
@@ -12,8 +21,17 @@ from .mission_group import CAPTURED, MissionGroup
 from .mosaic import Mosaic
 from .paths import style
 
+if TYPE_CHECKING:
+    from ..core.mission.mission import Mission
 
-def load_results(group: MissionGroup, folder: Path, mosaics: list[Mosaic]) -> list[QgsMapLayer]:
+#: Formats that map tips can show.
+_SHOWN_IN_TIPS = ("jpg", "png")
+_TIP_PX = 320
+
+
+def load_results(
+    group: MissionGroup, folder: Path, mosaics: list[Mosaic], mission: Mission
+) -> list[QgsMapLayer]:
     """Add a run's layers to its mission's group; those that are there already read their files anew.
 
     Raises
@@ -24,7 +42,7 @@ def load_results(group: MissionGroup, folder: Path, mosaics: list[Mosaic]) -> li
     from ..core.capture.folder import FOOTPRINTS_FILE
 
     layers: list[QgsMapLayer] = [_mosaic_layer(group, mosaic) for mosaic in mosaics]
-    layers.insert(0, _footprints_layer(group, folder / FOOTPRINTS_FILE))
+    layers.insert(0, _footprints_layer(group, folder / FOOTPRINTS_FILE, mission))
     return layers
 
 
@@ -55,17 +73,45 @@ def _raster_layer(path: Path, title: str) -> QgsRasterLayer:
     return layer
 
 
-def _footprints_layer(group: MissionGroup, path: Path) -> QgsMapLayer:
+def _footprints_layer(group: MissionGroup, path: Path, mission: Mission) -> QgsMapLayer:
     layer = group.layer(CAPTURED)
     if layer is None:
         layer = QgsVectorLayer(str(path), tr("Captured images"), "ogr")
         if not layer.isValid():
             raise OutputError(f"footprints {path}: QGIS cannot open them")
         layer.loadNamedStyle(style("captured"))
+        _name_pictures(layer, mission)
         group.add(layer, CAPTURED, _above_rasters(group)).setExpanded(False)
     else:
         _read_again(layer, path)
     return layer
+
+
+def _name_pictures(layer: QgsVectorLayer, mission: Mission) -> None:
+    """Give footprints the paths of their pictures: as attributes, in map tips, and to be opened.
+
+    Paths follow the layer: a folder can be moved together with its project.
+    """
+    tips = []
+    for map_type in mission.map_types:
+        path = f"file_path(decode_uri(@layer_id, 'path')) || '/{map_type}/' || \"name\" || '.{mission.image_format}'"
+        field = f"{map_type}_file"
+        layer.addExpressionField(path, QgsField(field, QVariant.String))
+        layer.actions().addAction(
+            QgsAction(
+                QgsAction.ActionType.OpenUrl,
+                tr("Open the picture ({map_type})").format(map_type=map_type),
+                f'[% "{field}" %]',
+                False,
+            )
+        )
+        tip = f'[% "{field}" %]'
+        if mission.image_format in _SHOWN_IN_TIPS:
+            tip = f'<img src="file:///{tip}" width="{_TIP_PX}"/><br/>{tip}'
+        tips.append(f"<p>{tip}</p>")
+    pose = '[% round("yaw_deg", 2) %]°, [% round("tilt_deg", 2) %]°, [% round("roll_deg", 2) %]°'
+    attitude = tr("yaw, tilt, roll: {angles}").format(angles=pose)
+    layer.setMapTipTemplate(f'<b>[% "name" %]</b><br/>{attitude}{"".join(tips)}')
 
 
 def _above_rasters(group: MissionGroup) -> int:

@@ -84,7 +84,7 @@ class Runs(QObject):
         # QGIS removes its temporary folder when it ends.
         folder = Path(QgsProcessingUtils.generateTempFilename("test-shot"))
         key = key_in(self._workflow.settings.authcfg(state.source))
-        self._run(CaptureTask(steps, folder, key, with_mosaic=False), self._test_shot_ended)
+        self._run(CaptureTask(steps, folder, key, test_shot=True), self._test_shot_ended)
 
     def cancel(self) -> None:
         """Stop the run; what is finished is kept."""
@@ -156,7 +156,9 @@ class Runs(QObject):
     def _show_progress(self, progress: Progress) -> None:
         if self.task is None or self.task.isCanceled():
             return
-        self._workflow.dock.show_running(_progress_text(progress, self.task.started_s), self.task.progress())
+        after = tr("; making the mosaic…") if self.task.plan.size_px is None else ""
+        text = _progress_text(progress, self.task.started_s, after)
+        self._workflow.dock.show_running(text, self.task.progress())
 
     def _show_share(self, percent: float) -> None:
         self._workflow.dock.progress.setValue(int(percent))
@@ -165,12 +167,12 @@ class Runs(QObject):
 
     def _capture_ended(self, task: CaptureTask) -> None:
         self._tell(task)
-        if task.mosaics and not task.isCanceled():
+        if task.result is not None and not task.result.cancelled and (task.mosaics or task.plan.size_px):
             self._show(lambda: self._load_results(task))
         self._over()
 
     def _test_shot_ended(self, task: CaptureTask) -> None:
-        if task.result is not None and task.result.written:
+        if task.picture is not None:
             self._show(lambda: self._load_test_shot(task))
         else:
             self._tell(task)
@@ -188,16 +190,14 @@ class Runs(QObject):
             self._messages.error(str(wrong))
 
     def _load_results(self, task: CaptureTask) -> None:
-        load_results(self._workflow.group_of(task.folder), task.folder, task.mosaics)
+        load_results(self._workflow.group_of(task.folder), task.folder, task.mosaics, task.plan.mission)
         # The pictures themselves are there now; plans on top would only hide them.
         self._workflow.preview.set_footprints_visible(False)
 
     def _load_test_shot(self, task: CaptureTask) -> None:
-        mission, name = task.plan.mission, task.plan.names[0]
-        picture = task.folder / mission.map_types[0] / f"{name}.{mission.image_format}"
-        lat, lon, _ = mission.area.poses[0]
+        lat, lon, _ = task.plan.mission.area.poses[0]
         title = tr("Test shot {lat:.5f} {lon:.5f}").format(lat=lat, lon=lon)
-        layer = load_test_shot(self._workflow.group(), picture, title)
+        layer = load_test_shot(self._workflow.group(), task.picture, title)
         self._workflow.background.zoom_to_layer(layer)
 
     def _tell(self, task: CaptureTask) -> None:
@@ -217,7 +217,10 @@ class Runs(QObject):
         elif result.failed:
             self._tell_failed(result)
         else:
-            self._messages.success(_done_text(result), (tr("Open folder"), lambda: _open(result.folder)))
+            text = _done_text(result)
+            if task.plan.size_px is not None:
+                text += " " + tr("Camera frames make no mosaic: see their footprints.")
+            self._messages.success(text, (tr("Open folder"), lambda: _open(result.folder)))
 
     def _tell_failed(self, result: CaptureResult) -> None:
         first = result.failed[0]
@@ -237,7 +240,8 @@ def next_folder(folder: Path) -> Path:
     return candidate
 
 
-def _progress_text(progress: Progress, started_s: float) -> str:
+def _progress_text(progress: Progress, started_s: float, after: str) -> str:
+    """How far a run is; ``after`` is what follows the last picture."""
     done = progress.done + progress.failed
     text = tr("{done} of {total} images").format(
         done=f"{done + progress.skipped:,}", total=f"{progress.total:,}"
@@ -247,7 +251,7 @@ def _progress_text(progress: Progress, started_s: float) -> str:
     seconds = time.monotonic() - started_s
     left = progress.total - progress.skipped - done
     if not left:
-        return text + tr("; making the mosaic…")
+        return text + after
     if done >= _LEAST_FOR_RATE and seconds > 0.0:
         rate = done / seconds
         text += tr(", {rate:.0f} a second, {time} left").format(rate=rate, time=duration_text(left / rate))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import traceback
 from collections.abc import Callable
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from qgis.core import QgsApplication, QgsProject
 from qgis.gui import QgisInterface
@@ -16,17 +17,22 @@ from . import mission_form
 from .background import Background, WorldTask
 from .box_tool import BoxTool
 from .dock import Dock
-from .estimates import estimate_html
+from .estimates import details_html, estimate_html
+from .form_state import BOX_FIELDS, FormState
 from .i18n import tr
 from .messages import Messages
-from .mission_form import BOX_FIELDS, FormError, FormState
+from .mission_form import FormError
 from .mission_group import MissionGroup, saved_missions
 from .planner import Planned, Planner
 from .point_tool import PointTool
 from .preview import Preview
+from .refusals import refused_fields
 from .runs import Runs
 from .settings import Settings
 from .sources import WORLD, camera_choices, source_choices
+
+if TYPE_CHECKING:
+    from ..core.mission.mission import Mission
 
 
 class Workflow(QObject):
@@ -58,6 +64,7 @@ class Workflow(QObject):
         self.dock = Dock(source_choices(), camera_choices())
         self.runs = Runs(self)
         self.planned: Planned | None = None
+        self._timed: tuple[Mission, str] | None = None
         self._when_planned: Callable[[Planned], None] | None = None
         self._zoom_to_preview = False
         self._world_task: WorldTask | None = None
@@ -187,6 +194,7 @@ class Workflow(QObject):
         self.point_tool.clicked.connect(self.runs.start_test_shot)
         self.point_tool.refused.connect(self.messages.warning)
         self.planner.planned.connect(self._show_planned)
+        self.planner.costed.connect(self._show_cost)
         self.planner.refused.connect(self._show_refused)
         self.preview.closed.connect(lambda: self._show_preview_state(False))
         for signal in (self.project.layersAdded, self.project.layersRemoved, self.project.cleared):
@@ -222,20 +230,36 @@ class Workflow(QObject):
             self.dock.show_problem("") if state.has_box else self.dock.show_nothing()
             return False
         self.dock.form.show_messages({})
-        self.planner.request(mission, self.dock.preview.isChecked(), at_once)
+        # Beside a run, times would be those of the run.
+        timed = not self._cost_of(mission) and self.runs.task is None and self._when_planned is None
+        self.planner.request(mission, self.dock.preview.isChecked(), at_once, timed)
         return True
 
     def _show_planned(self, planned: Planned) -> None:
         self.planned = planned
-        self.dock.show_estimates(estimate_html(planned.summary))
+        self._show_figures(planned)
         if planned.features is not None and self.dock.preview.isChecked():
             self.preview.show(self.group(), planned.mission, planned.features)
             if self._zoom_to_preview:
                 self._zoom_to_preview = False
-                self._zoom_if_out_of_sight(planned.mission.area.bounds)
+                self._zoom_if_out_of_sight(mission_form.bounds_of(planned.mission.area))
         act, self._when_planned = self._when_planned, None
         if act is not None:
             act(planned)
+
+    def _show_cost(self, planned: Planned, cost: str) -> None:
+        self._timed = planned.mission, cost
+        self._show_figures(planned)
+
+    def _show_figures(self, planned: Planned) -> None:
+        cost = self._cost_of(planned.mission)
+        if not cost and (self.runs.task is not None or self._when_planned is not None):
+            cost = tr("not timed beside a run")
+        self.dock.show_estimates(estimate_html(planned.summary, cost), details_html(planned.plan.accuracy))
+
+    def _cost_of(self, mission: Mission) -> str:
+        """What a mission's methods were timed at; empty where that is not known."""
+        return self._timed[1] if self._timed is not None and self._timed[0] == mission else ""
 
     def _show_refused(self, error: Exception) -> None:
         self.planned = None
@@ -244,7 +268,9 @@ class Workflow(QObject):
             self.dock.form.show_messages(error.messages)
             self.dock.show_problem("")
         elif isinstance(error, TerrAInavError):
-            self.dock.show_problem(str(error))
+            messages = refused_fields(error)
+            self.dock.form.show_messages(messages)
+            self.dock.show_problem(next(iter(messages.values()), str(error)))
         else:
             self.dock.show_problem(tr("Unexpected error: {error}").format(error=repr(error)))
             self.messages.error(
@@ -287,7 +313,7 @@ class Workflow(QObject):
     def _show_world(self, box: Box | None, map_type: str) -> None:
         if self._world_task is not None:
             return
-        seed, folder = mission_form.SEED, self.settings.backgrounds
+        seed, folder = self.state().seed, self.settings.backgrounds
         task = self.background.world_task(box, map_type, seed, folder)
         title = self.dock.form.source_title()
 

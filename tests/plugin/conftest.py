@@ -105,7 +105,7 @@ def screenshot(iface: QgisInterface, qtbot: QtBot) -> Callable[..., None]:
 @pytest.fixture
 def desk(plugin: TerrAInavPlugin, iface: QgisInterface, qtbot: QtBot, tmp_path: Path) -> Iterator[Desk]:
     """The mission panel as it is at first use, in front of an empty project."""
-    from terrainav.terrainav_plugin.mission_form import FormState
+    from terrainav.terrainav_plugin.form_state import FormState
 
     from tests.plugin.steps import Desk
 

@@ -47,9 +47,30 @@ def test_unreadable_coordinates_are_marked_until_they_are_right(desk):
         ("aspect", {"aspect": "4:0"}, "aspect ratio “4:0”: must be a number"),
         ("aspect", {"aspect": "-1"}, "aspect ratio -1.0: must be a number above 0"),
         ("agl", {"agl": 0.0}, "height above ground 0.0 m: must be above 0"),
-        ("overlap_along", {"overlap_along_percent": 100.0}, "overlap 1.0: must be at least 0 and below 1"),
+        ("overlap_along", {"overlap_along": 1.0}, "overlap 1.0: must be at least 0 and below 1"),
         ("map_types", {"map_types": ()}, "no map type: give one or more of satellite, roadmap, terrain"),
         ("source", {"source": "url-template", "template": ""}, "source is empty"),
+        ("yaw_deg", {"yaw_deg": 361.0}, "yaw 361.0 deg: must be from -360 to 360"),
+        ("tilt_deg", {"tilt_deg": -200.0}, "tilt -200.0 deg: must be from -180 to 180"),
+        ("roll_deg", {"roll_deg": 181.0}, "roll 181.0 deg: must be from -180 to 180"),
+        (
+            "ground_height_m",
+            {"ground_height_m": 9001.0},
+            "ground height 9001.0 m: must be from -12000 to 9000",
+        ),
+        ("error_budget_px", {"error_budget_px": 0.0}, "error budget 0.0 px: must be a number above 0"),
+        (
+            "wind_speed_m_per_s",
+            {"wind": True, "wind_speed_m_per_s": 15.0},
+            "must be below the airspeed, 15.0 m/s",
+        ),
+        (
+            "wind_speed_m_per_s",
+            {"wind": True, "wind_speed_m_per_s": -1.0},
+            "wind speed -1.0 m/s: must be 0 or more",
+        ),
+        ("turbulence", {"wind": True, "turbulence": 4.0}, "gusts of 20 m/s must stay below the airspeed"),
+        ("airspeed_m_per_s", {"wind": True, "airspeed_m_per_s": 0.0}, "airspeed 0.0 m/s: must be 0.1 to 340"),
     ],
 )
 def test_bad_value_is_marked_at_its_field_only(desk, field, entries, words):
@@ -133,7 +154,7 @@ def test_hint_leads_through_the_first_use(desk):
 
 
 def test_entries_are_remembered(desk):
-    from terrainav.terrainav_plugin.mission_form import FormState
+    from terrainav.terrainav_plugin.form_state import FormState
 
     desk.enter_small_mission()
     desk.form.agl.setValue(77.0)

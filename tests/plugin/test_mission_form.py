@@ -7,14 +7,11 @@ from dataclasses import replace
 import pytest
 from terrainav.core.mission.area import Box
 from terrainav.core.mission.mission import Mission
+from terrainav.terrainav_plugin.form_state import FormState
+from terrainav.terrainav_plugin.form_text import aspect_text, degrees_text, parse_aspect, parse_number
 from terrainav.terrainav_plugin.mission_form import (
     FormError,
-    FormState,
-    aspect_text,
-    degrees_text,
     mission,
-    parse_aspect,
-    parse_number,
     state_of,
     with_box,
 )
@@ -61,7 +58,7 @@ def test_degrees_without_trailing_zeros(value, text):
 
 def test_mission_of_a_state_and_back():
     state = replace(
-        GOOD, agl=150.0, overlap_along_percent=60.0, map_types=("satellite", "terrain"), folder="/somewhere/x"
+        GOOD, agl=150.0, overlap_along=0.6, map_types=("satellite", "terrain"), folder="/somewhere/x"
     )
     there = mission(state)
     assert there.area == Box(35.16, -89.9, 35.115, -89.823)
@@ -78,7 +75,7 @@ def test_mission_of_a_template_and_back():
 
 def test_every_wrong_field_is_named_at_once():
     with pytest.raises(FormError) as refused:
-        mission(replace(GOOD, north="x", fov_deg=0.0, agl=-1.0, overlap_across_percent=100.0))
+        mission(replace(GOOD, north="x", fov_deg=0.0, agl=-1.0, overlap_across=1.0))
     assert set(refused.value.messages) == {"north", "fov_deg", "agl", "overlap_across"}
 
 

@@ -7,7 +7,7 @@ import pytest
 from pyproj import Transformer
 from qgis.core import QgsCoordinateReferenceSystem, QgsCoordinateTransform, QgsProject, QgsVectorLayer
 from qgis.PyQt.QtCore import QCoreApplication
-from terrainav.core.mission.area import Box, Points
+from terrainav.core.mission.area import Box, Points, Polygon
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 from terrainav.terrainav_plugin import preview_features as features_module
@@ -233,6 +233,18 @@ def test_rows_stand_for_too_many_images(monkeypatch):
 def with_names(feature):
     names = [part.split("=")[1].split(":")[0] for part in features_module.FIELDS["footprints"].split("&")]
     return dict(zip(names, feature.attributes()))
+
+
+def test_polygon_is_drawn_with_its_holes_and_on_either_side_of_the_antimeridian():
+    outer = ((179.98, 0.0), (180.02, 0.0), (180.02, 0.02), (179.98, 0.02))
+    hole = ((179.99, 0.005), (180.01, 0.005), (180.0, 0.015))
+    _, drawn = features_of(Polygon((outer, hole)), agl_m=500.0)
+    (area,) = drawn.area
+    assert area.geometry().isGeosValid()
+    # Near the equator degrees are the same everywhere.
+    metres = 20_037_508.342789244 / 180.0
+    assert area.geometry().area() == pytest.approx((0.04 * 0.02 - 0.02 * 0.01 / 2) * metres**2, rel=1e-5)
+    assert abs(area.geometry().boundingBox().xMinimum()) <= 20_037_508.342789244
 
 
 def test_points_have_no_area():
