@@ -19,7 +19,7 @@ _LARGEST_PX, _SMALLEST_PX = 160, 8
 #: How much farther one corner of a cell may be than another: beyond, one zoom would not suit all of it.
 _MOST_UNEVEN = 1.5
 #: Factor on the bound for what second derivatives leave out; validated by Monte Carlo.
-_BEYOND_SECOND_ORDER = 1.8
+_BEYOND_SECOND_ORDER = 1.3
 #: Rays this much longer than the view's axis, 70° off it, are beyond what the bound was validated for.
 _LONGEST_RAY = 3.0
 #: Longitudes of one cell farther apart than this are on two sides of a pole or of the camera's far meridian.

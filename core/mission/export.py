@@ -27,8 +27,8 @@ CORNER_COLUMNS = tuple(
     f"{corner}_{axis}_deg" for corner in ("nw", "ne", "se", "sw") for axis in ("lat", "lon")
 )
 COLUMNS = POSE_COLUMNS + WINDOW_COLUMNS + CORNER_COLUMNS
-#: Footprints up to this high have edges that are straight in degrees to 1e-4 of their size, but for latitudes where
-#: no map shows them.
+#: Height in degrees up to which a footprint's edges are as good as straight in longitude and latitude: at middle
+#: latitudes they leave their chord by some 1e-4 of their length.
 _STRAIGHT_DEG = 0.1
 #: Captures turned to text in one go, so that a million rows never stand in memory as text.
 _BATCH = 10_000
