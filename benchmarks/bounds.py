@@ -18,9 +18,9 @@ sys.path.insert(0, str(ROOT))
 from tests.core.geodesy import bounds, longdouble  # noqa: E402
 
 #: Cameras, and scenes of each, of the methods for level cameras and of the exact one.
-DRAWS, EACH = 3_000, 600
+DRAWS, EACH = 2_200, 600
 #: Cameras of each mesh tolerance.
-MESHES = 1_500
+MESHES = 1_200
 TOLERANCES_PX = (1.0, 0.3, 0.1, 0.03, 0.01, 0.003, 0.001)
 #: Cameras, and poses of each, whose inscribed rectangles are looked at.
 RECTANGLES = (2_000, 100)
