@@ -25,6 +25,8 @@ _MOST_SAMPLES = 8
 KERNEL_REACH_PX = 4
 #: Error of the mesh that says which tiles and which zoom serve a part of the image, where rays give the positions.
 _EXTENT_TOLERANCE_PX = 0.1
+#: Extents that tiles are counted under in one go, for any number of cameras.
+_EXTENTS_COUNTED = 1 << 19
 #: Rays traced in one go.
 _BATCH = 1 << 17
 
@@ -144,21 +146,35 @@ class View:
         lon_deg, moved_v : array (n,)
             Longitudes of cameras, and how far south of the view's own place they stand, as world fractions.
         """
-        found = []
+        found = [np.empty(0, np.int64)]
         u = lon_to_u(lon_deg)
-        for zoom, west, east, north, south in self.extents():
-            down_v = moved_v[:, np.newaxis]
-            first_x, last_x, first_y, last_y = self._spans(
-                zoom, u[:, np.newaxis], west, east, north + down_v, south + down_v
-            )
-            for across in range(int((last_x - first_x).max(initial=-1)) + 1):
-                for down in range(int((last_y - first_y).max(initial=-1)) + 1):
-                    column = np.minimum(first_x + across, last_x) % (1 << zoom)
-                    row = np.minimum(first_y + down, last_y)
-                    found.append(np.unique((zoom << 56) + (row << 28) + column))
-        return np.unique(np.concatenate(found)) if found else np.empty(0, np.int64)
+        for zoom, *extent in self.extents():
+            step = max(_EXTENTS_COUNTED // len(extent[0]), 1)
+            for start in range(0, len(u), step):
+                part = slice(start, start + step)
+                found.append(self._keys(zoom, u[part, np.newaxis], moved_v[part, np.newaxis], *extent))
+        return np.unique(np.concatenate(found))
 
-    def _spans(
+    def _keys(
+        self, zoom: int, u: Floats, moved_v: Floats, west: Floats, east: Floats, north: Floats, south: Floats
+    ) -> Numbers:
+        first_x, last_x, first_y, last_y = self._tile_spans(
+            zoom, u, west, east, north + moved_v, south + moved_v
+        )
+        columns, rows = (
+            int(np.max(last - first)) + 1 for first, last in ((first_x, last_x), (first_y, last_y))
+        )
+        keys = [
+            (zoom << 56)
+            + (np.minimum(first_y + down, last_y) << 28)
+            + np.minimum(first_x + across, last_x) % (1 << zoom)
+            for across in range(columns)
+            for down in range(rows)
+        ]
+        each_once: Numbers = np.unique(np.stack(keys))
+        return each_once
+
+    def _tile_spans(
         self, zoom: int, u: Floats | float, west: Floats, east: Floats, north: Floats, south: Floats
     ) -> tuple[Numbers, Numbers, Numbers, Numbers]:
         """First and last column (not wrapped) and row of the tiles under extents, for cameras at ``u``."""
@@ -179,7 +195,7 @@ class View:
         found: set[tuple[int, int, int]] = set()
         u = float(lon_to_u(np.asarray(lon_deg)))
         for zoom, west, east, north, south in self.extents():
-            spans = self._spans(zoom, u, west, east, north, south)
+            spans = self._tile_spans(zoom, u, west, east, north, south)
             for x0, x1, y0, y1 in np.unique(np.stack(spans), axis=1).T.tolist():
                 found.update((zoom, x, y) for x in range(x0, x1 + 1) for y in range(y0, y1 + 1))
         return sorted(found)
