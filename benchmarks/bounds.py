@@ -56,9 +56,9 @@ for the exact camera and the meshes any tilt to 110° and roll to 60°. Left out
 4e-8 m, which degrees in float64 do not resolve. Errors are in px of an image whose longer side is 640, measured by the
 independent camera of the tests in {precise}.
 
-{total:,} scenes of level cameras in all. A bound holds where the worst ratio stays below 1; the median says how tight
-it is. For a mesh the ratio is that of the worst of {bounds.POINTS_A_MESH:,} points in its cells, each over its own
-cell's bound.
+{total:,} comparisons for level cameras. A bound holds where the worst ratio stays below 1; the median says how
+tight it is. For a mesh the ratio is that of the worst of {bounds.POINTS_A_MESH:,} points in its cells, each over
+its own cell's bound.
 
 | method | drawn | worst error / bound | median | worst scene |
 | --- | ---: | ---: | ---: | --- |
