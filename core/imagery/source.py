@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..geodesy.mercator import PixelGrid
+from .policy import Policy
 
 Pixels = NDArray[np.uint8]
 
@@ -63,6 +64,16 @@ class Source(Protocol):
     @property
     def grid(self) -> PixelGrid:
         """Its pixels."""
+        ...
+
+    @property
+    def policy(self) -> Policy:
+        """What its provider allows."""
+        ...
+
+    @property
+    def date(self) -> str:
+        """Date of its imagery as the source writes it, YYYY-MM-DD or YYYY; empty where it is not known."""
         ...
 
     def parts(self, window: Window) -> list[Part]:

@@ -9,6 +9,7 @@ from collections import Counter
 import numpy as np
 from terrainav.core.errors import PartError
 from terrainav.core.geodesy.mercator import PixelGrid
+from terrainav.core.imagery.policy import Policy
 from terrainav.core.imagery.source import Window, tile_parts
 
 from tests.support.patterns import encode_position
@@ -20,6 +21,8 @@ class PatternSource:
     name = "pattern"
     title = "Pattern"
     attribution = "© Pattern & Söhne <imagery>"
+    policy = Policy()
+    date = ""
 
     def __init__(self, map_types=("satellite", "roadmap", "terrain"), *, tile_px=256, wait_s=0.0):
         self.map_types = map_types

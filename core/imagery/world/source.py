@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from ...geodesy.mercator import PixelGrid
+from ..policy import Policy
 from ..source import Part, Pixels, Window, tile_parts
 from .lattice import TILE_PX
 from .world import MAX_ZOOM, STYLES, World
@@ -16,6 +17,8 @@ class WorldSource:
     attribution = "Synthetic landscape, TerrAInav"
     map_types = STYLES
     grid = PixelGrid(tile_px=TILE_PX, max_zoom=MAX_ZOOM, native_zoom=MAX_ZOOM)
+    policy = Policy()
+    date = ""
 
     def __init__(self, seed: int = 2024) -> None:
         self.world = World(seed)
