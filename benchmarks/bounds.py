@@ -23,7 +23,7 @@ DRAWS, EACH = 2_200, 600
 MESHES = 1_200
 TOLERANCES_PX = (1.0, 0.3, 0.1, 0.03, 0.01, 0.003, 0.001)
 #: Cameras, and poses of each, whose inscribed rectangles are looked at.
-RECTANGLES = (2_000, 100)
+RECTANGLES = (10_000, 6)
 
 
 def row(name: str, tally: bounds.Tally, unit: str) -> str:
@@ -44,7 +44,7 @@ def page() -> str:
         rows.append(row(f"mesh-{tolerance:g}px", meshes, "meshes"))
         _, wide = bounds.meshes(2028, MESHES // 3, tolerance, narrowest=20.0, widest=150.0)
         rows.append(row(f"mesh-{tolerance:g}px, 20° to 150°", wide, "meshes"))
-    beyond = bounds.rectangles_inside(2027, *RECTANGLES)
+    rectangles = bounds.rectangles_inside(2027, *RECTANGLES)
     table = "\n".join(rows)
     total = sum(tally.count for tally in level.values())
     precise = "long double" if longdouble.EXTENDED else "float64 (this machine has no longer numbers)"
@@ -64,8 +64,9 @@ its own cell's bound.
 | --- | ---: | ---: | ---: | --- |
 {table}
 
-Rectangles inside what cameras see leave their image by at most {max(beyond, 0.0):.2g} px beyond the noise of map
-positions, over {RECTANGLES[0]:,} cameras of {RECTANGLES[1]} poses each.
+Rectangles that camera frames count for in covering, {rectangles.with_extent:,} of {RECTANGLES[0]:,} cameras at any
+tilt and height, leave their image by at most {max(rectangles.worst_px, 0.0):.2g} px beyond the noise of map positions,
+and the Earth hides nothing of them; {rectangles.count - rectangles.with_extent:,} more poses see ground and have no rectangle.
 
 The bound of the exact camera is one of rounding, which is random: what holds in the worst of a million scenes is
 far from the median one. Draws of fields of view are even in the logarithm of their tangent, so that half of all

@@ -146,6 +146,41 @@ class Camera:
         tan_x, tan_y = self.half_tangents
         return np.stack([right / depth / tan_x, image_up / depth / tan_y], axis=-1), in_front
 
+    def beyond_sides(
+        self,
+        vectors_enu: Floats,
+        yaw_deg: Floats | float = 0.0,
+        tilt_deg: Floats | float = 0.0,
+        roll_deg: Floats | float = 0.0,
+    ) -> Floats:
+        """How far directions lie outside the planes through the camera and the sides of its image.
+
+        Unlike image points this is smooth at any angle, also behind the camera.
+
+        Parameters
+        ----------
+        As in `image_xy`.
+
+        Returns
+        -------
+        array (..., k, 4)
+            For right, left, top and bottom the sine of the angle from the plane, over that of half the image:
+            nowhere positive inside the image, and near half images beyond a side where angles are small.
+        """
+        right, image_up, axis = (
+            np.einsum("...ki,...i->...k", vectors_enu, direction)
+            for direction in _image_axes(yaw_deg, tilt_deg, roll_deg)
+        )
+        tan_x, tan_y = self.half_tangents
+        length = np.sqrt(np.sum(np.square(vectors_enu), axis=-1))
+        sides = [
+            offset / tan - axis
+            for value, tan in ((right, tan_x), (image_up, tan_y))
+            for offset in (value, -value)
+        ]
+        beyond: Floats = np.stack(sides, axis=-1) / length[..., np.newaxis]
+        return beyond
+
 
 def _image_axes(
     yaw_deg: Floats | float, tilt_deg: Floats | float, roll_deg: Floats | float

@@ -297,3 +297,23 @@ def sight_lines(
     w = n * (1.0 - ground.e2) * np.sin(phi) - z
     s, c = np.sin(np.radians(lat_deg)), np.cos(np.radians(lat_deg))
     return np.stack(np.broadcast_arrays(n * np.cos(phi) * np.sin(lam), c * w - s * x, c * x + s * w), axis=-1)
+
+
+def above_tangent_plane_m(
+    lat_deg: Floats, vectors_enu: Floats, ground_lat_deg: Floats, dlon_deg: Floats
+) -> Floats:
+    """Height of cameras over the planes that touch the ellipsoid at ground points: those are seen from above them only.
+
+    Parameters
+    ----------
+    lat_deg : array
+        Cameras.
+    vectors_enu : array (..., 3)
+        From them to the points, as `sight_lines` gives them.
+    ground_lat_deg, dlon_deg : array
+        The points. All broadcast.
+    """
+    phi, lam = np.radians(ground_lat_deg), np.radians(dlon_deg)
+    x, east, w = _meridian_frame(lat_deg, vectors_enu)
+    height: Floats = -np.cos(phi) * (np.cos(lam) * x + np.sin(lam) * east) - np.sin(phi) * w
+    return height

@@ -35,6 +35,8 @@ _SETTLED, _SETTLED_NOISE = 1e-14, 1e-15
 #: Passes in which rows must settle. Picard iteration gains digits faster than geometrically (under 40 passes
 #: from limit to limit); only frames that all but hold a pole take longer.
 _PASSES = 500
+#: Frames further aside than this share of the world lie differently from each latitude; then this many are tried.
+_FAR_ASIDE, _TRIED_PLACES = 1e-3, 257
 #: Nodes of the quadrature that counts rows beforehand, and the share and number of rows added to be safe.
 _COUNT_NODES, _COUNT_SHARE, _COUNT_MORE = 64, 1e-3, 3
 #: Guard of the paper's counts against the noise of UTM metres, as a share of a step.
@@ -148,6 +150,11 @@ def _over(area: Box | Polygon, layout: Layout, edges: FrameEdges, rounding: floa
 
 def _refuse_no_step(step: Floats, overlap: float) -> None:
     if not (step > 0.0).all():
+        if overlap == 0.0:
+            raise InvalidInput(
+                "images without a thousandth of a pixel of ground to count on: the camera looks past the map or the "
+                "Earth; tilt it less or fly lower"
+            )
         raise InvalidInput(
             f"overlap {overlap}: leaves under a thousandth of a pixel between captures; overlap less"
         )
@@ -162,7 +169,9 @@ def _row_centres(mission: Mission, box: Box, frames: Frames, pixel: float) -> tu
         raise InvalidInput(f"rows from {mission.agl_m:g} m cannot be placed in this area; fly lower")
     spare = float(edges.bottom_v[count - 1]) - rows.last_bottom
     shift = rows.centring_shift(count, spare)
-    return rows.lean(rows.settle(rows.first_top - shift, count)[0])
+    placed, edges = rows.lean(rows.settle(rows.first_top - shift, count)[0])
+    rows.refuse_gaps(placed)
+    return placed, edges
 
 
 class _Rows:
@@ -179,16 +188,55 @@ class _Rows:
         self._least, self._most = self._cameras()
 
     def _cameras(self) -> tuple[float, float]:
-        """Where cameras may stand to have their frames' centres in the area."""
+        """Where cameras may stand to have their frames in the area, by half a frame or more."""
         places = np.array([self._north, self._south])
         edges = self._frames(v_to_lat(places))
         aside = (edges.top_v + edges.bottom_v) / 2.0 - places
+        if float(np.abs(aside).max()) > _FAR_ASIDE:
+            return self._cameras_by_trying()
         # The centre of a frame that is symmetric about the camera's place differs from it by Mercator's stretch alone.
         level = np.abs(aside) < edges.size[1] / 4.0
-        cameras = np.where(level, places, places - 1.5 * aside)
+        half = edges.size[1] / 2.0
+        cameras = np.where(level, places + np.array([-1.0, 1.0]) * half, places - 1.5 * aside)
         return max(min(self._north, float(cameras.min())), 0.0), min(
             max(self._south, float(cameras.max())), 1.0
         )
+
+    def _cameras_by_trying(self) -> tuple[float, float]:
+        """Where cameras may stand whose frames lie so far aside that how far changes with their latitude."""
+        tried = np.linspace(0.0, 1.0, _TRIED_PLACES)
+        edges = self._frames(v_to_lat(tried))
+        sees = (edges.size[1] > 0.0) & (edges.bottom_v >= self._north) & (edges.top_v <= self._south)
+        if not sees.any():
+            raise InvalidInput(
+                f"camera at {self._mission.agl_m:g} m, tilted so: from nowhere on the map does it see this area; tilt "
+                "it less or fly lower"
+            )
+        places = tried[sees]
+        highest, lowest = (
+            np.where(sees, edge, worst) for edge, worst in ((edges.top_v, 2.0), (edges.bottom_v, -1.0))
+        )
+        if self._out_of_sight(highest - self._north) or self._out_of_sight(self._south - lowest):
+            raise self._gaps()
+        return max(float(places[0] - tried[1]), 0.0), min(float(places[-1] + tried[1]), 1.0)
+
+    def _out_of_sight(self, missing: Floats) -> bool:
+        """Whether frames of cameras at the tried places all end so far before a side of the area."""
+        nearest = int(np.argmin(missing))
+        # Between places a frame may reach further than at them, but not beyond the first and the last.
+        between = 0 < nearest < _TRIED_PLACES - 1
+        return float(missing[nearest]) > (2.0 / _TRIED_PLACES if between else 0.0)
+
+    def _gaps(self) -> InvalidInput:
+        return InvalidInput(
+            f"rows from {self._mission.agl_m:g} m cannot be placed so that their images cover this area; tilt the "
+            "camera less, fly lower or take a smaller area"
+        )
+
+    def refuse_gaps(self, centres: Floats) -> None:
+        """Refuse rows that were not settled where cameras may stand: their frames are elsewhere."""
+        if bool(((centres < self._least - _SETTLED) | (centres > self._most + _SETTLED)).any()):
+            raise self._gaps()
 
     def _edges(self, centres: Floats) -> FrameEdges:
         """Edges of frames at the centres, each centre taken as its nearest where cameras may stand.

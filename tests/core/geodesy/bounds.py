@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Iterator
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from terrainav.core.errors import InvalidInput
@@ -13,7 +14,7 @@ from terrainav.core.geodesy.accuracy import Scene
 from terrainav.core.geodesy.camera import CORNERS, Camera
 from terrainav.core.geodesy.ellipsoid import WGS84
 from terrainav.core.geodesy.footprint import FOOTPRINT_RUNGS
-from terrainav.core.geodesy.frames import map_frame_edges
+from terrainav.core.geodesy.frames import FrameEdges, map_frame_edges
 from terrainav.core.geodesy.inscribed import inscribed_edges
 from terrainav.core.geodesy.mercator import v_to_lat
 from terrainav.core.geodesy.mesh import ImageRays, mesh
@@ -234,47 +235,58 @@ def perspective(du, v, a, b):
     return u0[:, 0] + along * size_u[:, 0], v0[:, 0] + down * size_v[:, 0]
 
 
-def rectangles_inside(seed, draws, each) -> float:
-    """Most px by which a border of an inscribed rectangle leaves its image."""
-    rng, worst = np.random.default_rng(seed), 0.0
-    share = np.linspace(0, 1, 17)
-    border = np.concatenate(
-        [
-            np.stack(pair, axis=1)
-            for pair in (
-                (share, 0 * share),
-                (share, 0 * share + 1),
-                (0 * share, share),
-                (0 * share + 1, share),
-            )
-        ]
-    )
-    for camera in cameras(rng, draws, 150.0):
+class Rectangles(NamedTuple):
+    """Rectangles looked at, how many of them have extent, and the most px by which a border leaves its image."""
+
+    count: int
+    with_extent: int
+    worst_px: float
+
+
+def rectangles_inside(seed, draws, each) -> Rectangles:
+    """How far borders of inscribed rectangles leave their images; infinite where the Earth hides a point of one."""
+    rng = np.random.default_rng(seed)
+    share = np.concatenate([np.linspace(0, 1, 17), np.geomspace(1e-3, 0.05, 6)])
+    low, high = 0 * share, 0 * share + 1
+    across, down = np.concatenate([share, share, low, high]), np.concatenate([low, high, share, share])
+    count, with_extent, worst = 0, 0, -np.inf
+    for camera in cameras(rng, draws, 179.9):
         scene = any_pose(rng, camera, each)
-        if scene is None or not 0.1 < camera.aspect_ratio < 10:
+        if scene is None:
             continue
-        try:
-            edges = inscribed_edges(camera, scene.poses)
-        except InvalidInput:
+        edges, at = _rectangles(camera, scene.poses)
+        count += len(at)
+        sized = (edges.size[0] > 0) & (edges.size[1] > 0)
+        if not sized.any():
             continue
-        u = edges.west_u[:, np.newaxis] + edges.size[0][:, np.newaxis] * border[:, 0]
-        v = edges.top_v[:, np.newaxis] + edges.size[1][:, np.newaxis] * border[:, 1]
-        on_map = (edges.size[0] > 0) & (edges.size[1] > 0) & (np.abs(v - 0.5) <= 0.5).all(axis=1)
-        some = Scene(camera, scene.width_px, scene.height_px, scene.poses.take(on_map))
-        if not on_map.any():
-            continue
-        poses = some.poses
+        edges, at = FrameEdges(*(side[sized, np.newaxis] for side in edges)), at[sized]
+        with_extent += len(at)
+        some = Scene(camera, scene.width_px, scene.height_px, scene.poses.take(at))
         seen = longdouble.look(
-            *(values[:, np.newaxis] for values in (poses.lat_deg, poses.agl_m)),
+            *(values[:, np.newaxis] for values in (some.poses.lat_deg, some.poses.agl_m)),
             camera.fov_deg,
             camera.aspect_ratio,
-            *(values[:, np.newaxis] for values in poses.attitude),
-            v_to_lat(v[on_map]),
-            u[on_map] * 360.0,
+            *(values[:, np.newaxis] for values in some.poses.attitude),
+            v_to_lat(edges.top_v + edges.size[1] * down),
+            (edges.west_u + edges.size[0] * across) * 360.0,
         )
         beyond = np.maximum(
             (np.abs(seen.x) - 1) * scene.width_px / 2, (np.abs(seen.y) - 1) * scene.height_px / 2
         )
         noise = accuracy.mesh_noise_px(some)[:, np.newaxis]
-        worst = max(worst, float(np.nanmax(np.where(seen.visible, beyond - noise, 0.0))))
-    return worst
+        worst = max(worst, float(np.max(np.where(seen.visible, beyond - noise, np.inf))))
+    return Rectangles(count, with_extent, worst)
+
+
+def _rectangles(camera, poses):
+    """Rectangles of those poses that see ground, and which poses they are."""
+    every = np.arange(len(poses.lat_deg))
+    try:
+        return inscribed_edges(camera, poses), every
+    except InvalidInput:
+        found = []
+        for at in every:
+            with contextlib.suppress(InvalidInput):
+                found.append((inscribed_edges(camera, poses.take(every[at : at + 1])), at))
+        sides = zip(*(edges for edges, _ in found)) if found else [[np.empty(0)]] * 4
+        return FrameEdges(*(np.concatenate(side) for side in sides)), np.array([at for _, at in found], int)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 import time
 from collections.abc import Iterator
@@ -31,7 +32,8 @@ ALLOWED = (
     "±85.0511",
     "under one pixel",
     "the limit is",
-    "overlap less",
+    "past the map or the Earth",
+    "from nowhere on the map",
     "use --layout cover",
     "cannot be placed",
     "holds a pole",
@@ -66,6 +68,13 @@ BOXES = {
     "a zone's edge": (Box(40.05, -90.05, 40, -89.95), 1200.0),
     "UPS latitudes": (Box(84.6, 10, 84.5, 10.5), 1200.0),
 }
+#: Cameras that look past the Earth or over a pole: field of view, height, yaw, tilt.
+ASIDE = (
+    (140.0, 2.8e7, 30.0, 55.0),
+    (160.0, 3.6e7, 300.0, 65.0),
+    (160.3353, 28336680.0, 165.476, 72.5),
+    (120.0, 8e6, 165.0, 65.0),
+)
 #: Pictures of one of these missions at most: the suite is of cases, not of size.
 MOST = 200_000
 
@@ -87,18 +96,21 @@ class Outcome(NamedTuple):
     error_px: float
     condition: float
     seconds: float
+    covered: bool = True
 
 
 def cases() -> Iterator[Case]:
     """Every case of the suite."""
-    for agl in HEIGHTS_M:
-        for lat in LATITUDES:
-            for camera_name, camera in CAMERAS.items():
-                for attitude_name, attitude in ATTITUDES.items():
-                    name = f"{agl:g} m, latitude {lat:g}, {camera_name}, {attitude_name}"
-                    yield Case(
-                        name, Mission(Points(((lat, 179.99999, agl),)), agl, camera=camera, **attitude)
-                    )
+    yield from _single_cameras()
+    yield from _boxes()
+
+
+def _single_cameras() -> Iterator[Case]:
+    for agl, lat, (camera_name, camera), (attitude_name, attitude) in itertools.product(
+        HEIGHTS_M, LATITUDES, CAMERAS.items(), ATTITUDES.items()
+    ):
+        name = f"{agl:g} m, latitude {lat:g}, {camera_name}, {attitude_name}"
+        yield Case(name, Mission(Points(((lat, 179.99999, agl),)), agl, camera=camera, **attitude))
     for inside in (1.0, 0.1, 0.01, 0.001, -0.001, -1.0):
         for agl in (1.0, 120.0, 16e3, 8e6):
             for camera in (Camera(0.01, 1.0), Camera(78.8, 4 / 3)):
@@ -107,6 +119,9 @@ def cases() -> Iterator[Case]:
                 name = f"{agl:g} m, {camera.fov_deg:g}°, looking {abs(inside):g}° {side} the horizon"
                 area = Points(((35.0, -89.0, agl),))
                 yield Case(name, Mission(area, agl, camera=camera, tilt_deg=90.0 - dip - inside))
+
+
+def _boxes() -> Iterator[Case]:
     for name, (box, agl) in BOXES.items():
         for layout in ("cover", "paper"):
             for share in (0.0, 0.5, 0.9, 0.999):
@@ -115,6 +130,11 @@ def cases() -> Iterator[Case]:
                 yield Case(f"box {name}, {layout}, overlap {share:g}", mission)
         for attitude_name, attitude in (("yaw 45", {"yaw_deg": 45.0}), ("tilt 60", {"tilt_deg": 60.0})):
             yield Case(f"box {name}, {attitude_name}", Mission(box, agl, max_images=MOST, **attitude))
+    for (fov, agl, yaw, tilt), lat in itertools.product(ASIDE, (0.0, 60.0, 80.0)):
+        attitude = {"yaw_deg": yaw, "tilt_deg": tilt, "roll_deg": 40.0}
+        area = Box(lat + 2.5, -60, lat - 2.5, 60)
+        name = f"box at {lat:g}°, {fov:g}° from {agl:g} m, yaw {yaw:g}, tilt {tilt:g}, roll 40"
+        yield Case(name, Mission(area, agl, camera=Camera(fov, 1.5), max_images=MOST, **attitude))
 
 
 def run(case: Case) -> Outcome:
@@ -128,9 +148,12 @@ def run(case: Case) -> Outcome:
     except InvalidInput as refused:
         return Outcome(case, str(refused), "", math.nan, math.nan, math.nan, time.perf_counter() - start)
     seconds = time.perf_counter() - start
+    covered = (
+        case.mission.layout != "cover" or len(made) > MOST or made.coverage is None or made.coverage.complete
+    )
     chosen = made.accuracy
     methods = ", ".join(choice.rung.name for choice in chosen.choices)
-    return Outcome(case, "", methods, chosen.bound_px, measured_px(made), chosen.condition, seconds)
+    return Outcome(case, "", methods, chosen.bound_px, measured_px(made), chosen.condition, seconds, covered)
 
 
 def finite(made: Plan) -> bool:

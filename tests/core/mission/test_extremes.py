@@ -32,6 +32,7 @@ def test_every_case_ends_within_its_bound_or_with_one_clear_line(part):
             continue
         assert outcome.bound_px <= case.mission.error_budget_px, case.name
         assert outcome.error_px <= outcome.bound_px, (case.name, outcome)
+        assert outcome.covered, case.name
         assert outcome.condition >= 1.0 or math.isinf(outcome.condition), case.name
 
 
