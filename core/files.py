@@ -32,11 +32,20 @@ def make_folder(folder: str | os.PathLike[str]) -> None:
         ) from wrong
 
 
-def write_whole(path: str | os.PathLike[str], data: bytes | Iterable[bytes]) -> None:
+def write_whole(
+    path: str | os.PathLike[str], data: bytes | Iterable[bytes], *, durable: bool = False
+) -> None:
     """Write a file under a temporary name beside it, then rename it: readers see all of it or nothing.
 
     Large files come as an iterable of blocks, so that they need not be in memory. Two calls at once must not
     write the same path.
+
+    Parameters
+    ----------
+    path : path
+    data : bytes or iterable of bytes
+    durable : bool
+        Wait until the disk has it, so that a power failure afterwards leaves it whole too.
 
     Raises
     ------
@@ -49,10 +58,26 @@ def write_whole(path: str | os.PathLike[str], data: bytes | Iterable[bytes]) -> 
         try:
             with partial.open("wb") as file:
                 file.writelines([data] if isinstance(data, bytes) else data)
+                if durable:
+                    file.flush()
+                    os.fsync(file.fileno())
             os.replace(partial, target)
+            if durable:
+                _sync_folder(target.parent)
         except BaseException:
             with contextlib.suppress(OSError):
                 partial.unlink()
             raise
     except OSError as wrong:
         raise OutputError(f"folder {target.parent}: cannot write {target.name} ({wrong.strerror})") from wrong
+
+
+def _sync_folder(folder: Path) -> None:
+    """Wait until the disk has the names in a folder, where the system opens folders (Windows does not)."""
+    if os.name == "nt":
+        return
+    descriptor = os.open(folder, os.O_RDONLY)
+    try:
+        os.fsync(descriptor)
+    finally:
+        os.close(descriptor)

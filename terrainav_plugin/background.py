@@ -97,9 +97,13 @@ class Background:
         path = folder / choose_picture(box, map_type, seed).file_name
         return self._show(str(path), "gdal", title, WORLD)
 
-    def show_tiles(self, source: str, map_type: str, title: str) -> QgsRasterLayer:
+    def show_tiles(self, source: str, map_type: str, title: str, date: str = "") -> QgsRasterLayer:
         """Show a source of tiles; raises InvalidInput where it cannot be shown."""
-        return self._show(tile_layer_uri(source, map_type), "wms", title, source)
+        return self._show(tile_layer_uri(source, map_type, date), "wms", title, source)
+
+    def show_file(self, path: str, title: str) -> QgsRasterLayer:
+        """Show a raster or MBTiles file; raises InvalidInput where QGIS cannot open it."""
+        return self._show(path, "gdal", title, path)
 
     def zoom_to(self, box: Box | None) -> None:
         """Zoom to a box, or to everything; raises InvalidInput where the project's CRS has no such place."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 import traceback
+from contextlib import closing
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -13,12 +14,13 @@ from qgis.PyQt.QtCore import pyqtSignal
 from ..core.errors import Cancelled, TerrAInavError
 from .compat import TASK_FLAGS
 from .i18n import tr
-from .sources import close, open_for_capture
+from .sources import open_for_capture, snapshot_for
 
 if TYPE_CHECKING:
     from ..core.capture.runner import CaptureResult, Progress
     from ..core.mission.plan import Plan
     from .mosaic import Mosaic
+    from .qgis_transport import QgisTransport
 
 #: Share of the progress that capturing is; the mosaic takes the rest.
 _CAPTURE_SHARE = 0.9
@@ -73,7 +75,9 @@ class CaptureTask(QgsTask):
         self.trace = ""
         self._key = key
         self._test_shot = test_shot
+        self._snapshot = snapshot_for(plan.mission)
         self._with_mosaic = not test_shot and plan.size_px is None
+        self._transport = _transport()
 
     @property
     def stopped(self) -> bool:
@@ -97,23 +101,26 @@ class CaptureTask(QgsTask):
 
     def finished(self, result: bool) -> None:  # noqa: ARG002  QGIS passes it
         """Tell; on the main thread."""
+        # A task that is cancelled before its turn does not run.
+        self._transport.close()
         self.ended.emit(self)
 
     def _capture(self) -> None:
         from ..core.capture.runner import capture
 
-        source = open_for_capture(self.plan.mission, self._key)
-        try:
-            self.result = capture(
-                self.plan,
-                source,
-                self.folder,
-                resume=True,
-                progress=self._report,
-                cancelled=self.isCanceled,
+        with closing(self._transport) as transport:
+            source = open_for_capture(
+                self.plan.mission, self._key, transport=transport, snapshot=self._snapshot
             )
-        finally:
-            close(source)
+            with closing(source):
+                self.result = capture(
+                    self.plan,
+                    source,
+                    self.folder,
+                    resume=True,
+                    progress=self._report,
+                    cancelled=self.isCanceled,
+                )
         if self.isCanceled():
             return
         if self._with_mosaic:
@@ -148,3 +155,11 @@ class CaptureTask(QgsTask):
     def _mosaic_progress(self, share: float) -> bool:
         self.setProgress(100.0 * (_CAPTURE_SHARE + (1.0 - _CAPTURE_SHARE) * share))
         return not self.isCanceled()
+
+
+def _transport() -> QgisTransport:
+    """Make the way to the network, in the thread that it works in."""
+    from ..core.capture.runner import DEFAULT_CONNECTIONS
+    from .qgis_transport import QgisTransport
+
+    return QgisTransport(DEFAULT_CONNECTIONS)

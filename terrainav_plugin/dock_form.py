@@ -5,13 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-from qgis.gui import QgsAuthConfigSelect, QgsCollapsibleGroupBoxBasic, QgsFileWidget
-from qgis.PyQt.QtCore import Qt, pyqtSignal
+from qgis.gui import QgsCollapsibleGroupBoxBasic, QgsFileWidget
+from qgis.PyQt.QtCore import pyqtSignal
 from qgis.PyQt.QtWidgets import (
-    QCheckBox,
-    QLabel,
     QLineEdit,
-    QToolButton,
     QVBoxLayout,
     QWidget,
 )
@@ -20,15 +17,12 @@ from .area_entries import AreaEntries
 from .choices import CameraChoice, SourceChoice
 from .dock_sections import AccuracySection, AttitudeSection, WindSection
 from .field_marks import STYLE_SHEET, FieldMarks
-from .form_state import M_PER_FT, URL_TEMPLATE, FormState, with_unchanged
+from .form_state import M_PER_FT, FormState, with_unchanged
 from .form_text import aspect_text, looks_like_coordinates
 from .form_widgets import choose, combo, form_layout, row, spin
 from .i18n import tr
+from .imagery_entries import ImageryEntries
 from .mission_form import FormError, beyond_text, with_coordinates
-from .paths import icon
-
-#: Room for "Synthetic (offline)", the widest title most people see.
-_TITLE_LETTERS = 16
 
 
 class DockForm(QWidget):
@@ -48,7 +42,6 @@ class DockForm(QWidget):
     def __init__(self, sources: Sequence[SourceChoice], cameras: Sequence[CameraChoice]) -> None:
         super().__init__()
         self.marks = FieldMarks()
-        self._sources = {choice.name: choice for choice in sources}
         self._cameras = cameras
         self._setting = False
         self._coordinates_wrong = ""
@@ -56,7 +49,10 @@ class DockForm(QWidget):
         self.setStyleSheet(STYLE_SHEET)
         area = AreaEntries(self.marks)
         self.edges, self.draw_box = area.edges, area.draw_box
-        imagery, camera, output = self._imagery_box(), self._camera_box(), self._output_box()
+        imagery = self.imagery = ImageryEntries(self.marks, sources)
+        self.source, self.template, self.date = imagery.source, imagery.template, imagery.date
+        self.key, self.map_types, self.show_on_map = imagery.key, imagery.map_types, imagery.show_on_map
+        camera, output = self._camera_box(), self._output_box()
         self.attitude, self.wind = AttitudeSection(self.marks), WindSection(self.marks)
         self.accuracy = AccuracySection(self.marks)
         self.sections = (self.attitude, self.wind, self.accuracy)
@@ -93,6 +89,7 @@ class DockForm(QWidget):
             ),
             source=self.source.currentData(),
             template=self.template.text(),
+            date=self.date.text().strip(),
             image_format=self.image_format.currentData(),
             folder=self.folder.filePath(),
             more=self._more,
@@ -113,10 +110,11 @@ class DockForm(QWidget):
             self.overlap_along.setValue(100.0 * state.overlap_along)
             self.overlap_across.setValue(100.0 * state.overlap_across)
             choose(self.layout_choice, state.layout)
-            choose(self.source, state.source)
+            self.imagery.choose_source(state.source)
             for name, check in self.map_types.items():
                 check.setChecked(name in state.map_types)
             self.template.setText(state.template)
+            self.date.setText(state.date)
             choose(self.image_format, state.image_format)
             self.folder.setFilePath(state.folder)
             for section in self.sections:
@@ -125,7 +123,6 @@ class DockForm(QWidget):
         finally:
             self._setting = False
         self._given, self._shown = state, self._read()
-        self._show_source_entries()
         self._show_camera_name()
         self._coordinates_wrong = ""
         self.changed.emit()
@@ -145,61 +142,7 @@ class DockForm(QWidget):
             self.key.setConfigId(authcfg)
             self.key.blockSignals(False)
 
-    def source_title(self) -> str:
-        """Return what the chosen source is called."""
-        name = self.source.currentData()
-        return self._sources[name].title if name in self._sources else tr("URL template")
-
-    def needs_key(self) -> bool:
-        """Whether the chosen source needs an API key."""
-        choice = self._sources.get(self.source.currentData())
-        return choice is not None and choice.needs_key
-
     # --- groups
-
-    def _imagery_box(self) -> QgsCollapsibleGroupBoxBasic:
-        box = QgsCollapsibleGroupBoxBasic(tr("Imagery"))
-        form = form_layout(box)
-        self.source = combo("source", (), tr("Where the pictures come from"))
-        self.source.setMinimumContentsLength(_TITLE_LETTERS)
-        for choice in self._sources.values():
-            self.source.addItem(choice.title, choice.name)
-        self.source.addItem(tr("URL template…"), URL_TEMPLATE)
-        self.show_on_map = QToolButton()
-        self.show_on_map.setObjectName("show_on_map")
-        self.show_on_map.setIcon(icon("show_on_map"))
-        self.show_on_map.setText(tr("Show on map"))
-        self.show_on_map.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextBesideIcon)
-        self.show_on_map.setToolTip(tr("Add this source to the map as background and zoom to the area"))
-        form.addRow(
-            tr("Source"),
-            self.marks.field("source", self.source, row(self.source, self.show_on_map, stretch=0)),
-        )
-        self.template = QLineEdit()
-        self.template.setObjectName("template")
-        self.template.setPlaceholderText("https://…/{z}/{x}/{y}.png")
-        self.template.setToolTip(
-            tr("Address of the tiles with {z}, {x} and {y} or {-y}; also {s}, {q}, {r}, {map_type}")
-        )
-        self._template_label = QLabel(tr("URL"))
-        form.addRow(self._template_label, self.template)
-        self.key = QgsAuthConfigSelect()
-        self.key.setObjectName("key")
-        self.key.setToolTip(
-            tr("API key, kept in QGIS's authentication database as the password of a configuration")
-        )
-        self._key_label = QLabel(tr("API key"))
-        form.addRow(self._key_label, self.key)
-        self.map_types = {
-            "satellite": QCheckBox(tr("Satellite")),
-            "roadmap": QCheckBox(tr("Roadmap")),
-            "terrain": QCheckBox(tr("Terrain")),
-        }
-        for name, check in self.map_types.items():
-            check.setObjectName(f"map_type_{name}")
-        checks = row(*self.map_types.values())
-        form.addRow(tr("Map types"), self.marks.field("map_types", checks))
-        return box
 
     def _camera_box(self) -> QgsCollapsibleGroupBoxBasic:
         box = QgsCollapsibleGroupBoxBasic(tr("Camera and flight"))
@@ -272,16 +215,15 @@ class DockForm(QWidget):
 
     def _connect(self) -> None:
         self.draw_box.clicked.connect(self.draw_box_clicked)
-        self.show_on_map.clicked.connect(self.show_on_map_clicked)
+        self.imagery.show_on_map_clicked.connect(self.show_on_map_clicked)
         for edit in self.edges.values():
             edit.textChanged.connect(self._take_pasted)
-        self.source.currentIndexChanged.connect(self._show_source_entries)
         self.camera.activated.connect(self._take_camera)
         self.fov.valueChanged.connect(self._show_camera_name)
         self.aspect.textChanged.connect(self._show_camera_name)
         self.agl_unit.currentIndexChanged.connect(self._convert_agl)
         for signal in (
-            self.template.textChanged,
+            self.imagery.changed,
             self.fov.valueChanged,
             self.aspect.textChanged,
             self.agl.valueChanged,
@@ -289,10 +231,8 @@ class DockForm(QWidget):
             self.overlap_along.valueChanged,
             self.overlap_across.valueChanged,
             self.layout_choice.currentIndexChanged,
-            self.source.currentIndexChanged,
             self.image_format.currentIndexChanged,
             self.folder.fileChanged,
-            *(check.toggled for check in self.map_types.values()),
             *(section.changed for section in self.sections),
         ):
             signal.connect(self._changed)
@@ -316,19 +256,6 @@ class DockForm(QWidget):
             else:
                 return
         self.changed.emit()
-
-    def _show_source_entries(self) -> None:
-        name = self.source.currentData()
-        own = name == URL_TEMPLATE
-        for widget in (self._template_label, self.template):
-            widget.setVisible(own)
-        for widget in (self._key_label, self.key):
-            widget.setVisible(self.needs_key())
-        choice = self._sources.get(name)
-        offered = choice.map_types if choice is not None else ()
-        for map_type, check in self.map_types.items():
-            # A source with one kind of picture writes it under whichever name is ticked.
-            check.setEnabled(not offered or map_type in offered)
 
     def _take_camera(self) -> None:
         choice = self.camera.currentData()

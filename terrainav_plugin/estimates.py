@@ -33,6 +33,7 @@ def estimate_lines(summary: Summary, cost: str = "") -> list[tuple[str, str]]:
         (tr("Flight"), length_text(summary.flight_distance_m)),
         *_accuracy_lines(summary.accuracy),
         (tr("Cost"), cost or tr("being timed…")),
+        *((tr("Warning"), text) for text in summary.warnings),
     ]
     return lines
 

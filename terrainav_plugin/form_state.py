@@ -32,7 +32,9 @@ class FormState:
     overlap_along, overlap_across : float
         Shares of a picture, 0 to 1.
     source : str
-        Name of a catalogue entry, or `URL_TEMPLATE`, for which ``template`` holds the template.
+        Name of a source, or `URL_TEMPLATE`, for which ``template`` holds the template.
+    date : str
+        Of the imagery; empty for the source's own default.
     yaw_deg, tilt_deg, roll_deg, ground_height_m : float
         Attitude of the camera, and height of the ground above the ellipsoid.
     error_budget_px, accept_error, frame, resampling
@@ -58,6 +60,7 @@ class FormState:
     map_types: tuple[str, ...] = ("satellite",)
     source: str = "world"
     template: str = ""
+    date: str = ""
     image_format: str = "tif"
     folder: str = ""
     yaw_deg: float = 0.0

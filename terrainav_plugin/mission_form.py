@@ -32,6 +32,7 @@ _ENTERED = {
     "layout",
     "map_types",
     "source",
+    "date",
     "image_format",
     "yaw_deg",
     "tilt_deg",
@@ -49,6 +50,7 @@ _SAME = (
     "overlap_across",
     "layout",
     "map_types",
+    "date",
     "image_format",
     "yaw_deg",
     "tilt_deg",
@@ -263,6 +265,9 @@ def _carried_area(state: FormState) -> Area | None:
 
 def state_of(mission: Mission, folder: str) -> FormState:
     """State that asks for ``mission`` again; heights in metres."""
+    from ..core.imagery.opening import is_template
+    from ..core.imagery.services.ogc import is_service
+
     state = FormState(
         fov_deg=mission.camera.fov_deg,
         aspect=aspect_text(mission.camera.aspect_ratio),
@@ -272,7 +277,7 @@ def state_of(mission: Mission, folder: str) -> FormState:
         more=_more(mission),
         **{name: getattr(mission, name) for name in _SAME},
     )
-    if "{" in mission.source or "://" in mission.source:
+    if is_template(mission.source) or is_service(mission.source):
         state = replace(state, source=URL_TEMPLATE, template=mission.source)
     if mission.wind is not None:
         state = replace(

@@ -13,6 +13,7 @@ from .i18n import tr
 from .preview_features import PreviewFeatures, preview_features
 
 if TYPE_CHECKING:
+    from ..core.geodesy.mercator import PixelGrid
     from ..core.mission.estimate import Summary
     from ..core.mission.mission import Mission
     from ..core.mission.plan import Plan
@@ -58,7 +59,7 @@ class Planner(QObject):
         super().__init__(parent)
         self._latest = 0
         self._timed = True
-        self._wanted: tuple[Mission, bool, bool] | None = None
+        self._wanted: tuple[Mission, Callable[[], PixelGrid], bool, bool] | None = None
         self._running: Future[Planned] | Future[tuple[Planned, str]] | None = None
         self._pool = ThreadPoolExecutor(1, thread_name_prefix="terrainav-plan")
         self._pause = QTimer(self)
@@ -78,7 +79,9 @@ class Planner(QObject):
     ) -> None:
         """Ask for a plan; the answer comes by `planned` or `refused`, and by `costed` where it is to be timed."""
         self._latest += 1
-        self._wanted = (mission, with_features, timed)
+        from .sources import grid_finder
+
+        self._wanted = (mission, grid_finder(mission), with_features, timed)
         self._pause.start(0 if at_once else _PAUSE_MS)
 
     def forget(self) -> None:
@@ -95,23 +98,25 @@ class Planner(QObject):
     def _start(self) -> None:
         if self._wanted is None or self._running is not None:
             return
-        (mission, with_features, self._timed), self._wanted = self._wanted, None
+        (mission, find_grid, with_features, self._timed), self._wanted = self._wanted, None
         number = self._latest
-        self._submit(self._work, number, mission, with_features)
+        self._submit(self._work, number, mission, find_grid, with_features)
 
     def _submit(self, work: Callable[..., object], number: int, *values: object) -> None:
         self._running = self._pool.submit(work, number, *values)
         self._running.add_done_callback(lambda future: self._finished.emit(number, future))
 
-    def _work(self, number: int, mission: Mission, with_features: bool) -> Planned:
+    def _work(
+        self, number: int, mission: Mission, find_grid: Callable[[], PixelGrid], with_features: bool
+    ) -> Planned:
         """Plan step by step, ending early when overtaken. Runs on the planner's thread."""
-        from ..core.mission.estimate import OFFLINE, ONLINE, estimate
+        from ..core.mission.estimate import estimate
         from ..core.mission.plan import plan
-        from .sources import WORLD, grid_of
+        from .sources import costs_of
 
-        steps = plan(mission, grid_of(mission))
+        steps = plan(mission, find_grid())
         self._check(number)
-        summary = estimate(steps, OFFLINE if mission.source == WORLD else ONLINE)
+        summary = estimate(steps, costs_of(mission.source))
         self._check(number)
         features = preview_features(steps) if with_features else None
         return Planned(mission, steps, summary, features)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import html
 import re
 import time
 from collections.abc import Callable
@@ -60,7 +61,12 @@ class Runs(QObject):
         if not self._terms_allow(mission, requests):
             return
         key = key_in(self._workflow.settings.authcfg(state.source))
-        self._run(CaptureTask(planned.plan, folder, key), self._capture_ended)
+        try:
+            task = CaptureTask(planned.plan, folder, key)
+        except TerrAInavError as wrong:
+            self._messages.warning(tr("Nothing captured: {reason}").format(reason=wrong))
+            return
+        self._run(task, self._capture_ended)
 
     def start_test_shot(self, lat_deg: float, lon_deg: float) -> None:
         """Capture one picture above a point, with camera, height and source as entered."""
@@ -132,14 +138,15 @@ class Runs(QObject):
         if problem is None:
             return True
         text, can_agree = problem
+        window, title = self._workflow.iface.mainWindow(), tr("TerrAInav: terms of the source")
         if not can_agree:
-            self._messages.warning(text)
+            # The message bar shows its first lines only.
+            self._messages.warning(
+                text, action=(tr("Terms and alternatives"), lambda: QMessageBox.warning(window, title, text))
+            )
             return False
-        answer = QMessageBox.question(
-            self._workflow.iface.mainWindow(),
-            tr("TerrAInav: terms of the source"),
-            tr("{text}\n\nDo you agree to these terms, and are you allowed to download?").format(text=text),
-        )
+        asked = tr("Do you agree to these terms, and are you allowed to download?")
+        answer = QMessageBox.question(window, title, f"{text}<p>{html.escape(asked)}</p>")
         return answer == QMessageBox.StandardButton.Yes
 
     # --- while

@@ -20,6 +20,7 @@ from .dock import Dock
 from .estimates import details_html, estimate_html
 from .form_state import BOX_FIELDS, FormState
 from .i18n import tr
+from .layer_snapshot import is_of_qgis
 from .messages import Messages
 from .mission_form import FormError
 from .mission_group import MissionGroup, saved_missions
@@ -29,7 +30,9 @@ from .preview import Preview
 from .refusals import refused_fields
 from .runs import Runs
 from .settings import Settings
-from .sources import WORLD, camera_choices, source_choices
+from .source_choices import source_choices
+from .source_shelf import SourceShelf
+from .sources import WORLD, camera_choices
 
 if TYPE_CHECKING:
     from ..core.mission.mission import Mission
@@ -61,8 +64,9 @@ class Workflow(QObject):
         self.background = Background(self.project, iface)
         self.box_tool = BoxTool(canvas)
         self.point_tool = PointTool(canvas)
-        self.dock = Dock(source_choices(), camera_choices())
+        self.dock = Dock(source_choices(self.project)[0], camera_choices())
         self.runs = Runs(self)
+        self.shelf = SourceShelf(self.project, self.dock.form.imagery, messages, iface.mainWindow())
         self.planned: Planned | None = None
         self._timed: tuple[Mission, str] | None = None
         self._when_planned: Callable[[Planned], None] | None = None
@@ -121,14 +125,19 @@ class Workflow(QObject):
 
     def show_on_map(self) -> None:
         """Add the source as background and zoom to the area."""
+        from ..core.imagery.opening import is_file
+
         state = self.state()
         map_type = state.map_types[0] if state.map_types else "satellite"
         try:
             if state.source == WORLD:
                 self._show_world(self._box(), map_type)
                 return
-            title = self.dock.form.source_title()
-            self.background.show_tiles(state.source_name, map_type, title)
+            title = self.dock.form.imagery.title()
+            if is_file(state.source):
+                self.background.show_file(state.source, title)
+            elif not is_of_qgis(state.source):
+                self.background.show_tiles(state.source_name, map_type, title, state.date)
             self.background.zoom_to(self._box())
         except TerrAInavError as wrong:
             self.messages.warning(str(wrong))
@@ -169,6 +178,7 @@ class Workflow(QObject):
         self.planner.close()
         for signal in (self.project.layersAdded, self.project.layersRemoved, self.project.cleared):
             signal.disconnect(self._show_hint)
+        self.shelf.close()
         for tool in (self.box_tool, self.point_tool):
             tool.stop()
             tool.deleteLater()
@@ -315,7 +325,7 @@ class Workflow(QObject):
             return
         seed, folder = self.state().seed, self.settings.backgrounds
         task = self.background.world_task(box, map_type, seed, folder)
-        title = self.dock.form.source_title()
+        title = self.dock.form.imagery.title()
 
         def show(task: WorldTask | None) -> None:
             self._world_task = None

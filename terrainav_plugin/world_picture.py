@@ -15,7 +15,7 @@ from osgeo import gdal, osr
 from ..core.errors import Cancelled, OutputError
 from ..core.files import make_folder
 from ..core.geodesy.mercator import MAX_LAT_DEG, PixelGrid, lat_to_v, lon_to_u
-from ..core.imagery.catalogue import open_source
+from ..core.imagery.opening import open_source
 from ..core.imagery.source import Window
 
 if TYPE_CHECKING:

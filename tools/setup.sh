@@ -8,7 +8,7 @@ PYTHON=/usr/bin/python3
 # proj-bin: inside a virtual environment the distribution's pyproj finds its data by where the `proj` command is.
 PACKAGES=(
     qgis python3-qgis xvfb
-    python3-venv python3-gdal python3-matplotlib python3-numpy python3-pil python3-pyproj python3-pyqt5.qtsvg python3-requests
+    python3-venv python3-gdal python3-matplotlib python3-numpy python3-owslib python3-pil python3-pyproj python3-pyqt5.qtsvg python3-requests
     ca-certificates fonts-dejavu-core libgl1-mesa-dri proj-bin
 )
 STAMP=.venv/terrainav-setup

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 from ..errors import OutputError
-from ..files import make_folder, write_whole
+from ..files import PARTIAL_ENDING, make_folder, write_whole
 from ..mission.export import write_plan
 from ..mission.mission import Mission
 from ..mission.plan import Plan
+from .journal import Outcome
+from .lock import open_locked
 
 MISSION_FILE = "mission.json"
 JOURNAL_FILE = "journal.jsonl"
@@ -37,18 +40,19 @@ def open_folder(folder: str | os.PathLike[str], mission: Mission, *, resume: boo
     """
     path = Path(folder)
     make_folder(path)
-    mark = path / MISSION_FILE
     wanted = mission.to_json().encode("utf-8")
-    try:
-        found = mark.read_bytes() if mark.exists() else None
-    except OSError as wrong:
-        raise OutputError(f"folder {folder}: cannot read {MISSION_FILE} ({wrong.strerror})") from wrong
+    found = _mark_of(path)
     if found is None:
         _refuse_foreign(path, mission.map_types)
-        write_whole(mark, wanted)
-    elif found != wanted:
+        # Of two runs that find the folder empty at the same time, one makes it its own and the other finds it so.
+        with open_locked(path / JOURNAL_FILE):
+            found = _mark_of(path)
+            if found is None:
+                write_whole(path / MISSION_FILE, wanted, durable=True)
+                found, resume = wanted, True
+    if found != wanted:
         raise OutputError(f"folder {folder}: holds another mission; choose another folder")
-    elif not resume:
+    if not resume:
         raise OutputError(
             f"folder {folder}: already holds this mission; resume it (--resume) or choose another folder"
         )
@@ -57,9 +61,19 @@ def open_folder(folder: str | os.PathLike[str], mission: Mission, *, resume: boo
     return path
 
 
+def _mark_of(path: Path) -> bytes | None:
+    mark = path / MISSION_FILE
+    try:
+        return mark.read_bytes() if mark.exists() else None
+    except OSError as wrong:
+        raise OutputError(f"folder {path}: cannot read {MISSION_FILE} ({wrong.strerror})") from wrong
+
+
 def _refuse_foreign(path: Path, map_types: Iterable[str]) -> None:
     for name in (JOURNAL_FILE, PLAN_FILE, FOOTPRINTS_FILE, *map_types):
-        if (path / name).exists():
+        found = path / name
+        # A run that was killed as it began leaves an empty journal.
+        if found.exists() and not (name == JOURNAL_FILE and found.is_file() and found.stat().st_size == 0):
             raise OutputError(
                 f"folder {path}: holds {name} but no {MISSION_FILE}, so it is not this mission's; choose another folder"
             )
@@ -71,11 +85,35 @@ def write_plan_files(folder: Path, plan: Plan) -> None:
     write_plan(plan, folder / FOOTPRINTS_FILE)
 
 
-def complete_pictures(folder: Path, endings: tuple[str, ...], names: Iterable[str]) -> set[str]:
-    """Those of the named pictures that are in a folder with all their files, none of them empty."""
+def complete_pictures(folder: Path, endings: tuple[str, ...], outcomes: Mapping[str, Outcome]) -> set[str]:
+    """Those of the pictures that are in a folder with all their files, as long as they were when they were written.
+
+    What a killed run was writing is removed; so this is for the run that has the journal open.
+
+    Parameters
+    ----------
+    folder : Path
+        Of a map type.
+    endings : tuple of str
+        Of all files of a picture.
+    outcomes : mapping of str to Outcome
+        By the picture's name.
+    """
+    partial = tuple(ending + PARTIAL_ENDING for ending in endings)
+    sizes: dict[str, int] = {}
     try:
         with os.scandir(folder) as entries:
-            whole = {entry.name for entry in entries if entry.stat().st_size > 0}
+            for entry in entries:
+                if entry.name.endswith(partial):
+                    with contextlib.suppress(OSError):
+                        Path(entry.path).unlink()
+                else:
+                    sizes[entry.name] = entry.stat().st_size
     except OSError as wrong:
         raise OutputError(f"folder {folder}: cannot be read ({wrong.strerror})") from wrong
-    return {name for name in names if all(name + ending in whole for ending in endings)}
+
+    def complete(outcome: Outcome) -> bool:
+        lengths = [sizes.get(outcome.name + ending, 0) for ending in endings]
+        return all(lengths) and outcome.size_bytes in (0, sum(lengths))
+
+    return {name for name, outcome in outcomes.items() if complete(outcome)}

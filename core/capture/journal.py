@@ -1,4 +1,10 @@
-"""The journal of a capture: one line of JSON for each picture that is finished or has failed."""
+"""The journal of a capture: one line of JSON for each picture that is finished or has failed.
+
+A killed process loses nothing that it has noted: a picture is renamed into its place before its line is handed to the
+operating system. A power failure may take more, as neither is forced to the disk one by one: that costs 0.3 to 3 ms a
+picture on a solid-state disk and a turn of the platter on others. What it takes is found instead: a line says how
+many bytes its picture has, and a picture that has others when the capture is resumed is made again.
+"""
 
 from __future__ import annotations
 
@@ -10,6 +16,7 @@ from types import TracebackType
 from typing import IO, Any
 
 from ..errors import OutputError
+from .lock import open_locked
 
 DONE = "done"
 FAILED = "failed"
@@ -29,6 +36,8 @@ class Outcome:
         Why it failed; empty for one that is done.
     sky_share, unmapped_share : float
         Shares of its pixels that see no ground, and ground that no Web-Mercator source has.
+    size_bytes : int
+        Of all its files together; 0 where it is not known.
     """
 
     map_type: str
@@ -37,6 +46,7 @@ class Outcome:
     reason: str = ""
     sky_share: float = 0.0
     unmapped_share: float = 0.0
+    size_bytes: int = 0
 
     @property
     def status(self) -> str:
@@ -54,6 +64,8 @@ class Outcome:
         }
         if self.sky_share or self.unmapped_share:
             fields.update(sky_share=self.sky_share, unmapped_share=self.unmapped_share)
+        if self.size_bytes:
+            fields.update(size_bytes=self.size_bytes)
         return json.dumps(fields, ensure_ascii=False).encode("utf-8") + b"\n"
 
     @classmethod
@@ -62,51 +74,74 @@ class Outcome:
         try:
             fields = json.loads(line)
             entropy = float(fields["entropy"]) if fields["status"] == DONE else None
-            shares = (float(fields.get(name, 0.0)) for name in ("sky_share", "unmapped_share"))
-            return cls(str(fields["map_type"]), str(fields["name"]), entropy, str(fields["reason"]), *shares)
+            return cls(
+                str(fields["map_type"]),
+                str(fields["name"]),
+                entropy,
+                str(fields["reason"]),
+                float(fields.get("sky_share", 0.0)),
+                float(fields.get("unmapped_share", 0.0)),
+                int(fields.get("size_bytes", 0)),
+            )
         except (ValueError, KeyError, TypeError, AttributeError):
             return None
 
 
 class Journal:
-    """The journal file of a folder, read once and then appended to.
+    """The journal file of a folder, read once and then appended to by one run at a time.
 
     Lines are handed to the operating system one by one, so that they outlive the process. A line that is
     torn counts as not written: its picture is made again. Of several lines about a picture the last holds.
 
+    While it is open it is locked: it stands for the folder, in which two runs must not write at once.
+
     Raises
     ------
     OutputError
-        Where the file cannot be read or written.
+        Where the file cannot be read or written, or another run has it open.
     """
 
     def __init__(self, path: Path) -> None:
         self._path = path
-        self._file: IO[Any] | None = None
-        self.outcomes: dict[tuple[str, str], Outcome] = {}
+        self._file: IO[bytes] | None = None
+        self._read()
+
+    def _read(self) -> None:
         try:
-            text = path.read_bytes() if path.exists() else b""
+            text = self._path.read_bytes() if self._path.exists() else b""
         except OSError as wrong:
-            raise OutputError(f"journal {path}: cannot be read ({wrong.strerror})") from wrong
-        self._whole_bytes = text.rfind(b"\n") + 1
+            raise OutputError(f"journal {self._path}: cannot be read ({wrong.strerror})") from wrong
+        self._bytes, self._whole_bytes = len(text), text.rfind(b"\n") + 1
+        self.outcomes: dict[tuple[str, str], Outcome] = {}
         for line in text[: self._whole_bytes].split(b"\n"):
             outcome = Outcome.from_line(line)
             if outcome is not None:
                 self.outcomes[outcome.map_type, outcome.name] = outcome
 
     def __enter__(self) -> Journal:
+        self._file = open_locked(self._path)
         try:
-            self._file = self._path.open("ab", buffering=0)
+            if os.fstat(self._file.fileno()).st_size != self._bytes:
+                # Another run has gone on with it since it was read.
+                self._read()
             self._file.truncate(self._whole_bytes)
         except OSError as wrong:
+            self._file.close()
             raise self._unwritable(wrong) from wrong
         return self
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        if self._file is not None:
-            self._file.close()
+        file, self._file = self._file, None
+        if file is None:
+            return
+        with file:
+            try:
+                os.fsync(file.fileno())
+            except OSError as wrong:
+                if error is None:
+                    raise self._unwritable(wrong) from wrong
 
     def add(self, outcome: Outcome) -> None:
         """Append an outcome."""
@@ -125,5 +160,4 @@ class Journal:
         self.outcomes[outcome.map_type, outcome.name] = outcome
 
     def _unwritable(self, wrong: OSError) -> OutputError:
-        folder, name = os.path.split(self._path)
-        return OutputError(f"folder {folder}: cannot write {name} ({wrong.strerror})")
+        return OutputError(f"folder {self._path.parent}: cannot write {self._path.name} ({wrong.strerror})")

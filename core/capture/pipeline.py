@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
+from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import partial
 from queue import Empty, SimpleQueue
@@ -16,6 +17,7 @@ from numpy.typing import NDArray
 from ..errors import PartError
 from ..geodesy.frames import Windows
 from ..imagery.source import Part, Window
+from .spool import Slot, Spool
 
 Pixels = NDArray[np.uint8]
 Job = TypeVar("Job")
@@ -25,8 +27,9 @@ Result = TypeVar("Result")
 _POLL_S = 0.05
 #: Requests handed to the connections ahead of need, for each: one under way and one that is ready to follow.
 _FETCHES_PER_CONNECTION = 2
-#: Pictures whose parts are there, for each worker: one being made and three that are ready to follow.
-_READY_PER_WORKER = 4
+#: Pictures whose parts are there, for each worker: one being made and seven that are ready to follow, so that workers
+#: that are just quick enough never wait while fetching pauses.
+_READY_PER_WORKER = 8
 #: Pictures on the way in all: they may wait for a part that is slow to come while others go on.
 _MOST_ON_THE_WAY = 256
 
@@ -70,23 +73,28 @@ class _Picture(Generic[Job]):
 
 @dataclass
 class _PartOnTheWay(Generic[Job]):
-    """A part that was asked for: the pictures that wait for it, then its pixels or why there are none."""
+    """A part that was asked for.
+
+    The pictures that wait for it; then its pixels, the place they are put aside in, or why there are none; and how many
+    pictures on the way need it.
+    """
 
     waiting: list[_Picture[Job]] = field(default_factory=list)
-    content: Pixels | PartError | None = None
+    content: Pixels | Slot | PartError | None = None
+    needed: int = 0
 
 
 class Pipeline(Generic[Job, Result]):
     """Makes pictures out of parts, each of which is fetched once and dropped after its last picture.
 
     The calling thread coordinates; parts are fetched on ``connections`` threads, pictures made on ``workers``
-    threads. What is in memory depends on those and on how far apart the users of a part are (see `sweep`),
-    not on the number of pictures.
+    threads. How many parts are in memory depends on those, not on the number of pictures or on how far apart the users
+    of a part are: what later pictures need (see `sweep`) is put aside in a `Spool`.
 
     Parameters
     ----------
     users : Counter of Window
-        How many of the pictures need each part.
+        How many of the pictures need each part; counted down as they are made.
     fetch : callable
         Window to pixels; a PartError fails the pictures that need the part, anything else stops the run.
     work : callable
@@ -95,6 +103,8 @@ class Pipeline(Generic[Job, Result]):
         Called in the calling thread with each job and its result or PartError, in the order they come.
     connections, workers : int
         At least 1 each.
+    spool : Spool or None
+        Closed with the run; None for one of the usual size.
 
     Attributes
     ----------
@@ -111,15 +121,17 @@ class Pipeline(Generic[Job, Result]):
         *,
         connections: int,
         workers: int,
+        spool: Spool | None = None,
     ) -> None:
         self.requests = 0
-        self._users = Counter(users)
+        self._users = users
         self._fetch, self._work, self._finished = fetch, work, finished
         self._fetching_limit = connections * _FETCHES_PER_CONNECTION
         self._ready_limit = workers * _READY_PER_WORKER
         self._fetching = self._on_the_way = 0
         self._making: dict[Future[Result], Job] = {}
         self._parts: dict[Window, _PartOnTheWay[Job]] = {}
+        self._spool = spool or Spool()
         self._events: SimpleQueue[Callable[[], None]] = SimpleQueue()
         self._connections = ThreadPoolExecutor(connections, "terrainav-fetch")
         self._workers = ThreadPoolExecutor(workers, "terrainav-work")
@@ -149,6 +161,7 @@ class Pipeline(Generic[Job, Result]):
         finally:
             self._connections.shutdown(wait=complete, cancel_futures=True)
             self._workers.shutdown(wait=True, cancel_futures=True)
+            self._spool.close()
             self._report_made()
 
     def _report_made(self) -> None:
@@ -177,6 +190,8 @@ class Pipeline(Generic[Job, Result]):
             if part is None:
                 part = self._parts[window] = _PartOnTheWay()
                 self._ask_for(window)
+            self._bring_back(window, part)
+            part.needed += 1
             if part.content is None:
                 part.waiting.append(picture)
                 picture.missing += 1
@@ -210,19 +225,42 @@ class Pipeline(Generic[Job, Result]):
                 self._make(picture)
         part.waiting.clear()
 
+    def _put_aside(self, part: _PartOnTheWay[Job]) -> None:
+        """Keep a part that only pictures that are not on the way yet will need.
+
+        In the order of a sweep those put aside first are needed first. So they stay in memory, and what comes when
+        that is full, and goes to the spool's file, is what is needed last.
+        """
+        if isinstance(part.content, np.ndarray):
+            # A disk that is full costs memory, not pictures.
+            with suppress(OSError):
+                part.content = self._spool.put(part.content)
+
+    def _bring_back(self, window: Window, part: _PartOnTheWay[Job]) -> None:
+        """Have a part at hand that a picture needs again."""
+        if isinstance(part.content, Slot):
+            try:
+                part.content = self._spool.take(part.content)
+            except OSError:
+                part.content = None
+                self._ask_for(window)
+
     def _make(self, picture: _Picture[Job]) -> None:
         """Hand a picture whose parts are there to the workers, and drop the parts that it was the last to need."""
         pixels: dict[Window, Pixels] = {}
         failure: PartError | None = None
         for window in dict.fromkeys(part.window for part in picture.parts):
-            content = self._parts[window].content
-            if isinstance(content, PartError):
-                failure = failure or content
-            elif content is not None:
-                pixels[window] = content
+            part = self._parts[window]
+            if isinstance(part.content, PartError):
+                failure = failure or part.content
+            elif isinstance(part.content, np.ndarray):
+                pixels[window] = part.content
+            part.needed -= 1
             self._users[window] -= 1
             if self._users[window] <= 0:
-                del self._parts[window]
+                del self._users[window], self._parts[window]
+            elif part.needed == 0:
+                self._put_aside(part)
         if failure is not None:
             self._on_the_way -= 1
             self._finished(picture.job, failure)

@@ -16,6 +16,7 @@ from ..geodesy.mercator import wrap_lon_deg
 from ..geodesy.poses import Poses
 from ..geodesy.view import View
 from ..imagery.source import Part, Source, Window
+from ..mission.framing import sampled_zooms
 from ..mission.plan import Plan
 from .control_points import ControlPoints
 from .georeference import Georeference
@@ -67,11 +68,15 @@ class Shot(NamedTuple):
 
 
 class Made(NamedTuple):
-    """What is known of a picture once it is made: bits of entropy, and the shares without ground or without a map."""
+    """What is known of a picture once it is made.
+
+    Bits of entropy, the shares without ground or without a map, and the bytes of its files together.
+    """
 
     entropy: float
     sky_share: float = 0.0
     unmapped_share: float = 0.0
+    size_bytes: int = 0
 
 
 def make_picture(job: PictureJob, parts: Sequence[Part], pixels: Mapping[Window, Pixels]) -> Made:
@@ -98,8 +103,9 @@ def make_picture(job: PictureJob, parts: Sequence[Part], pixels: Mapping[Window,
     else:
         picture, made = assemble(job.shot, parts, pixels), Made(0.0)
     picture = resized(picture, job.img_size)
-    write_picture(job.folder, job.image_format, picture, job.place, job.description)
-    return made._replace(entropy=entropy(picture[..., :3] if picture.ndim > 2 else picture))
+    size_bytes = write_picture(job.folder, job.image_format, picture, job.place, job.description)
+    bits = entropy(picture[..., :3] if picture.ndim > 2 else picture)
+    return made._replace(entropy=bits, size_bytes=size_bytes)
 
 
 def window_of(plan: Plan, index: int) -> Window:
@@ -145,10 +151,27 @@ def job_of(plan: Plan, index: int, source: Source, map_type: str, folder: Path) 
             source=source.title,
             attribution=source.attribution,
             zoom=plan.zoom,
+            imagery_date=source.date,
+            effective_gsd_m_per_px=_effective_gsd_m(plan, index),
             more=_camera_metadata(plan, shot),
             **pose,
         ),
     )
+
+
+def _effective_gsd_m(plan: Plan, index: int) -> float:
+    """Metres of ground that a picture tells apart in its middle: a pixel of its own, or of the source where larger."""
+    mission, grid = plan.mission, plan.grid
+    if plan.size_px is None:
+        lat = np.asarray(plan.frame_centres[0][index])
+        own, zoom = float(grid.ground_m_per_px(lat, plan.zoom)), plan.zoom
+    else:
+        lat = np.asarray(plan.lat_deg[index])
+        own = mission.camera.ground_size_m(float(plan.agl_m[index]))[0] / plan.size_px[0]
+        zoom = sampled_zooms(mission, grid)[1]
+    if mission.img_size is not None:
+        own *= float(plan.width_px[index]) / mission.img_size[0]
+    return max(own, float(grid.ground_m_per_px(lat, min(zoom, grid.native_zoom))))
 
 
 def _camera_metadata(plan: Plan, shot: Window | Shot) -> tuple[tuple[str, str], ...]:
@@ -216,6 +239,7 @@ def table_of(plan: Plan, source: Source, outcomes: Mapping[str, Outcome]) -> Tab
         nominal_roll_deg=nominal.roll_deg,
         source=(source.title,) * len(at),
         attribution=(source.attribution,) * len(at),
+        imagery_date=(source.date,) * len(at),
         status=tuple(row.status for row in rows),
         reason=tuple(row.reason for row in rows),
     )

@@ -69,7 +69,8 @@ def capture(
     progress : callable
         Called in this thread with a Progress, about ten times a second at most, and at the end.
     cancelled : callable
-        Asked many times a second; when it says yes the run ends within the time a picture takes.
+        Asked many times a second; when it says yes the run ends within the time a picture takes. It waits for no
+        request: those under way are left to the source, and end when it is closed.
 
     Returns
     -------
@@ -254,7 +255,7 @@ class _Run:
             failure = Failure(map_type, name, outcome.reason)
             self._failures.append((self._map_types.index(map_type), job.index, failure))
         else:
-            outcome = Outcome(map_type, name, result.entropy, "", result.sky_share, result.unmapped_share)
+            outcome = Outcome(map_type, name, result.entropy, "", *result[1:])
             self._done += 1
         self._journal.add(outcome)
         self._outcomes[map_type][name] = outcome

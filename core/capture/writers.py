@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import io
+import os
 import zlib
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Union
+from typing import BinaryIO, Union
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,6 +32,8 @@ JPEG_LONGEST_PX = 65_500
 #: as the predictor has left little else to find; drawn maps are small either way.
 _ZLIB_STRATEGY = zlib.Z_RLE
 _ZLIB_LEVEL = 6
+#: What every JPEG ends with (ITU-T T.81, B.1.1.3).
+_JPEG_END = b"\xff\xd9"
 #: Bytes of pixels in a TIFF strip, so that readers of a large picture need not unpack all of it.
 _STRIP_BYTES = 1 << 18
 #: Denominator of the seconds of arc in EXIF positions: 3 micrometres of ground, and the numerator fits 32 bits.
@@ -60,6 +64,10 @@ class Description:
     zoom : int
     lat_deg, lon_deg, agl_m, yaw_deg, tilt_deg, roll_deg : float
         Pose of the camera; the longitude may be continuous beyond ±180.
+    imagery_date : str
+        Empty where the source does not say.
+    effective_gsd_m_per_px : float or None
+        Metres of ground that the picture tells apart, which enlarged pixels do not make smaller.
     more : tuple of (str, str)
         Names and values that are added to the metadata.
     """
@@ -75,10 +83,12 @@ class Description:
     yaw_deg: float = 0.0
     tilt_deg: float = 0.0
     roll_deg: float = 0.0
+    imagery_date: str = ""
+    effective_gsd_m_per_px: float | None = None
     more: tuple[tuple[str, str], ...] = ()
 
     def __post_init__(self) -> None:
-        for field in ("source", "attribution"):
+        for field in ("source", "attribution", "imagery_date"):
             object.__setattr__(self, field, plain_text(getattr(self, field)))
 
     @property
@@ -101,6 +111,8 @@ class Description:
             "TILT_DEG": self.tilt_deg,
             "ROLL_DEG": self.roll_deg,
         }
+        if self.effective_gsd_m_per_px is not None:
+            numbers["EFFECTIVE_GSD_M_PER_PX"] = self.effective_gsd_m_per_px
         return {
             "NAME": self.name,
             "MAP_TYPE": self.map_type,
@@ -108,6 +120,7 @@ class Description:
             "ATTRIBUTION": self.attribution,
             "ZOOM": str(self.zoom),
             **{key: repr(value) for key, value in numbers.items()},
+            **({"IMAGERY_DATE": self.imagery_date} if self.imagery_date else {}),
             **dict(self.more),
         }
 
@@ -138,7 +151,7 @@ def check_size(image_format: str, width_px: int, height_px: int) -> None:
 
 def write_picture(
     folder: Path, image_format: str, pixels: Pixels, place: Place, description: Description
-) -> None:
+) -> int:
     """Write a picture and what belongs beside it, itself last: a picture that is there is complete.
 
     Parameters
@@ -151,6 +164,11 @@ def write_picture(
         A fourth channel is 0 where the picture has nothing to show and 255 elsewhere; a JPEG leaves it out. The
         bytes written depend on the arguments alone.
     place : Georeference or ControlPoints
+
+    Returns
+    -------
+    int
+        Bytes of all its files together.
 
     Raises
     ------
@@ -166,6 +184,7 @@ def write_picture(
             contents.insert(0, place.world_file().encode("ascii"))
     for ending, data in zip(file_endings(image_format, on_map=on_map), contents):
         write_whole(folder / (description.name + ending), data)
+    return sum(map(len, contents))
 
 
 def geotiff(pixels: Pixels, place: Place, description: Description) -> bytes:
@@ -203,14 +222,18 @@ def geotiff(pixels: Pixels, place: Place, description: Description) -> bytes:
 
 
 def _packed_strips(pixels: Pixels, rows: int) -> list[bytes]:
-    differences = np.array(pixels, np.uint8, order="C")
-    differences[:, 1:] -= pixels[:, :-1]
+    """Strips one after the other, in one piece of memory that fits the processor's cache."""
     strips = []
+    differences = np.empty((min(rows, len(pixels)), *pixels.shape[1:]), np.uint8)
     for top in range(0, len(pixels), rows):
+        strip = pixels[top : top + rows]
+        changes = differences[: len(strip)]
+        changes[:, 0] = strip[:, 0]
+        np.subtract(strip[:, 1:], strip[:, :-1], out=changes[:, 1:])
         pack = zlib.compressobj(
             _ZLIB_LEVEL, zlib.DEFLATED, zlib.MAX_WBITS, zlib.DEF_MEM_LEVEL, _ZLIB_STRATEGY
         )
-        strips.append(pack.compress(differences[top : top + rows].data) + pack.flush())
+        strips.append(pack.compress(changes.data) + pack.flush())
     return strips
 
 
@@ -240,11 +263,31 @@ def _gdal_metadata(description: Description) -> str:
 
 def jpeg(pixels: Pixels, description: Description) -> bytes:
     """A JPEG with EXIF: who, what, and the camera's position and heading."""
-    buffer = io.BytesIO()
-    Image.fromarray(np.ascontiguousarray(pixels[..., :3]) if pixels.ndim > 2 else pixels).save(
-        buffer, "JPEG", quality=JPEG_QUALITY, subsampling=0, exif=b"Exif\0\0" + _exif(description)
-    )
-    return buffer.getvalue()
+    image = Image.fromarray(np.ascontiguousarray(pixels[..., :3]) if pixels.ndim > 2 else pixels)
+    exif = b"Exif\0\0" + _exif(description)
+
+    def encoded(file: BinaryIO) -> bytes:
+        with file:
+            image.save(file, "JPEG", quality=JPEG_QUALITY, subsampling=0, exif=exif)
+            file.seek(0)
+            return file.read()
+
+    with suppress(OSError):
+        data = encoded(_encoders_file())
+        # Pillow does not look whether all that it writes is taken: a file that may not grow is cut short.
+        if data.endswith(_JPEG_END):
+            return data
+    return encoded(io.BytesIO())
+
+
+def _encoders_file() -> BinaryIO:
+    """A file in memory, one of the operating system's where it has such.
+
+    Pillow lets go of Python's lock only while it encodes into a file that the operating system knows.
+    """
+    if hasattr(os, "memfd_create"):
+        return os.fdopen(os.memfd_create("terrainav"), "w+b")
+    return io.BytesIO()
 
 
 def _exif(description: Description) -> bytes:

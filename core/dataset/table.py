@@ -6,7 +6,7 @@ import csv
 import io
 import math
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import Any
@@ -27,9 +27,11 @@ _OLD_HEADERS = {"row": "rows"}
 #: Columns of the published dataset, which every table has; all others may be missing.
 _NEEDED = ("img_names", "columns", "rows", "lat_deg", "lon_deg", "zoom", "entropies")
 _WHOLE = ("columns", "rows", "zoom")
-_TEXT = ("img_names", "source", "attribution", "status", "reason")
+_TEXT = ("img_names", "source", "attribution", "imagery_date", "status", "reason")
 #: Columns of whole numbers, written as such; readers of other datasets may find none in them.
 _PIXELS = ("left_px", "top_px", "width_px", "height_px", "image_width_px", "image_height_px")
+#: Rows that are text at a time.
+_ROWS_A_BLOCK = 2000
 #: Faults of a file that one message names.
 _FAULTS_NAMED = 3
 
@@ -62,7 +64,7 @@ class Table:
         Shares of an image's pixels that see no ground, and ground that no Web-Mercator source has.
     nominal_lat_deg, nominal_lon_deg, nominal_agl_m, nominal_yaw_deg, nominal_tilt_deg, nominal_roll_deg : array
         Poses as they were meant to be, where wind has moved the camera.
-    source, attribution : tuple of str
+    source, attribution, imagery_date : tuple of str
     status, reason : tuple of str
         ``done``, or ``failed`` and why.
     other : mapping of str to tuple of str
@@ -98,6 +100,7 @@ class Table:
     nominal_roll_deg: Floats
     source: tuple[str, ...]
     attribution: tuple[str, ...]
+    imagery_date: tuple[str, ...]
     status: tuple[str, ...]
     reason: tuple[str, ...]
     other: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
@@ -115,19 +118,20 @@ class Table:
 
     def to_csv(self) -> str:
         """Text of the table; the same table gives the same text, and numbers have all their digits."""
-        texts: dict[str, Sequence[str]] = {
-            _HEADERS.get(name, name): _texts(name, getattr(self, name)) for name in FIELDS
-        }
-        texts.update(self.other)
-        buffer = io.StringIO()
-        writer = csv.writer(buffer, lineterminator="\n")
-        writer.writerow(texts)
-        writer.writerows(zip(*texts.values()))
-        return buffer.getvalue()
+        return "".join(self._blocks())
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write the table to a file, whole or not at all; raises OutputError."""
-        write_whole(path, self.to_csv().encode("utf-8"))
+        write_whole(path, (block.encode("utf-8") for block in self._blocks()))
+
+    def _blocks(self) -> Iterator[str]:
+        """Text of the headers and then of some rows at a time, as cells take far more memory than numbers."""
+        headers = [_HEADERS.get(name, name) for name in FIELDS]
+        yield _csv([[*headers, *self.other]])
+        for start in range(0, len(self), _ROWS_A_BLOCK):
+            rows = slice(start, start + _ROWS_A_BLOCK)
+            own = [_texts(name, getattr(self, name)[rows]) for name in FIELDS]
+            yield _csv(zip(*own, *(column[rows] for column in self.other.values())))
 
     @classmethod
     def from_csv(cls, text: str, name: str = "table") -> Table:
@@ -178,6 +182,12 @@ class Table:
 
 #: Fields of `Table` that are columns of ours, in the order they are written.
 FIELDS = tuple(f.name for f in fields(Table) if f.name != "other")
+
+
+def _csv(rows: Iterable[Sequence[str]]) -> str:
+    buffer = io.StringIO()
+    csv.writer(buffer, lineterminator="\n").writerows(rows)
+    return buffer.getvalue()
 
 
 def _texts(name: str, column: Sequence[str] | NDArray[Any]) -> Sequence[str]:

@@ -8,11 +8,12 @@ import json
 import re
 import threading
 import time
-from email.utils import parsedate_to_datetime
+from collections.abc import Mapping
 from http import HTTPStatus
 from urllib.parse import quote, quote_plus
 
 from ..errors import Cancelled, PartError, SourceError
+from .cache.freshness import http_date_s
 from .transport import Response, Stop, Transport, TransportError
 
 #: Attempts at one part, the first included.
@@ -22,10 +23,13 @@ FIRST_WAIT_S = 0.5
 LONGEST_WAIT_S = 30.0
 #: A server that asks for a longer wait than this is not waited for: the run stops, to be resumed later.
 LONGEST_RETRY_AFTER_S = 120.0
+#: A server that gave no answer is taken to be out of reach for so long, where that saves asking in vain.
+OUT_OF_REACH_S = 30.0
 #: Seconds between two looks at whether the user cancelled.
 _LOOK_S = 0.1
 
 _REFUSED = frozenset({401, 402, 403, 407, 451})
+_NOT_THERE = frozenset({404, 410})
 _AGAIN = frozenset({408, 425, 429, 500, 502, 503, 504})
 _QUOTA = re.compile(
     r"quota|over_query_limit|(limit|allowance)\W+(is |was |has been )?(exceed|reach)"
@@ -33,6 +37,16 @@ _QUOTA = re.compile(
     re.IGNORECASE,
 )
 _WORDS_CHARACTERS = 200
+#: Ends what was cut short.
+_CUT = "…"
+
+
+class OutOfReach(PartError):
+    """No answer came, or none but failures of the server (5xx), however often it was tried."""
+
+
+class NotThere(PartError):
+    """The provider has no such part (404, 410)."""
 
 
 class Pace:
@@ -110,9 +124,16 @@ class Client:
         self._closed = threading.Event()
         #: The last part found the server out of reach: until it answers, others are tried once only.
         self._away = threading.Event()
+        self._silent_until_s = 0.0
 
-    def get(self, url: str, what: str, cancelled: Stop | None = None) -> Response:
-        """Answer with status 200.
+    def get(
+        self,
+        url: str,
+        what: str,
+        cancelled: Stop | None = None,
+        headers: Mapping[str, str] | None = None,
+    ) -> Response:
+        """Answer with status 200; or 304, where ``headers`` were given.
 
         Parameters
         ----------
@@ -121,22 +142,24 @@ class Client:
             The part that is asked for, as errors name it.
         cancelled : callable or None
             Asked during every wait.
+        headers : mapping or None
+            To be sent with the request: conditions under which an answer is wanted.
 
         Raises
         ------
         PartError
-            This part cannot be had.
+            This part cannot be had; `OutOfReach` and `NotThere` tell two of the reasons.
         SourceError
             The provider refuses: nothing can be had.
         Cancelled
         """
         tries = 1 if self._away.is_set() else self._tries
-        reason, status = "", 0
+        reason, status, silent = "", 0, False
         for attempt in range(tries):
             try:
-                response = self._attempt(url, cancelled)
+                response = self._attempt(url, cancelled, headers)
             except TransportError as failure:
-                reason, status = str(failure), 0
+                reason, status, silent = str(failure), 0, failure.again or failure.away
                 if failure.away and attempt == tries - 1:
                     self._away.set()
                 if not failure.again:
@@ -144,9 +167,12 @@ class Client:
                 wait_s = 0.0
             else:
                 self._away.clear()
-                if response.status == HTTPStatus.OK:
-                    return response
-                reason, status = self._judge(response, what), response.status
+                self._silent_until_s = 0.0
+                if response.status == HTTPStatus.OK or (
+                    headers and response.status == HTTPStatus.NOT_MODIFIED
+                ):
+                    return self._without_secrets(response)
+                reason, status, silent = self._judge(response, what), response.status, False
                 wait_s = self._asked_wait_s(response, reason)
             if attempt < tries - 1:
                 self._pause(max(wait_s, self._backoff_s(url, attempt)), cancelled)
@@ -154,13 +180,27 @@ class Client:
             reason += f" (tried {tries} times)" if tries > 1 else ""
         if status == HTTPStatus.TOO_MANY_REQUESTS:
             raise SourceError(f"{self._title}: {reason}; ask for less at a time, or resume later")
+        if silent:
+            self._silent_until_s = time.monotonic() + OUT_OF_REACH_S
+        if silent or status >= HTTPStatus.INTERNAL_SERVER_ERROR:
+            raise OutOfReach(f"{what}: {reason}")
         raise PartError(f"{what}: {reason}")
+
+    def out_of_reach(self) -> bool:
+        """Whether a part found no answer a moment ago, and none has come since."""
+        return time.monotonic() < self._silent_until_s
 
     def redacted(self, text: str) -> str:
         """Return ``text`` without the keys, however they are written in it."""
         for secret in self._secrets:
             for written in {secret, quote(secret), quote(secret, safe=""), quote_plus(secret)}:
                 text = text.replace(written, "***")
+                if text.endswith(_CUT):
+                    # What a provider says may have been cut short amid a key.
+                    told = next(
+                        (n for n in range(len(written), 0, -1) if text.endswith(written[:n] + _CUT)), 0
+                    )
+                    text = text[: len(text) - told - len(_CUT)] + ("***" if told else "") + _CUT
         return text
 
     def words(self, response: Response) -> str:
@@ -172,7 +212,7 @@ class Client:
         self._closed.set()
         self._transport.close()
 
-    def _attempt(self, url: str, cancelled: Stop | None) -> Response:
+    def _attempt(self, url: str, cancelled: Stop | None, headers: Mapping[str, str] | None) -> Response:
         self._pause(self._pace.turn_s(), cancelled)
         while not self._free.acquire(timeout=_LOOK_S):
             self._refuse_cancelled(cancelled)
@@ -181,9 +221,16 @@ class Client:
             while held_s := self._pace.held_s():
                 self._pause(held_s, cancelled)
             self._refuse_cancelled(cancelled)
-            return self._transport.get(url, None, cancelled)
+            return self._transport.get(url, headers or None, cancelled)
         finally:
             self._free.release()
+
+    def _without_secrets(self, response: Response) -> Response:
+        """Leave out headers that quote a key: some are kept in files."""
+        if not self._secrets:
+            return response
+        kept = {name: value for name, value in response.headers.items() if self.redacted(value) == value}
+        return response._replace(headers=kept)
 
     def _judge(self, response: Response, what: str) -> str:
         """Reason to ask again; raises where asking again is of no use."""
@@ -191,6 +238,8 @@ class Client:
         line = _status_line(response.status) + (f": {words}" if words else "")
         if response.status in _REFUSED or (response.status >= 400 and _is_quota(response.status, words)):
             raise SourceError(f"{self._title} refuses: {line}")
+        if response.status in _NOT_THERE:
+            raise NotThere(f"{what}: {line}")
         if response.status not in _AGAIN:
             raise PartError(f"{what}: {line}")
         return line
@@ -238,18 +287,11 @@ def retry_after_s(response: Response, now_s: float) -> float:
     asked = response.headers.get("retry-after", "").strip()
     if asked.isdigit():
         return float(asked)
-    until_s = _seconds_since_1970(asked)
+    until_s = http_date_s(asked)
     if until_s is None:
         return 0.0
-    since_s = _seconds_since_1970(response.headers.get("date", ""))
+    since_s = http_date_s(response.headers.get("date", ""))
     return max(until_s - (now_s if since_s is None else since_s), 0.0)
-
-
-def _seconds_since_1970(http_date: str) -> float | None:
-    try:
-        return parsedate_to_datetime(http_date).timestamp()
-    except (TypeError, ValueError, IndexError, OverflowError):
-        return None
 
 
 def first_words(body: bytes, content_type: str) -> str:
@@ -266,7 +308,7 @@ def first_words(body: bytes, content_type: str) -> str:
         text = html.unescape(text)
     line = next((line.strip() for line in text.splitlines() if line.strip()), "")
     line = "".join(character if character.isprintable() else " " for character in line)
-    return line if len(line) <= _WORDS_CHARACTERS else line[: _WORDS_CHARACTERS - 1] + "…"
+    return line if len(line) <= _WORDS_CHARACTERS else line[: _WORDS_CHARACTERS - 1] + _CUT
 
 
 def _json_message(text: str) -> str:

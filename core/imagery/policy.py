@@ -76,17 +76,29 @@ class Policy:
         SourceError
             Quoting the terms.
         """
-        if self.bulk_allowed == "yes" or self.max_tiles is None or requests <= self.max_tiles:
+        if not self.stops(requests) or (self.bulk_allowed == "ask" and accept_terms):
             return
-        if self.bulk_allowed == "ask" and accept_terms:
-            return
-        way_out = (
-            f"sources that allow it: {', '.join(instead)}"
-            if self.bulk_allowed == "no"
-            else "agree to the terms first (--accept-terms)"
-        )
+        others = f"sources that allow it: {', '.join(instead)}" if instead else "take another source"
+        way_out = others if self.bulk_allowed == "no" else "agree to the terms first (--accept-terms)"
         without = "breaking" if self.bulk_allowed == "no" else "agreeing to"
         raise SourceError(
-            f"{title}: {requests} requests, and {self.max_tiles} at most pass without {without} its terms: "
-            f"{self.terms} ({self.terms_url}); {way_out}"
+            f"{title}: {requests:,} requests, and {self.max_tiles:,} at most pass without {without} its terms: "
+            f"{self.terms}{f' ({self.terms_url})' if self.terms_url else ''}; {way_out}"
         )
+
+    def stops(self, requests: int) -> bool:
+        """Whether so many requests are more than pass without asking, or at all."""
+        return self.bulk_allowed != "yes" and self.max_tiles is not None and requests > self.max_tiles
+
+    def text(self) -> str:
+        """Words for people on how much may be downloaded."""
+        if self.bulk_allowed == "yes" or self.max_tiles is None:
+            bulk = "any number of requests"
+        elif self.bulk_allowed == "ask":
+            bulk = f"more than {self.max_tiles:,} requests after agreeing to the terms (--accept-terms)"
+        else:
+            bulk = f"at most {self.max_tiles:,} requests, whatever you agree to"
+        pace = [] if self.max_connections is None else [f"{self.max_connections} connections"]
+        pace += [] if self.requests_per_s is None else [f"{self.requests_per_s:g} requests/s"]
+        stored = "" if self.cache_allowed else "; nothing may be cached"
+        return bulk + (f"; {', '.join(pace)}" if pace else "") + stored

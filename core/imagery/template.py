@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from urllib.parse import parse_qsl, quote, urlsplit
 
 from ..errors import InvalidInput
+from ..geodesy.mercator import HALF_WORLD_M
 
 #: What may stand in braces, and what stands for it.
 PLACEHOLDERS = {
@@ -21,7 +22,10 @@ PLACEHOLDERS = {
     "map_type": "satellite, roadmap or terrain",
     "date": "date of the imagery",
     "key": "API key",
+    "bbox-epsg-3857": "west,south,east,north of the tile in metres, for a WMS",
 }
+#: The placeholder that says all of where a tile is, as Mapbox and MapLibre spell it.
+BBOX = "bbox-epsg-3857"
 _BRACES = re.compile(r"\{([^{}]*)\}")
 #: Subdomains written into the host: {a-c} and {1-4} as in OpenLayers, [1-4], {switch:a,b,c} as in JOSM.
 _RANGE = re.compile(r"\{(\w)-(\w)\}|\[(\w)-(\w)\]|\{switch:([\w,-]+)\}")
@@ -40,17 +44,22 @@ class Template:
     Parameters
     ----------
     text : str
-        http or https; with {z}, {x} and {y} or {-y}, or with {q}. Holds no key: {key} stands for it.
+        http or https; with {z}, {x} and {y} or {-y}, or with {q} or {bbox-epsg-3857}. Holds no key: {key} stands
+        for it.
     subdomains : tuple of str
         What {s} stands for, in turn.
+    levels : tuple of (zoom, name) pairs
+        What {z} stands for where the server calls its zooms otherwise.
     """
 
     text: str
     subdomains: tuple[str, ...] = ("a", "b", "c")
+    levels: tuple[tuple[int, str], ...] = ()
 
     def __post_init__(self) -> None:
         text = self.text.strip().replace("${", "{").replace("{zoom}", "{z}")
         object.__setattr__(self, "subdomains", tuple(self.subdomains))
+        object.__setattr__(self, "levels", tuple((int(zoom), str(name)) for zoom, name in self.levels))
         inline = _RANGE.search(text)
         if inline:
             object.__setattr__(self, "subdomains", _spelled_out(inline))
@@ -74,7 +83,10 @@ class Template:
     ) -> str:
         """URL of a tile; the subdomain follows from column and row, so that a tile always has the same."""
         names = self.names
-        values = {"z": str(z), "x": str(x), "y": str(y), "-y": str((1 << z) - 1 - y)}
+        level = next((name for zoom, name in self.levels if zoom == z), str(z))
+        values = {"z": quote(level, safe=":"), "x": str(x), "y": str(y), "-y": str((1 << z) - 1 - y)}
+        if BBOX in names:
+            values[BBOX] = bbox(z, x, y)
         if "q" in names:
             values["q"] = quadkey(z, x, y)
         if "s" in names:
@@ -87,21 +99,7 @@ class Template:
         return _BRACES.sub(lambda found: values.get(found.group(1), found.group(0)), self.text)
 
     def _check_url(self) -> None:
-        parts = urlsplit(_BRACES.sub("0", self.text))
-        if parts.scheme not in ("http", "https") or not parts.hostname:
-            raise InvalidInput(
-                f"URL template of {parts.scheme or 'no'} scheme: must start with http:// or https://"
-            )
-        if parts.username is not None or parts.password is not None:
-            raise InvalidInput(
-                f"URL template for {parts.hostname}: holds a user name; no credentials may stand in it"
-            )
-        for name, value in parse_qsl(urlsplit(self.text).query):
-            if _KEY_NAMES.fullmatch(name) and "{key}" not in value:
-                raise InvalidInput(
-                    f"URL template for {parts.hostname}: holds a key in {name!r}, which would end up in files; "
-                    f"write {name}={{key}} and set TERRAINAV_KEY"
-                )
+        check_address(self.text, "URL template")
 
     def _check_placeholders(self) -> None:
         names = self.names
@@ -117,10 +115,33 @@ class Template:
         missing = [name for name in ("z", "x") if name not in names]
         if not names & {"y", "-y"}:
             missing.append("y")
-        if missing and "q" not in names:
+        if missing and not names & {"q", BBOX}:
             raise InvalidInput(
                 f"URL template {shown}: without {_in_braces(missing)}; needs {{z}}, {{x}} and {{y}} (or {{-y}}, or "
-                "{q} alone)"
+                f"{{q}} or {{{BBOX}}} alone)"
+            )
+
+
+def check_address(text: str, what: str) -> None:
+    """Refuse an address that is not http or https, or that holds a user's credentials.
+
+    Parameters
+    ----------
+    text : str
+        May hold placeholders in braces.
+    what : str
+        What it is, as errors name it.
+    """
+    parts = urlsplit(_BRACES.sub("0", text))
+    if parts.scheme not in ("http", "https") or not parts.hostname:
+        raise InvalidInput(f"{what} of {parts.scheme or 'no'} scheme: must start with http:// or https://")
+    if parts.username is not None or parts.password is not None:
+        raise InvalidInput(f"{what} for {parts.hostname}: holds a user name; no credentials may stand in it")
+    for name, value in parse_qsl(urlsplit(text).query):
+        if _KEY_NAMES.fullmatch(name) and "{key}" not in value:
+            raise InvalidInput(
+                f"{what} for {parts.hostname}: holds a key in {name!r}, which would end up in files; "
+                f"write {name}={{key}} and set TERRAINAV_KEY"
             )
 
 
@@ -141,3 +162,12 @@ def _spelled_out(inline: re.Match[str]) -> tuple[str, ...]:
 def quadkey(z: int, x: int, y: int) -> str:
     """Bing's name of a tile: a base-4 digit a zoom, column in the low bit, row in the high one."""
     return "".join(str((x >> bit & 1) + 2 * (y >> bit & 1)) for bit in range(z - 1, -1, -1))
+
+
+def bbox(z: int, x: int, y: int) -> str:
+    """West, south, east and north of a tile in metres of EPSG:3857, with all their digits."""
+    size_m = 2.0 * HALF_WORLD_M / (1 << z)
+    west, north = x * size_m - HALF_WORLD_M, HALF_WORLD_M - y * size_m
+    # From the grid's lines on both sides, so that neighbours share an edge to the last digit.
+    edges = (west, HALF_WORLD_M - (y + 1) * size_m, (x + 1) * size_m - HALF_WORLD_M, north)
+    return ",".join(repr(edge) for edge in edges)

@@ -11,12 +11,14 @@ import time
 import weakref
 from collections.abc import Mapping
 from contextlib import closing
+from http import HTTPStatus
 from typing import Any, Callable, NamedTuple, Protocol
-from urllib.parse import urljoin, urlsplit
+from urllib.parse import SplitResult, urljoin, urlsplit
 
 import requests
 import urllib3
 from requests.adapters import HTTPAdapter
+from requests.utils import DEFAULT_CA_BUNDLE_PATH, select_proxy
 from urllib3.connection import HTTPConnection, HTTPSConnection
 from urllib3.connectionpool import HTTPConnectionPool, HTTPSConnectionPool
 
@@ -30,6 +32,8 @@ MAX_BODY_BYTES = 32 << 20
 #: Redirects followed for one request; tile servers need one or two.
 MAX_REDIRECTS = 5
 _CHUNK_BYTES = 1 << 16
+#: Hosts with a pool of connections each: a template's subdomains, and those that redirects lead to.
+_HOSTS = 64
 
 Stop = Callable[[], bool]
 
@@ -95,8 +99,22 @@ def user_agent() -> str:
     return f"TerrAInav/{version()} (+{PROJECT_URL})"
 
 
+class _Host(NamedTuple):
+    """What every request to one host needs: looked up once, because that takes longer than a request does.
+
+    ``prefix`` stands before the path of each request: a proxy wants all of an http URL.
+    """
+
+    pool: HTTPConnectionPool
+    headers: Mapping[str, str]
+    prefix: str
+
+
 class RequestsTransport:
-    """Transport over one requests Session with a pool as large as the connections.
+    """Transport with a pool as large as the connections: requests' settings, urllib3's connections.
+
+    What the environment says of proxies and certificates is asked of requests, once for each host; each request is
+    then made on urllib3's pool, which takes two fifths of the processor time that it takes through a Session.
 
     Parameters
     ----------
@@ -114,6 +132,7 @@ class RequestsTransport:
         max_body_bytes: int = MAX_BODY_BYTES,
     ) -> None:
         self._timeouts = timeouts
+        self._timeout = urllib3.Timeout(connect=timeouts.connect_s, read=timeouts.read_s)
         self._max_body_bytes = max_body_bytes
         self._watch = Watch()
         # Pictures do not compress further, so their Content-Length may as well be that of the picture.
@@ -123,10 +142,10 @@ class RequestsTransport:
             "Accept-Encoding": "identity",
         }
         self._session = requests.Session()
-        adapter = _Adapter(connections, self._watch)
-        self._session.mount("http://", adapter)
-        self._session.mount("https://", adapter)
-        self._settings: dict[tuple[str, str], Mapping[str, Any]] = {}
+        self._adapter = _Adapter(connections, self._watch)
+        self._session.mount("http://", self._adapter)
+        self._session.mount("https://", self._adapter)
+        self._hosts: dict[tuple[str, str], _Host] = {}
         # Also where nobody closes it, so that no connection and no filter stays behind.
         self._free = weakref.finalize(self, _free, self._session, _quiet(self._watch))
 
@@ -155,61 +174,96 @@ class RequestsTransport:
         self._free()
 
     def _follow(self, url: str, headers: Mapping[str, str]) -> Response:
-        # By the adapter: Session.send reads the body of every redirect, however long.
         for _ in range(MAX_REDIRECTS + 1):
-            if urlsplit(url).scheme not in ("http", "https"):
+            parts = urlsplit(url)
+            if parts.scheme not in ("http", "https"):
                 raise TransportError("redirect to something else than http or https", again=False)
-            answer = self._session.get_adapter(url).send(
-                requests.Request("GET", url, headers={**self._headers, **headers}).prepare(),
-                stream=True,
-                timeout=(self._timeouts.connect_s, self._timeouts.read_s),
-                **self._environment(url),
-            )
-            with closing(answer):
+            host = self._host(parts)
+            path = host.prefix + (parts.path or "/")
+            with closing(
+                host.pool.urlopen(  # type: ignore[no-untyped-call]
+                    "GET",
+                    f"{path}?{parts.query}" if parts.query else path,
+                    headers={**host.headers, **headers},
+                    redirect=False,
+                    retries=False,
+                    assert_same_host=False,
+                    preload_content=False,
+                    timeout=self._timeout,
+                )
+            ) as answer:
                 body = self._body(answer)
-                location = self._session.get_redirect_target(answer)
-                if location is None:
+                location = answer.get_redirect_location()
+                if not location:
                     named = {name.lower(): value for name, value in answer.headers.items()}
-                    return Response(answer.status_code, named, body)
+                    return Response(answer.status, named, body)
             url = urljoin(url, location)
         raise TransportError(f"more than {MAX_REDIRECTS} redirects", again=False)
 
-    def _environment(self, url: str) -> Mapping[str, Any]:
-        """Proxies and certificates the environment names for a host; looked up once, because it is slow."""
-        parts = urlsplit(url)
-        host = (parts.scheme, parts.netloc)
-        if host not in self._settings:
-            found = self._session.merge_environment_settings(url, {}, None, None, None)
-            self._settings[host] = {name: found[name] for name in ("proxies", "verify", "cert")}
-        return self._settings[host]
+    def _host(self, parts: SplitResult) -> _Host:
+        """Pool, headers and prefix for a URL's host, with the proxy and certificates the environment names."""
+        named = parts.scheme, parts.netloc
+        found = self._hosts.get(named)
+        if found is None:
+            # No more than urllib3 keeps: those it drops it closes.
+            if len(self._hosts) >= _HOSTS:
+                self._hosts.clear()
+            found = self._hosts[named] = self._opened(parts)
+        return found
 
-    def _body(self, answer: requests.Response) -> bytes:
+    def _opened(self, parts: SplitResult) -> _Host:
+        request = requests.Request(
+            "GET", parts._replace(path="/", query="").geturl(), self._headers
+        ).prepare()
+        url = str(request.url)
+        settings = self._session.merge_environment_settings(url, {}, None, None, None)
+        proxy = select_proxy(url, settings["proxies"])
+        managers = (
+            self._adapter.proxy_manager_for(_with_scheme(proxy)) if proxy else self._adapter.poolmanager
+        )
+        pool = managers.connection_from_url(url)
+        # By name also where it is the usual one: not every version of requests finds that itself here.
+        bundle = DEFAULT_CA_BUNDLE_PATH if settings["verify"] is True else settings["verify"]
+        self._adapter.cert_verify(pool, url, bundle, settings["cert"])  # type: ignore[no-untyped-call]
+        # That is all of the URL where a proxy is asked for it, and the path elsewhere.
+        prefix = str(self._adapter.request_url(request, settings["proxies"]))  # type: ignore[no-untyped-call]
+        return _Host(pool, dict(request.headers), prefix.rstrip("/"))
+
+    def _body(self, answer: urllib3.HTTPResponse) -> bytes:
         chunks, size = [], 0
-        for chunk in answer.raw.stream(_CHUNK_BYTES, decode_content=True):
+        for chunk in answer.stream(_CHUNK_BYTES, decode_content=True):
             chunks.append(chunk)
             size += len(chunk)
             if size > self._max_body_bytes:
                 raise TransportError(f"body beyond {self._max_body_bytes} bytes", again=False)
-        length = answer.headers.get("Content-Length", "")
+        # What an unchanged picture would be long is not the length of this answer (RFC 9110, 8.6).
+        bodiless = answer.status == HTTPStatus.NOT_MODIFIED
+        length = "" if bodiless else answer.headers.get("Content-Length", "")
         # urllib3 before 2 takes the end of the connection for the end of the body.
-        if length.isdigit() and "Transfer-Encoding" not in answer.headers and answer.raw.tell() < int(length):
-            raise TransportError(f"body broke off after {answer.raw.tell()} of {length} bytes")
+        if length.isdigit() and "Transfer-Encoding" not in answer.headers and answer.tell() < int(length):
+            raise TransportError(f"body broke off after {answer.tell()} of {length} bytes")
         return b"".join(chunks)
 
     def _problem(self, failure: Exception, host: str | None) -> TransportError:
         """Say what failed in words of our own: those of the libraries quote the URL."""
-        if isinstance(failure, requests.exceptions.SSLError):
+        if isinstance(failure, (urllib3.exceptions.SSLError, requests.exceptions.SSLError)):
             return TransportError(f"no trusted connection to {host} (TLS)", again=False, away=True)
-        if isinstance(failure, requests.exceptions.ProxyError):
+        if isinstance(failure, urllib3.exceptions.ProxyError):
             return TransportError("the proxy does not answer", away=True)
-        if isinstance(failure, (requests.Timeout, urllib3.exceptions.TimeoutError)):
-            return TransportError(f"no answer from {host} for {self._timeouts.read_s:g} s")
-        if isinstance(failure, requests.exceptions.InvalidURL):
-            return TransportError("the URL is not valid", again=False)
-        cause = failure.args[0] if failure.args else None
-        if isinstance(getattr(cause, "reason", cause), urllib3.exceptions.NewConnectionError):
+        # Before the timeouts, which they are among.
+        if isinstance(
+            failure, (urllib3.exceptions.NewConnectionError, urllib3.exceptions.ConnectTimeoutError)
+        ):
             return TransportError(f"no connection to {host}", away=True)
+        if isinstance(failure, urllib3.exceptions.TimeoutError):
+            return TransportError(f"no answer from {host} for {self._timeouts.read_s:g} s")
+        if isinstance(failure, (requests.exceptions.InvalidURL, urllib3.exceptions.LocationValueError)):
+            return TransportError("the URL is not valid", again=False)
         return TransportError(f"connection to {host} broke off")
+
+
+def _with_scheme(proxy: str) -> str:
+    return proxy if "://" in proxy else f"http://{proxy}"
 
 
 def _free(session: requests.Session, undo: Callable[[], None]) -> None:
@@ -231,7 +285,8 @@ def _quiet(watch: Watch) -> Callable[[], None]:
         for logger in loggers:
             logger.removeFilter(others)
 
-    return undo
+    # A request that is given up logs its URL while it ends.
+    return lambda: watch.when_idle(undo)
 
 
 class _Adapter(HTTPAdapter):
@@ -239,8 +294,7 @@ class _Adapter(HTTPAdapter):
 
     def __init__(self, connections: int, watch: Watch) -> None:
         self._pools = _pool_classes(watch)
-        # Hosts of a template's subdomains and redirects; each has a pool of its own.
-        super().__init__(pool_connections=16, pool_maxsize=connections, max_retries=0)
+        super().__init__(pool_connections=_HOSTS, pool_maxsize=connections)
 
     def init_poolmanager(self, *args: Any, **kwargs: Any) -> None:
         super().init_poolmanager(*args, **kwargs)  # type: ignore[no-untyped-call]

@@ -72,6 +72,7 @@ class Watch:
         self._thread: threading.Thread | None = None
         self._current = threading.local()
         self._closed = False
+        self._when_idle: list[Callable[[], None]] = []
 
     @contextmanager
     def over(self, cancelled: Callable[[], bool] | None, deadline_s: float) -> Iterator[Exchange]:
@@ -89,7 +90,19 @@ class Watch:
             with self._lock:
                 # From here on the socket may serve another request.
                 self._running.discard(exchange)
+                left = [] if self._running else self._when_idle
+                self._when_idle = self._when_idle if self._running else []
             self._current.exchange = None
+            for call in left:
+                call()
+
+    def when_idle(self, call: Callable[[], None]) -> None:
+        """Call once no request is under way: now, or in the thread whose request is the last to end."""
+        with self._lock:
+            if self._running:
+                self._when_idle.append(call)
+                return
+        call()
 
     def close(self) -> None:
         """Give up what is under way and all that comes."""

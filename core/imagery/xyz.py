@@ -7,12 +7,15 @@ from collections.abc import Mapping
 
 from ..errors import InvalidInput, PartError, SourceError
 from ..geodesy.mercator import PixelGrid
+from .cache.tile_cache import TileCache
+from .cache.tilestore import TileStore
 from .client import Client
 from .decode import Placeholder, decode
 from .policy import Policy
 from .source import Part, Pixels, Window, tile_parts
 from .template import Template
-from .transport import RequestsTransport, Stop, Transport
+from .tiles import Tile, tile_address
+from .transport import RequestsTransport, Response, Stop, Transport
 
 #: What {map_type} in a template may stand for.
 MAP_TYPES = ("satellite", "roadmap", "terrain")
@@ -40,6 +43,8 @@ class XYZSource:
         None for requests.
     connections : int
         Requests under way at once, where the policy allows them.
+    cache : TileCache or None
+        Where tiles are kept for later runs, if the policy allows it; None for nowhere.
     """
 
     def __init__(
@@ -57,6 +62,7 @@ class XYZSource:
         client: Client | None = None,
         transport: Transport | None = None,
         connections: int = 8,
+        cache: TileCache | None = None,
     ) -> None:
         given = dict(templates) if isinstance(templates, Mapping) else {"": templates}
         self._templates = {
@@ -79,6 +85,8 @@ class XYZSource:
             raise InvalidInput(f"source {self.title}: its URL has a {{date}}; say which")
         self._fetched = 0
         self._lock = threading.Lock()
+        self._cache = cache if policy.cache_allowed else None
+        self._stores: dict[str, TileStore] = {}
         connections = policy.connections(connections)
         self._client = client or Client(
             transport or RequestsTransport(connections),
@@ -116,34 +124,67 @@ class XYZSource:
         Cancelled
             Within half a second of ``cancelled`` answering true.
         """
-        zoom, x, y = self._tile(part)
-        what = f"tile {zoom}/{x}/{y}"
+        tile = tile_address(part, self.grid, self.title)
         url = self._template(map_type).url(
-            zoom,
-            x,
-            y,
+            *tile,
             scale=self.grid.scale,
             map_type=map_type,
             date=self.date,
             key=self._key_needed(map_type),
         )
-        self._count()
-        response = self._client.get(url, what, cancelled)
-        try:
-            self._placeholder.refuse(response.body, response.headers)
-            pixels = decode(
-                response.body, part.width_px, part.height_px, response.headers.get("content-type", "")
-            )
-            self._placeholder.refuse_flat(pixels)
-        except PartError as reason:
-            failure = PartError(self._client.redacted(f"{what}: {reason}"))
-        else:
-            return pixels
-        raise failure
+
+        def ask(headers: Mapping[str, str]) -> Response:
+            self._count()
+            return self._client.get(url, str(tile), cancelled, headers)
+
+        def read(body: bytes, headers: Mapping[str, str]) -> Pixels:
+            return self._read(tile, body, headers)
+
+        store = self._store(map_type)
+        if store is not None:
+            return store.fetch(tile, ask, read, self._client.out_of_reach)
+        response = ask({})
+        return read(response.body, response.headers)
 
     def close(self) -> None:
         """End what is under way (it raises `Cancelled`) and free the connections."""
         self._client.close()
+        with self._lock:
+            self._cache = None
+            stores = list(self._stores.values())
+            self._stores.clear()
+        for store in stores:
+            store.close()
+
+    def _read(self, tile: Tile, body: bytes, headers: Mapping[str, str]) -> Pixels:
+        """Pixels of an answer or of a stored tile; raises PartError for what is no imagery."""
+        try:
+            self._placeholder.refuse(body, headers)
+            pixels = decode(body, self.grid.tile_px, self.grid.tile_px, headers.get("content-type", ""))
+            self._placeholder.refuse_flat(pixels)
+        except PartError as reason:
+            failure = PartError(self._client.redacted(f"{tile}: {reason}"))
+        else:
+            return pixels
+        raise failure
+
+    def _store(self, map_type: str) -> TileStore | None:
+        """Tiles kept of a map type; None where none are to be kept."""
+        # A source without map types has the same tiles whatever they are asked for as.
+        told = map_type if self.map_types else ""
+        with self._lock:
+            if told not in self._stores and self._cache is not None:
+                self._stores[told] = self._cache.store(
+                    self._template(map_type).text,
+                    # A template may hold in its path what is not for everyone to see.
+                    source=self._template(map_type).host if "{" in self.name else self.name,
+                    title=self.title,
+                    attribution=self.attribution,
+                    map_type=told,
+                    date=self.date,
+                    tile_px=self.grid.tile_px,
+                )
+            return self._stores.get(told)
 
     def _told_apart(self) -> tuple[str, ...]:
         if "" not in self._templates:
@@ -159,19 +200,6 @@ class XYZSource:
         if not self._key and "key" in self._template(map_type).names:
             raise SourceError(f"{self.title}: needs an API key, and none is set")
         return self._key
-
-    def _tile(self, part: Window) -> tuple[int, int, int]:
-        size, grid = self.grid.tile_px, self.grid
-        x, left = divmod(part.left_px, size)
-        y, top = divmod(part.top_px, size)
-        if left or top or (part.width_px, part.height_px) != (size, size):
-            raise InvalidInput(f"{part}: is no tile of {size} px")
-        zoom, column, row = part.zoom, int(x), int(y)
-        if not grid.min_zoom <= zoom <= grid.max_zoom:
-            raise InvalidInput(f"zoom {zoom}: {self.title} has {grid.min_zoom} to {grid.max_zoom}")
-        if not (0 <= column < 1 << zoom and 0 <= row < 1 << zoom):
-            raise PartError(f"tile {zoom}/{column}/{row}: beyond the edge of the map")
-        return zoom, column, row
 
     def _count(self) -> None:
         """Hold a library's caller to a provider's limit too, who may not have asked beforehand."""

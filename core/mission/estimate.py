@@ -7,8 +7,12 @@ from typing import Any
 
 import numpy as np
 
+from .framing import sampled_zooms
 from .plan import Plan
 from .rungs import Accuracy
+
+#: Share by which pixels may be finer than the source's: sizes that differ by a pixel of some hundred are no upsampling.
+_UPSAMPLING_SLACK = 0.02
 
 
 @dataclass(frozen=True)
@@ -25,6 +29,8 @@ class Costs:
         Size of the written files by format.
     warp_s_per_px : float
         Making a camera frame from its tiles, on one core.
+    requests_per_s : float or None
+        The most that the source allows; None where it has no such limit.
     """
 
     request_s: float
@@ -32,6 +38,7 @@ class Costs:
     encode_s_per_px: dict[str, float]
     bytes_per_px: dict[str, float]
     warp_s_per_px: float = 1e-7
+    requests_per_s: float | None = None
 
 
 #: Aerial photographs: compressed tiles of 256 px have about 15 kB, a request takes about 60 ms.
@@ -68,6 +75,7 @@ class Summary:
     seconds: float
     map_types: tuple[str, ...]
     accuracy: Accuracy
+    warnings: tuple[str, ...] = ()
 
     def to_dict(self) -> dict[str, Any]:
         """JSON-ready mapping."""
@@ -108,6 +116,7 @@ class Summary:
             ("files", size_text(self.output_bytes)),
             ("time", f"about {_duration(self.seconds)}"),
             *self.accuracy.lines(),
+            *(("warning", text) for text in self.warnings),
         ]
         return lines
 
@@ -125,6 +134,8 @@ def estimate(plan: Plan, costs: Costs = ONLINE, connections: int = 8, cores: int
     if mission.img_size is not None:
         pixels = float(len(plan)) * mission.img_size[0] * mission.img_size[1]
     fetch_s = plan.requests * costs.request_s / (connections if costs.request_bytes else cores)
+    if costs.requests_per_s:
+        fetch_s = max(fetch_s, plan.requests / costs.requests_per_s)
     encode_s = pixels * costs.encode_s_per_px[mission.image_format] / cores
     if plan.size_px is not None:
         encode_s += float(np.sum(plan.width_px * plan.height_px)) * costs.warp_s_per_px / cores
@@ -155,7 +166,42 @@ def estimate(plan: Plan, costs: Costs = ONLINE, connections: int = 8, cores: int
         seconds=types * seconds,
         map_types=mission.map_types,
         accuracy=plan.accuracy,
+        warnings=upsampling(plan),
     )
+
+
+def upsampling(plan: Plan) -> tuple[str, ...]:
+    """Return what there is to say of pictures whose pixels are finer than the source's own; nothing where they are not.
+
+    Compared are medians over the pictures: the ground sample distance that is written with that of the highest zoom
+    with detail of its own, as far as the pictures take their pixels from there.
+    """
+    mission, grid = plan.mission, plan.grid
+    written_m = plan.source_gsd_m_per_px if plan.size_px is None else plan.camera_gsd_m_per_px
+    if mission.img_size is not None:
+        written_m *= float(np.median(plan.width_px)) / mission.img_size[0]
+    # A camera frame takes its pixels from zooms up to its own, and from no higher one.
+    zoom = min(grid.native_zoom, plan.zoom if plan.size_px is None else sampled_zooms(mission, grid)[1])
+    own_m = float(np.median(grid.ground_m_per_px(plan.lat_deg, zoom)))
+    factor = own_m / written_m
+    if factor <= 1.0 + _UPSAMPLING_SLACK:
+        return ()
+    text = (
+        f"pixels of {length_text(written_m)} are asked for, and the source's own are {length_text(own_m)} here (zoom "
+        f"{zoom}): enlarged {factor:.3g} times, pictures show nothing more; ask for {_way_out(plan, zoom, factor)}"
+    )
+    return (text,)
+
+
+def _way_out(plan: Plan, zoom: int, factor: float) -> str:
+    """What to ask for so that pictures are not enlarged."""
+    mission = plan.mission
+    if mission.img_size is not None and plan.zoom <= zoom:
+        width, height = (max(int(size / factor), 1) for size in mission.img_size[:2])
+        return f"--img-size {width} {height} {mission.img_size[2]} or less"
+    if plan.size_px is not None and mission.zoom is None and mission.gsd_m_per_px is None:
+        return f"--max-px {max(int(mission.max_px / factor), 1)} or less, or fly higher"
+    return f"--zoom {zoom} or a finer source"
 
 
 def percent(share: float, exact: bool) -> str:

@@ -24,6 +24,8 @@ from .mission import Mission
 
 Floats = NDArray[np.float64]
 
+#: Ratio down to which a wanted distance counts as the source's own, which are people's figures of three digits.
+_SAME_SIZE = 0.995
 #: Longest side of a camera frame, px: a picture of it takes 1.2 GB.
 _LONGEST_CAMERA_FRAME_PX = 20_000
 
@@ -120,9 +122,14 @@ def sampled_zooms(mission: Mission, grid: PixelGrid) -> tuple[int, int]:
     return grid.min_zoom, max(highest, grid.min_zoom)
 
 
-def _checked_zoom(zoom: int, grid: PixelGrid) -> int:
+def _checked_zoom(zoom: int, mission: Mission, grid: PixelGrid) -> int:
     if not grid.min_zoom <= zoom <= grid.max_zoom:
         raise InvalidInput(f"zoom {zoom}: the source has {grid.min_zoom} to {grid.max_zoom}")
+    if zoom > _highest(mission, grid):
+        raise InvalidInput(
+            f"zoom {zoom}: the source's own pixels end at zoom {grid.native_zoom}; ask for that, or allow enlarged "
+            "pixels (--upsample)"
+        )
     return zoom
 
 
@@ -144,7 +151,7 @@ class MapFraming:
         """Return the zoom asked for, or the highest one at which every picture fits its longest side."""
         mission, grid = self.mission, self.grid
         if mission.zoom is not None:
-            return _checked_zoom(mission.zoom, grid)
+            return _checked_zoom(mission.zoom, mission, grid)
         highest = _highest(mission, grid)
         if mission.gsd_m_per_px is not None:
             return _zoom_for_gsd(mission.gsd_m_per_px, grid, layout.lat_deg, highest)
@@ -192,10 +199,15 @@ class CameraFraming:
         longest = float(_limit_px(mission, grid) * grid.scale)
         width = longest if aspect >= 1.0 else longest * aspect
         ground_m = mission.camera.ground_size_m(float(np.median(layout.agl_m)))[0]
+        finest_m = float(np.median(grid.ground_m_per_px(layout.lat_deg, _highest(mission, grid))))
         if mission.gsd_m_per_px is not None:
+            if mission.gsd_m_per_px < finest_m * _SAME_SIZE:
+                raise _too_fine(mission.gsd_m_per_px, finest_m)
             width = ground_m / mission.gsd_m_per_px
         elif mission.zoom is not None:
             width = ground_m / float(np.median(grid.ground_m_per_px(layout.lat_deg, mission.zoom)))
+        elif not mission.upsample:
+            width = min(width, max(ground_m / finest_m, 1.0, aspect))
         size = round(width), round(width / aspect)
         if min(size) < 1:
             raise InvalidInput(
@@ -213,7 +225,7 @@ class CameraFraming:
         """Return the zoom asked for, or the one that suits the ground right below the camera."""
         mission, grid = self.mission, self.grid
         if mission.zoom is not None:
-            return _checked_zoom(mission.zoom, grid)
+            return _checked_zoom(mission.zoom, mission, grid)
         poses = Poses.level(layout.lat_deg, layout.lon_deg, layout.agl_m)
         scene = Scene(mission.camera, *self.size_px(layout), poses)
         stretch = WGS84.normal_radius_m(layout.lat_deg) * np.cos(np.radians(layout.lat_deg)) * 2.0 * math.pi
@@ -227,8 +239,12 @@ def _zoom_for_gsd(gsd_m_per_px: float, grid: PixelGrid, lat_deg: Floats, highest
         if float(grid.ground_m_per_px(lat_deg, zoom).max()) <= gsd_m_per_px:
             return zoom
     finest = float(grid.ground_m_per_px(lat_deg, highest).max())
-    raise InvalidInput(
-        f"ground sample distance {gsd_m_per_px} m: the source's own pixels are {finest:.3g} m here; ask for that or "
+    raise _too_fine(gsd_m_per_px, finest)
+
+
+def _too_fine(gsd_m_per_px: float, finest_m: float) -> InvalidInput:
+    return InvalidInput(
+        f"ground sample distance {gsd_m_per_px} m: the source's own pixels are {finest_m:.3g} m here; ask for that or "
         "more, or allow enlarged pixels (--upsample)"
     )
 

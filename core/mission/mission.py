@@ -93,6 +93,8 @@ class Mission:
         Of camera frames: nearest, bilinear, bicubic or lanczos.
     wind : Wind or None
         What moves the captures off their places; None for still air, which costs nothing.
+    date : str
+        Of the imagery, as the source writes it; empty for the source's default.
     """
 
     area: Area
@@ -122,6 +124,7 @@ class Mission:
     mesh: str = AUTO
     resampling: str = "bilinear"
     wind: Wind | None = None
+    date: str = ""
 
     def __post_init__(self) -> None:
         check_agl(self.agl_m)
@@ -138,6 +141,10 @@ class Mission:
             raise InvalidInput(f"map types {' '.join(self.map_types)}: each may be named once")
         if not self.source:
             raise InvalidInput("source is empty: name one, or give a URL template or a file")
+        if self.date != self.date.strip() or not self.date.isprintable():
+            raise InvalidInput(
+                f"date {self.date!r}: must be text without spaces around it, such as 2024-06-21"
+            )
         self._check_pixels()
         self._check_accuracy()
         for name in _REAL:
@@ -282,6 +289,7 @@ _JSON_TYPES: dict[str, tuple[Any, str]] = {
     "layout": _TEXT,
     "map_types": _LIST,
     "source": _TEXT,
+    "date": _TEXT,
     "zoom": _WHOLE,
     "gsd_m_per_px": _NUMBER,
     "max_px": _WHOLE,

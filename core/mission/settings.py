@@ -138,7 +138,19 @@ OPTIONS: tuple[Option, ...] = (
     Option(
         "map_type", str, ("satellite",), "one or more of " + ", ".join(MAP_TYPES), count=(1, len(MAP_TYPES))
     ),
-    Option("source", str, "world", "source of imagery: a name (see terrainav sources) or a URL template"),
+    Option(
+        "source",
+        str,
+        "world",
+        "source of imagery: a name (see terrainav sources), a URL template, wmts:URL#layer=NAME, wms:URL#layers=NAME, "
+        "or a file (GeoTIFF, VRT, MBTiles, …)",
+    ),
+    Option(
+        "date",
+        str,
+        None,
+        "date of the imagery where the source has several (see terrainav sources show NAME)",
+    ),
     Option("zoom", int, None, "zoom to use, instead of the highest at which every picture fits --max-px"),
     Option("gsd", float, None, "wanted ground sample distance in metres per pixel, instead of --zoom"),
     Option("max_px", int, DEFAULT_MAX_PX, "longest side of a picture in pixels of 256 px tiles"),
@@ -192,7 +204,14 @@ OPTIONS: tuple[Option, ...] = (
     Option("batch_size", int, 8, "images in a batch of a loaded dataset; plan and capture do not use it"),
     Option("data_dir", str, "datasets/terrainav", "folder the dataset is written to"),
     Option("connections", int, 8, "requests under way at once"),
+    Option(
+        "cache_dir", str, None, "folder of the cache of tiles (terrainav cache list shows it)", metavar="DIR"
+    ),
+    Option("cache_limit", int, None, "size the cache is kept to, in MB", metavar="MB"),
+    Option("no_cache", str, False, "keep no tiles for later captures, and use none", flag=True),
 )
+#: Options that say how a mission is run, not what it is: they go with a mission file.
+RUN_OPTIONS = ("dataset", "batch_size", "data_dir", "connections", "cache_dir", "cache_limit", "no_cache")
 
 
 def resolve(
@@ -271,6 +290,7 @@ def mission_from(values: Mapping[str, Any]) -> Mission:
         layout=values["layout"],
         map_types=tuple(values["map_type"]),
         source=values["source"],
+        date=values["date"] or "",
         zoom=values["zoom"],
         gsd_m_per_px=values["gsd"],
         max_px=values["max_px"],

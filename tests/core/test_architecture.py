@@ -35,7 +35,7 @@ ON_DEMAND = {
 
 ROOMS = ("geodesy", "mission", "imagery", "dataset", "capture", "report")
 
-# Room -> rooms it may import. What lies in `core` itself beside `cli` (errors, the shipped tables) knows no room and is
+# Room -> rooms it may import. What lies in `core` itself (errors, the shipped tables) knows no room and is
 # open to all.
 ARROWS = {
     "core": set(),

@@ -12,16 +12,22 @@ from pathlib import Path
 
 import pytest
 
+from tests.support.command import command
 from tests.support.tileserver import TileServer
 
 BOX = "35.16_-89.90_35.155_-89.89_400"
 
 
 @pytest.fixture
-def run(tmp_path):
-    """Run the command in an empty folder; returns the finished process."""
+def run(tmp_path, monkeypatch, capsys):
+    return command(tmp_path, monkeypatch, capsys)
 
-    def command(*arguments, **environment):
+
+@pytest.fixture
+def shell(tmp_path):
+    """Run the command as a process of its own in an empty folder; returns the finished process."""
+
+    def process(*arguments, **environment):
         return subprocess.run(
             [sys.executable, "-m", "terrainav.core.cli", *arguments],
             cwd=tmp_path,
@@ -32,7 +38,7 @@ def run(tmp_path):
             check=False,
         )
 
-    return command
+    return process
 
 
 def one_line(process, code):
@@ -121,7 +127,7 @@ def test_an_interrupt_stops_and_resume_goes_on(tmp_path):
         "terrainav.core.cli",
         "capture",
         "--coords",
-        "35.16_-89.90_35.13_-89.86_120",
+        "35.16_-89.90_35.15_-89.88_120",
     ]
     arguments += ["--data-dir", "out", "--quiet"]
     process = subprocess.Popen(
@@ -178,9 +184,12 @@ def test_every_mistake_is_one_clear_line(run, arguments, says):
     assert says in line
 
 
+def test_a_mistake_is_the_exit_code_of_the_process(shell):
+    assert "no coordinates" in one_line(shell("plan"), 2)
+
+
 def test_a_missing_key_names_where_it_goes(run):
-    without = {name: "" for name in os.environ if name.startswith("TERRAINAV_GOOGLE")}
-    line = one_line(run("capture", "--coords", BOX, "--source", "google-static", **without), 3)
+    line = one_line(run("capture", "--coords", BOX, "--source", "google-static"), 3)
     assert "TERRAINAV_GOOGLE_KEY" in line
 
 
@@ -206,8 +215,8 @@ def test_sources_and_cameras_are_listed(run):
     assert len(json.loads(run("cameras", "--json").stdout)) > 10
 
 
-def test_version_and_help(run):
-    assert run("--version").stdout.startswith("terrainav 0.")
+def test_version_and_help(run, shell):
+    assert shell("--version").stdout.startswith("terrainav 0.")
     assert "capture" in run("--help").stdout
     assert "--coords" in run("plan", "--help").stdout
     assert run().returncode == 0

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
+import threading
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -21,6 +22,8 @@ if TYPE_CHECKING:
     from tests.plugin.steps import Desk
 
 PLUGIN = "terrainav"
+OFF_MAIN = "off_main: runs its body in a thread of its own while the main one works through its events"
+LOOK_MS = 5
 # Where the `screenshot` fixture writes; without it nothing is written.
 SCREENSHOT_FOLDER = "TERRAINAV_SCREENSHOTS"
 
@@ -28,6 +31,38 @@ SCREENSHOT_FOLDER = "TERRAINAV_SCREENSHOTS"
 def pytest_ignore_collect(collection_path: Path) -> bool | None:
     """Leave these tests out where there is no application for them."""
     return None if "qgis" in sys.modules else True
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Make known what tests of this folder are marked with."""
+    config.addinivalue_line("markers", OFF_MAIN)
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_pyfunc_call(pyfuncitem: pytest.Function) -> bool | None:
+    """Run tests that wait, and would keep the main thread, beside it; fixtures are set up in the main one."""
+    if pyfuncitem.get_closest_marker(OFF_MAIN.partition(":")[0]) is None:
+        return None
+    from qgis.PyQt.QtCore import QEventLoop, QTimer
+
+    arguments = {name: pyfuncitem.funcargs[name] for name in pyfuncitem._fixtureinfo.argnames}
+    raised: list[BaseException] = []
+
+    def run() -> None:
+        try:
+            pyfuncitem.obj(**arguments)
+        except BaseException as failure:  # noqa: BLE001  (raised again below; a skip as well)
+            raised.append(failure)
+
+    thread, loop, timer = threading.Thread(target=run), QEventLoop(), QTimer()
+    timer.timeout.connect(lambda: thread.is_alive() or loop.quit())
+    thread.start()
+    timer.start(LOOK_MS)
+    loop.exec()
+    timer.stop()
+    if raised:
+        raise raised[0]
+    return True
 
 
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
@@ -103,12 +138,21 @@ def screenshot(iface: QgisInterface, qtbot: QtBot) -> Callable[..., None]:
 
 
 @pytest.fixture
-def desk(plugin: TerrAInavPlugin, iface: QgisInterface, qtbot: QtBot, tmp_path: Path) -> Iterator[Desk]:
+def desk(
+    plugin: TerrAInavPlugin,
+    iface: QgisInterface,
+    qtbot: QtBot,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> Iterator[Desk]:
     """The mission panel as it is at first use, in front of an empty project."""
     from terrainav.terrainav_plugin.form_state import FormState
 
     from tests.plugin.steps import Desk
 
+    # Servers of the tests share their addresses with those of earlier tests.
+    monkeypatch.setenv("TERRAINAV_CACHE_DIR", str(tmp_path / "cache"))
+    monkeypatch.setenv("TERRAINAV_CONFIG_DIR", str(tmp_path / "config"))
     desk = Desk(plugin, iface, qtbot, tmp_path / "mission")
     desk.workflow.settings.backgrounds_folder = str(tmp_path / "backgrounds")
     desk.workflow.show_dock(True)

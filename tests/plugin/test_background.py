@@ -7,7 +7,7 @@ import pytest
 from osgeo import gdal
 from qgis.core import QgsCoordinateReferenceSystem, QgsProject, QgsVectorLayer
 from terrainav.core.errors import InvalidInput
-from terrainav.core.imagery.catalogue import open_source
+from terrainav.core.imagery.opening import open_source
 from terrainav.core.imagery.source import Window
 from terrainav.core.mission.area import Box
 from terrainav.terrainav_plugin.sources import tile_layer_uri

@@ -12,7 +12,7 @@ from qgis.core import QgsExpression, QgsGeometry, QgsPointXY, QgsRasterLayer
 from terrainav.core.capture.runner import capture as run_capture
 from terrainav.core.geodesy.footprint import exact
 from terrainav.core.geodesy.mercator import HALF_WORLD_M
-from terrainav.core.imagery.catalogue import open_source
+from terrainav.core.imagery.opening import open_source
 from terrainav.core.mission.area import Box, Points
 from terrainav.core.mission.framing import ground_of
 from terrainav.core.mission.mission import Mission

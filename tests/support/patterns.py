@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 from collections.abc import Callable
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -39,9 +40,21 @@ def positions(map_type, zoom, x, y, size_px):
     return encode_position(x * size_px + steps, y * size_px + steps, map_type)
 
 
+def encoded_positions(map_type, x, y, size_px, extension):
+    """Encode a tile that holds global pixels; there are as many different ones as fit the modulus."""
+    return _encoded_positions(
+        map_type, x % (MODULUS // size_px), y % (MODULUS // size_px), size_px, extension
+    )
+
+
+@cache
+def _encoded_positions(map_type, x, y, size_px, extension):
+    return to_bytes(positions(map_type, 0, x, y, size_px), extension)
+
+
 def world(seed: int = 2024) -> Painter:
     """Painter of the embedded world."""
-    from terrainav.core.imagery.catalogue import open_source
+    from terrainav.core.imagery.opening import open_source
     from terrainav.core.imagery.source import Window
 
     source = open_source("world", seed=seed)

@@ -3,7 +3,7 @@
 By hand, from the root of the repository::
 
     python -m tests.support.tileserver --port 8000 --paint world
-    python -m tests.support.tileserver --folder tiles/ --latency-ms 40 --fault 503 --share 0.05
+    python -m tests.support.tileserver --folder tiles/ --latency-ms 40 --fault 503:0.05 --fault 404:0.01:1
 
 Tiles are at ``/z/x/y.png`` and ``/map_type/z/x/y.png`` (or .jpg, .webp; ``@2x`` before the dot for 512 px), pictures
 about a centre, in the manner of Google Static Maps, at ``/maps/api/staticmap``.
@@ -13,10 +13,13 @@ from __future__ import annotations
 
 import argparse
 import base64
+import contextlib
 import hashlib
 import hmac
 import io
+import json
 import re
+import sys
 import threading
 import time
 from collections import Counter
@@ -137,6 +140,7 @@ class TileServer:
     connections : int
         TCP connections accepted.
     user_agents : set
+    faults_sent : Counter of kind
     """
 
     def __init__(
@@ -162,6 +166,7 @@ class TileServer:
         self.requests: Counter = Counter()
         self.user_agents: set = set()
         self.connections = 0
+        self.faults_sent: Counter = Counter()
         self._faults: list[_Fault] = []
         self._http = _Server(("127.0.0.1", port), _Handler)
         self._http.owner = self
@@ -287,12 +292,16 @@ class TileServer:
     def _body(self, map_type, zoom, x, y, size_px, extension):
         if self.read is not None:
             return self.read(map_type, zoom, x, y, extension)
+        if self.paint is patterns.positions:
+            return patterns.encoded_positions(map_type, x, y, size_px, extension)
         picture = self.paint(map_type, zoom, x, y, size_px)
         return None if picture is None else patterns.to_bytes(picture, extension)
 
     def _send(self, handler, body, tile):
         with self.lock:
             fault = next((fault for fault in self._faults if fault.falls_on(*tile)), None)
+            if fault is not None:
+                self.faults_sent[fault.kind] += 1
         if fault is None:
             handler.answer(200, body, patterns.content_type(body))
         else:
@@ -317,9 +326,16 @@ def main():
     parser.add_argument("--folder", help="tiles of another program, z/x/y.png")
     parser.add_argument("--tile-px", type=int, default=256, choices=(256, 512))
     parser.add_argument("--latency-ms", type=float, default=0.0)
-    parser.add_argument("--fault", choices=sorted(FAULTS))
-    parser.add_argument("--share", type=float, default=1.0, help="of the tiles that the fault falls on")
-    parser.add_argument("--times", type=int, help="how often on each of them; always by default")
+    parser.add_argument(
+        "--fault",
+        action="append",
+        default=[],
+        metavar="KIND[:SHARE[:TIMES]]",
+        help=f"share of the tiles it falls on, and how often on each of them: {', '.join(sorted(FAULTS))}",
+    )
+    parser.add_argument(
+        "--controlled", action="store_true", help="obey `heal`, `counts` and `end` on the input"
+    )
     parser.add_argument("--quiet", action="store_true")
     asked = parser.parse_args()
     server = TileServer(
@@ -330,15 +346,37 @@ def main():
         port=asked.port,
         verbose=not asked.quiet,
     )
-    if asked.fault:
-        server.fail(asked.fault, share=asked.share, times=asked.times)
+    for fault in asked.fault:
+        kind, share, times = (*fault.split(":"), "", "")[:3]
+        server.fail(kind, share=float(share or 1.0), times=int(times) if times else None)
     with server:
         print(server.url_template, flush=True)
         print(server.map_type_template, flush=True)
-        try:
-            threading.Event().wait()
-        except KeyboardInterrupt:
-            print(f"{sum(server.requests.values())} requests over {server.connections} connections")
+        with contextlib.suppress(KeyboardInterrupt):
+            if asked.controlled:
+                obey(server, sys.stdin)
+            else:
+                threading.Event().wait()
+        print(f"{sum(server.requests.values())} requests over {server.connections} connections")
+
+
+def obey(server, commands):
+    """Do as a program says that started the server; `counts` are answered with a line of JSON."""
+    for command in map(str.strip, commands):
+        if command == "end":
+            return
+        if command == "heal":
+            server.heal()
+        if command == "counts":
+            tiles = server.tile_requests
+            counts = {
+                "requests": sum(tiles.values()),
+                "unique": len(tiles),
+                "once": sum(times == 1 for times in tiles.values()),
+                "connections": server.connections,
+                "faults": dict(server.faults_sent),
+            }
+            print(json.dumps(counts), flush=True)
 
 
 if __name__ == "__main__":

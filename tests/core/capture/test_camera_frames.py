@@ -51,6 +51,8 @@ def test_gdal_reads_the_pose_and_control_points_that_the_50_digit_camera_confirm
     assert float(metadata["YAW_DEG"]) == 30.0
     assert float(metadata["GROUND_HEIGHT_M"]) == 80.0
     assert metadata["FRAME"] == "camera"
+    own_m = worked_out.mission.camera.ground_size_m(120.0)[0] / 160
+    assert float(metadata["EFFECTIVE_GSD_M_PER_PX"]) == pytest.approx(own_m, rel=1e-12)
     assert opened.GetGCPSpatialRef().GetAuthorityCode(None) == "4326"
     points = opened.GetGCPs()
     assert len(points) >= 20

@@ -3,6 +3,7 @@ from __future__ import annotations
 import json
 
 import pytest
+from terrainav.core.capture.folder import complete_pictures
 from terrainav.core.capture.journal import Journal, Outcome
 from terrainav.core.errors import OutputError
 
@@ -62,6 +63,37 @@ def test_rubbish_between_lines_is_passed_over(tmp_path, rubbish):
     assert path.read_bytes() == rubbish + b"\n" + DONE.to_line() + FAILED.to_line()
 
 
+def test_the_length_of_a_picture_is_noted_where_it_is_known(tmp_path):
+    path = tmp_path / "journal.jsonl"
+    sized = Outcome("satellite", "b", 1.0, size_bytes=12_345)
+    write(path, DONE, sized)
+    assert Journal(path).outcomes == {("satellite", DONE.name): DONE, ("satellite", "b"): sized}
+    old, new = path.read_bytes().splitlines()
+    # Lines of journals that know of no lengths are read as ever.
+    assert b"size_bytes" not in old
+    assert json.loads(new)["size_bytes"] == 12_345
+    assert Outcome.from_line(new.replace(b"12345", b'"x"')) is None
+
+
+@pytest.mark.parametrize(
+    ("size_bytes", "lengths", "whole"),
+    [
+        (0, {".jgw": 1, ".jpg": 2}, True),
+        (3, {".jgw": 1, ".jpg": 2}, True),
+        (3, {".jgw": 1, ".jpg": 1}, False),
+        (3, {".jgw": 1, ".jpg": 3}, False),
+        (3, {".jgw": 0, ".jpg": 3}, False),
+        (0, {".jgw": 0, ".jpg": 3}, False),
+        (3, {".jpg": 3}, False),
+    ],
+)
+def test_pictures_are_complete_where_their_files_are_as_long_as_noted(tmp_path, size_bytes, lengths, whole):
+    for ending, length in lengths.items():
+        (tmp_path / f"a{ending}").write_bytes(b"x" * length)
+    outcome = Outcome("satellite", "a", 1.0, size_bytes=size_bytes)
+    assert complete_pictures(tmp_path, (".jgw", ".jpg"), {"a": outcome}) == ({"a"} if whole else set())
+
+
 def test_every_line_is_there_at_once(tmp_path):
     path = tmp_path / "journal.jsonl"
     with Journal(path) as journal:
@@ -81,7 +113,13 @@ class FullDisk:
     def truncate(self, size):
         return self.file.truncate(size)
 
-    def close(self):
+    def fileno(self):
+        return self.file.fileno()
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
         self.file.close()
 
 

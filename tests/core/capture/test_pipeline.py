@@ -10,6 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from terrainav.core.capture import pipeline as pipeline_module
 from terrainav.core.capture.pipeline import Pipeline, sweep
+from terrainav.core.capture.spool import Spool
 from terrainav.core.errors import PartError, SourceError
 from terrainav.core.geodesy.frames import Windows
 from terrainav.core.imagery.source import Part, Window
@@ -26,7 +27,7 @@ def pixels(window: Window):
     return np.full((1, 1, 3), int(window.left_px) % 256, np.uint8)
 
 
-def run(pictures, *, fetch=pixels, work=None, go_on=lambda: True, connections=3, workers=2):
+def run(pictures, *, fetch=pixels, work=None, go_on=lambda: True, connections=3, workers=2, spool=None):
     """Run pictures, given as lists of numbers of parts; returns results by picture, the pipeline, whether complete."""
     users = Counter(part(number).window for numbers in pictures for number in set(numbers))
     results = {}
@@ -42,6 +43,7 @@ def run(pictures, *, fetch=pixels, work=None, go_on=lambda: True, connections=3,
         finished,
         connections=connections,
         workers=workers,
+        spool=spool,
     )
     jobs = ((job, [part(number) for number in numbers]) for job, numbers in enumerate(pictures))
     complete = pipeline.run(jobs, go_on)
@@ -288,3 +290,140 @@ def test_sweeps_of_nothing_and_of_one():
     windows = Windows(*(np.array([5, 9]) for _ in range(4)))
     assert sweep(windows, np.array([], np.int64)).tolist() == []
     assert sweep(windows, np.array([1])).tolist() == [1]
+
+
+def test_pictures_that_wait_for_the_workers_are_bounded_however_long_the_mission():
+    """Workers slower than the source: fetching pauses, and what is kept does not grow with the mission."""
+    kept = {}
+    for length in (400, 4000):
+        slow, most = threading.Semaphore(0), 0
+
+        def work(job, parts, contents, slow=slow):
+            assert slow.acquire(timeout=NEVER_S)
+            return job
+
+        pipeline = Pipeline(
+            Counter(part(number).window for number in range(length)),
+            pixels,
+            work,
+            lambda *_: None,
+            connections=4,
+            workers=2,
+        )
+
+        def go_on(pipeline=pipeline, slow=slow):
+            nonlocal most
+            most = max(most, len(pipeline._making) + len(pipeline._parts))
+            slow.release()
+            return True
+
+        assert pipeline.run(((number, [part(number)]) for number in range(length)), go_on)
+        kept[length] = most
+    # Ready pictures and requests ahead of need, each of which may hand one more picture on.
+    ahead = 2 * pipeline_module._READY_PER_WORKER + 2 * 4 * pipeline_module._FETCHES_PER_CONNECTION
+    assert max(kept.values()) <= ahead
+    assert min(kept.values()) >= 2 * pipeline_module._READY_PER_WORKER
+
+
+def across(columns, rows):
+    """Pictures in strips along the columns, each with a part of its own and one it shares with the next strip."""
+    return [
+        [strip * columns + column, (strip + 1) * columns + column]
+        for strip in range(rows)
+        for column in range(columns)
+    ]
+
+
+class Watched(Spool):
+    """A spool that counts what it holds, and where."""
+
+    def __init__(self, memory_bytes):
+        super().__init__(memory_bytes)
+        self.held = Counter()
+        self.most = Counter()
+
+    def put(self, pixels):
+        slot = super().put(pixels)
+        self._count(slot, 1)
+        return slot
+
+    def take(self, slot):
+        self._count(slot, -1)
+        return super().take(slot)
+
+    def _count(self, slot, by):
+        where = "file" if slot.held is None else "memory"
+        self.held[where] += by
+        self.most[where] = max(self.most[where], self.held[where])
+
+
+@pytest.mark.parametrize("columns", [300, 900])
+def test_what_is_kept_in_memory_does_not_grow_with_the_width_of_a_mission(columns):
+    tile = np.zeros((4, 4, 3), np.uint8)
+    spool, most = Watched(40 * tile.nbytes), 0
+    pictures = across(columns, 4)
+    fetched, made = Counter(), []
+
+    def fetch(window):
+        fetched[window] += 1
+        return np.full_like(tile, int(window.left_px) % 251)
+
+    def go_on():
+        nonlocal most
+        most = max(most, sum(isinstance(p.content, np.ndarray) for p in pipeline._parts.values()))
+        return True
+
+    pipeline = Pipeline(
+        Counter(part(n).window for numbers in pictures for n in numbers),
+        fetch,
+        lambda job, parts, contents: [int(contents[p.window].mean()) for p in parts],
+        lambda job, result: made.append((job, result)),
+        connections=4,
+        workers=2,
+        spool=spool,
+    )
+    jobs = ((job, [part(n) for n in numbers]) for job, numbers in enumerate(pictures))
+    assert pipeline.run(jobs, go_on)
+    assert sorted(made) == [(job, [n % 251 for n in numbers]) for job, numbers in enumerate(pictures)]
+    assert set(fetched.values()) == {1}
+    assert spool.most["memory"] == 40
+    # What a strip shares with the next, less what is in memory and what pictures on the way have.
+    assert columns - 40 - 100 < spool.most["file"] <= columns - 40
+    assert +spool.held == Counter()
+    # Parts of pictures that are on the way: ready ones, and those whose parts are being fetched ahead.
+    ahead = 2 * pipeline_module._READY_PER_WORKER + 4 * pipeline_module._FETCHES_PER_CONNECTION
+    assert most <= 2 * ahead
+
+
+@settings(max_examples=30, deadline=None)
+@given(
+    st.lists(st.lists(st.integers(0, 30), min_size=1, max_size=6), max_size=60),
+    st.integers(0, 40),
+    st.sets(st.integers(1, 30)),
+    st.sets(st.integers(1, 30)),
+)
+def test_results_do_not_depend_on_where_parts_are_put_aside(pictures, memory_bytes, no_puts, no_takes):
+    """With any memory, and a disk that fails now and then: more is fetched or kept, and every picture is made."""
+
+    class Failing(Spool):
+        puts = takes = 0
+
+        def put(self, pixels):
+            self.puts += 1
+            if self.puts in no_puts:
+                raise OSError("full")
+            return super().put(pixels)
+
+        def take(self, slot):
+            self.takes += 1
+            if self.takes in no_takes:
+                raise OSError("unreadable")
+            return super().take(slot)
+
+    spool = Failing(memory_bytes)
+    results, pipeline, complete = run(pictures, spool=spool)
+    assert complete
+    assert results == {job: sorted(set(numbers)) for job, numbers in enumerate(pictures)}
+    unreadable = len([n for n in no_takes if n <= spool.takes])
+    assert pipeline.requests == len({n for numbers in pictures for n in numbers}) + unreadable
+    assert pipeline._parts == {}

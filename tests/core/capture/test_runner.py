@@ -7,6 +7,9 @@ import subprocess
 import sys
 import tempfile
 import threading
+import time
+from contextlib import closing
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -14,9 +17,10 @@ import pytest
 from PIL import Image
 from terrainav.core.capture import pipeline, records
 from terrainav.core.capture.runner import Failure, capture
+from terrainav.core.capture.spool import Spool
 from terrainav.core.dataset.entropy import entropy
 from terrainav.core.dataset.table import Table
-from terrainav.core.errors import InvalidInput, OutputError, PartError, SourceError
+from terrainav.core.errors import Cancelled, InvalidInput, OutputError, PartError, SourceError
 from terrainav.core.geodesy.mercator import HALF_WORLD_M, PixelGrid
 from terrainav.core.imagery.source import tile_parts
 from terrainav.core.mission.area import Box, Points
@@ -302,7 +306,7 @@ def test_a_full_disk_stops_the_run(in_one_go, tmp_path, monkeypatch):
         count += 1
         if count > 10:
             raise OutputError("folder x: cannot write y (No space left on device)")
-        real(*arguments)
+        return real(*arguments)
 
     with monkeypatch.context() as patched:
         patched.setattr(records, "write_picture", write_picture)
@@ -337,22 +341,45 @@ def test_cancel_and_resume(in_one_go, tmp_path):
     assert contents(tmp_path) == contents(whole)
 
 
-def test_cancelling_ends_although_the_source_hangs(tmp_path):
-    hang = threading.Event()
+def test_cancelling_waits_for_no_request(tmp_path):
+    """The capture returns while requests hang; they end when its caller closes the source, and their threads go."""
+    asked, closed = threading.Event(), threading.Event()
+    cancelled_s = []
 
     class Hanging(PatternSource):
         def paint(self, map_type, part):
-            hang.wait(NEVER_S)
+            asked.set()
+            if closed.wait(NEVER_S):
+                raise Cancelled("closed")
             return super().paint(map_type, part)
 
-    asked = []
-    try:
-        result = capture(planned(), Hanging(), tmp_path, cancelled=lambda: asked.append(1) or len(asked) > 80)
-        assert result.cancelled
-        assert result.seconds < NEVER_S / 2
-        assert result.written == 0
-    finally:
-        hang.set()
+        def close(self):
+            closed.set()
+
+    def cancelled():
+        if asked.is_set() and not cancelled_s:
+            cancelled_s.append(time.monotonic())
+        return bool(cancelled_s)
+
+    with closing(Hanging()) as source:
+        result = capture(planned(), source, tmp_path, cancelled=cancelled)
+        ended_s = time.monotonic()
+    # It takes a fraction of a second, more on a busy machine; a wait for a request would take NEVER_S.
+    assert ended_s - cancelled_s[0] < 5.0
+    assert (result.cancelled, result.written) == (True, 0)
+    while any(thread.name.startswith("terrainav-") for thread in threading.enumerate()):
+        assert time.monotonic() - ended_s < NEVER_S / 2
+        time.sleep(0.01)
+
+
+def test_pictures_do_not_depend_on_where_tiles_wait(in_one_go, tmp_path, monkeypatch):
+    """Without any memory for tiles that later pictures need: all of them go through a file."""
+    _, whole, _, source = in_one_go
+    again = PatternSource()
+    monkeypatch.setattr(pipeline, "Spool", partial(Spool, 0))
+    capture(planned(), again, tmp_path)
+    assert contents(tmp_path) == contents(whole)
+    assert sorted(again.fetched) == sorted(source.fetched)
 
 
 def test_cancelled_before_it_begins(tmp_path):
@@ -526,7 +553,7 @@ def readable_folder():
     ("below", "message"),
     [
         ("new", "folder {}: cannot be made (Permission denied); choose another folder"),
-        ("", "folder {}: cannot write mission.json (Permission denied)"),
+        ("", "folder {}: cannot write journal.jsonl (Permission denied)"),
     ],
 )
 def test_an_unwritable_folder_as_another_user(readable_folder, below, message):

@@ -332,3 +332,17 @@ def test_gdal_reads_positions_out_of_the_pixels(gdal, tmp_path):
         resolution = GRID.resolution_m_per_px(ZOOM)
         stated = ((west + HALF_WORLD_M) / resolution, (HALF_WORLD_M - north) / resolution)
         assert np.round(stated, 6).tolist() == [left, top]
+
+
+@pytest.mark.parametrize("channels", [1, 3])
+def test_a_jpeg_has_the_same_bytes_on_systems_without_files_in_memory(monkeypatch, channels):
+    pixels = picture(301, 77, channels)
+    usual = writers.jpeg(pixels, DESCRIPTION)
+    monkeypatch.delattr(writers.os, "memfd_create", raising=False)
+    assert writers.jpeg(pixels, DESCRIPTION) == usual
+
+
+def test_the_date_and_the_effective_resolution_are_in_the_metadata():
+    said = dataclasses.replace(DESCRIPTION, imagery_date="2024-06-21", effective_gsd_m_per_px=0.3).metadata()
+    assert (said["IMAGERY_DATE"], said["EFFECTIVE_GSD_M_PER_PX"]) == ("2024-06-21", "0.3")
+    assert "IMAGERY_DATE" not in DESCRIPTION.metadata()

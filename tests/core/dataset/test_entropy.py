@@ -48,6 +48,13 @@ def test_a_view_is_read_as_it_looks():
     assert entropy(image[::2, ::-3]) == entropy(image[::2, ::-3].copy())
 
 
+def test_large_pictures_are_counted_whole():
+    """Larger than what is counted at a time, in colour and grey, with a rest."""
+    colour = np.random.default_rng(3).normal(120.0, 30.0, (1300, 1000, 3)).clip(0, 255).astype(np.uint8)
+    grey = np.asarray(Image.fromarray(colour).convert("L"))
+    assert entropy(colour) == entropy(grey) == pytest.approx(entropy_by_counting(grey), abs=ROUNDING)
+
+
 @pytest.mark.parametrize(
     "image",
     [

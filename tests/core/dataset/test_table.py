@@ -24,6 +24,7 @@ def make_table(**changes) -> Table:
         "left_px": np.array([123456789.0, 0.5, 3.0]),
         "source": ("Synthetic (offline)",) * count,
         "attribution": ("© who, what",) * count,
+        "imagery_date": ("2024-06-21",) * count,
         "status": ("done", "done", "failed"),
         "reason": ("", "", "no imagery (404)"),
     }
@@ -48,7 +49,7 @@ def test_columns_are_the_published_ones_and_then_ours():
         PUBLISHED
         + ",pose_lat_deg,pose_lon_deg,agl_m,yaw_deg,tilt_deg,roll_deg,left_px,top_px,width_px,height_px,"
         "image_width_px,image_height_px,sky_share,unmapped_share,nominal_lat_deg,nominal_lon_deg,nominal_agl_m,"
-        "nominal_yaw_deg,nominal_tilt_deg,nominal_roll_deg,source,attribution,status,reason"
+        "nominal_yaw_deg,nominal_tilt_deg,nominal_roll_deg,source,attribution,imagery_date,status,reason"
     )
     first = dict(zip(rows[0], rows[1]))
     assert (first["columns"], first["Alt"], first["Lat"]) == ("0", "18", "0.1")
@@ -122,3 +123,13 @@ def test_missing_and_unreadable_files_are_named(tmp_path):
 def test_columns_of_different_lengths_are_refused():
     with pytest.raises(InvalidInput, match="column lat_deg has 2 rows"):
         make_table(lat_deg=np.zeros(2))
+
+
+def test_the_text_is_the_same_however_many_rows_are_made_at_a_time(tmp_path, monkeypatch):
+    table = make_table()
+    whole = table.to_csv()
+    monkeypatch.setattr("terrainav.core.dataset.table._ROWS_A_BLOCK", 2)
+    assert table.to_csv() == whole
+    table.save(tmp_path / "meta_data.csv")
+    assert (tmp_path / "meta_data.csv").read_text(encoding="utf-8") == whole
+    assert_same(Table.load(tmp_path / "meta_data.csv"), table)

@@ -1,27 +1,19 @@
+"""The catalogue: every entry states what it must, and terms are kept."""
+
 from __future__ import annotations
 
 import json
 
 import pytest
 from terrainav.core.errors import InvalidInput, SourceError
-from terrainav.core.imagery.catalogue import (
-    CatalogueEntry,
-    Dates,
-    check_policy,
-    entry_named,
-    open_source,
-    sources,
-)
+from terrainav.core.imagery.catalogue.entry import CatalogueEntry, shipped
+from terrainav.core.imagery.catalogue.listing import alternatives, check_policy, entry_named, sources
+from terrainav.core.imagery.opening import open_source
 from terrainav.core.imagery.policy import Policy
-from terrainav.core.imagery.source import Window
-from terrainav.core.imagery.staticmap import StaticMapSource
 from terrainav.core.imagery.template import Template
 from terrainav.core.resources import read_json
 
-from tests.support.patterns import positions
-from tests.support.tileserver import TileServer
-
-ENTRIES = sources()
+ENTRIES = shipped()
 NAMES = [entry.name for entry in ENTRIES]
 MAP_TYPES = {"satellite", "roadmap", "terrain"}
 REQUIRED = {
@@ -29,6 +21,7 @@ REQUIRED = {
     "google-static",
     "osm",
     "esri-world-imagery",
+    "esri-wayback",
     "nasa-gibs",
     "s2cloudless",
     "usgs",
@@ -37,14 +30,49 @@ REQUIRED = {
     "swisstopo",
     "pdok",
     "ign",
+    "ign-dated",
+    "pdok-dated",
     "basemap-at",
+}
+# What every entry of resources/sources.json states in its own words, and what may be left to a default.
+STATED = {
+    "title": str,
+    "kind": str,
+    "area": str,
+    "attribution": str,
+    "licence": str,
+    "bulk_allowed": str,
+    "cache_allowed": bool,
+    "min_zoom": int,
+    "max_zoom": int,
+    "native_zoom": int,
+}
+STATED_ONLINE = {
+    "terms": str,
+    "terms_url": str,
+    "hosts": list,
+    "max_connections": int,
+    "requests_per_s": int,
+}
+OPTIONAL = {
+    "map_types": list,
+    "urls": dict,
+    "tile_px": list,
+    "key_env": str,
+    "secret_env": str,
+    "max_tiles": int,
+    "dates": dict,
+    "placeholder": dict,
+    "bounds_deg": list,
 }
 
 
 @pytest.fixture(autouse=True)
-def _no_keys(monkeypatch):
+def _nobody(monkeypatch, tmp_path):
+    """No keys and no sources of the user who runs the tests."""
     for name in ("TERRAINAV_KEY", "TERRAINAV_GOOGLE_KEY", "TERRAINAV_GOOGLE_SECRET", "TERRAINAV_MAPBOX_KEY"):
         monkeypatch.delenv(name, raising=False)
+    monkeypatch.setenv("TERRAINAV_CONFIG_DIR", str(tmp_path))
 
 
 def test_the_catalogue_is_whole_and_the_world_comes_first():
@@ -55,20 +83,27 @@ def test_the_catalogue_is_whole_and_the_world_comes_first():
 @pytest.mark.parametrize("entry", ENTRIES, ids=NAMES)
 def test_every_entry_states_its_policy(entry):
     stated = read_json("sources.json")[entry.name]
-    assert {
-        "attribution",
-        "licence",
-        "bulk_allowed",
-        "cache_allowed",
-        "min_zoom",
-        "max_zoom",
-        "native_zoom",
-    } <= set(stated)
+    needed = dict(STATED) if entry.kind == "world" else {**STATED, **STATED_ONLINE}
+    assert set(needed) <= set(stated)
+    for field, value in stated.items():
+        assert isinstance(value, {**needed, **OPTIONAL}[field]), field
+        assert value not in ("", [], {}), field
+    assert entry.bulk_allowed in ("yes", "ask", "no")
+    assert (entry.policy.max_tiles is None) == (entry.bulk_allowed == "yes")
+    assert 0 <= entry.min_zoom <= entry.native_zoom <= entry.max_zoom
     assert set(entry.map_types) <= MAP_TYPES
     assert entry.map_types
+    json.dumps(entry.to_dict())
+    assert entry.to_dict()["bulk_allowed"] == entry.bulk_allowed
+    assert entry.to_dict()["licence"] == entry.licence
     if entry.kind != "world":
-        assert {"terms", "terms_url", "max_connections", "requests_per_s", "hosts"} <= set(stated)
-        assert entry.area
+        assert entry.policy.requests_per_s > 0
+        assert entry.policy.max_connections > 0
+        assert entry.policy.terms_url.startswith("https://")
+
+
+@pytest.mark.parametrize("entry", ENTRIES, ids=NAMES)
+def test_every_template_is_of_the_provider_whose_policy_it_is_under(entry):
     for size in entry.tile_px:
         entry.grid(size)
     for url in entry.urls.values():
@@ -76,9 +111,26 @@ def test_every_entry_states_its_policy(entry):
         assert url.startswith("https://")
         assert entry.serves(template.host)
         assert ("r" in template.names) == (len(entry.tile_px) > 1)
-    json.dumps(entry.to_dict())
-    assert entry.to_dict()["bulk_allowed"] == entry.bulk_allowed
-    assert entry.to_dict()["licence"] == entry.licence
+    assert ("{date}" in "".join(entry.urls.values())) == (entry.dates is not None)
+
+
+@pytest.mark.parametrize(
+    "entry", [entry for entry in ENTRIES if entry.dates], ids=[entry.name for entry in ENTRIES if entry.dates]
+)
+def test_every_date_makes_an_address(entry):
+    dates = [*entry.dates.values, entry.dates.default, entry.dates.first]
+    for date in dates:
+        for template in entry.templates(entry.date(date)).values():
+            url = template.url(12, 2000, 1500, key="k")
+            assert "{" not in url
+            assert entry.dates.written(date).rpartition("=")[2] in url
+
+
+def test_two_dates_are_two_addresses():
+    for entry in ENTRIES:
+        if entry.dates and entry.dates.values:
+            urls = {entry.templates(date)["satellite"].text for date in entry.dates.values}
+            assert len(urls) == len(entry.dates.values)
 
 
 @pytest.mark.parametrize("entry", [entry for entry in ENTRIES if entry.kind != "world"], ids=NAMES[1:])
@@ -96,99 +148,16 @@ def test_undocumented_endpoints_are_not_shipped():
     assert "virtualearth" not in hosts
 
 
-def test_the_world_opens_with_its_seed():
-    source = open_source("world", seed=7)
-    assert source.title == "Synthetic (offline)"
-    assert source.fetch("satellite", Window(3, 256, 512, 256, 256)).shape == (256, 256, 3)
-
-
 def test_names_in_any_case():
     assert entry_named("OSM").name == "osm"
 
 
-@pytest.mark.parametrize(
-    ("name", "message"),
-    [
-        ("wrld", r"source 'wrld' is unknown: did you mean world\?"),
-        ("google", "did you mean google-static"),
-        ("zzz", "source 'zzz' is unknown: `terrainav sources` lists the names"),
-        ("ortho.tif", "source ortho.tif: raster files are not supported by this version"),
-        ("http://h/{z}/{x}", r"without \{y\}"),
-    ],
-)
-def test_unknown_sources(name, message):
-    with pytest.raises(InvalidInput, match=message) as raised:
-        open_source(name)
-    assert "\n" not in str(raised.value)
-
-
-def test_a_file_that_is_there_is_known_for_one(tmp_path):
-    (tmp_path / "orthophoto").write_bytes(b"x")
-    with pytest.raises(InvalidInput, match="raster files are not supported"):
-        open_source(str(tmp_path / "orthophoto"))
-
-
-@pytest.mark.parametrize(
-    ("name", "variable"),
-    [("google-static", "TERRAINAV_GOOGLE_KEY"), ("mapbox-satellite", "TERRAINAV_MAPBOX_KEY")],
-)
-def test_a_missing_key_names_its_variable(name, variable, monkeypatch):
-    with pytest.raises(SourceError, match=f"needs an API key: set the environment variable {variable}"):
-        open_source(name)
-    open_source(name, plan_only=True).close()
-    monkeypatch.setenv(variable, "from-the-environment")
-    source = open_source(name)
-    assert "from-the-environment" not in repr(source)
-    source.close()
-
-
-def test_google_takes_key_secret_scale_and_address(monkeypatch):
-    secret = "c2VjcmV0LXNlY3JldA=="
-    with TileServer(key="k-123", secret=secret) as server:
-        monkeypatch.setenv("TERRAINAV_GOOGLE_URL", server.static_map_url)
-        monkeypatch.setenv("TERRAINAV_GOOGLE_SECRET", secret)
-        source = open_source("google-static", key="k-123", tile_px=512)
-        assert isinstance(source, StaticMapSource)
-        assert source.fetch("satellite", Window(0, 0.0, 0.0, 512, 512)).shape == (512, 512, 3)
-        source.close()
-
-
-def test_the_key_of_a_template_is_the_environment_s(monkeypatch):
-    monkeypatch.setenv("TERRAINAV_KEY", "k 1")
-    with TileServer() as server:
-        source = open_source(server.url_template + "?t={key}", tile_px=256, max_zoom=18)
-        assert source.grid.max_zoom == 18
-        tile = source.fetch("", Window(5, 256, 512, 256, 256))
-        assert (tile == positions("satellite", 5, 1, 2, 256)).all()
-        assert list(server.requests) == ["/5/1/2.png?t=k%201"]
-        assert source.name == server.url_template + "?t={key}"
-        source.close()
-
-
-def test_dates():
-    source = open_source("nasa-gibs", date="2023-02-28")
-    assert source.date == "2023-02-28"
-    source.close()
-    cloudless = open_source("s2cloudless", date="2020")
-    assert "Sentinel data 2020" in cloudless.attribution
-    cloudless.close()
-    for name, date in [
-        ("nasa-gibs", "2023-02-30"),
-        ("nasa-gibs", "2023"),
-        ("nasa-gibs", "1999-01-01"),
-        ("s2cloudless", "2017"),
-    ]:
-        with pytest.raises(InvalidInput, match=f"date '{date}': must be YYYY"):
-            open_source(name, date=date)
-    with pytest.raises(InvalidInput, match="OpenStreetMap has no dates to choose from"):
-        open_source("osm", date="2020")
-    with pytest.raises(InvalidInput):
-        Dates("day", first="2020-01-01", default="2019-01-01")
-
-
-def test_sizes_of_tiles_an_entry_does_not_have():
-    with pytest.raises(InvalidInput, match="tiles of 512 px: OpenStreetMap has 256"):
-        open_source("osm", tile_px=512)
+def test_a_broken_file_of_the_user_is_in_the_way_of_unknown_names_only(tmp_path):
+    (tmp_path / "sources.json").write_text("{")
+    assert entry_named("osm").name == "osm"
+    for ask in (sources, lambda: entry_named("mine")):
+        with pytest.raises(InvalidInput, match=r"sources\.json: cannot be read as JSON"):
+            ask()
 
 
 # --- terms
@@ -203,8 +172,26 @@ def test_no_means_no():
     assert "\n" not in text
     assert source.policy.terms in text
     assert source.policy.terms_url in text
-    assert "usgs" in text
-    assert "world" in text
+    assert "sources that allow it: " in text
+    assert text.endswith("world")
+    source.close()
+
+
+def test_other_sources_are_named_that_show_the_same_of_the_same_place():
+    vienna = (16.3, 48.1, 16.5, 48.3)
+    assert alternatives(("satellite",), vienna) == (
+        "basemap-at (with --accept-terms)",
+        "s2cloudless (with --accept-terms)",
+        "nasa-gibs",
+        "world",
+    )
+    memphis = (-90.0, 35.0, -89.8, 35.2)
+    assert "usgs" in alternatives(("satellite",), memphis)
+    assert "usgs" not in alternatives(("roadmap",), memphis)
+    assert not {"osm", "esri-world-imagery", "mapbox-satellite"} & set(alternatives((), None))
+    source = open_source("esri-world-imagery")
+    with pytest.raises(SourceError, match=r"sources that allow it: basemap-at \(with --accept-terms\)"):
+        check_policy(source, 101, map_types=("satellite",), bounds_deg=vienna)
     source.close()
 
 
@@ -275,6 +262,12 @@ def test_policies_that_say_nothing_sensible(options):
         {"urls": {"roadmap": "https://h/{date}/{z}/{x}/{y}"}},
         {"urls": {"roadmap": "https://h/{z}/{x}/{y}?k={key}"}},
         {"placeholder": {"colour": 1}},
+        {"bounds_deg": [10, 0, 0, 5]},
+        {"bounds_deg": "world"},
+        {"dates": {"kind": "day", "first": "2020-01-01", "default": "2021-01-01"}},
+        {"title": ""},
+        {"tile_px": [300]},
+        {"levels": [1]},
     ],
     ids=str,
 )

@@ -187,3 +187,11 @@ def test_placeholders():
     placeholder.refuse_flat(white - 1)
     white[3, 3, 0] = 254
     placeholder.refuse_flat(white)
+
+
+def test_jpeg_with_fill_bytes_before_its_end():
+    """Any number of 0xFF may stand before a marker (ITU-T T.81, B.1.1.2)."""
+    body = to_bytes(PICTURE, "jpg")
+    assert np.array_equal(
+        decode(body[:-2] + b"\xff\xff\xff\xd9", *PICTURE.shape[1::-1]), decode(body, *PICTURE.shape[1::-1])
+    )

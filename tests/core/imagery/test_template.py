@@ -1,10 +1,13 @@
 from __future__ import annotations
 
+import math
+
+import pyproj
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from terrainav.core.errors import InvalidInput
-from terrainav.core.imagery.template import Template, quadkey
+from terrainav.core.imagery.template import Template, bbox, check_address, quadkey
 
 
 def test_each_placeholder_gets_its_value():
@@ -94,3 +97,41 @@ def test_credentials_in_a_template_are_refused_without_being_told():
 
 def test_parameters_that_are_no_keys_are_let_be():
     Template("https://h.org/wmts?LAYER=ortho&STYLE=normal&TILEMATRIX={z}&TILEROW={y}&TILECOL={x}&tokenized=1")
+
+
+# --- WMS, and levels with names of their own
+
+MERCATOR = pyproj.Transformer.from_crs(4326, 3857, always_xy=True)
+
+
+@given(st.integers(0, 20).flatmap(lambda z: st.tuples(st.just(z), *[st.integers(0, (1 << z) - 1)] * 2)))
+def test_edges_of_a_tile_are_those_of_its_corners(tile):
+    z, x, y = tile
+
+    def corner(column, row):
+        # The textbook's formula for a tile's corner, then PROJ: nothing of ours.
+        lat_deg = math.degrees(math.atan(math.sinh(math.pi * (1 - 2 * row / 2**z))))
+        return MERCATOR.transform(column / 2**z * 360 - 180, lat_deg)
+
+    west, south, east, north = (float(edge) for edge in bbox(z, x, y).split(","))
+    assert (west, north) == pytest.approx(corner(x, y), abs=1e-6)
+    assert (east, south) == pytest.approx(corner(x + 1, y + 1), abs=1e-6)
+
+
+def test_a_wms_may_be_written_as_a_template():
+    text = "https://h.example/wms?LAYERS=a&BBOX={bbox-epsg-3857}&WIDTH=256&HEIGHT=256"
+    assert Template(text).url(1, 1, 0) == text.replace("{bbox-epsg-3857}", bbox(1, 1, 0))
+
+
+def test_levels_with_names_of_their_own():
+    template = Template("https://h.example/{z}/{x}/{y}", levels=((3, "L 03"), (4, "EPSG:3857:4")))
+    assert template.url(3, 1, 2) == "https://h.example/L%2003/1/2"
+    assert template.url(4, 1, 2) == "https://h.example/EPSG:3857:4/1/2"
+    assert template.url(5, 1, 2) == "https://h.example/5/1/2"
+
+
+def test_addresses_are_held_to_the_same_as_templates():
+    check_address("https://h.example/wmts?key={key}", "address")
+    for wrong in ("ftp://h.example", "https://me@h.example", "https://h.example?token=abc"):
+        with pytest.raises(InvalidInput, match=r"^address "):
+            check_address(wrong, "address")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import subprocess
 import sys
@@ -52,3 +53,40 @@ def test_by_hand(options):
             running.terminate()
     assert answer.status_code == 200
     assert answer.headers["Content-Type"] == "image/png"
+
+
+def test_faults_by_hand_at_a_rate_once_and_until_healed():
+    command = [sys.executable, "-m", "tests.support.tileserver", "--port=0", "--quiet", "--controlled"]
+    with subprocess.Popen(
+        [*command, "--fault=503:0.5:1", "--fault=404"],
+        cwd=ROOT,
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        text=True,
+    ) as running:
+        template = running.stdout.readline().strip()
+        running.stdout.readline()
+
+        def tell(command):
+            running.stdin.write(command + "\n")
+            running.stdin.flush()
+
+        def statuses():
+            urls = [template.format(z=6, x=x, y=2) for x in range(40)]
+            return [requests.get(url, timeout=60).status_code for url in urls]
+
+        first, second = statuses(), statuses()
+        assert set(first) == {503, 404}
+        assert set(second) == {404}
+        tell("counts")
+        counts = json.loads(running.stdout.readline())
+        tell("heal")
+        tell("counts")
+        running.stdout.readline()
+        assert set(statuses()) == {200}
+        tell("end")
+        assert running.stdout.read().startswith("120 requests over ")
+    once = first.count(503)
+    assert counts["faults"] == {"503": once, "404": 80 - once}
+    assert (counts["requests"], counts["unique"], counts["once"]) == (80, 40, 0)
+    assert running.returncode == 0

@@ -158,3 +158,15 @@ def test_others_logs_are_left_alone(caplog):
         transport.close()
     assert "theirs" in caplog.text
     assert "ours" not in caplog.text
+
+
+def test_a_request_that_outlives_its_transport_logs_nothing_either(caplog):
+    caplog.set_level("DEBUG")
+    logger = logging.getLogger("urllib3.connectionpool")
+    filters = len(logger.filters)
+    transport = RequestsTransport()
+    with transport._watch.over(None, time.monotonic() + 60.0):
+        transport.close()
+        logger.debug("GET /5/1/2.png?token=ours")
+    assert "ours" not in caplog.text
+    assert len(logger.filters) == filters

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 
 import pytest
 from terrainav.core.geodesy.mercator import PixelGrid
@@ -56,3 +57,65 @@ def test_more_connections_take_less_time_until_encoding_is_the_limit():
     times = [estimate(worked_out, ONLINE, connections).seconds for connections in (1, 2, 4, 64, 4096)]
     assert times[0] == pytest.approx(2 * times[1])
     assert times[-1] == times[-2]
+
+
+# --- native resolution
+
+#: Pixels of zoom 16 at the height of Memphis are 1.95 m; the grid enlarges them up to zoom 22.
+COARSE = PixelGrid(native_zoom=16)
+#: From here a camera frame of 640 px has pixels of 1.95 m.
+HIGH_M = 950.0
+
+
+def warnings(grid=COARSE, agl_m=HIGH_M, **options):
+    return estimate(plan(Mission(Points(((35.16, -89.90, agl_m),)), agl_m, **options), grid)).warnings
+
+
+def test_pictures_of_the_source_s_own_pixels_are_not_warned_of():
+    assert warnings() == ()
+    assert warnings(zoom=16) == ()
+    assert warnings(zoom=14) == ()
+    assert warnings(PixelGrid(), zoom=22, agl_m=50.0) == ()
+    assert warnings(img_size=(64, 48, 3)) == ()
+    # A camera frame as large as the ground has pixels.
+    assert warnings(frame="camera", zoom=16) == ()
+
+
+def test_enlarged_pixels_are_named_with_both_distances_and_the_way_out():
+    (text,) = warnings(zoom=18, upsample=True)
+    # 1.953 m is 2 pi a cos(lat) / (256 * 2**16) on the ellipsoid.
+    assert "pixels of 48.8" in text
+    assert "the source's own are 1.95" in text
+    assert "(zoom 16): enlarged 4 times" in text
+    assert text.endswith("ask for --zoom 16 or a finer source")
+    assert "\n" not in text
+
+
+def test_resizing_counts():
+    worked_out = plan(Mission(Points(((35.16, -89.90, HIGH_M),)), HIGH_M, zoom=16), COARSE)
+    width, height = int(worked_out.width_px[0]), int(worked_out.height_px[0])
+    (text,) = warnings(zoom=16, img_size=(3 * width, 3 * height, 3))
+    assert "enlarged 3 times" in text
+    assert f"--img-size {width} {height} 3 or less" in text
+    assert warnings(zoom=18, upsample=True, img_size=(width, height, 3)) == ()
+
+
+def test_camera_frames_count_by_the_ground_below():
+    (text,) = warnings(frame="camera", zoom=18, upsample=True)
+    assert "enlarged 4 times" in text
+    assert warnings(PixelGrid(), frame="camera", zoom=18) == ()
+
+
+def test_warnings_are_among_the_figures_for_people_and_scripts():
+    summary = estimate(
+        plan(Mission(Points(((35.16, -89.90, HIGH_M),)), HIGH_M, zoom=18, upsample=True), COARSE)
+    )
+    assert text(summary)["warning"] == summary.warnings[0]
+    assert summary.to_dict()["warnings"] == summary.warnings
+
+
+def test_a_limit_of_the_source_on_requests_is_time():
+    worked_out = plan(Mission(AGRICENTER, 120.0), PixelGrid())
+    slow = estimate(worked_out, replace(ONLINE, requests_per_s=2.0))
+    assert slow.seconds == pytest.approx(worked_out.requests / 2.0)
+    assert slow.seconds > estimate(worked_out, replace(ONLINE, requests_per_s=1e6)).seconds

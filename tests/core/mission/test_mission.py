@@ -51,6 +51,7 @@ missions = st.builds(
     mesh=st.sampled_from(["auto", "mesh-0.1px", "rays"]),
     resampling=st.sampled_from(["nearest", "bilinear", "bicubic", "lanczos"]),
     wind=st.one_of(st.none(), st.builds(Wind, st.floats(0, 10), st.floats(0, 359), st.floats(0, 0.5))),
+    date=st.sampled_from(["", "2024-06-21", "1950-1965", "2024-06-21T12:00:00Z"]),
 )
 
 
@@ -199,3 +200,9 @@ def test_kinds():
     assert Mission(BOX, 1.0).kind == "raster"
     assert Mission(Points(((1, 2, 3),)), 3.0).kind == "single"
     assert Mission(Points(((1, 2, 3), (1, 2, 4))), 3.0).kind == "list"
+
+
+@pytest.mark.parametrize("date", [" 2020", "2020\n", "20\x0020"])
+def test_a_date_is_one_line_of_text(date):
+    with pytest.raises(InvalidInput, match=r"date .*: must be text without spaces around it"):
+        Mission(BOX, 120.0, date=date)

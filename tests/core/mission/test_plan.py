@@ -262,7 +262,23 @@ def test_native_resolution_is_kept_unless_told_otherwise():
     mission = Mission(Points(((35.14, -89.86, 120.0),)), 120.0)
     assert plan(mission, coarse).zoom == 16
     assert plan(mission.with_(upsample=True), coarse).zoom == 18
-    assert plan(mission.with_(zoom=20, max_px=5000), coarse).zoom == 20
+    with pytest.raises(InvalidInput, match="zoom 20: the source's own pixels end at zoom 16"):
+        plan(mission.with_(zoom=20, max_px=5000), coarse)
+    assert plan(mission.with_(zoom=20, max_px=5000, upsample=True), coarse).zoom == 20
+
+
+def test_camera_frames_have_no_more_pixels_than_the_ground_right_below():
+    coarse = PixelGrid(max_zoom=20, native_zoom=16)
+    mission = Mission(Points(((35.14, -89.86, 600.0),)), 600.0, frame="camera", tilt_deg=20.0)
+    own = plan(mission, coarse)
+    source_m = float(coarse.ground_m_per_px(own.lat_deg, 16)[0])
+    width_m = mission.camera.ground_size_m(600.0)[0]
+    assert own.size_px[0] == round(width_m / source_m)
+    assert max(plan(mission.with_(upsample=True), coarse).size_px) == 640
+    assert max(plan(mission.with_(upsample=True), PixelGrid()).size_px) == 640
+    with pytest.raises(InvalidInput, match="the source's own pixels are"):
+        plan(mission.with_(gsd_m_per_px=0.5), coarse)
+    assert plan(mission.with_(gsd_m_per_px=0.5, upsample=True), coarse).size_px[0] > own.size_px[0]
 
 
 def test_larger_tiles_multiply_the_pixels_not_the_zoom():
@@ -312,7 +328,9 @@ def test_names_are_the_published_ones():
         (Mission(AGRICENTER, 120.0, error_budget_px=1e-12), "times as much"),
         (Mission(AGRICENTER, 120.0, tilt_deg=5.0, footprint="loc2"), "tilt or roll of 5 deg"),
         (
-            Mission(Points(((35.0, -89.0, 0.01),)), 0.01, camera=Camera(0.01, 1.0), frame="camera"),
+            Mission(
+                Points(((35.0, -89.0, 0.01),)), 0.01, camera=Camera(0.01, 1.0), frame="camera", upsample=True
+            ),
             "resolve 4e-08 m",
         ),
         (Mission(AGRICENTER, 120.0, zoom=23), "zoom 23: the source has 0 to 22"),

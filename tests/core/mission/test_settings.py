@@ -7,7 +7,7 @@ import json
 import pytest
 from terrainav.core.errors import InvalidInput
 from terrainav.core.mission.area import Box, Points
-from terrainav.core.mission.settings import OPTIONS, mission_from, resolve
+from terrainav.core.mission.settings import OPTIONS, RUN_OPTIONS, mission_from, resolve
 from terrainav.core.mission.wind import Wind
 
 
@@ -157,6 +157,21 @@ def test_attitude_budget_and_wind():
     assert make(coords="35.1_-89.8_120").wind is None
     with pytest.raises(InvalidInput, match="takes 3 values"):
         make(coords="35.1_-89.8_120", wind=["8"])
+
+
+def test_the_date_is_the_mission_s_and_the_cache_the_run_s():
+    values = resolve(
+        {"coords": "35.1_-89.8_120", "date": "2021"},
+        {"TERRAINAV_CACHE_DIR": "/fast/disk", "TERRAINAV_NO_CACHE": "yes"},
+        None,
+    )
+    assert (values["cache_dir"], values["no_cache"], values["cache_limit"]) == ("/fast/disk", True, None)
+    mission = mission_from(values)
+    assert mission.date == "2021"
+    assert mission == make(coords="35.1_-89.8_120", date="2021")
+    assert mission != make(coords="35.1_-89.8_120", date="2022")
+    assert make(coords="35.1_-89.8_120").date == ""
+    assert set(RUN_OPTIONS) <= {option.name for option in OPTIONS}
 
 
 def test_every_option_explains_itself():

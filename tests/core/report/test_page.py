@@ -16,6 +16,7 @@ from PIL import Image
 from terrainav.core.errors import OutputError, PartError
 from terrainav.core.files import PARTIAL_ENDING
 from terrainav.core.geodesy.mercator import PixelGrid
+from terrainav.core.imagery.policy import Policy
 from terrainav.core.imagery.source import tile_parts
 from terrainav.core.imagery.world import WorldSource
 from terrainav.core.mission.area import Box, Points
@@ -257,6 +258,7 @@ class ByCentre:
 
     name, title, attribution, map_types = "grey", "Grey <b>& co</b>", "nobody", ("satellite",)
     grid = PixelGrid(max_zoom=21, native_zoom=21, centre_decimals=6, max_size_px=640)
+    policy, date = Policy(), ""
 
     def parts(self, window):
         whole = window._replace(left_px=round(window.left_px), top_px=round(window.top_px))

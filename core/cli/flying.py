@@ -1,0 +1,258 @@
+"""Missions on the command line: their figures, their capture, their report."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import signal
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import asdict, replace
+from typing import TYPE_CHECKING, Any
+
+from ..errors import InvalidInput
+from ..mission.estimate import OFFLINE, ONLINE, estimate
+from ..mission.export import check_plan_ending, write_plan
+from ..mission.mission import Mission
+from ..mission.plan import Plan, plan
+from ..mission.settings import OPTIONS, RUN_OPTIONS, mission_from, resolve
+from .caching import opened_cache
+from .exits import DONE, INCOMPLETE, STOPPED
+
+if TYPE_CHECKING:
+    from ..capture.runner import CaptureResult, Progress
+    from ..imagery.source import Source
+
+#: Failed pictures named on the terminal; all are in the journal and the tables.
+_NAMED_FAILURES = 10
+_BAR_WIDTH = 30
+#: Requests that a report may make for the few pictures it measures on.
+_REPORT_REQUESTS = 200
+
+
+def _settings(arguments: argparse.Namespace) -> tuple[Mission, dict[str, Any]]:
+    """Return the mission asked for, and the options of its run."""
+    given = {option.name: getattr(arguments, option.name) for option in OPTIONS}
+    if arguments.mission_file is None:
+        values = resolve(given, config=arguments.config)
+        return mission_from(values), values
+    for name, value in given.items():
+        if value is not None and name not in RUN_OPTIONS:
+            raise InvalidInput(
+                f"mission file {arguments.mission_file!r} and --{name.replace('_', '-')}: give one of the two"
+            )
+    return Mission.load(arguments.mission_file), resolve(given, config=arguments.config)
+
+
+@contextmanager
+def _opened(mission: Mission, values: dict[str, Any], *, plan_only: bool) -> Iterator[Source]:
+    from ..imagery.opening import open_source
+
+    source = open_source(
+        mission.source,
+        seed=mission.seed,
+        date=mission.date or None,
+        connections=values["connections"],
+        cache=None if plan_only else opened_cache(values),
+        plan_only=plan_only,
+    )
+    try:
+        yield source
+    finally:
+        source.close()
+
+
+def _bounds_deg(worked_out: Plan) -> tuple[float, float, float, float]:
+    """West, south, east, north of a plan's captures."""
+    lat, lon = worked_out.lat_deg, worked_out.lon_deg
+    return float(lon.min()), float(lat.min()), float(lon.max()), float(lat.max())
+
+
+def _check_terms(worked_out: Plan, source: Source, requests: int, accept_terms: bool) -> None:
+    from ..imagery.catalogue.listing import check_policy
+
+    check_policy(
+        source,
+        requests,
+        accept_terms=accept_terms,
+        map_types=worked_out.mission.map_types,
+        bounds_deg=_bounds_deg(worked_out),
+    )
+
+
+def _print_summary(worked_out: Plan, source: Source, values: dict[str, Any], as_json: bool) -> None:
+    from ..capture.cost import timed_cost
+
+    policy = source.policy
+    costs = replace(OFFLINE if source.name == "world" else ONLINE, requests_per_s=policy.requests_per_s)
+    connections = policy.connections(values["connections"])
+    summary = estimate(worked_out, costs, connections, os.cpu_count() or 1)
+    cost = timed_cost(worked_out)
+    if as_json:
+        about = {"source": source.title, "date": source.date, "policy": asdict(policy)}
+        print(json.dumps({**about, **summary.to_dict(), "cost": cost._asdict()}, indent=1))
+        return
+    lines = [("source", source.title + (f", {source.date}" if source.date else ""))]
+    if source.name != "world":
+        needed = worked_out.requests * len(worked_out.mission.map_types)
+        more = f"; this mission takes {needed:,}" if policy.stops(needed) else ""
+        lines.append(("terms", f"{policy.licence or 'licence not stated'}; {policy.text()}{more}"))
+    for label, text in [*lines, *summary.lines(), ("cost", cost.text(len(worked_out)))]:
+        print(f"{label:24s}{text}")
+
+
+def run_plan(arguments: argparse.Namespace) -> int:
+    """Work a mission out, print its figures, write its files."""
+    for path in arguments.output:
+        if not path.endswith(".json"):
+            check_plan_ending(path)
+    mission, values = _settings(arguments)
+    with _opened(mission, values, plan_only=True) as source:
+        worked_out = plan(mission, source.grid)
+        for path in arguments.output:
+            if path.endswith(".json"):
+                mission.save(path)
+            else:
+                write_plan(worked_out, path)
+        _print_summary(worked_out, source, values, arguments.json)
+    return DONE
+
+
+class _Bar:
+    """Progress on one line of the error output, where that is a terminal; a line a map type elsewhere."""
+
+    def __init__(self, quiet: bool) -> None:
+        self._live = not quiet and sys.stderr.isatty()
+        self._start = time.monotonic()
+
+    def __call__(self, progress: Progress) -> None:
+        if not self._live:
+            return
+        finished = progress.done + progress.failed + progress.skipped
+        share = finished / progress.total if progress.total else 1.0
+        rate = progress.done / max(time.monotonic() - self._start, 1e-3)
+        full = int(share * _BAR_WIDTH)
+        failed = f", {progress.failed} failed" if progress.failed else ""
+        line = f"{progress.map_type:10s}[{'#' * full:{_BAR_WIDTH}s}] {finished}/{progress.total}{failed}, {rate:.0f}/s"
+        print(f"\r{line:78s}", end="", file=sys.stderr, flush=True)
+
+    def close(self) -> None:
+        """End the line."""
+        if self._live:
+            print(file=sys.stderr)
+
+
+@contextmanager
+def _interruptible() -> Iterator[list[int]]:
+    """Collect interrupts (Ctrl-C) in a list instead of raising; the second one raises as usual."""
+    received: list[int] = []
+
+    def receive(number: int, _frame: object) -> None:
+        received.append(number)
+        signal.signal(signal.SIGINT, before)
+
+    before = signal.signal(signal.SIGINT, receive)
+    try:
+        yield received
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
+def run_capture(arguments: argparse.Namespace) -> int:
+    """Capture a mission into a folder."""
+    mission, values = _settings(arguments)
+    bar = _Bar(arguments.quiet)
+    with _opened(mission, values, plan_only=False) as source, _interruptible() as interrupts:
+        result = _run(mission, source, values, arguments, bar, lambda: bool(interrupts))
+    _print_result(result, arguments.json)
+    if result.cancelled:
+        print("terrainav: stopped; what is finished is kept, go on with --resume", file=sys.stderr)
+        return STOPPED
+    return INCOMPLETE if result.failed else DONE
+
+
+def _run(
+    mission: Mission,
+    source: Source,
+    values: dict[str, Any],
+    arguments: argparse.Namespace,
+    bar: _Bar,
+    cancelled: Callable[[], bool],
+) -> CaptureResult:
+    from ..capture.runner import capture
+
+    worked_out = plan(mission, source.grid)
+    _check_terms(worked_out, source, worked_out.requests * len(mission.map_types), arguments.accept_terms)
+    if not source.map_types:
+        kinds = ", ".join(mission.map_types)
+        print(f"{source.title} has one kind of picture; it is written as {kinds}", file=sys.stderr)
+    try:
+        return capture(
+            worked_out,
+            source,
+            values["data_dir"],
+            connections=values["connections"],
+            resume=arguments.resume,
+            progress=bar,
+            cancelled=cancelled,
+        )
+    finally:
+        bar.close()
+
+
+def _print_result(result: CaptureResult, as_json: bool) -> None:
+    if as_json:
+        failed = [{"map_type": f.map_type, "name": f.name, "reason": f.reason} for f in result.failed]
+        print(
+            json.dumps(
+                {
+                    "folder": str(result.folder),
+                    "total": result.total,
+                    "written": result.written,
+                    "skipped": result.skipped,
+                    "failed": failed,
+                    "requests": result.requests,
+                    "unique_parts": result.unique_parts,
+                    "seconds": result.seconds,
+                    "cancelled": result.cancelled,
+                },
+                indent=1,
+            )
+        )
+        return
+    rate = result.written / result.seconds if result.seconds > 0 else 0.0
+    already = f", {result.skipped:,} were there" if result.skipped else ""
+    print(
+        f"{result.written:,} images written{already}, {len(result.failed):,} failed, "
+        f"in {result.seconds:.1f} s ({rate:.1f}/s)"
+    )
+    print(
+        f"{result.requests:,} requests for {result.unique_parts:,} unique parts; dataset in {result.folder}"
+    )
+    for failure in result.failed[:_NAMED_FAILURES]:
+        print(f"failed: {failure.map_type}/{failure.name}: {failure.reason}", file=sys.stderr)
+    if len(result.failed) > _NAMED_FAILURES:
+        print(
+            f"failed: {len(result.failed) - _NAMED_FAILURES:,} more, named in {result.folder}",
+            file=sys.stderr,
+        )
+
+
+def _say(what: str) -> None:
+    print(f"measuring: {what}", file=sys.stderr)
+
+
+def run_report(arguments: argparse.Namespace) -> int:
+    """Measure a mission's error against run time."""
+    from ..report.page import write_report
+
+    mission, values = _settings(arguments)
+    with _opened(mission, values, plan_only=False) as source:
+        worked_out = plan(mission, source.grid)
+        _check_terms(worked_out, source, _REPORT_REQUESTS, arguments.accept_terms)
+        page = write_report(worked_out, source, arguments.output, progress=_say)
+    print(f"report in {page}")
+    return DONE

@@ -1,0 +1,197 @@
+"""What the command takes: its subcommands and their options."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Sequence
+from typing import Any, NoReturn
+
+from ..mission.settings import OPTIONS
+from .exits import BAD_INPUT
+
+_SERVICE_HELP = """
+A source is a name of the list; a URL template with {z} {x} {y} (or {-y}, {q}, {bbox-epsg-3857} for a WMS), and
+{s} {r} {date} {map_type} {key} where it has them; a file (GeoTIFF, VRT, MBTiles, ...); or a layer of a service:
+  wmts:URL#layer=NAME[&style=...&tilematrixset=...&format=png|jpeg]
+  wms:URL#layers=NAME[,NAME][&styles=...&format=png|jpeg&version=1.3.0|1.1.1]
+where URL is the address of the service or of its capabilities. `terrainav sources show wmts:URL` lists layers.
+A key is written {key} in a URL, and kept in the environment as TERRAINAV_KEY.
+"""
+
+
+class _Parser(argparse.ArgumentParser):
+    """A parser whose errors are one line."""
+
+    def error(self, message: str) -> NoReturn:
+        self.exit(BAD_INPUT, f"{self.prog}: error: {message}; see {self.prog} --help\n")
+
+
+def parser() -> argparse.ArgumentParser:
+    """Return the parser of the whole command."""
+    whole = _Parser(
+        prog="terrainav",
+        description="Plan and fly a virtual UAV over real map imagery: footprints, then georeferenced images.",
+    )
+    whole.add_argument("--version", action="store_true", help="print the version")
+    commands = whole.add_subparsers(dest="command", metavar="COMMAND", parser_class=_Parser)
+    _add_flying(commands)
+    _add_sources(commands)
+    listing = commands.add_parser("cameras", help="list camera presets")
+    listing.add_argument("--json", action="store_true", help="print as JSON")
+    _add_cache(commands)
+    return whole
+
+
+def normalised(argv: Sequence[str]) -> list[str]:
+    """Arguments with underscores allowed in options, and values that start with a minus tied to theirs.
+
+    A coordinate such as -35.1_-70.2_120 would otherwise be taken for an option.
+    """
+    tidy: list[str] = []
+    arguments = iter(argv)
+    for argument in arguments:
+        name, equals, value = argument.partition("=")
+        if not name.startswith("--"):
+            tidy.append(argument)
+            continue
+        name = "--" + name[2:].replace("_", "-")
+        if name == "--coords" and not equals:
+            value = next(arguments, "")
+            equals = "="
+        tidy.append(name + equals + value)
+    return tidy
+
+
+def _add_flying(commands: Any) -> None:
+    planning = commands.add_parser("plan", help="work a mission out and print its figures; fetches nothing")
+    _add_mission_options(planning)
+    planning.add_argument(
+        "--output",
+        metavar="FILE",
+        action="append",
+        default=[],
+        help="write .csv, .geojson, .kml or mission .json",
+    )
+    planning.add_argument("--json", action="store_true", help="print the figures as JSON")
+
+    capturing = commands.add_parser("capture", help="capture a mission into a folder (--data-dir)")
+    _add_mission_options(capturing)
+    capturing.add_argument("--resume", action="store_true", help="go on with an interrupted capture")
+    _add_consent(capturing)
+    capturing.add_argument("--json", action="store_true", help="print the result as JSON")
+    capturing.add_argument("--quiet", action="store_true", help="no progress bar")
+
+    reporting = commands.add_parser(
+        "report", help="measure a mission's error against run time; writes a page"
+    )
+    _add_mission_options(reporting)
+    reporting.add_argument(
+        "--output", metavar="DIR", required=True, help="folder of the page and its pictures"
+    )
+    _add_consent(reporting)
+
+
+def _add_consent(command: argparse.ArgumentParser) -> None:
+    command.add_argument(
+        "--accept-terms", action="store_true", help="agree to the terms of a source that asks for it"
+    )
+
+
+def _add_mission_options(command: argparse.ArgumentParser) -> None:
+    command.add_argument(
+        "mission_file", nargs="?", metavar="MISSION", help="mission file (JSON) instead of options"
+    )
+    command.add_argument("--config", metavar="FILE", help="JSON file of options (config.json if it is there)")
+    group = command.add_argument_group(
+        "mission",
+        "each also as TERRAINAV_<NAME> in the environment, or in config.json; the command line comes first",
+    )
+    for option in OPTIONS:
+        name = "--" + option.name.replace("_", "-")
+        default = option.default
+        shown = " ".join(map(str, default)) if isinstance(default, tuple) else default
+        text = option.help + (f" (default {shown})" if default not in (None, False) else "")
+        if option.flag:
+            group.add_argument(name, action="store_true", default=None, help=text)
+            continue
+        low, high = option.count or (1, 1)
+        many: Any = None if option.count is None else high if low == high else "+"
+        metavar = option.metavar or (f"{{{','.join(option.choices)}}}" if option.choices else None)
+        group.add_argument(name, nargs=many, metavar=metavar if many != "+" else None, help=text)
+
+
+def _add_sources(commands: Any) -> None:
+    listing = commands.add_parser(
+        "sources",
+        help="list sources of imagery and their terms; show, add or remove one",
+        epilog=_SERVICE_HELP,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    _add_json(listing, False)
+    actions = listing.add_subparsers(dest="action", metavar="ACTION", parser_class=_Parser)
+    every = actions.add_parser("list", help="list them (also without an action)")
+    _add_json(every, argparse.SUPPRESS)
+
+    showing = actions.add_parser(
+        "show", help="everything about one, or the layers of a wmts: or wms: address"
+    )
+    showing.add_argument("source", metavar="SOURCE", help="a name, URL template, or wmts: or wms: address")
+    _add_json(showing, argparse.SUPPRESS)
+
+    adding = actions.add_parser(
+        "add",
+        help="keep a source of your own under a name",
+        epilog=_SERVICE_HELP,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    adding.add_argument("name", metavar="NAME", help="lower-case letters, digits, hyphens and underscores")
+    adding.add_argument("url", metavar="URL", help="URL template, or wmts: or wms: address of a layer")
+    for name, kind, metavar, text in (
+        ("title", str, "TEXT", "what people see"),
+        ("attribution", str, "TEXT", "credit that goes into every image"),
+        ("licence", str, "TEXT", "of the imagery"),
+        ("terms-url", str, "URL", "page of the provider's terms"),
+        ("min-zoom", int, "ZOOM", "lowest zoom (default 0)"),
+        ("max-zoom", int, "ZOOM", "highest zoom (default 22)"),
+        ("native-zoom", int, "ZOOM", "highest zoom with detail of its own (default the highest)"),
+        ("tile-size", int, "PX", "width of a tile: 256 (default), 512, ..."),
+        ("default-date", str, "DATE", "date taken where a mission names none, for a URL with {date}"),
+        (
+            "key-env",
+            str,
+            "NAME",
+            "environment variable of the key, for a URL with {key} (default TERRAINAV_KEY)",
+        ),
+        ("max-connections", int, "N", "requests under way at once, at most"),
+        ("requests-per-s", float, "N", "requests a second, at most"),
+    ):
+        adding.add_argument(f"--{name}", type=kind, metavar=metavar, help=text)
+    adding.add_argument("--no-storing", action="store_true", help="its terms forbid to keep tiles for later")
+
+    removing = actions.add_parser("remove", help="forget a source of your own")
+    removing.add_argument("name", metavar="NAME")
+
+
+def _add_cache(commands: Any) -> None:
+    caching = commands.add_parser("cache", help="list or clear the tiles kept for later captures")
+    actions = caching.add_subparsers(dest="action", metavar="ACTION", parser_class=_Parser)
+    every = actions.add_parser("list", help="files, their tiles and sizes (also without an action)")
+    clearing = actions.add_parser("clear", help="delete the files named, or all of them")
+    clearing.add_argument(
+        "names", nargs="*", metavar="NAME", help="files or titles as `cache list` shows them"
+    )
+    _add_cache_dir(caching, None)
+    _add_json(caching, False)
+    for action in (every, clearing):
+        _add_cache_dir(action, argparse.SUPPRESS)
+        _add_json(action, argparse.SUPPRESS)
+
+
+def _add_cache_dir(command: argparse.ArgumentParser, default: Any) -> None:
+    command.add_argument(
+        "--cache-dir", metavar="DIR", default=default, help="another folder than the usual one"
+    )
+
+
+def _add_json(command: argparse.ArgumentParser, default: Any) -> None:
+    command.add_argument("--json", action="store_true", default=default, help="print as JSON")

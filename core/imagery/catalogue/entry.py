@@ -1,0 +1,242 @@
+"""A source by name: where its tiles are, what they are, and what its provider allows."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field, fields, replace
+from typing import Any
+from urllib.parse import quote
+
+from ...errors import InvalidInput
+from ...geodesy.mercator import PixelGrid
+from ...resources import read_json
+from ..decode import Placeholder
+from ..policy import Policy
+from ..template import Template
+from .dates import Dates
+
+#: Environment variable with the key of a user's own template.
+KEY_ENV = "TERRAINAV_KEY"
+KINDS = ("world", "xyz", "static-map")
+#: West, south, east and north of the whole map.
+WORLD_DEG = (-180.0, -90.0, 180.0, 90.0)
+
+
+@dataclass(frozen=True)
+class CatalogueEntry:
+    """A source by name.
+
+    Parameters
+    ----------
+    name, title, area, attribution : str
+    kind : str
+        world, xyz or static-map.
+    map_types : tuple of str
+        Empty where it has one kind of picture only.
+    urls : mapping of map type to URL template
+        Empty but for xyz. A map type of "" stands for pictures of one kind, or of {map_type}.
+    hosts : tuple of str
+        Hosts the policy holds for, even in a user's own template; their subdomains as well.
+    tile_px : tuple of int
+        Sizes of tiles to choose from, the first by default.
+    min_zoom, max_zoom, native_zoom : int
+    dates : Dates or None
+    policy : Policy
+    placeholder : Placeholder
+    key_env, secret_env : str or None
+        Environment variables of the key, where one is needed, and of the signing secret.
+    bounds_deg : tuple of float
+        West, south, east, north of the ground it is named as an alternative for.
+    levels : tuple of (zoom, name) pairs
+        As in `Template`.
+    user : bool
+        Whether it is a user's own; less has to be known of those.
+    """
+
+    name: str
+    title: str
+    kind: str
+    area: str
+    attribution: str
+    map_types: tuple[str, ...]
+    urls: Mapping[str, str]
+    hosts: tuple[str, ...]
+    tile_px: tuple[int, ...]
+    min_zoom: int
+    max_zoom: int
+    native_zoom: int
+    dates: Dates | None
+    policy: Policy
+    placeholder: Placeholder
+    key_env: str | None = None
+    secret_env: str | None = None
+    bounds_deg: tuple[float, float, float, float] = WORLD_DEG
+    levels: tuple[tuple[int, str], ...] = ()
+    user: bool = field(default=False)
+
+    @classmethod
+    def from_dict(cls, name: str, data: Mapping[str, Any], *, user: bool = False) -> CatalogueEntry:
+        """Entry of ``resources/sources.json``; raises InvalidInput on what is unknown or missing."""
+        data = dict(data)
+        terms = {field: data.pop(field) for field in Policy.__dataclass_fields__ if field in data}
+        try:
+            marks = dict(data.pop("placeholder", {}))
+            dates = data.pop("dates", None)
+            urls = dict(data.pop("urls", {}))
+            return cls(
+                name=name,
+                urls=urls,
+                map_types=tuple(data.pop("map_types", [known for known in urls if known])),
+                hosts=tuple(data.pop("hosts", ())),
+                area=data.pop("area", ""),
+                attribution=data.pop("attribution", ""),
+                tile_px=tuple(data.pop("tile_px", (256, 512) if data["kind"] == "static-map" else (256,))),
+                dates=Dates(**dates) if dates else None,
+                policy=Policy(**terms),
+                placeholder=Placeholder(
+                    tuple(marks.pop("sha256", ())),
+                    tuple((key, value) for key, value in marks.pop("header", {}).items()),
+                    tuple((r, g, b) for r, g, b in marks.pop("flat_rgb", ())),
+                    **marks,
+                ),
+                bounds_deg=tuple(data.pop("bounds_deg", WORLD_DEG)),
+                levels=tuple((int(zoom), str(level)) for zoom, level in data.pop("levels", ())),
+                user=user,
+                **data,
+            )
+        except InvalidInput as wrong:
+            raise InvalidInput(f"catalogue entry {name!r}: {wrong}") from wrong
+        except (AttributeError, TypeError, KeyError, ValueError) as wrong:
+            raise InvalidInput(f"catalogue entry {name!r}: wrong or missing: {wrong}") from wrong
+
+    def __post_init__(self) -> None:
+        if self.kind not in KINDS:
+            raise InvalidInput(f"kind {self.kind!r}: must be one of {', '.join(KINDS)}")
+        if (self.kind == "xyz") != bool(self.urls):
+            raise InvalidInput("URLs are for xyz, which needs them")
+        if not self.title:
+            raise InvalidInput("needs a title")
+        if not self.user:
+            self._check_stated()
+        west, south, east, north = self.bounds_deg
+        if not (-180.0 <= west < east <= 180.0 and -90.0 <= south < north <= 90.0):
+            raise InvalidInput(f"bounds {self.bounds_deg}: must be west, south, east, north in degrees")
+        for size in self.tile_px:
+            self.grid(size)
+        self._check_urls()
+
+    def _check_stated(self) -> None:
+        if not (self.attribution and self.policy.licence):
+            raise InvalidInput("needs attribution and licence")
+        if self.kind != "world" and not (self.policy.terms and self.policy.terms_url.startswith("https://")):
+            raise InvalidInput("needs terms and terms_url")
+
+    def _check_urls(self) -> None:
+        templates = [Template(url, levels=self.levels) for url in self.urls.values()]
+        needed = {name: any(name in template.names for template in templates) for name in ("date", "key")}
+        if needed["date"] != (self.dates is not None) or (needed["key"] and self.key_env is None):
+            raise InvalidInput("{date} in a URL needs dates, {key} needs key_env")
+
+    @property
+    def bulk_allowed(self) -> str:
+        """Whether much may be downloaded: yes, ask or no."""
+        return self.policy.bulk_allowed
+
+    @property
+    def licence(self) -> str:
+        """Licence of the imagery."""
+        return self.policy.licence
+
+    def to_dict(self) -> dict[str, Any]:
+        """JSON-ready mapping of what a user may want to know."""
+        plain = asdict(self)
+        return {**plain, **plain.pop("policy")}
+
+    def to_data(self) -> dict[str, Any]:
+        """Return what `from_dict` makes the entry of again: what differs from the defaults."""
+        data = {
+            one.name: getattr(self, one.name)
+            for one in fields(self)
+            if one.name not in ("name", "dates", "policy", "placeholder", "user")
+        }
+        data = {name: value for name, value in data.items() if value not in (None, "", (), {}, WORLD_DEG)}
+        for own, default in ((self.policy, Policy()), (self.dates, Dates("any"))):
+            stated = {} if own is None else asdict(own)
+            told = {name: value for name, value in stated.items() if value != getattr(default, name)}
+            if isinstance(own, Dates):
+                data["dates"] = {"kind": own.kind, **told}
+            else:
+                data.update(told)
+        return data
+
+    def grid(self, tile_px: int | None = None) -> PixelGrid:
+        """Pixel grid for a tile size; None for the entry's own."""
+        size = tile_px or self.tile_px[0]
+        if size not in self.tile_px:
+            raise InvalidInput(f"tiles of {size} px: {self.title} has {', '.join(map(str, self.tile_px))}")
+        return PixelGrid(size, self.min_zoom, self.max_zoom, self.native_zoom)
+
+    def serves(self, host: str) -> bool:
+        """Whether a host is this provider's."""
+        return any(host == own or host.endswith("." + own) for own in self.hosts)
+
+    def date(self, wanted: str | None) -> str:
+        """Date of the imagery; empty where there is but one."""
+        if self.dates is None:
+            if wanted:
+                raise InvalidInput(f"date {wanted!r}: {self.title} has no dates to choose from")
+            return ""
+        if not wanted and not self.dates.default:
+            raise InvalidInput(f"{self.title}: has imagery of several dates; say which (--date)")
+        return self.dates.checked(wanted or self.dates.default)
+
+    def templates(self, date: str) -> dict[str, Template]:
+        """Templates of the tiles of a date, by map type."""
+        written = self.dates.written(date) if self.dates else ""
+        return {
+            map_type: Template(url.replace("{date}", quote(written, safe=":/&=,.")), levels=self.levels)
+            for map_type, url in self.urls.items()
+        }
+
+    def key(self, given: str | None) -> str | None:
+        """Return the key given, or that of the environment."""
+        return given or (os.environ.get(self.key_env) if self.key_env else None)
+
+    def credit(self, date: str) -> str:
+        """Attribution of the imagery of a date."""
+        return self.attribution.replace("{date}", date)
+
+    def covers(self, bounds_deg: tuple[float, float, float, float]) -> bool:
+        """Whether all of west, south, east, north is within what it shows."""
+        west, south, east, north = self.bounds_deg
+        return (
+            bounds_deg[0] >= west
+            and bounds_deg[1] >= south
+            and bounds_deg[2] <= east
+            and bounds_deg[3] <= north
+        )
+
+
+def shipped() -> tuple[CatalogueEntry, ...]:
+    """Return the entries of ``resources/sources.json``, the embedded world first."""
+    return tuple(CatalogueEntry.from_dict(name, data) for name, data in read_json("sources.json").items())
+
+
+def serving(host: str) -> CatalogueEntry | None:
+    """Return the shipped entry of the provider a host belongs to."""
+    return next((entry for entry in shipped() if entry.serves(host)), None)
+
+
+def under_provider(entry: CatalogueEntry) -> CatalogueEntry:
+    """Return an entry with its provider's terms: they hold however the tiles are asked for."""
+    for url in entry.urls.values():
+        known = serving(Template(url, levels=entry.levels).host)
+        if known is not None:
+            return replace(
+                entry,
+                policy=known.policy,
+                placeholder=known.placeholder,
+                attribution=entry.attribution or known.attribution,
+            )
+    return entry

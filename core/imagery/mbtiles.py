@@ -1,0 +1,223 @@
+"""A user's own MBTiles file as a source: tiles of PNG, JPEG or WebP in Web Mercator."""
+
+from __future__ import annotations
+
+import html
+import io
+import os
+import re
+import sqlite3
+import threading
+import time
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from PIL import Image
+
+from ..errors import Cancelled, InvalidInput, PartError
+from ..geodesy.mercator import PixelGrid
+from .cache.tilefile import connect, fault
+from .decode import decode
+from .policy import Policy
+from .source import Part, Pixels, Window, tile_parts
+from .tiles import Tile, tile_address
+from .transport import Stop
+
+#: Seconds one wait for a program that writes the file takes, so that a cancel is seen in between.
+_WAIT_S = 0.25
+#: Seconds all of them may take.
+_LONGEST_WAIT_S = 10.0
+_HIGHEST_ZOOM = 30
+_GZIP = b"\x1f\x8b"
+
+
+class MBTilesSource:
+    """Tiles of an MBTiles file, opened for reading only; `open_mbtiles` makes it.
+
+    Parameters
+    ----------
+    path : Path
+    connection : sqlite3.Connection
+        Closed with the source.
+    rows : mapping
+        Metadata of the file.
+    grid : PixelGrid
+    """
+
+    map_types: tuple[str, ...] = ()
+
+    def __init__(
+        self, path: Path, connection: sqlite3.Connection, rows: Mapping[str, str], grid: PixelGrid
+    ) -> None:
+        self.name = str(path)
+        self.title = rows.get("name", "").strip() or path.stem
+        self.attribution = _plain(rows.get("attribution", ""))
+        self.grid = grid
+        date = rows.get("date", "").strip()
+        self.date = date if re.fullmatch(r"\d{4}(-\d\d){0,2}", date) else ""
+        self.policy = Policy(licence=_plain(rows.get("license", rows.get("licence", ""))))
+        self._connection: sqlite3.Connection | None = connection
+        self._lock = threading.Lock()
+
+    def __repr__(self) -> str:
+        return f"MBTilesSource({self.name!r}, {self.grid})"
+
+    def parts(self, window: Window) -> list[Part]:
+        """Tiles that fill ``window``."""
+        return tile_parts(window, self.grid)
+
+    def fetch(self, map_type: str, part: Window, cancelled: Stop | None = None) -> Pixels:  # noqa: ARG002
+        """Pixels of a tile, (tile_px, tile_px, 3 or 4) uint8.
+
+        Raises
+        ------
+        InvalidInput
+            ``part`` is no tile of the grid.
+        PartError
+            The tile is not in the file, or is broken.
+        Cancelled
+        """
+        tile = tile_address(part, self.grid, self.title)
+        body = self._body(tile, cancelled)
+        if body is None:
+            raise PartError(f"{tile}: is not in {Path(self.name).name}")
+        try:
+            return decode(body, part.width_px, part.height_px)
+        except PartError as reason:
+            raise PartError(f"{tile}: {reason}") from reason
+
+    def close(self) -> None:
+        """Close the file; what other threads read of it ends first."""
+        with self._lock:
+            if self._connection is not None:
+                self._connection.close()
+                self._connection = None
+
+    def _body(self, tile: Tile, cancelled: Stop | None) -> bytes | None:
+        until_s = time.monotonic() + _LONGEST_WAIT_S
+        while True:
+            if cancelled is not None and cancelled():
+                raise Cancelled("cancelled while waiting for the file")
+            try:
+                return self._stored(tile)
+            except sqlite3.Error as wrong:
+                if fault(wrong) != "busy" or time.monotonic() > until_s:
+                    raise PartError(f"{tile}: {Path(self.name).name} cannot be read ({wrong})") from wrong
+
+    def _stored(self, tile: Tile) -> bytes | None:
+        with self._lock:
+            if self._connection is None:
+                raise Cancelled("the source was closed")
+            rows = self._connection.execute(
+                "SELECT tile_data FROM tiles WHERE zoom_level = ? AND tile_column = ? AND tile_row = ?",
+                # Rows are counted from the south (TMS).
+                (tile.zoom, tile.x, (1 << tile.zoom) - 1 - tile.y),
+            ).fetchall()
+        return bytes(rows[0][0]) if rows and isinstance(rows[0][0], bytes) else None
+
+
+def open_mbtiles(path: str | os.PathLike[str]) -> MBTilesSource:
+    """Open an MBTiles file as a source.
+
+    Size of tiles and, where the metadata do not tell them, zooms are read from the tiles.
+
+    Raises
+    ------
+    InvalidInput
+        It is not there, is no MBTiles, or holds no pictures.
+    """
+    file = Path(path)
+    if not file.is_file():
+        raise InvalidInput(f"MBTiles {file}: is not there")
+    connection = None
+    try:
+        connection = _opened(file)
+        rows, sample = _first_look(connection)
+        source = MBTilesSource(file, connection, rows, _grid(file, connection, rows, sample))
+    except sqlite3.Error as wrong:
+        failure = InvalidInput(f"MBTiles {file}: is no MBTiles file, or is damaged ({wrong})")
+    except InvalidInput as wrong:
+        failure = wrong
+    else:
+        return source
+    if connection is not None:
+        connection.close()
+    raise failure
+
+
+def _opened(file: Path) -> sqlite3.Connection:
+    try:
+        return _readable(file, "mode=ro")
+    except sqlite3.OperationalError as wrong:
+        # A file in WAL mode needs companions made beside it, which a folder that is read-only does not take. Without a
+        # log whose content would be missed, nobody is writing and the file may be read as it is.
+        log = file.with_name(file.name + "-wal")
+        if fault(wrong) != "unwritable" or (log.exists() and log.stat().st_size):
+            raise
+        return _readable(file, "mode=ro&immutable=1")
+
+
+def _readable(file: Path, mode: str) -> sqlite3.Connection:
+    """Open a file and read its first page, as opening alone does not."""
+    connection = connect(file, mode, _WAIT_S)
+    try:
+        connection.execute("SELECT count(*) FROM sqlite_master").fetchall()
+    except sqlite3.Error:
+        connection.close()
+        raise
+    return connection
+
+
+def _first_look(connection: sqlite3.Connection) -> tuple[dict[str, str], bytes]:
+    """Metadata, and a tile; empty where there is none."""
+    rows = {
+        str(name): str(value)
+        for name, value in connection.execute("SELECT name, value FROM metadata").fetchall()
+    }
+    found = connection.execute(
+        "SELECT zoom_level, tile_column, tile_row, tile_data FROM tiles LIMIT 1"
+    ).fetchall()
+    body = found[0][3] if found else b""
+    return rows, body if isinstance(body, bytes) else b""
+
+
+def _grid(file: Path, connection: sqlite3.Connection, rows: Mapping[str, str], sample: bytes) -> PixelGrid:
+    if not sample:
+        raise InvalidInput(f"MBTiles {file}: holds no tiles")
+    if rows.get("format") == "pbf" or sample.startswith(_GZIP):
+        raise InvalidInput(f"MBTiles {file}: holds vector tiles (pbf); must hold pictures (png, jpg or webp)")
+    lowest, highest = _zooms(connection, rows)
+    try:
+        return PixelGrid(_tile_px(sample), lowest, highest, highest)
+    except InvalidInput as wrong:
+        raise InvalidInput(f"MBTiles {file}: {wrong}") from wrong
+
+
+def _zooms(connection: sqlite3.Connection, rows: Mapping[str, str]) -> tuple[int, int]:
+    """Lowest and highest zoom, of the metadata where they make sense, else of the tiles."""
+    told = [rows.get(name, "").strip() for name in ("minzoom", "maxzoom")]
+    if all(text.isascii() and text.isdigit() for text in told):
+        lowest, highest = (int(text) for text in told)
+        if lowest <= highest <= _HIGHEST_ZOOM:
+            return lowest, highest
+    found: Any = connection.execute("SELECT min(zoom_level), max(zoom_level) FROM tiles").fetchone()
+    return int(found[0]), int(found[1])
+
+
+def _tile_px(sample: bytes) -> int:
+    """Width of a picture, from its header."""
+    try:
+        with Image.open(io.BytesIO(sample), formats=("PNG", "JPEG", "WEBP", "GIF")) as image:
+            width_px, height_px = image.size
+    except (OSError, SyntaxError, ValueError, Image.DecompressionBombError, Image.DecompressionBombWarning):
+        raise InvalidInput("its tiles are no pictures; must be png, jpg or webp") from None
+    if width_px != height_px:
+        raise InvalidInput(f"its tiles are of {width_px}x{height_px} px; must be square")
+    return int(width_px)
+
+
+def _plain(text: str) -> str:
+    """Text without the HTML that attributions of web maps are written in, on one line."""
+    lines = re.sub(r"<(br|p|/p|div|/div)\b[^>]*>", " ", text, flags=re.IGNORECASE)
+    return " ".join(html.unescape(re.sub(r"<[^>]*>", "", lines)).split())

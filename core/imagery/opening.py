@@ -1,0 +1,180 @@
+"""From a source's name in a mission to the source: a name of the catalogue, a URL, a service or a file."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from ..errors import InvalidInput, SourceError
+from .catalogue.entry import CatalogueEntry, under_provider
+from .catalogue.listing import entry_named
+from .catalogue.user_sources import NAME, described
+from .services.ogc import is_service, service_entry
+from .source import Source
+from .staticmap import GOOGLE_URL, StaticMapSource
+from .template import Template
+from .transport import Transport
+from .xyz import XYZSource
+
+if TYPE_CHECKING:
+    from .cache.tile_cache import TileCache
+
+#: Endings by which a name is known for a raster file that is not there, to say the right thing.
+_RASTER_ENDINGS = frozenset(
+    [".tif", ".tiff", ".vrt", ".jp2", ".img", ".png", ".jpg", ".jpeg", ".ecw", ".gpkg", ".cog"]
+)
+_MBTILES_ENDING = ".mbtiles"
+#: What the plugin names layers of its project by.
+_QGIS = "qgis:"
+
+
+def is_template(name: str) -> bool:
+    """Whether a source is named by its URL template."""
+    return not is_file(name) and not is_service(name) and ("://" in name or "{" in name)
+
+
+def is_file(name: str) -> bool:
+    """Whether a source is named by a file of pictures, whether or not it is there.
+
+    A name as the catalogue has them is none, even where there is such a file: ``./name`` is.
+    """
+    if name.startswith("/vsi"):
+        return True
+    if name.startswith(_QGIS):
+        return False
+    ending = Path(name).suffix.lower()
+    return "://" not in name and (
+        ending in _RASTER_ENDINGS
+        or ending == _MBTILES_ENDING
+        or (NAME.fullmatch(name) is None and Path(name).is_file())
+    )
+
+
+def open_source(
+    name: str,
+    *,
+    seed: int = 2024,
+    key: str | None = None,
+    secret: str | None = None,
+    date: str | None = None,
+    tile_px: int | None = None,
+    max_zoom: int | None = None,
+    connections: int = 8,
+    transport: Transport | None = None,
+    cache: TileCache | None = None,
+    plan_only: bool = False,
+) -> Source:
+    """Open a source by name.
+
+    Parameters
+    ----------
+    name : str
+        A name of the catalogue or of the user's own sources; a URL template; ``wmts:URL`` or ``wms:URL`` (see
+        `ogc`); an MBTiles file; any other raster file, or a path of such files with {date} in it.
+    seed : int
+        Of the embedded world.
+    key, secret : str or None
+        API key and signing secret; None for those of the environment.
+    date : str or None
+        Of the imagery, where the source has several; None for its default.
+    tile_px : int or None
+        Size of tiles; None for the source's own, 256 for a template.
+    max_zoom : int or None
+        Highest zoom of a template; None for 22. Catalogue entries know theirs.
+    connections : int
+        Requests under way at once, where the provider allows so many.
+    transport : Transport or None
+        None for one of its own over requests.
+    cache : TileCache or None
+        Where tiles are kept for later runs, as far as the provider allows it; None for nowhere.
+    plan_only : bool
+        The source's grid and terms are wanted, nothing will be fetched: no key is needed.
+
+    Raises
+    ------
+    InvalidInput
+        The name, date or tile size is unknown, or the template is not valid.
+    SourceError
+        A key is needed and missing, or the service or file cannot be read.
+    """
+    if is_file(name):
+        return _open_file(name, date)
+    entry = entry_of(name, key=key, tile_px=tile_px, max_zoom=max_zoom, transport=transport)
+    chosen, key = entry.date(date), entry.key(key)
+    if entry.kind == "world":
+        from .world import WorldSource
+
+        return WorldSource(seed)
+    if entry.key_env and not key and not plan_only:
+        raise SourceError(f"{entry.title}: needs an API key: set the environment variable {entry.key_env}")
+    if entry.kind == "static-map":
+        return StaticMapSource(
+            key or "",
+            secret or (os.environ.get(entry.secret_env) if entry.secret_env else None),
+            scale=entry.grid(tile_px).scale,
+            name=entry.name,
+            title=entry.title,
+            attribution=entry.attribution,
+            policy=entry.policy,
+            url=os.environ.get("TERRAINAV_GOOGLE_URL", GOOGLE_URL),
+            transport=transport,
+            connections=connections,
+        )
+    return XYZSource(
+        entry.templates(chosen),
+        name=entry.name,
+        title=entry.title,
+        attribution=entry.credit(chosen),
+        grid=entry.grid(tile_px),
+        key=key,
+        date=chosen,
+        placeholder=entry.placeholder,
+        policy=entry.policy,
+        transport=transport,
+        cache=cache,
+        connections=connections,
+    )
+
+
+def entry_of(
+    name: str,
+    *,
+    key: str | None = None,
+    tile_px: int | None = None,
+    max_zoom: int | None = None,
+    transport: Transport | None = None,
+) -> CatalogueEntry:
+    """Entry of a source's name, as `open_source` takes them; files have none.
+
+    Raises
+    ------
+    InvalidInput, SourceError
+        As `open_source` does.
+    """
+    if name.startswith(_QGIS):
+        raise InvalidInput(
+            f"source {name}: is a map of QGIS and can be captured inside QGIS only; name a file, a URL template or "
+            "a name of the catalogue"
+        )
+    if is_file(name):
+        raise InvalidInput(f"source {name}: a file states no terms; name one of the sources that have some")
+    if is_service(name):
+        return service_entry(name, key=key, tile_px=tile_px, transport=transport)
+    if not is_template(name):
+        return entry_named(name)
+    # A provider's terms hold however its tiles are asked for.
+    data = described(name, tile_px=tile_px or 256, max_zoom=max_zoom)
+    return under_provider(CatalogueEntry.from_dict(Template(name).text, data, user=True))
+
+
+def _open_file(name: str, date: str | None) -> Source:
+    if Path(name).suffix.lower() != _MBTILES_ENDING:
+        from .raster import open_raster
+
+        return open_raster(name, date=date or "")
+    if date:
+        raise InvalidInput(f"date {date!r}: {name} has no dates to choose from")
+    from .mbtiles import open_mbtiles
+
+    return open_mbtiles(name)

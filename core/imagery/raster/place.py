@@ -1,0 +1,160 @@
+"""Where a raster's pixels lie on the Web-Mercator map, exactly."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+from pyproj import CRS, Transformer
+from pyproj.enums import TransformDirection
+from pyproj.exceptions import ProjError
+
+from ...errors import InvalidInput
+from ...geodesy.mercator import HALF_WORLD_M, PixelGrid, fitting_zoom
+from ..source import Window
+from .files import Facts
+
+Floats = NDArray[np.float64]
+
+_MAP = "EPSG:3857"
+#: Two systems are one where their coordinates agree to this: 1/1000 of a pixel at zoom 23, and a thousand times the
+#: noise of going to geographic coordinates and back.
+_SAME_M = 1e-5
+#: Points along each side of a raster where systems are compared.
+_COMPARED = 5
+
+
+class Place:
+    """Geotransform and coordinate reference system of a raster.
+
+    Every pixel of a picture is transformed on its own, by PROJ: no interpolation between transformed points.
+
+    Raises
+    ------
+    InvalidInput
+        With the reason alone: nothing places the raster, or not on the map.
+    """
+
+    def __init__(self, facts: Facts) -> None:
+        if facts.geotransform is None:
+            raise InvalidInput(
+                "only ground control points place it: make a map of it first, by gdalwarp"
+                if facts.by_points
+                else "it does not say where its pixels lie: it has no geotransform and no world file"
+            )
+        if not facts.crs_wkt:
+            raise InvalidInput(
+                "it states no coordinate reference system: say which, as by gdal_edit.py -a_srs EPSG:32632"
+            )
+        x, x_column, x_row, y, y_column, y_row = facts.geotransform
+        self._origin = np.array([x, y])
+        self._steps = np.array([[x_column, x_row], [y_column, y_row]])
+        if not np.isfinite(facts.geotransform).all() or np.linalg.det(self._steps) == 0.0:
+            raise InvalidInput(f"its geotransform {facts.geotransform} places no pixel")
+        self._width, self._height = facts.sizes[0]
+        self._crs = _horizontal(facts.crs_wkt)
+        try:
+            self._to_map: Transformer | None = Transformer.from_crs(self._crs, _MAP, always_xy=True)
+        except ProjError as wrong:
+            raise InvalidInput(f"{self._crs.name}: {' '.join(str(wrong).split())}") from wrong
+        self._period = self._turn()
+        if self._is_on_the_map_grid():
+            self._to_map, self._period = None, 2.0 * HALF_WORLD_M
+        self._centre_x = float(self._coordinates(self._width / 2.0, self._height / 2.0)[0])
+
+    @property
+    def is_warped(self) -> bool:
+        """Whether its coordinates are others than the map's."""
+        return self._to_map is not None
+
+    @property
+    def is_upright(self) -> bool:
+        """Whether its columns and rows run along those of the map."""
+        return not self.is_warped and not self._steps[0, 1] and not self._steps[1, 0]
+
+    def native_zoom(self) -> int:
+        """Highest zoom at which no pixel of the map is smaller than the raster's, along neither of its axes.
+
+        That is at the raster's centre. One zoom further up the map would show less than one pixel of the raster in
+        each of its own, at least along one axis: it would only enlarge.
+        """
+        column, row = self._width / 2.0, self._height / 2.0
+        x, y = self._on_map(np.array([column, column + 1.0, column]), np.array([row, row, row + 1.0]))
+        steps = np.array([x[1:] - x[0], y[1:] - y[0]])
+        steps[0] -= np.rint(steps[0] / (2.0 * HALF_WORLD_M)) * (2.0 * HALF_WORLD_M)
+        if not np.isfinite(steps).all() or abs(y[0]) > HALF_WORLD_M:
+            raise InvalidInput("its centre does not lie on the Web-Mercator map")
+        finest = 1.0 / float(np.hypot(*np.linalg.inv(steps).T).min())
+        return fitting_zoom(finest / (2.0 * HALF_WORLD_M), 1.0)
+
+    def positions(self, window: Window, grid: PixelGrid) -> tuple[Floats, Floats]:
+        """Columns and rows of the raster at the centres of a window's pixels and of one more around them.
+
+        Returns
+        -------
+        column_px, row_px : array (height_px + 2, width_px + 2) of float64
+            From the outer corner of the raster's first pixel; not finite where the raster's system does not reach.
+            Of shapes (1, width_px + 2) and (height_px + 2, 1) where the raster is upright.
+        """
+        size_m = grid.resolution_m_per_px(window.zoom)
+        x = -HALF_WORLD_M + (window.left_px + np.arange(-1, window.width_px + 1) + 0.5) * size_m
+        y = HALF_WORLD_M - (window.top_px + np.arange(-1, window.height_px + 1) + 0.5) * size_m
+        if self.is_upright:
+            x, y = x[np.newaxis, :], y[:, np.newaxis]
+        else:
+            x, y = np.meshgrid(x, y)
+        if self._to_map is not None:
+            x, y = self._to_map.transform(x, y, direction=TransformDirection.INVERSE)
+        if self._period is not None:
+            # A raster across the antimeridian counts on where the map begins anew.
+            away = np.abs(x - self._centre_x) > self._period / 2.0
+            if away.any():
+                turns = np.rint((x - self._centre_x) / self._period)
+                x = np.where(away & np.isfinite(x), x - turns * self._period, x)
+        if self.is_upright:
+            return (x - self._origin[0]) / self._steps[0, 0], (y - self._origin[1]) / self._steps[1, 1]
+        to_pixels = np.linalg.inv(self._steps)
+        right, up = x - self._origin[0], y - self._origin[1]
+        with np.errstate(invalid="ignore"):
+            return to_pixels[0, 0] * right + to_pixels[0, 1] * up, to_pixels[1, 0] * right + to_pixels[
+                1, 1
+            ] * up
+
+    def _coordinates(self, column: Floats | float, row: Floats | float) -> tuple[Floats, Floats]:
+        x, y = (
+            origin + steps[0] * column + steps[1] * row for origin, steps in zip(self._origin, self._steps)
+        )
+        return np.asarray(x, np.float64), np.asarray(y, np.float64)
+
+    def _on_map(self, column: Floats, row: Floats) -> tuple[Floats, Floats]:
+        x, y = self._coordinates(column, row)
+        if self._to_map is None:
+            return x, y
+        x, y = self._to_map.transform(x, y)
+        return np.asarray(x, np.float64), np.asarray(y, np.float64)
+
+    def _turn(self) -> float | None:
+        """Once around the Earth in the system's own unit; None where its coordinates do not turn."""
+        if not self._crs.is_geographic:
+            return None
+        return 2.0 * math.pi / float(self._crs.axis_info[0].unit_conversion_factor)
+
+    def _is_on_the_map_grid(self) -> bool:
+        columns, rows = np.meshgrid(
+            np.linspace(0.0, self._width, _COMPARED), np.linspace(0.0, self._height, _COMPARED)
+        )
+        x, y = self._coordinates(columns, rows)
+        map_x, map_y = self._on_map(columns, rows)
+        with np.errstate(invalid="ignore"):
+            apart = map_x - x
+            apart = apart - np.rint(apart / (2.0 * HALF_WORLD_M)) * (2.0 * HALF_WORLD_M)
+            return bool((np.abs(apart) <= _SAME_M).all() and (np.abs(map_y - y) <= _SAME_M).all())
+
+
+def _horizontal(wkt: str) -> CRS:
+    try:
+        crs = CRS.from_wkt(wkt)
+    except ProjError as wrong:
+        raise InvalidInput(f"its coordinate reference system: {' '.join(str(wrong).split())}") from wrong
+    return crs.sub_crs_list[0] if crs.is_compound else crs

@@ -1,0 +1,254 @@
+"""A raster file as a source on the pixel grid of the Web-Mercator map."""
+
+from __future__ import annotations
+
+import math
+import os
+from pathlib import Path
+
+import numpy as np
+
+from ...errors import InvalidInput, PartError, SourceError
+from ...geodesy.mercator import PixelGrid
+from ..policy import Policy
+from ..source import Part, Pixels, Window, tile_parts
+from .colours import Colours, colours_of
+from .dated import date_of_tags, file_of
+from .files import Box, Bytes, Facts, ReadError, opener
+from .mean import MOST_PX, Boxes, Floats, Sums, boxes, means, reduced
+from .place import Place
+from .pool import Pool
+
+#: Highest zoom served, by enlarging, where the raster's own is below: that of tiles.
+_MAX_ZOOM = 22
+#: The finest pixels a grid can have, 0.1 mm.
+_HIGHEST_ZOOM = 30
+_TILE_PX = 256
+#: Pixels of an overview that a pixel of the map is the mean of at least, along each side. Overviews may have been made
+#: by leaving pixels out, which shifts them by half of one of theirs: an eighth of one of the map.
+_LEAST_OF_OVERVIEW_PX = 4.0
+#: Blocks of pixels that a pixel of the map is the mean of at least, along each side, where they are summed up first.
+_LEAST_OF_BLOCKS = 2.0
+#: Pixels of the raster that are read in one go.
+_STRIP_PX = 1 << 20
+#: Slivers of a pixel that are not worth reading it: the noise of positions, far below what `means` lets pass.
+_SLIVER_PX = 1e-5
+#: Tags that say whose a picture is, the best first.
+_CREDITS = ("TIFFTAG_COPYRIGHT", "COPYRIGHT", "EXIF_Copyright", "TIFFTAG_ARTIST")
+
+
+def open_raster(path: str | os.PathLike[str], *, date: str = "") -> RasterSource:
+    """Open a raster file as a source of imagery.
+
+    Anything that GDAL reads and that says where it lies: GeoTIFF, COG, VRT, JPEG 2000, a picture with world file and
+    projection. See `RasterSource` for how its pixels become the map's.
+
+    Parameters
+    ----------
+    path : path
+        Or a path with ``{date}``, which stands for the date in whatever form the files' names have it; or one of
+        GDAL's virtual file systems, ``/vsi…``.
+    date : str
+        Of the imagery, YYYY-MM-DD, YYYY-MM or YYYY; empty for what the file states, if anything.
+
+    Raises
+    ------
+    InvalidInput
+        There is no such file, it is no raster, has no place on the map, or is no picture of 8 bits; no file of the
+        date; no library that reads raster files.
+    """
+    name = os.fspath(path)
+    file, date = file_of(name, date)
+    _check_there(file)
+    pool = Pool(opener(), file)
+    try:
+        with pool.lent(0) as raster:
+            facts = raster.facts()
+        return RasterSource(name, file, date or date_of_tags(facts.tags), facts, pool)
+    except ReadError as wrong:
+        pool.close()
+        raise InvalidInput(f"{file}: is no raster that can be read: {wrong}") from wrong
+    except InvalidInput as wrong:
+        pool.close()
+        raise InvalidInput(f"{file}: {wrong}") from wrong
+
+
+class RasterSource:
+    """A raster file of 8 bits a colour, in any coordinate reference system; made by `open_raster`.
+
+    Each pixel of the map is the mean over its footprint in the raster, placed by PROJ pixel by pixel: bilinear where
+    it is no larger than the raster's, the average where it is, and the raster's own pixel, unchanged, where the two
+    grids fall together. Where a footprint is not imagery throughout (beyond the edge, nodata, mask, alpha 0) the
+    fourth channel is 0; what is missing never mixes with colours. Palettes become colours first. Far below the native
+    zoom the means are taken over an overview of the file, of 4 pixels or more along each side.
+    """
+
+    map_types: tuple[str, ...] = ()
+    policy = Policy()
+
+    def __init__(self, name: str, path: str, date: str, facts: Facts, pool: Pool) -> None:
+        if not facts.bands:
+            inside = f"; name one of those within, such as {facts.parts[0]}" if facts.parts else ""
+            raise InvalidInput(f"is no raster itself{inside}")
+        self.name = name
+        self.title = Path(path).name
+        self.date = date
+        credit = next((facts.tags[tag] for tag in _CREDITS if facts.tags.get(tag, "").strip()), "")
+        self.attribution = " ".join(credit.split()) or self.title
+        self._path = path
+        self._colours: Colours = colours_of(facts)
+        self._place = Place(facts)
+        self._sizes = facts.sizes
+        self._pool = pool
+        self._state = _state(path)
+        self.grid = self._own_grid()
+
+    def __repr__(self) -> str:
+        return f"RasterSource({self._path!r}, {self.grid})"
+
+    @property
+    def is_warped(self) -> bool:
+        """Whether its coordinate reference system is another than the map's, EPSG:3857."""
+        return self._place.is_warped
+
+    def parts(self, window: Window) -> list[Part]:
+        """Tiles that fill ``window``."""
+        return tile_parts(window, self.grid)
+
+    def fetch(self, map_type: str, part: Window) -> Pixels:  # noqa: ARG002 (a file has one kind of picture)
+        """Pixels of a part.
+
+        Returns
+        -------
+        array (height_px, width_px, 3 or 4) of uint8
+
+        Raises
+        ------
+        InvalidInput
+            A zoom that it does not serve.
+        PartError
+            Its pixels cannot be read here.
+        SourceError
+            The file is gone, or has changed since it was opened.
+        Cancelled
+            The source is closed.
+        """
+        if not self.grid.min_zoom <= part.zoom <= self.grid.max_zoom:
+            raise InvalidInput(
+                f"zoom {part.zoom}: {self.title} has {self.grid.min_zoom} to {self.grid.max_zoom}"
+            )
+        if _state(self._path) != self._state:
+            gone = self._state is not None and _state(self._path) is None
+            raise SourceError(
+                f"{self._path}: " + ("is gone" if gone else "has changed since it was opened; start anew")
+            )
+        picture = self._mean_colours(boxes(*self._place.positions(part, self.grid)), part)
+        return np.ascontiguousarray(picture[..., :3]) if bool(picture[..., 3].all()) else picture
+
+    def close(self) -> None:
+        """Close the file; parts asked for from now on raise `Cancelled`."""
+        self._pool.close()
+
+    def _own_grid(self) -> PixelGrid:
+        native = min(max(self._place.native_zoom(), 0), _HIGHEST_ZOOM)
+        width, height = self._sizes[-1]
+        lowest = 0
+        if width * height > MOST_PX:
+            # Without overviews that are small enough, tiles of low zooms would be means of too many pixels.
+            side = self._sizes[0][0] / width * MOST_PX**0.5 / _TILE_PX
+            lowest = max(native - int(np.log2(side)) + 1, 0)
+        return PixelGrid(_TILE_PX, lowest, max(native, _MAX_ZOOM), native)
+
+    def _mean_colours(self, over: Boxes, part: Window) -> Bytes:
+        level = self._level(over)
+        width, height = self._sizes[level]
+        over = over.scaled(0.0, 0.0, self._sizes[0][0] / width, self._sizes[0][1] / height)
+        # Where boxes are large still, blocks of pixels are summed up as they are read.
+        x, y = (max(int(_smallest(size) / _LEAST_OF_BLOCKS), 1) for size in (over.width_px, over.height_px))
+        box = _extent(over, width, height, x, y)
+        if box is None:
+            return np.zeros((part.height_px, part.width_px, 4), np.uint8)
+        if box.width * box.height > MOST_PX:
+            raise PartError(
+                f"{self.title}: a part of zoom {part.zoom} covers {box.width}x{box.height} px of it, which are too "
+                "many; give it overviews, by gdaladdo"
+            )
+        return means(self._read(level, box, x, y), over.scaled(box.left, box.top, x, y), x * y)
+
+    def _level(self, over: Boxes) -> int:
+        """Coarsest overview of which boxes still have pixels enough."""
+        full_width, full_height = self._sizes[0]
+        wide, high = _smallest(over.width_px), _smallest(over.height_px)
+        return max(
+            (
+                level
+                for level, (width, height) in enumerate(self._sizes)
+                if wide * width / full_width >= _LEAST_OF_OVERVIEW_PX
+                and high * height / full_height >= _LEAST_OF_OVERVIEW_PX
+            ),
+            default=0,
+        )
+
+    def _read(self, level: int, box: Box, x: int, y: int) -> Sums:
+        """Sums of colours over blocks of ``x`` by ``y`` px of a box, read strip by strip."""
+        bottom = box.top + box.height
+        rows = max(_STRIP_PX // (box.width * y), 1) * y
+        try:
+            with self._pool.lent(level) as file:
+                strips = [
+                    reduced(self._colours.read(file, strip), x, y)
+                    for strip in (
+                        Box(box.left, top, box.width, min(rows, bottom - top))
+                        for top in range(box.top, bottom, rows)
+                    )
+                ]
+        except ReadError as wrong:
+            raise PartError(f"{self.title}: cannot be read here: {wrong}") from wrong
+        return strips[0] if len(strips) == 1 else np.concatenate(strips)
+
+
+def _check_there(path: str) -> None:
+    if path.startswith("/vsi"):
+        return
+    if Path(path).is_dir():
+        raise InvalidInput(f"{path}: is a folder; name a raster file")
+    if not Path(path).is_file():
+        raise InvalidInput(f"{path}: there is no such file")
+
+
+def _state(path: str) -> tuple[int, int] | None:
+    """Size and time of change of a file; None where there is none, as for virtual ones."""
+    try:
+        status = Path(path).stat()
+    except OSError:
+        return None
+    return status.st_size, status.st_mtime_ns
+
+
+def _smallest(size_px: Floats) -> float:
+    finite = size_px[np.isfinite(size_px)]
+    return float(finite.min()) if finite.size else 1.0
+
+
+def _extent(over: Boxes, width: int, height: int, x: int, y: int) -> Box | None:
+    """Pixels of a raster that boxes reach, in whole blocks of ``x`` by ``y`` counted from its corner; None for none."""
+    left, right = over.column_px - over.width_px / 2.0, over.column_px + over.width_px / 2.0
+    top, bottom = over.row_px - over.height_px / 2.0, over.row_px + over.height_px / 2.0
+    # Comparisons with what is not finite say no.
+    with np.errstate(invalid="ignore"):
+        reached = (
+            (right > _SLIVER_PX)
+            & (left < width - _SLIVER_PX)
+            & (bottom > _SLIVER_PX)
+            & (top < height - _SLIVER_PX)
+        )
+    if not reached.any():
+        return None
+    left, right, top, bottom = (
+        np.broadcast_to(edge, reached.shape)[reached] for edge in (left, right, top, bottom)
+    )
+    first_x, first_y = (max(math.floor(edge.min() + _SLIVER_PX), 0) for edge in (left, top))
+    first_x, first_y = first_x - first_x % x, first_y - first_y % y
+    last_x, last_y = (math.ceil(edge.max() - _SLIVER_PX) for edge in (right, bottom))
+    last_x, last_y = min(last_x + -last_x % x, width), min(last_y + -last_y % y, height)
+    return Box(first_x, first_y, last_x - first_x, last_y - first_y)

@@ -1,0 +1,1 @@
+"""Layers of WMTS and WMS services, as their capabilities describe them."""

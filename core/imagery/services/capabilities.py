@@ -1,0 +1,262 @@
+"""Capabilities of a WMTS or WMS: which are wanted, how they are fetched, and what both kinds have in common."""
+
+from __future__ import annotations
+
+import html
+import os
+import re
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import Any
+from urllib.parse import parse_qsl, quote, quote_plus, urlencode, urlsplit, urlunsplit
+
+from ...errors import InvalidInput, PartError, SourceError, TerrAInavError
+from ..catalogue.entry import KEY_ENV
+from ..client import Client, first_words
+from ..policy import Policy
+from ..template import check_address
+from ..transport import RequestsTransport, Transport
+
+#: Choices after the # of each kind of service.
+CHOICES = {
+    "wmts": ("layer", "style", "tilematrixset", "format"),
+    "wms": ("layers", "styles", "format", "version"),
+}
+#: Formats of tiles that can be decoded, the first that is offered is taken.
+FORMATS = ("image/png", "image/jpeg", "image/webp", "image/gif")
+#: Largest capabilities read; those of national services have some MB.
+MAX_DOCUMENT_BYTES = 32 << 20
+#: Attempts at a document: a person waits for it, and may try again.
+_TRIES = 2
+#: Layers and tile matrix sets that an error names.
+NAMED = 8
+_WORDS_CHARACTERS = 300
+_NOTHING = frozenset({"", "none", "no", "null", "no constraints", "no conditions apply", "-"})
+
+
+@dataclass(frozen=True)
+class Service:
+    """A service and what is wanted of it, as its name says.
+
+    Parameters
+    ----------
+    kind : str
+        wmts or wms.
+    address : str
+        With {key} where the key stands.
+    choices : mapping
+        Of `CHOICES`.
+    """
+
+    kind: str
+    address: str
+    choices: Mapping[str, str]
+
+    @classmethod
+    def named(cls, name: str) -> Service:
+        """Service of a source's name.
+
+        Raises
+        ------
+        InvalidInput
+            An unknown choice, or an address that is none or holds credentials.
+        """
+        kind, _, rest = name.partition(":")
+        kind = kind.lower()
+        address, _, fragment = rest.partition("#")
+        check_address(address, f"address of a {kind.upper()}")
+        choices = {}
+        for choice, value in parse_qsl(fragment, keep_blank_values=True):
+            if choice.lower() not in CHOICES[kind]:
+                raise InvalidInput(
+                    f"choice {choice!r} of a {kind.upper()}: must be one of {', '.join(CHOICES[kind])}"
+                )
+            choices[choice.lower()] = value
+        return cls(kind, address, choices)
+
+    @property
+    def host(self) -> str:
+        """Host asked."""
+        return urlsplit(self.address).hostname or ""
+
+    def document_url(self, key: str) -> str:
+        """Address of the capabilities document."""
+        parts = urlsplit(self.address.replace("{key}", quote(key, safe="")))
+        given = {name.lower() for name, _ in parse_qsl(parts.query, keep_blank_values=True)}
+        if parts.path.lower().endswith(".xml") or "request" in given:
+            return urlunsplit(parts)
+        version = self.choices.get("version") or ("1.0.0" if self.kind == "wmts" else "1.3.0")
+        wanted = {"service": self.kind.upper(), "request": "GetCapabilities", "version": version}
+        more = urlencode({name.upper(): value for name, value in wanted.items() if name not in given})
+        return urlunsplit(parts._replace(query=f"{parts.query}&{more}" if parts.query else more))
+
+
+@dataclass(frozen=True)
+class Offered:
+    """A layer as its capabilities offer it."""
+
+    name: str
+    title: str
+
+
+@dataclass(frozen=True)
+class Document:
+    """A capabilities document.
+
+    Parameters
+    ----------
+    service : Service
+    body : bytes
+        With {key} where the server repeats the key.
+    url : str
+        Where it came from; may hold the key.
+    key : str
+        Empty where there is none.
+    """
+
+    service: Service
+    body: bytes
+    url: str
+    key: str
+
+    def wrong(self, reason: str) -> SourceError:
+        """Error about this document, in one line and without the key."""
+        text = f"{self.service.kind.upper()} of {self.service.host}: {reason}"
+        return SourceError(self.without_key(text).replace("{key}", "***"))
+
+    def without_key(self, text: str) -> str:
+        """Put {key} where the key stands."""
+        return without_key(text, self.key)
+
+
+def fetched(service: Service, key: str | None, transport: Transport | None) -> Document:
+    """Capabilities of a service.
+
+    Raises
+    ------
+    SourceError
+        They cannot be had, are too large, or something else is at the address; or the key is missing.
+    """
+    key = key or os.environ.get(KEY_ENV) or ""
+    if "{key}" not in service.address:
+        key = ""
+    elif not key:
+        raise SourceError(f"{service.host}: needs an API key: set the environment variable {KEY_ENV}")
+    used = RequestsTransport(1, max_body_bytes=MAX_DOCUMENT_BYTES) if transport is None else transport
+    url = service.document_url(key)
+    secrets = (key,) if key else ()
+    client = Client(used, service.host, connections=1, secrets=secrets, tries=_TRIES)
+    try:
+        response = client.get(url, "capabilities")
+    except PartError as failure:
+        raise SourceError(f"{service.host}: {failure}") from None
+    finally:
+        # A transport that was given goes on to fetch the tiles.
+        if transport is None:
+            used.close()
+    # Servers repeat the key in the addresses they state, and in what they say; nothing of it goes on from here.
+    body = response.body
+    if key:
+        body = without_key(body.decode("latin-1"), key).encode("latin-1")
+    document = Document(service, body, url, key)
+    plain = body.replace(b"\0", b"")
+    if len(body) > MAX_DOCUMENT_BYTES or b"<!ENTITY" in plain:
+        raise document.wrong("capabilities of too many bytes, or with entities of their own, are not read")
+    if not re.search(rb"<(\w+:)?(WMS_|WMT_MS_)?Capabilities\b", plain):
+        words = first_words(body, response.headers.get("content-type", ""))
+        raise document.wrong(f"no capabilities at this address{f': {words}' if words else ''}")
+    return document
+
+
+def without_key(text: str, key: str) -> str:
+    """Put {key} where a key stands, however it is written."""
+    written = {key, quote(key), quote(key, safe=""), quote_plus(key), html.escape(key)}
+    for form in sorted(written - {""}, key=len, reverse=True):
+        text = text.replace(form, "{key}")
+    return text
+
+
+@contextmanager
+def reading(document: Document) -> Iterator[None]:
+    """Turn what a reader of capabilities trips over into one line."""
+    try:
+        yield
+    except TerrAInavError:
+        raise
+    except ImportError as missing:
+        raise SourceError(
+            f"source {document.service.kind}:{document.service.host}: needs OWSLib: pip install owslib"
+        ) from missing
+    except (ArithmeticError, AttributeError, LookupError, SyntaxError, TypeError, ValueError) as broken:
+        raise document.wrong(
+            f"capabilities that cannot be read ({type(broken).__name__}: {' '.join(str(broken).split())})"
+        ) from broken
+
+
+def chosen_one(document: Document, what: str, wanted: str | None, offered: Mapping[str, str]) -> str:
+    """Return the choice asked for, or the only one.
+
+    Parameters
+    ----------
+    what : str
+        Name of the choice.
+    wanted : str or None
+    offered : mapping
+        Names there are, to their titles.
+
+    Raises
+    ------
+    InvalidInput
+        It is not offered, or nothing is asked for and there are several.
+    """
+    if wanted is not None and wanted in offered:
+        return wanted
+    if wanted is None and len(offered) == 1:
+        return next(iter(offered))
+    host = document.service.host
+    names = ", ".join(list(offered)[:NAMED]) + (
+        f" and {len(offered) - NAMED} more" if len(offered) > NAMED else ""
+    )
+    if wanted is None:
+        raise InvalidInput(
+            f"{document.service.kind.upper()} of {host}: say which with #{what}=…: {names or 'it offers none'}; "
+            "`terrainav sources show` lists them"
+        )
+    raise InvalidInput(f"{what} {wanted!r}: {host} offers {names or 'none'}")
+
+
+def chosen_format(document: Document, offered: list[str]) -> str:
+    """Return the format asked for, or the best of those offered that can be decoded."""
+    wanted = document.service.choices.get("format")
+    known = [kind for kind in offered if kind.partition(";")[0].strip() in FORMATS]
+    if wanted is not None:
+        wanted = wanted if "/" in wanted else "image/" + wanted.replace("jpg", "jpeg")
+        return chosen_one(document, "format", wanted, {kind: kind for kind in known})
+    for kind in FORMATS:
+        if kind in known:
+            return kind
+    if known:
+        return known[0]
+    raise document.wrong(f"offers {', '.join(offered) or 'no format'}, and none of {', '.join(FORMATS)}")
+
+
+def policy_of(identification: Any) -> Policy:
+    """Terms as the capabilities state them: fees and access constraints."""
+    stated = []
+    for label, name in (("fees", "fees"), ("access constraints", "accessconstraints")):
+        text = one_line(getattr(identification, name, None))
+        if text.lower() not in _NOTHING:
+            stated.append(f"{label}: {text}")
+    return Policy(terms="; ".join(stated))
+
+
+def credit_of(title: str | None, provider: Any) -> str:
+    """Attribution: as the layer states it, else the provider's name."""
+    return one_line(title) or one_line(getattr(provider, "name", None))
+
+
+def one_line(text: str | None) -> str:
+    """Text of a document in one line of bounded length, markup left out."""
+    plain = " ".join(re.sub(r"<[^>]*>", " ", text or "").split())
+    return plain if len(plain) <= _WORDS_CHARACTERS else plain[: _WORDS_CHARACTERS - 1] + "…"

@@ -1,0 +1,160 @@
+"""A user's own sources: kept in a file, under their provider's terms, without a key."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+from terrainav.core.errors import InvalidInput, OutputError
+from terrainav.core.imagery.catalogue.listing import entry_named, sources
+from terrainav.core.imagery.catalogue.user_sources import add, default_folder, described, remove, user_sources
+from terrainav.core.imagery.opening import open_source
+from terrainav.core.imagery.source import Window
+
+from tests.support.patterns import positions
+from tests.support.tileserver import TileServer
+
+
+@pytest.fixture(autouse=True)
+def folder(monkeypatch, tmp_path):
+    monkeypatch.setenv("TERRAINAV_CONFIG_DIR", str(tmp_path / "config"))
+    monkeypatch.delenv("TERRAINAV_KEY", raising=False)
+    return tmp_path / "config"
+
+
+def test_a_source_is_kept_listed_opened_and_forgotten(folder):
+    with TileServer() as server:
+        data = described(
+            server.url_template,
+            title="Mine",
+            attribution="© Me",
+            licence="CC0",
+            max_zoom=17,
+            max_connections=3,
+        )
+        added = add("my-tiles", data)
+        (listed,) = [entry for entry in sources() if entry.user]
+        assert listed == added == entry_named("My-Tiles")
+        assert [entry.name for entry in sources()][-1] == "my-tiles"
+        source = open_source("my-tiles")
+        assert (source.name, source.title, source.attribution) == ("my-tiles", "Mine", "© Me")
+        assert (source.grid.max_zoom, source.policy.max_connections) == (17, 3)
+        assert (source.fetch("", Window(3, 256, 512, 256, 256)) == positions("satellite", 3, 1, 2, 256)).all()
+        source.close()
+    remove("my-tiles")
+    assert user_sources() == ()
+    assert not [path for path in folder.iterdir() if path.name != "sources.json"]
+
+
+@pytest.mark.parametrize("name", ["", "Mine", "-mine", "my tiles", "a/b", "x" * 65, "ümlaut", "a.tif"])
+def test_names_that_are_refused(name):
+    with pytest.raises(InvalidInput, match="must be lower-case letters, digits, hyphens and underscores"):
+        add(name, described("https://h.example/{z}/{x}/{y}"))
+
+
+def test_names_that_are_taken():
+    with pytest.raises(InvalidInput, match="is one of the catalogue's"):
+        add("osm", described("https://h.example/{z}/{x}/{y}"))
+    add("mine", described("https://h.example/{z}/{x}/{y}"))
+    with pytest.raises(InvalidInput, match="is taken"):
+        add("mine", described("https://other.example/{z}/{x}/{y}"))
+    assert user_sources()[0].title == "h.example"
+
+
+def test_what_cannot_be_removed():
+    with pytest.raises(InvalidInput, match="is part of the catalogue"):
+        remove("osm")
+    add("mine", described("https://h.example/{z}/{x}/{y}"))
+    with pytest.raises(InvalidInput, match="is none of your own, which are mine"):
+        remove("yours")
+
+
+@pytest.mark.parametrize(
+    ("url", "options"),
+    [
+        ("https://h.example/{z}/{x}", {}),
+        ("https://h.example/{z}/{x}/{y}?api_key=1234", {}),
+        ("https://me:word@h.example/{z}/{x}/{y}", {}),
+        ("https://h.example/{z}/{x}/{y}", {"default_date": "2020"}),
+        ("https://h.example/{z}/{x}/{y}", {"max_zoom": 99}),
+        ("https://h.example/{z}/{x}/{y}", {"tile_px": 300}),
+        ("https://h.example/{z}/{x}/{y}", {"max_connections": 0}),
+    ],
+)
+def test_what_is_not_right_is_not_kept(folder, url, options):
+    with pytest.raises(InvalidInput):
+        add("mine", described(url, **options))
+    assert not folder.exists()
+
+
+def test_a_provider_s_terms_stay_whatever_is_said(folder):
+    generous = described(
+        "https://{s}.tile.openstreetmap.org/{z}/{x}/{y}.png", max_connections=64, requests_per_s=1000.0
+    )
+    entry = add("fast-osm", generous)
+    own = entry_named("osm")
+    assert entry.policy == own.policy
+    assert entry.attribution == own.attribution
+    # Nor by hand in the file.
+    data = json.loads((folder / "sources.json").read_text())
+    data["fast-osm"].update(bulk_allowed="yes", max_tiles=None)
+    (folder / "sources.json").write_text(json.dumps(data))
+    assert user_sources()[0].policy == own.policy
+    source = open_source("fast-osm")
+    assert source.policy.bulk_allowed == "no"
+    source.close()
+
+
+def test_a_key_is_asked_of_the_environment_and_not_in_the_file(folder, monkeypatch):
+    with TileServer() as server:
+        add("keyed", described(server.url_template + "?token={key}", key_env="MY_TILES_KEY"))
+        monkeypatch.setenv("MY_TILES_KEY", "s3cret")
+        source = open_source("keyed")
+        source.fetch("", Window(1, 0, 0, 256, 256))
+        assert list(server.requests) == ["/1/0/0.png?token=s3cret"]
+        source.close()
+    assert "s3cret" not in (folder / "sources.json").read_text()
+
+
+def test_templates_that_say_more_than_where():
+    add(
+        "dated",
+        described("https://t{1-4}.h.example/{map_type}/{date}/{z}/{x}/{-y}{r}.png", default_date="2020"),
+    )
+    (entry,) = user_sources()
+    assert entry.map_types == ("satellite", "roadmap", "terrain")
+    urls = {entry.templates("2021")[""].url(4, x, 1, map_type="roadmap") for x in range(4)}
+    assert urls == {f"https://t{1 + (x + 1) % 4}.h.example/roadmap/2021/4/{x}/14.png" for x in range(4)}
+    assert entry.date(None) == "2020"
+    add("asked", described("https://h.example/{date}/{z}/{x}/{y}"))
+    with pytest.raises(InvalidInput, match=r"h\.example: has imagery of several dates; say which \(--date\)"):
+        open_source("asked")
+
+
+@pytest.mark.parametrize("content", ["[]", '{"mine": 3}', '{"mine": {"kind": "world"}}', '{"mine": {}}', "{"])
+def test_a_file_that_is_not_right_is_named_and_left_alone(folder, content):
+    folder.mkdir()
+    (folder / "sources.json").write_text(content)
+    with pytest.raises(InvalidInput) as raised:
+        user_sources()
+    assert "sources.json" in str(raised.value)
+    assert "\n" not in str(raised.value)
+    assert (folder / "sources.json").read_text() == content
+
+
+def test_a_folder_that_cannot_be_made_is_named(tmp_path, monkeypatch):
+    (tmp_path / "file").write_text("")
+    monkeypatch.setenv("TERRAINAV_CONFIG_DIR", str(tmp_path / "file"))
+    with pytest.raises((OutputError, InvalidInput), match="file"):
+        add("mine", described("https://h.example/{z}/{x}/{y}"))
+
+
+def test_where_the_folder_is(monkeypatch, tmp_path):
+    assert default_folder() == tmp_path / "config"
+    monkeypatch.delenv("TERRAINAV_CONFIG_DIR")
+    monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path / "xdg"))
+    monkeypatch.setattr("sys.platform", "linux")
+    assert default_folder() == tmp_path / "xdg" / "terrainav"
+    monkeypatch.setattr("sys.platform", "win32")
+    monkeypatch.setenv("APPDATA", str(tmp_path / "roaming"))
+    assert default_folder() == tmp_path / "roaming" / "terrainav"

@@ -1,0 +1,267 @@
+"""Captures in processes that can be killed, or that a limit or another user's rights are set on.
+
+A process that has everything imported forks one child a run, so that a run costs what a capture costs. The driver reads
+one request a line from its input and answers with one line each; both are JSON.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import logging
+import os
+import signal
+import subprocess
+import sys
+import time
+import traceback
+from pathlib import Path
+
+ROOT = Path(__file__).parents[2]
+# Longest a run may take, far longer than any does; the longest that what a killed run started may stay.
+NEVER_S, ORPHANS_S = 60.0, 5.0
+KILLED = -signal.SIGKILL
+_FILE_EVENTS = ("open", "os.rename", "os.mkdir", "os.remove")
+
+
+class Driver:
+    """Forks captures while its context is open.
+
+    Parameters
+    ----------
+    environment : mapping
+        Added to that of the runs.
+    """
+
+    def __init__(self, environment=()):
+        self._environment = {**os.environ, "OPENBLAS_NUM_THREADS": "1", **dict(environment)}
+
+    def __enter__(self):
+        self._process = subprocess.Popen(
+            [sys.executable, "-m", "tests.support.forks"],
+            cwd=ROOT,
+            env=self._environment,
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            text=True,
+        )
+        assert self._process.stdout.readline() == "ready\n"
+        return self
+
+    def __exit__(self, *_):
+        self._process.stdin.close()
+        self._process.stdout.close()
+        self._process.wait()
+
+    def run(self, **request):
+        """Run a capture; returns what became of it.
+
+        Parameters
+        ----------
+        mission : str
+            JSON of the mission, captured from a source whose pixels hold their position; or
+        argv : list of str
+            Arguments of the command. ``debug`` logs all that is logged, ``hasty`` waits briefly and tries once.
+        folder : str
+            For ``mission``.
+        environment : mapping
+            Added to the driver's, for this run.
+        output : str
+            File for what the run prints.
+        kill_after_s : float
+            After so long it is killed.
+        kill_at_event : int
+            It is killed before that one of its changes to the folder, from 0.
+        wait_s, connections, workers
+            Of the source and the capture.
+        largest_file_bytes : int
+            RLIMIT_FSIZE.
+        user : int
+            Runs as this user.
+        closes_after : int
+            The folder becomes read-only once so many parts were fetched.
+
+        Returns
+        -------
+        dict
+            ``code`` (negative: the signal), ``seconds``, ``orphans`` (whether processes of the run stayed), ``events``
+            (changes to the folder, of a run that ended by itself), ``error`` (of a capture that raised).
+        """
+        self._process.stdin.write(json.dumps(request) + "\n")
+        self._process.stdin.flush()
+        return json.loads(self._process.stdout.readline())
+
+
+def _main():
+    # All that a run imports.
+    import resource  # noqa: F401
+
+    import PIL.Image  # noqa: F401
+    import terrainav.core.cli
+    import terrainav.core.imagery.world
+    import terrainav.core.imagery.xyz
+    from terrainav.core.capture import cost, runner  # noqa: F401
+
+    import tests.support.sources  # noqa: F401
+
+    with contextlib.suppress(ImportError):
+        import terrainav.core.imagery.cache.tile_cache  # noqa: F401
+    print("ready", flush=True)
+    for line in sys.stdin:
+        request = json.loads(line)
+        came, went = os.pipe()
+        child = os.fork()
+        if child == 0:
+            os.close(came)
+            _child(request, went)
+        os.close(went)
+        print(json.dumps(_watch(child, came, request)), flush=True)
+
+
+def _watch(child, came, request):
+    with contextlib.suppress(OSError):
+        os.setpgid(child, child)
+    began = time.monotonic()
+    status = 0
+    if request.get("kill_after_s") is None:
+        _, status = os.waitpid(child, 0)
+    else:
+        time.sleep(request["kill_after_s"])
+        os.kill(child, signal.SIGKILL)
+        _, status = os.waitpid(child, 0)
+    seconds = time.monotonic() - began
+    deadline = time.monotonic() + ORPHANS_S
+    while (orphans := _signal_group(child, 0)) and time.monotonic() < deadline:
+        time.sleep(0.002)
+    _signal_group(child, signal.SIGKILL)
+    with os.fdopen(came) as told:
+        text = told.read()
+    code = -os.WTERMSIG(status) if os.WIFSIGNALED(status) else os.WEXITSTATUS(status)
+    return {"code": code, "seconds": seconds, "orphans": orphans, **(json.loads(text) if text else {})}
+
+
+def _signal_group(group, number):
+    """Signal the processes of a group; whether there are any."""
+    try:
+        os.killpg(group, number)
+    except ProcessLookupError:
+        return False
+    return True
+
+
+def _child(request, went):
+    """Run a capture and never come back."""
+    code, told = 70, {}
+    try:
+        with contextlib.suppress(OSError):
+            os.setpgid(0, 0)
+        output = os.open(request.get("output", os.devnull), os.O_WRONLY | os.O_CREAT | os.O_APPEND)
+        null = os.open(os.devnull, os.O_RDONLY)
+        for old, new in ((null, 0), (output, 1), (output, 2)):
+            os.dup2(old, new)
+        signal.alarm(int(NEVER_S))
+        code = _run(request, told)
+    except SystemExit as wrong:
+        code = wrong.code
+    except BaseException:  # noqa: BLE001 (the process ends here)
+        traceback.print_exc()
+    finally:
+        sys.stdout.flush()
+        sys.stderr.flush()
+        os.write(went, json.dumps(told).encode())
+        # Not by way of the parent's clean-up.
+        os._exit(code)
+
+
+def _run(request, told):
+    from terrainav.core.capture.runner import capture
+    from terrainav.core.cli import main
+    from terrainav.core.errors import TerrAInavError
+    from terrainav.core.mission.mission import Mission
+    from terrainav.core.mission.plan import plan
+
+    from tests.support.sources import PatternSource
+
+    os.environ.update(request.get("environment", {}))
+    if request.get("argv"):
+        if request.get("debug"):
+            logging.basicConfig(level=logging.DEBUG)
+        if request.get("hasty"):
+            _hurry()
+        return main(request["argv"])
+    source = PatternSource(wait_s=request.get("wait_s", 0.0))
+    worked_out = plan(Mission.from_json(request["mission"]), source.grid)
+    folder = request["folder"]
+    _kill_at(folder, request.get("kill_at_event"), told)
+    _limit(request)
+    if request.get("closes_after") is not None:
+        source.paint = _closing(source, folder, request["closes_after"])
+    try:
+        result = capture(
+            worked_out,
+            source,
+            folder,
+            connections=request.get("connections", 2),
+            workers=request.get("workers", 2),
+            resume=True,
+        )
+    except TerrAInavError as wrong:
+        told["error"] = str(wrong)
+        return 3
+    told.update(written=result.written, skipped=result.skipped, failed=len(result.failed))
+    return 0
+
+
+def _hurry():
+    """Let every attempt at a request end soon, and be the only one."""
+    from terrainav.core.imagery import client, transport
+
+    client.Client.__init__.__kwdefaults__["tries"] = 1
+    transport.Timeouts.__new__.__defaults__ = soon = (5.0, 0.3, 0.6)
+    defaults = transport.RequestsTransport.__init__.__defaults__
+    transport.RequestsTransport.__init__.__defaults__ = tuple(
+        transport.Timeouts(*soon) if isinstance(value, transport.Timeouts) else value for value in defaults
+    )
+
+
+def _kill_at(folder, at, told):
+    """Count changes to the folder, and end the process before one of them."""
+    told["events"] = 0
+
+    def hook(event, arguments):
+        if event not in _FILE_EVENTS or not str(arguments[0]).startswith(folder):
+            return
+        if event == "open" and not (isinstance(arguments[1], str) and set(arguments[1]) & set("wax+")):
+            return
+        if told["events"] == at:
+            os.kill(os.getpid(), signal.SIGKILL)
+        told["events"] += 1
+
+    sys.addaudithook(hook)
+
+
+def _limit(request):
+    import resource
+
+    if request.get("largest_file_bytes") is not None:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (request["largest_file_bytes"],) * 2)
+    if request.get("user") is not None:
+        os.setgid(request["user"])
+        os.setuid(request["user"])
+
+
+def _closing(source, folder, after):
+    """Paint as ever, but close the folder to writers after so many parts."""
+    paint = source.paint
+
+    def closing(map_type, part):
+        if sum(source.fetched.values()) >= after:
+            for path in (Path(folder), *(path for path in Path(folder).iterdir() if path.is_dir())):
+                path.chmod(0o555)
+        return paint(map_type, part)
+
+    return closing
+
+
+if __name__ == "__main__":
+    _main()
