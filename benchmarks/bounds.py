@@ -45,6 +45,7 @@ def page() -> str:
         _, wide = bounds.meshes(2028, MESHES // 3, tolerance, narrowest=20.0, widest=150.0)
         rows.append(row(f"mesh-{tolerance:g}px, 20° to 150°", wide, "meshes"))
     rectangles = bounds.rectangles_inside(2027, *RECTANGLES)
+    without = rectangles.count - rectangles.with_extent
     table = "\n".join(rows)
     total = sum(tally.count for tally in level.values())
     precise = "long double" if longdouble.EXTENDED else "float64 (this machine has no longer numbers)"
@@ -66,7 +67,7 @@ its own cell's bound.
 
 Rectangles that camera frames count for in covering, {rectangles.with_extent:,} of {RECTANGLES[0]:,} cameras at any
 tilt and height, leave their image by at most {max(rectangles.worst_px, 0.0):.2g} px beyond the noise of map positions,
-and the Earth hides nothing of them; {rectangles.count - rectangles.with_extent:,} more poses see ground and have no rectangle.
+and the Earth hides nothing of them; {without:,} more poses see ground and have no rectangle.
 
 The bound of the exact camera is one of rounding, which is random: what holds in the worst of a million scenes is
 far from the median one. Draws of fields of view are even in the logarithm of their tangent, so that half of all
