@@ -3,26 +3,47 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from queue import SimpleQueue
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from qgis.core import QgsRasterBlockFeedback, QgsRasterLayer, QgsRasterPipe, QgsRasterProjector, QgsRectangle
-from qgis.PyQt.QtCore import QCoreApplication, QObject
+from qgis.core import (
+    QgsRasterBlockFeedback,
+    QgsRasterInterface,
+    QgsRasterLayer,
+    QgsRasterPipe,
+    QgsRasterProjector,
+    QgsRectangle,
+)
 
 from ..core.errors import PartError
 from .layer_jobs import Jobs, to_array
+
+#: Copies of a layer's pipe: as many as a capture has connections. More threads than these wait for one another.
+_COPIES = 8
+
+
+class _Pipe(NamedTuple):
+    """A pipe and its last stage, which gives the pixels; wrapped once, as wrapping is not safe on other threads."""
+
+    pipe: QgsRasterPipe
+    last: QgsRasterInterface
 
 
 class Pipes:
     """A layer, and its pipes: one for each thread that draws it at the same time.
 
-    Made and let go of on the main thread, which QGIS's providers belong to: one that is destroyed on another thread
-    while the main one goes on may end QGIS.
+    Made and let go of on the main thread, which QGIS's providers belong to: one that is made, wrapped or destroyed on
+    another thread while the main one goes on may end QGIS.
     """
 
     def __init__(self, layer: QgsRasterLayer) -> None:
         self.layer = layer
-        self._idle: list[QgsRasterPipe] = []
+        self._idle: SimpleQueue[_Pipe] = SimpleQueue()
+        for _ in range(_COPIES):
+            pipe = _copy(layer.pipe())
+            self._idle.put(_Pipe(pipe, pipe.last()))
 
     def block(
         self,
@@ -40,13 +61,12 @@ class Pipes:
         Cancelled
         """
         feedback = QgsRasterBlockFeedback()
-        with jobs.preparing:
-            pipe = self._idle.pop() if self._idle else _copy(self.layer.pipe())
+        pipe = self._idle.get()
         try:
             with jobs.watched(feedback.cancel, cancelled):
-                block = pipe.last().block(1, extent, *size, feedback)
+                block = pipe.last.block(1, extent, *size, feedback)
         finally:
-            self._idle.append(pipe)
+            self._idle.put(pipe)
         if feedback.errors():
             raise PartError(f"QGIS could not read it: {feedback.errors()[0]}")
         image = block.image()
@@ -61,8 +81,5 @@ def _copy(pipe: QgsRasterPipe) -> QgsRasterPipe:
     for index in range(pipe.size()):
         stage = pipe.at(index)
         if not isinstance(stage, QgsRasterProjector):
-            clone = stage.clone()
-            if isinstance(clone, QObject):
-                clone.moveToThread(QCoreApplication.instance().thread())
-            copy.set(clone)
+            copy.set(stage.clone())
     return copy
