@@ -37,7 +37,7 @@ from terrainav.core.mission.area import Box
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import Plan, plan
 from terrainav.core.report.machine import machine
-from terrainav.terrainav_plugin.qgis_transport import QgisTransport
+from terrainav.terrainav_plugin.network.transport import QgisTransport
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 from loopback_server import LoopbackServer

@@ -19,8 +19,8 @@ from .sources import open_for_capture, snapshot_for
 if TYPE_CHECKING:
     from ..core.capture.runner import CaptureResult, Progress
     from ..core.mission.plan import Plan
-    from .mosaic import Mosaic
-    from .qgis_transport import QgisTransport
+    from .map.mosaic import Mosaic
+    from .network.transport import QgisTransport
 
 #: Share of the progress that capturing is; the mosaic takes the rest.
 _CAPTURE_SHARE = 0.9
@@ -129,7 +129,7 @@ class CaptureTask(QgsTask):
             self._place_picture()
 
     def _make_mosaics(self) -> None:
-        from .mosaic import MOST_PICTURES, build_mosaics
+        from .map.mosaic import MOST_PICTURES, build_mosaics
 
         if len(self.plan) <= MOST_PICTURES:
             self.mosaics = build_mosaics(self.plan, self.folder, self._mosaic_progress)
@@ -139,7 +139,7 @@ class CaptureTask(QgsTask):
         folder = self.folder / mission.map_types[0]
         picture = folder / f"{self.plan.names[0]}.{mission.image_format}"
         if self.plan.size_px is not None:
-            from .on_map import lay_on_map
+            from .map.on_map import lay_on_map
 
             on_map = folder / "on-map.tif"
             lay_on_map(self.plan, picture, on_map)
@@ -160,6 +160,6 @@ class CaptureTask(QgsTask):
 def _transport() -> QgisTransport:
     """Make the way to the network, in the thread that it works in."""
     from ..core.capture.runner import DEFAULT_CONNECTIONS
-    from .qgis_transport import QgisTransport
+    from .network.transport import QgisTransport
 
     return QgisTransport(DEFAULT_CONNECTIONS)

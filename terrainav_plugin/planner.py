@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from qgis.PyQt.QtCore import QObject, QTimer, pyqtSignal
 
 from .i18n import tr
-from .preview_features import PreviewFeatures, preview_features
+from .map.preview_features import PreviewFeatures, preview_features
 
 if TYPE_CHECKING:
     from ..core.geodesy.mercator import PixelGrid

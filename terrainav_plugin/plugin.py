@@ -12,8 +12,8 @@ from qgis.PyQt.QtWidgets import QMenu
 
 from .compat import QAction
 from .i18n import tr
+from .map.mission_group import saved_missions
 from .messages import Messages
-from .mission_group import saved_missions
 from .paths import icon
 
 if TYPE_CHECKING:

@@ -15,12 +15,12 @@ from qgis.PyQt.QtGui import QDesktopServices
 from qgis.PyQt.QtWidgets import QMessageBox
 
 from ..core.errors import TerrAInavError
-from . import mission_form
 from .capture_task import CaptureTask
-from .estimates import duration_text
+from .dock import mission_form
+from .dock.estimates import duration_text
+from .dock.mission_form import FormError, FormState
 from .i18n import tr
-from .mission_form import FormError, FormState
-from .results import load_results, load_test_shot
+from .map.results import load_results, load_test_shot
 from .sources import grid_of, key_in, terms_problem
 
 if TYPE_CHECKING:

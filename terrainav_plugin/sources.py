@@ -11,12 +11,12 @@ from urllib.parse import quote
 from qgis.core import QgsApplication, QgsAuthMethodConfig, QgsProject
 
 from ..core.errors import InvalidInput, SourceError
-from . import mission_form
-from .choices import CameraChoice
+from .dock import mission_form
+from .dock.choices import CameraChoice
+from .dock.mission_form import FormError
 from .i18n import tr
-from .layer_snapshot import Snapshot, grid_of_layers, is_of_qgis, take_snapshot
-from .layer_source import LayerSource
-from .mission_form import FormError
+from .layers.snapshot import Snapshot, grid_of_layers, is_of_qgis, take_snapshot
+from .layers.source import LayerSource
 
 if TYPE_CHECKING:
     from ..core.geodesy.mercator import PixelGrid

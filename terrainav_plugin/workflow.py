@@ -13,25 +13,25 @@ from qgis.PyQt.QtCore import QObject, Qt, pyqtSignal
 
 from ..core.errors import TerrAInavError
 from ..core.mission.area import Box
-from . import mission_form
-from .background import Background, WorldTask
-from .box_tool import BoxTool
-from .dock import Dock
-from .estimates import details_html, estimate_html
-from .form_state import BOX_FIELDS, FormState
+from .dock import mission_form
+from .dock.dock import Dock
+from .dock.estimates import details_html, estimate_html
+from .dock.form_state import BOX_FIELDS, FormState
+from .dock.mission_form import FormError
+from .dock.refusals import refused_fields
+from .dock.source_choices import source_choices
+from .dock.source_shelf import SourceShelf
 from .i18n import tr
-from .layer_snapshot import is_of_qgis
+from .layers.snapshot import is_of_qgis
+from .map.background import Background, WorldTask
+from .map.box_tool import BoxTool
+from .map.mission_group import MissionGroup, saved_missions
+from .map.point_tool import PointTool
+from .map.preview import Preview
 from .messages import Messages
-from .mission_form import FormError
-from .mission_group import MissionGroup, saved_missions
 from .planner import Planned, Planner
-from .point_tool import PointTool
-from .preview import Preview
-from .refusals import refused_fields
 from .runs import Runs
 from .settings import Settings
-from .source_choices import source_choices
-from .source_shelf import SourceShelf
 from .sources import WORLD, camera_choices
 
 if TYPE_CHECKING:

@@ -17,7 +17,7 @@ from qgis.core import Qgis, QgsApplication, QgsProject
 from qgis.PyQt.QtCore import QEventLoop, Qt, QTimer
 from qgis.PyQt.QtTest import QTest
 from qgis.utils import iface, plugins
-from terrainav.terrainav_plugin.mission_form import FormState
+from terrainav.terrainav_plugin.dock.mission_form import FormState
 from terrainav.terrainav_plugin.workflow import Workflow
 
 DEMO = Path(__file__).resolve().parent.parent / "demo"

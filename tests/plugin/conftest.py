@@ -146,7 +146,7 @@ def desk(
     monkeypatch: pytest.MonkeyPatch,
 ) -> Iterator[Desk]:
     """The mission panel as it is at first use, in front of an empty project."""
-    from terrainav.terrainav_plugin.form_state import FormState
+    from terrainav.terrainav_plugin.dock.form_state import FormState
 
     from tests.plugin.steps import Desk
 

@@ -16,10 +16,10 @@ from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 from terrainav.core.mission.rungs import bound_text
 from terrainav.core.mission.wind import Wind
-from terrainav.terrainav_plugin.estimates import details_html, estimate_lines
-from terrainav.terrainav_plugin.form_state import FormState
-from terrainav.terrainav_plugin.mission_form import beyond_text, mission, state_of
-from terrainav.terrainav_plugin.refusals import refused_fields
+from terrainav.terrainav_plugin.dock.estimates import details_html, estimate_lines
+from terrainav.terrainav_plugin.dock.form_state import FormState
+from terrainav.terrainav_plugin.dock.mission_form import beyond_text, mission, state_of
+from terrainav.terrainav_plugin.dock.refusals import refused_fields
 from terrainav.terrainav_plugin.sources import grid_of
 
 AREA = Box(35.16, -89.90, 35.115, -89.823)

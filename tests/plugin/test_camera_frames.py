@@ -18,9 +18,9 @@ from terrainav.core.mission.framing import ground_of
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 from terrainav.core.mission.wind import Wind
-from terrainav.terrainav_plugin.camera_outlines import metres
-from terrainav.terrainav_plugin.on_map import lay_on_map
-from terrainav.terrainav_plugin.preview_features import field_names, preview_features
+from terrainav.terrainav_plugin.map.camera_outlines import metres
+from terrainav.terrainav_plugin.map.on_map import lay_on_map
+from terrainav.terrainav_plugin.map.preview_features import field_names, preview_features
 from terrainav.terrainav_plugin.sources import grid_of
 
 from tests.plugin.test_capture import capture

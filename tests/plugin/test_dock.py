@@ -154,7 +154,7 @@ def test_hint_leads_through_the_first_use(desk):
 
 
 def test_entries_are_remembered(desk):
-    from terrainav.terrainav_plugin.form_state import FormState
+    from terrainav.terrainav_plugin.dock.form_state import FormState
 
     desk.enter_small_mission()
     desk.form.agl.setValue(77.0)

@@ -7,7 +7,7 @@ from terrainav.core.mission.area import Box, Points
 from terrainav.core.mission.estimate import OFFLINE, ONLINE, estimate
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
-from terrainav.terrainav_plugin.estimates import duration_text, estimate_html, estimate_lines
+from terrainav.terrainav_plugin.dock.estimates import duration_text, estimate_html, estimate_lines
 from terrainav.terrainav_plugin.sources import grid_of
 
 AREA = Box(35.16, -89.90, 35.115, -89.823)

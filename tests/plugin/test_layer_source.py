@@ -29,14 +29,14 @@ from terrainav.core.capture.picture import assemble
 from terrainav.core.errors import Cancelled, InvalidInput, PartError
 from terrainav.core.geodesy.mercator import HALF_WORLD_M
 from terrainav.core.imagery.source import Window
-from terrainav.terrainav_plugin.layer_jobs import Jobs
-from terrainav.terrainav_plugin.layer_snapshot import (
+from terrainav.terrainav_plugin.layers.jobs import Jobs
+from terrainav.terrainav_plugin.layers.snapshot import (
     PROJECT_SOURCE,
     layer_choices,
     source_name,
     take_snapshot,
 )
-from terrainav.terrainav_plugin.layer_source import LayerSource
+from terrainav.terrainav_plugin.layers.source import LayerSource
 
 from tests.support.patterns import decode_position, encode_position
 from tests.support.tileserver import TileServer

@@ -7,15 +7,15 @@ from dataclasses import replace
 import pytest
 from terrainav.core.mission.area import Box
 from terrainav.core.mission.mission import Mission
-from terrainav.terrainav_plugin.form_state import FormState
-from terrainav.terrainav_plugin.form_text import aspect_text, degrees_text, parse_aspect, parse_number
-from terrainav.terrainav_plugin.mission_form import (
+from terrainav.terrainav_plugin.dock.form_state import FormState
+from terrainav.terrainav_plugin.dock.form_text import aspect_text, degrees_text, parse_aspect, parse_number
+from terrainav.terrainav_plugin.dock.mission_form import (
     FormError,
     mission,
     state_of,
     with_box,
 )
-from terrainav.terrainav_plugin.mission_form import (
+from terrainav.terrainav_plugin.dock.mission_form import (
     test_shot as single_shot,
 )
 

@@ -10,8 +10,8 @@ from qgis.PyQt.QtCore import QCoreApplication
 from terrainav.core.mission.area import Box, Points, Polygon
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
-from terrainav.terrainav_plugin import preview_features as features_module
-from terrainav.terrainav_plugin.preview_features import preview_features
+from terrainav.terrainav_plugin.map import preview_features as features_module
+from terrainav.terrainav_plugin.map.preview_features import preview_features
 from terrainav.terrainav_plugin.sources import grid_of
 
 LAYERS = ["Area", "Capture centres", "Flight line", "Planned images"]

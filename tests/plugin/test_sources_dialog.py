@@ -11,8 +11,8 @@ from qgis.core import QgsProject, QgsVectorLayer
 from qgis.PyQt.QtCore import QTimer
 from qgis.PyQt.QtWidgets import QApplication, QDialogButtonBox, QFileDialog, QMessageBox
 from terrainav.core.imagery.catalogue.user_sources import user_sources
-from terrainav.terrainav_plugin.add_source_dialog import AddSourceDialog
-from terrainav.terrainav_plugin.cache_dialog import CacheDialog
+from terrainav.terrainav_plugin.dock.add_source_dialog import AddSourceDialog
+from terrainav.terrainav_plugin.dock.cache_dialog import CacheDialog
 
 from tests.support.patterns import decode_position
 from tests.support.tileserver import TileServer

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from terrainav.core.imagery.client import Client
 from terrainav.core.imagery.xyz import XYZSource
-from terrainav.terrainav_plugin.qgis_transport import QgisTransport
+from terrainav.terrainav_plugin.network.transport import QgisTransport
 
 # All of them, with their server, whatever is added there.
 from tests.core.imagery.test_faults import *  # noqa: F403

@@ -13,8 +13,8 @@ from qgis.PyQt.QtCore import QTimer
 from qgis.PyQt.QtWidgets import QDialogButtonBox
 from terrainav.core.errors import Cancelled
 from terrainav.core.imagery.transport import Timeouts
-from terrainav.terrainav_plugin import network_worker
-from terrainav.terrainav_plugin.qgis_transport import QgisTransport
+from terrainav.terrainav_plugin.network import worker as network_worker
+from terrainav.terrainav_plugin.network.transport import QgisTransport
 
 from tests.plugin.steps import PATIENCE_MS
 from tests.plugin.transports import (  # noqa: F401  (fixtures)

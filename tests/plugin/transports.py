@@ -16,7 +16,7 @@ from qgis.core import (
 )
 from qgis.PyQt.QtWidgets import QApplication
 from terrainav.core.imagery.transport import Timeouts
-from terrainav.terrainav_plugin.qgis_transport import QgisTransport
+from terrainav.terrainav_plugin.network.transport import QgisTransport
 
 # What the promise of ending within half a second may miss on a busy machine.
 CANCEL_S, BUSY_S = 0.5, 1.5

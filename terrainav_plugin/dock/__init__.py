@@ -1,0 +1,1 @@
+"""The panel: what is typed, chosen and shown there."""

@@ -1,0 +1,211 @@
+"""The entries of the imagery: source, its limits, date, key and map types."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from qgis.core import QgsApplication
+from qgis.gui import QgsAuthConfigSelect, QgsCollapsibleGroupBoxBasic
+from qgis.PyQt.QtCore import Qt, pyqtSignal
+from qgis.PyQt.QtWidgets import QCheckBox, QFileDialog, QLabel, QLineEdit, QMenu, QToolButton
+
+from ..i18n import tr
+from ..paths import icon
+from .choices import OWN, SourceChoice
+from .field_marks import FieldMarks
+from .form_state import URL_TEMPLATE
+from .form_widgets import combo, form_layout, row
+from .source_choices import unlisted
+
+#: Room for "Synthetic (offline)", the widest title most people see.
+_TITLE_LETTERS = 16
+
+
+class ImageryEntries(QgsCollapsibleGroupBoxBasic):
+    """Group of the imagery.
+
+    Signals
+    -------
+    changed()
+        After a change by the user.
+    show_on_map_clicked(), add_source_clicked(), remove_source_clicked(), cache_clicked()
+
+    Attributes
+    ----------
+    source : QComboBox
+    template, date : QLineEdit
+    key : QgsAuthConfigSelect
+    map_types : dict of str to QCheckBox
+    limits : QLabel
+        What the provider of the chosen source allows.
+    """
+
+    changed = pyqtSignal()
+    show_on_map_clicked = pyqtSignal()
+    add_source_clicked = pyqtSignal()
+    remove_source_clicked = pyqtSignal()
+    cache_clicked = pyqtSignal()
+
+    def __init__(self, marks: FieldMarks, choices: Sequence[SourceChoice]) -> None:
+        super().__init__(tr("Imagery"))
+        self._marks = marks
+        self._choices: dict[str, SourceChoice] = {}
+        self._form = form_layout(self)
+        self._add_source()
+        self._add_details()
+        self._add_map_types()
+        self.set_choices(choices)
+        self.source.currentIndexChanged.connect(self._source_chosen)
+        for signal in (
+            self.template.textChanged,
+            self.date.textChanged,
+            *(check.toggled for check in self.map_types.values()),
+        ):
+            signal.connect(self.changed)
+
+    def choice(self) -> SourceChoice | None:
+        """Return what is chosen; None for a URL template."""
+        return self._choices.get(self.source.currentData())
+
+    def title(self) -> str:
+        """Return what the chosen source is called."""
+        choice = self.choice()
+        return choice.title if choice is not None else tr("URL template")
+
+    def set_choices(self, choices: Sequence[SourceChoice]) -> None:
+        """Offer other sources; the one that is chosen stays, even where it is no longer among them."""
+        chosen = self.source.currentData()
+        self._choices = {choice.name: choice for choice in choices}
+        self.source.blockSignals(True)
+        self.source.clear()
+        group = None
+        for choice in choices:
+            if group not in (None, choice.group):
+                self.source.insertSeparator(self.source.count())
+            group = choice.group
+            self.source.addItem(choice.title, choice.name)
+            self.source.setItemData(self.source.count() - 1, choice.title, Qt.ItemDataRole.ToolTipRole)
+        self.source.insertSeparator(self.source.count())
+        self.source.addItem(tr("URL template…"), URL_TEMPLATE)
+        if chosen is not None:
+            self.choose_source(chosen)
+        self.source.blockSignals(False)
+        self.show_details()
+
+    def choose_source(self, name: str) -> None:
+        """Choose a source; one that is not listed is added where that makes sense, otherwise the first is taken."""
+        index = self.source.findData(name)
+        choice = unlisted(name) if index < 0 else None
+        if choice is not None:
+            self._choices[name] = choice
+            index = self.source.count()
+            self.source.addItem(choice.title, name)
+        self.source.setCurrentIndex(max(index, 0))
+
+    def show_details(self) -> None:
+        """Show the entries that the chosen source has, and what its provider allows."""
+        choice = self.choice()
+        own_url = self.source.currentData() == URL_TEMPLATE
+        self._form_row(self._template_label, self._template_field, own_url)
+        self._form_row(self._key_label, self.key, choice is not None and choice.needs_key)
+        dated = own_url and "{date}" in self.template.text()
+        self._form_row(
+            self._date_label, self._date_field, dated or (choice is not None and bool(choice.dates))
+        )
+        if choice is not None and choice.dates:
+            self.date.setPlaceholderText(choice.default_date or tr("date"))
+            self.date.setToolTip(tr("Date of the imagery: {dates}").format(dates=choice.dates))
+        else:
+            self.date.setPlaceholderText(tr("date"))
+            self.date.setToolTip(tr("Date of the imagery, as the server takes it"))
+        self.limits.setText(choice.limits if choice is not None else "")
+        self.limits.setVisible(bool(self.limits.text()))
+        self._remove.setEnabled(choice is not None and choice.group == OWN)
+        offered = choice.map_types if choice is not None else ()
+        for map_type, check in self.map_types.items():
+            # A source with one kind of picture writes it under whichever name is ticked.
+            check.setEnabled(not offered or map_type in offered)
+
+    def _form_row(self, label: QLabel, field: object, shown: bool) -> None:
+        label.setVisible(shown)
+        field.setVisible(shown)
+
+    def _add_source(self) -> None:
+        self.source = combo("source", (), tr("Where the pictures come from"))
+        self.source.setMinimumContentsLength(_TITLE_LETTERS)
+        self.show_on_map = QToolButton()
+        self.show_on_map.setObjectName("show_on_map")
+        self.show_on_map.setIcon(icon("show_on_map"))
+        self.show_on_map.setText(tr("Show on map"))
+        self.show_on_map.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextBesideIcon)
+        self.show_on_map.setToolTip(tr("Add this source to the map as background and zoom to the area"))
+        self.show_on_map.clicked.connect(self.show_on_map_clicked)
+        self.more = QToolButton()
+        self.more.setObjectName("more_sources")
+        self.more.setIcon(QgsApplication.getThemeIcon("/symbologyAdd.svg"))
+        self.more.setToolTip(tr("Add a source by URL, open a file, and more"))
+        self.more.setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
+        menu = QMenu(self.more)
+        menu.addAction(tr("Add source by URL…"), self.add_source_clicked.emit)
+        menu.addAction(tr("Open raster or MBTiles file…"), self._browse)
+        self._remove = menu.addAction(tr("Remove this source"), self.remove_source_clicked.emit)
+        menu.addSeparator()
+        menu.addAction(tr("Cache…"), self.cache_clicked.emit)
+        self.more.setMenu(menu)
+        line = row(self.source, self.more, self.show_on_map, stretch=0)
+        self._form.addRow(tr("Source"), self._marks.field("source", self.source, line))
+
+    def _add_details(self) -> None:
+        self.template = QLineEdit()
+        self.template.setObjectName("template")
+        self.template.setPlaceholderText("https://…/{z}/{x}/{y}.png")
+        self.template.setToolTip(
+            tr("Address of the tiles with {z}, {x} and {y} or {-y}; also {s}, {q}, {r}, {map_type}, {date}")
+        )
+        self.template.textChanged.connect(self.show_details)
+        self._template_label, self._template_field = QLabel(tr("URL")), self.template
+        self._form.addRow(self._template_label, self.template)
+        self.limits = QLabel()
+        self.limits.setObjectName("limits")
+        self.limits.setWordWrap(True)
+        self.limits.setTextInteractionFlags(Qt.TextInteractionFlag.TextBrowserInteraction)
+        self.limits.setOpenExternalLinks(True)
+        self._form.addRow(self.limits)
+        self.date = QLineEdit()
+        self.date.setObjectName("date")
+        self._date_label, self._date_field = QLabel(tr("Date")), self._marks.field("date", self.date)
+        self._form.addRow(self._date_label, self._date_field)
+        self.key = QgsAuthConfigSelect()
+        self.key.setObjectName("key")
+        self.key.setToolTip(
+            tr("API key, kept in QGIS's authentication database as the password of a configuration")
+        )
+        self._key_label = QLabel(tr("API key"))
+        self._form.addRow(self._key_label, self.key)
+
+    def _add_map_types(self) -> None:
+        self.map_types = {
+            "satellite": QCheckBox(tr("Satellite")),
+            "roadmap": QCheckBox(tr("Roadmap")),
+            "terrain": QCheckBox(tr("Terrain")),
+        }
+        for name, check in self.map_types.items():
+            check.setObjectName(f"map_type_{name}")
+        checks = row(*self.map_types.values())
+        self._form.addRow(tr("Map types"), self._marks.field("map_types", checks))
+
+    def _source_chosen(self) -> None:
+        self.show_details()
+        self.changed.emit()
+
+    def _browse(self) -> None:
+        path, _ = QFileDialog.getOpenFileName(
+            self,
+            tr("Raster or MBTiles file"),
+            "",
+            tr("Rasters and tiles ({endings});;All files (*)").format(
+                endings="*.tif *.tiff *.vrt *.jp2 *.img *.png *.jpg *.mbtiles"
+            ),
+        )
+        if path:
+            self.choose_source(path)

@@ -1,0 +1,92 @@
+"""The sources there are to choose from: as the project's layers come and go, and as the user adds and removes some."""
+
+from __future__ import annotations
+
+from qgis.core import QgsProject
+from qgis.PyQt.QtCore import QObject, QTimer
+from qgis.PyQt.QtWidgets import QMessageBox, QWidget
+
+from ...core.errors import TerrAInavError
+from ..i18n import tr
+from ..messages import Messages
+from .add_source_dialog import AddSourceDialog
+from .cache_dialog import CacheDialog
+from .imagery_entries import ImageryEntries
+from .source_choices import source_choices
+
+
+class SourceShelf(QObject):
+    """Keeps the source chooser up to date."""
+
+    def __init__(
+        self, project: QgsProject, imagery: ImageryEntries, messages: Messages, window: QWidget
+    ) -> None:
+        super().__init__()
+        self._project, self._imagery, self._messages, self._window = project, imagery, messages, window
+        self._told = ""
+        # Layers come and go by the dozen; one look is enough.
+        self._soon = QTimer(self)
+        self._soon.setSingleShot(True)
+        self._soon.setInterval(0)
+        self._soon.timeout.connect(self.refresh)
+        self._signals = (
+            project.layersAdded,
+            project.layersRemoved,
+            project.cleared,
+            project.layerTreeRoot().nameChanged,
+        )
+        for signal in self._signals:
+            signal.connect(self._changed)
+        imagery.add_source_clicked.connect(self.add)
+        imagery.remove_source_clicked.connect(self.remove)
+        imagery.cache_clicked.connect(self.show_cache)
+        self.refresh()
+
+    def close(self) -> None:
+        """End for good."""
+        self._soon.stop()
+        for signal in self._signals:
+            signal.disconnect(self._changed)
+
+    def refresh(self) -> None:
+        """Offer what there is now."""
+        choices, problem = source_choices(self._project)
+        self._imagery.set_choices(choices)
+        if problem and problem != self._told:
+            self._messages.warning(tr("Your own sources are left out: {reason}").format(reason=problem))
+        self._told = problem
+
+    def add(self) -> None:
+        """Ask for a source's URL, keep it, and choose it."""
+        dialog = AddSourceDialog(self._window)
+        if dialog.exec() and dialog.added:
+            self.refresh()
+            self._imagery.choose_source(dialog.added)
+        dialog.deleteLater()
+
+    def remove(self) -> None:
+        """Forget the user's own source that is chosen, after asking."""
+        from ...core.imagery.catalogue.user_sources import remove
+
+        choice = self._imagery.choice()
+        answer = QMessageBox.question(
+            self._window,
+            tr("TerrAInav: remove source"),
+            tr("Remove “{title}” from your sources? Captured images stay.").format(title=choice.title),
+        )
+        if answer != QMessageBox.StandardButton.Yes:
+            return
+        try:
+            remove(choice.name)
+        except TerrAInavError as wrong:
+            self._messages.warning(str(wrong))
+        self.refresh()
+
+    def show_cache(self) -> None:
+        """Show what is kept of earlier captures."""
+        dialog = CacheDialog(self._window)
+        dialog.exec()
+        dialog.deleteLater()
+
+    def _changed(self, *_: object) -> None:
+        self._soon.start()

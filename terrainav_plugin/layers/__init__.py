@@ -1,0 +1,1 @@
+"""Layers of the project as a source of imagery, drawn by QGIS."""

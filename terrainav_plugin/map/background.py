@@ -1,0 +1,164 @@
+"""The map below: a source shown as background, and the way to the typed coordinates."""
+
+from __future__ import annotations
+
+import traceback
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from qgis.core import QgsProject, QgsRasterLayer, QgsRectangle, QgsTask
+from qgis.gui import QgisInterface
+from qgis.PyQt.QtCore import pyqtSignal
+
+from ...core.errors import Cancelled, InvalidInput, TerrAInavError
+from ..compat import TASK_FLAGS
+from ..i18n import tr
+from ..sources import WORLD, tile_layer_uri
+from .box_geometry import canvas_rectangle
+from .mission_group import ROLE
+from .world_picture import WorldPicture, choose_picture, render
+
+if TYPE_CHECKING:
+    from ...core.mission.area import Box
+
+_BACKGROUND = "background"
+#: Room left around the area that is zoomed to, as a share of it.
+_MARGIN = 1.2
+
+
+class WorldTask(QgsTask):
+    """Renders a picture of the embedded world.
+
+    Signals
+    -------
+    ended(object)
+        The task itself, on the main thread.
+    """
+
+    ended = pyqtSignal(object)
+
+    def __init__(self, picture: WorldPicture, path: Path) -> None:
+        super().__init__(tr("Drawing the synthetic landscape"), TASK_FLAGS)
+        self.picture = picture
+        self.path = path
+        self.error = ""
+        self.trace = ""
+
+    def run(self) -> bool:
+        """Render; on a thread of the task manager."""
+        try:
+            render(self.picture, self.path, self._go_on)
+        except Cancelled:
+            return False
+        except TerrAInavError as wrong:
+            self.error = str(wrong)
+            return False
+        except Exception as wrong:  # noqa: BLE001  an exception that leaves run() ends QGIS; it is reported instead
+            self.error = tr("unexpected error: {error}").format(error=repr(wrong))
+            self.trace = traceback.format_exc()
+            return False
+        return True
+
+    def finished(self, result: bool) -> None:  # noqa: ARG002  QGIS passes it
+        """Tell; on the main thread."""
+        self.ended.emit(self)
+
+    def _go_on(self, share: float) -> bool:
+        self.setProgress(100.0 * share)
+        return not self.isCanceled()
+
+
+class Background:
+    """Adds a source below all layers of the project; at most one layer for each source."""
+
+    def __init__(self, project: QgsProject, iface: QgisInterface) -> None:
+        self._project = project
+        self._canvas = iface.mapCanvas()
+        self._waiting: Callable[[], None] | None = None
+        self._bridge = iface.layerTreeCanvasBridge()
+        self._bridge.canvasLayersChanged.connect(self._settled)
+
+    def close(self) -> None:
+        """End for good."""
+        self._bridge.canvasLayersChanged.disconnect(self._settled)
+        self._waiting = None
+
+    def world_task(self, box: Box | None, map_type: str, seed: int, folder: Path) -> WorldTask | None:
+        """Task that draws the embedded world around a box; None where that is there already."""
+        picture = choose_picture(box, map_type, seed)
+        path = folder / picture.file_name
+        return None if path.is_file() else WorldTask(picture, path)
+
+    def show_world(
+        self, box: Box | None, map_type: str, seed: int, folder: Path, title: str
+    ) -> QgsRasterLayer:
+        """Show the embedded world as it was drawn for a box."""
+        path = folder / choose_picture(box, map_type, seed).file_name
+        return self._show(str(path), "gdal", title, WORLD)
+
+    def show_tiles(self, source: str, map_type: str, title: str, date: str = "") -> QgsRasterLayer:
+        """Show a source of tiles; raises InvalidInput where it cannot be shown."""
+        return self._show(tile_layer_uri(source, map_type, date), "wms", title, source)
+
+    def show_file(self, path: str, title: str) -> QgsRasterLayer:
+        """Show a raster or MBTiles file; raises InvalidInput where QGIS cannot open it."""
+        return self._show(path, "gdal", title, path)
+
+    def zoom_to(self, box: Box | None) -> None:
+        """Zoom to a box, or to everything; raises InvalidInput where the project's CRS has no such place."""
+        if box is None:
+            self._when_settled(self._canvas.zoomToFullExtent)
+            return
+        self.rectangle(box)
+        self._when_settled(lambda: self._show_extent(self.rectangle(box)))
+
+    def zoom_to_layer(self, layer: QgsRasterLayer) -> None:
+        """Zoom to a layer."""
+        extent = layer.extent()
+        self._when_settled(
+            lambda: self._show_extent(self._canvas.mapSettings().layerExtentToOutputExtent(layer, extent))
+        )
+
+    def rectangle(self, box: Box) -> QgsRectangle:
+        """Rectangle of the canvas around a box; raises InvalidInput where the project's CRS has no such place."""
+        return canvas_rectangle(box, self._canvas.mapSettings().destinationCrs(), self._project)
+
+    def _when_settled(self, zoom: Callable[[], None]) -> None:
+        """Zoom now; or, after the first layer of a project, once QGIS has taken its CRS and zoomed to it."""
+        if self._canvas.layers() or not self._project.mapLayers():
+            zoom()
+            return
+        self._waiting = zoom
+
+    def _settled(self) -> None:
+        zoom, self._waiting = self._waiting, None
+        if zoom is not None:
+            zoom()
+
+    def _show_extent(self, rectangle: QgsRectangle) -> None:
+        rectangle.scale(_MARGIN)
+        self._canvas.setExtent(rectangle)
+        self._canvas.refresh()
+
+    def _show(self, uri: str, provider: str, title: str, source: str) -> QgsRasterLayer:
+        layer = self._find(source)
+        if layer is not None:
+            if layer.source() != uri:
+                layer.setDataSource(uri, title, provider, layer.dataProvider().ProviderOptions())
+            layer.triggerRepaint()
+            return layer
+        layer = QgsRasterLayer(uri, title, provider)
+        if not layer.isValid():
+            reason = layer.error().summary() or tr("no reason given")
+            raise InvalidInput(tr("{title} cannot be shown: {reason}").format(title=title, reason=reason))
+        layer.setCustomProperty(ROLE, f"{_BACKGROUND}/{source}")
+        self._project.addMapLayer(layer, False)
+        self._project.layerTreeRoot().insertLayer(-1, layer).setExpanded(False)
+        return layer
+
+    def _find(self, source: str) -> QgsRasterLayer | None:
+        for layer in self._project.mapLayers().values():
+            if layer.customProperty(ROLE) == f"{_BACKGROUND}/{source}":
+                return layer
+        return None

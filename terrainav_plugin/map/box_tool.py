@@ -1,0 +1,160 @@
+"""Drawing the area on the map: press, drag, release."""
+
+from __future__ import annotations
+
+from qgis.core import QgsCsException, QgsPointXY, QgsProject, QgsRectangle
+from qgis.gui import QgsMapCanvas, QgsMapMouseEvent, QgsMapTool, QgsRubberBand
+from qgis.PyQt.QtCore import QEvent, QObject, QPoint, Qt, pyqtSignal
+from qgis.PyQt.QtGui import QColor
+from qgis.PyQt.QtWidgets import QApplication
+
+from ...core.errors import TerrAInavError
+from ..compat import POLYGON
+from .box_geometry import box_of
+
+#: Vermillion and its tint of the Okabe-Ito palette, which colour-blind people tell apart.
+_LINE, _FILL = QColor(213, 94, 0), QColor(213, 94, 0, 40)
+
+
+class TemporaryTool(QgsMapTool):
+    """A map tool that gives the canvas back to the tool before it."""
+
+    def __init__(self, canvas: QgsMapCanvas) -> None:
+        super().__init__(canvas)
+        self.setCursor(Qt.CursorShape.CrossCursor)
+        self._previous: QgsMapTool | None = None
+
+    def start(self) -> None:
+        """Take over the canvas."""
+        canvas = self.canvas()
+        if canvas.mapTool() is not self:
+            self._previous = canvas.mapTool()
+            canvas.setMapTool(self)
+        # Keys go to the canvas, so that Esc arrives wherever the tool was chosen.
+        canvas.setFocus()
+
+    def stop(self) -> None:
+        """Give the canvas back."""
+        canvas, previous = self.canvas(), self._previous
+        self._previous = None
+        if canvas.mapTool() is self:
+            canvas.unsetMapTool(self)
+            if previous is not None:
+                canvas.setMapTool(previous)
+
+    def give_up(self) -> None:
+        """Leave the tool, on Esc."""
+        self.stop()
+
+    def activate(self) -> None:
+        """Take over the canvas's keys as well."""
+        super().activate()
+        # The canvas itself hands no key on while a mouse button is down.
+        self.canvas().installEventFilter(self)
+
+    def deactivate(self) -> None:
+        """Give the keys back."""
+        self.canvas().removeEventFilter(self)
+        super().deactivate()
+
+    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
+        """Give up on Esc."""
+        if event.type() == QEvent.Type.KeyPress and event.key() == Qt.Key.Key_Escape:
+            self.give_up()
+            return True
+        return super().eventFilter(watched, event)
+
+
+class BoxTool(TemporaryTool):
+    """Draws a box on the canvas and tells its longitudes and latitudes, whatever the project's CRS.
+
+    Signals
+    -------
+    drawn(object)
+        The `Box`, once the mouse is released.
+    refused(str)
+        Why a rectangle makes no box.
+    """
+
+    drawn = pyqtSignal(object)
+    refused = pyqtSignal(str)
+
+    def __init__(self, canvas: QgsMapCanvas) -> None:
+        super().__init__(canvas)
+        self._band: QgsRubberBand | None = None
+        self._pressed_at: QPoint | None = None
+        self._start: QgsPointXY | None = None
+        self._given_up = False
+
+    def canvasPressEvent(self, event: QgsMapMouseEvent) -> None:
+        """Start a box."""
+        if event.button() == Qt.MouseButton.LeftButton:
+            self._pressed_at = event.pos()
+            # In map units, so that zooming with the wheel meanwhile moves the corner with the map.
+            self._start = self.toMapCoordinates(event.pos())
+
+    def canvasMoveEvent(self, event: QgsMapMouseEvent) -> None:
+        """Stretch the box."""
+        if self._pressed_at is not None:
+            self._show(self._rectangle(event.pos()))
+
+    def canvasReleaseEvent(self, event: QgsMapMouseEvent) -> None:
+        """Finish the box; a click without a drag draws none."""
+        if event.button() != Qt.MouseButton.LeftButton:
+            return
+        if self._pressed_at is None:
+            if self._given_up:
+                self.stop()
+            return
+        moved = (event.pos() - self._pressed_at).manhattanLength()
+        rectangle = self._rectangle(event.pos())
+        self._clear()
+        if moved < QApplication.startDragDistance() or rectangle.width() == 0 or rectangle.height() == 0:
+            return
+        try:
+            box = box_of(rectangle, self.canvas().mapSettings().destinationCrs(), QgsProject.instance())
+        except (TerrAInavError, QgsCsException) as wrong:
+            self.refused.emit(str(wrong))
+            return
+        self.stop()
+        self.drawn.emit(box)
+
+    def give_up(self) -> None:
+        """Drop the box; the tool stays until the mouse button is up, which another tool would take for its own."""
+        if self._pressed_at is None:
+            self.stop()
+        else:
+            self._clear()
+            self._given_up = True
+
+    def deactivate(self) -> None:
+        """Leave no half-drawn box."""
+        self._clear()
+        self._given_up = False
+        super().deactivate()
+
+    def _rectangle(self, released_at: QPoint) -> QgsRectangle:
+        return QgsRectangle(self._start, self.toMapCoordinates(released_at))
+
+    def _show(self, rectangle: QgsRectangle) -> None:
+        if self._band is None:
+            self._band = QgsRubberBand(self.canvas(), POLYGON)
+            self._band.setStrokeColor(_LINE)
+            self._band.setFillColor(_FILL)
+            self._band.setWidth(2)
+        self._band.reset(POLYGON)
+        west, south, east, north = (
+            rectangle.xMinimum(),
+            rectangle.yMinimum(),
+            rectangle.xMaximum(),
+            rectangle.yMaximum(),
+        )
+        for x, y in ((west, south), (east, south), (east, north)):
+            self._band.addPoint(QgsPointXY(x, y), False)
+        self._band.addPoint(QgsPointXY(west, north), True)
+
+    def _clear(self) -> None:
+        self._pressed_at = self._start = None
+        if self._band is not None:
+            self.canvas().scene().removeItem(self._band)
+            self._band = None

@@ -1,0 +1,186 @@
+"""One raster over all pictures of a run: a GDAL virtual raster with overviews. Runs in the background."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from ...core.capture.georeference import EPSG, crs_wkt, xml_text
+from ...core.errors import OutputError
+from ...core.files import write_whole
+from ..i18n import tr
+from .overviews import build_overviews
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from ...core.mission.plan import Plan
+
+    Numbers = NDArray[np.int64]
+    Floats = NDArray[np.float64]
+
+#: A virtual raster names every picture in every band; beyond this many, QGIS would read its text for minutes.
+MOST_PICTURES = 100_000
+_COLOURS = {1: ("Gray",), 3: ("Red", "Green", "Blue")}
+
+Progress = Callable[[float], bool]
+
+
+class Placed(NamedTuple):
+    """Pictures in the pixels of their mosaic; arrays (n,), ordered from north to south.
+
+    ``width_px, height_px`` are the pixels a picture takes there; its file has others where pictures are resized.
+    """
+
+    paths: list[Path]
+    left_px: Floats
+    top_px: Floats
+    width_px: Numbers
+    height_px: Numbers
+
+
+class Mosaic(NamedTuple):
+    """A virtual raster that has been written."""
+
+    map_type: str
+    path: Path
+    title: str
+
+
+def build_mosaics(plan: Plan, folder: Path, progress: Progress) -> list[Mosaic]:
+    """Write a virtual raster for every map type of a run, of the pictures that are there.
+
+    A mission across the antimeridian has two for each, because the map ends there.
+
+    Parameters
+    ----------
+    folder : Path
+        The dataset's folder.
+    progress : callable
+        Takes the share done, 0 to 1; an answer of False stops.
+
+    Raises
+    ------
+    Cancelled
+        When ``progress`` said so.
+    OutputError
+        Where something cannot be read or written.
+    """
+    wanted = list(_mosaics(plan, folder))
+    total = sum(len(placed.paths) for _, placed in wanted) or 1
+    done = 0
+    for mosaic, placed in wanted:
+        before, share = done / total, len(placed.paths) / total
+        build_mosaic(plan, mosaic.path, placed, lambda part, at=before, of=share: progress(at + part * of))
+        done += len(placed.paths)
+    return [mosaic for mosaic, _ in wanted]
+
+
+def _mosaics(plan: Plan, folder: Path) -> Iterator[tuple[Mosaic, Placed]]:
+    world = plan.grid.world_px(plan.zoom)
+    turn = np.floor(np.asarray(plan.windows.left_px, np.float64) / world)
+    turns = np.unique(turn)
+    titles = {
+        "satellite": tr("Satellite images"),
+        "roadmap": tr("Roadmap images"),
+        "terrain": tr("Terrain images"),
+    }
+    order = np.lexsort((plan.windows.left_px, plan.windows.top_px))
+    for map_type in plan.mission.map_types:
+        for number, this in enumerate(turns):
+            paths = {
+                int(index): folder / map_type / f"{plan.names[index]}.{plan.mission.image_format}"
+                for index in order[turn[order] == this]
+            }
+            there = {index: path for index, path in paths.items() if path.is_file()}
+            if not there:
+                continue
+            suffix = "" if len(turns) == 1 else f"_{number + 1}"
+            title = titles[map_type]
+            if len(turns) > 1:
+                title = tr("{title}, part {number}").format(title=title, number=number + 1)
+            yield (
+                Mosaic(map_type, folder / f"{map_type}{suffix}.vrt", title),
+                _placed(plan, there, float(this) * world),
+            )
+
+
+def _placed(plan: Plan, pictures: dict[int, Path], turn_px: float) -> Placed:
+    index = np.fromiter(pictures, np.int64, len(pictures))
+    left, top, width, height = (np.asarray(values)[index] for values in plan.windows)
+    return Placed(list(pictures.values()), left - turn_px, np.asarray(top, np.float64), width, height)
+
+
+def build_mosaic(plan: Plan, target: Path, placed: Placed, progress: Progress) -> None:
+    """Write one virtual raster and its overviews.
+
+    Pictures are named relative to the raster, so that a folder can be moved; ground without a picture is
+    transparent; where pictures overlap, the one farther south-east shows.
+    """
+    overviews = target.with_name(target.name + ".ovr")
+    try:
+        overviews.unlink(missing_ok=True)
+    except OSError as wrong:
+        raise OutputError(
+            f"file {overviews}: cannot be replaced ({wrong.strerror}); close what shows it"
+        ) from wrong
+    origin = float(placed.left_px.min()), float(placed.top_px.min())
+    inside = placed._replace(left_px=placed.left_px - origin[0], top_px=placed.top_px - origin[1])
+    size = (
+        int(np.ceil((inside.left_px + inside.width_px).max())),
+        int(np.ceil((inside.top_px + inside.height_px).max())),
+    )
+    channels = plan.mission.img_size[2] if plan.mission.img_size else 3
+    text = _virtual_raster(plan, inside, origin, size, channels, target.parent)
+    write_whole(target, (line.encode() for line in text))
+    build_overviews(inside, size, channels, overviews, progress)
+
+
+def _virtual_raster(
+    plan: Plan,
+    placed: Placed,
+    origin: tuple[float, float],
+    size: tuple[int, int],
+    channels: int,
+    folder: Path,
+) -> Iterator[str]:
+    """Text of the raster, after GDAL's VRT format (gdal.org/drivers/raster/vrt.html)."""
+    west, _, _, north = (float(edge) for edge in plan.grid.edges_m(*origin, *size, plan.zoom))
+    resolution = plan.grid.resolution_m_per_px(plan.zoom)
+    yield f'<VRTDataset rasterXSize="{size[0]}" rasterYSize="{size[1]}">\n'
+    yield f"<SRS>{xml_text(crs_wkt(EPSG))}</SRS>\n"
+    yield f"<GeoTransform>{west!r}, {resolution!r}, 0.0, {north!r}, 0.0, {-resolution!r}</GeoTransform>\n"
+    sources = list(_sources(plan, placed, folder))
+    for band, colour in enumerate(_COLOURS[channels], 1):
+        yield f'<VRTRasterBand dataType="Byte" band="{band}"><ColorInterp>{colour}</ColorInterp>\n'
+        for name, properties, places in sources:
+            yield (
+                f"<SimpleSource>{name}<SourceBand>{band}</SourceBand>{properties}{places}</SimpleSource>\n"
+            )
+        yield "</VRTRasterBand>\n"
+    yield f'<VRTRasterBand dataType="Byte" band="{channels + 1}"><ColorInterp>Alpha</ColorInterp>\n'
+    for name, properties, places in sources:
+        yield (
+            f"<ComplexSource>{name}<SourceBand>1</SourceBand>{properties}{places}"
+            "<ScaleOffset>255</ScaleOffset><ScaleRatio>0</ScaleRatio></ComplexSource>\n"
+        )
+    yield "</VRTRasterBand>\n</VRTDataset>\n"
+
+
+def _sources(plan: Plan, placed: Placed, folder: Path) -> Iterator[tuple[str, str, str]]:
+    """Name, properties and place of every picture; knowing the size, GDAL need not open the files beforehand."""
+    columns = (placed.left_px, placed.top_px, placed.width_px, placed.height_px)
+    for path, left, top, width, height in zip(placed.paths, *(values.tolist() for values in columns)):
+        own_width, own_height = plan.mission.img_size[:2] if plan.mission.img_size else (width, height)
+        name = xml_text(path.relative_to(folder).as_posix())
+        properties = f'RasterXSize="{own_width}" RasterYSize="{own_height}" DataType="Byte"'
+        source = f'xOff="0" yOff="0" xSize="{own_width}" ySize="{own_height}"'
+        place = f'xOff="{left!r}" yOff="{top!r}" xSize="{width}" ySize="{height}"'
+        yield (
+            f'<SourceFilename relativeToVRT="1">{name}</SourceFilename>',
+            f'<SourceProperties {properties} BlockXSize="{own_width}" BlockYSize="1"/>',
+            f"<SrcRect {source}/><DstRect {place}/>",
+        )

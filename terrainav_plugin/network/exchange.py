@@ -1,0 +1,64 @@
+"""What threads that ask hand to the main one, where requests are made."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Mapping
+from typing import NamedTuple
+from urllib.parse import urlsplit
+
+from ...core.imagery.transport import Response, Timeouts
+
+
+class Terms(NamedTuple):
+    """What holds for all requests of a transport.
+
+    Parameters
+    ----------
+    connections : int
+        Connections kept open to a host.
+    timeouts : Timeouts
+        ``read_s`` holds for connecting as well.
+    headers : mapping of str
+    max_body_bytes : int
+    authcfg : str
+        Id of a configuration of QGIS's authentication database; empty for none.
+    """
+
+    connections: int
+    timeouts: Timeouts
+    headers: Mapping[str, str]
+    max_body_bytes: int
+    authcfg: str
+
+
+class Exchange:
+    """A request on its way to an answer; handed from the thread that asks to the main one and back.
+
+    Attributes
+    ----------
+    done : threading.Event
+        There is an outcome.
+    outcome : Response, Exception or None
+        None until then. The first one counts.
+    until_s, heard_s : float
+        When it has to be over, and when the server was last heard of, on the clock of the worker.
+    """
+
+    def __init__(self, url: str, headers: Mapping[str, str]) -> None:
+        self.url = url
+        self.headers = headers
+        self.origin = urlsplit(url)[:2]
+        self.redirects = 0
+        self.received_bytes = 0
+        self.until_s = self.heard_s = 0.0
+        self.done = threading.Event()
+        self.outcome: Response | Exception | None = None
+        self._ending = threading.Lock()
+
+    def end(self, outcome: Response | Exception) -> None:
+        """Hand the outcome over, unless there is one."""
+        with self._ending:
+            if not self.done.is_set():
+                self.outcome = outcome
+                self.done.set()

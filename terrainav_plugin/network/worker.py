@@ -1,0 +1,331 @@
+"""Requests exchanged for answers over QGIS's network stack, several at a time, by an object of the main thread.
+
+QGIS's own manager of requests is made for layers: it opens dialogs about certificates and passwords, writes addresses
+(which hold keys) into the message log, answers from its cache on disk, and puts its own name over that of the program
+that asks. The plain managers here take from it what the user has set, which is proxies, certificates, authentication
+and hooks of other plugins, and leave the rest.
+
+Replies are made, read and deleted in the main thread, while Python's lock is held. PyQt keeps a list of objects that
+Qt has made, and takes them off it in the main thread, without that lock, when they are destroyed: replies that are
+made or deleted elsewhere, or by Qt itself, meet that in the middle, which ends QGIS sooner or later.
+"""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Mapping
+from functools import partial
+from typing import Any
+from urllib.parse import urlsplit
+
+from qgis.core import QgsApplication, QgsAuthCertUtils, QgsNetworkAccessManager
+from qgis.PyQt import sip
+from qgis.PyQt.QtCore import QCoreApplication, QObject, Qt, QTimer, QUrl, pyqtSignal, pyqtSlot
+from qgis.PyQt.QtNetwork import (
+    QNetworkAccessManager,
+    QNetworkProxy,
+    QNetworkProxyFactory,
+    QNetworkProxyQuery,
+    QNetworkReply,
+    QNetworkRequest,
+    QSslConfiguration,
+)
+
+from ...core.errors import Cancelled
+from ...core.imagery.transport import MAX_REDIRECTS, TransportError
+from .answer import answer_of, joined, redirect_target, too_long
+from .exchange import Exchange, Terms
+
+#: Requests that a manager of Qt sends to one server at a time, over as many connections; for more there are more.
+PER_MANAGER = 6
+#: Milliseconds between two looks at how much of the answers has come, within which a body may outgrow its limit.
+_LOOK_MS = 50
+#: Longest time between two looks that counts: beyond it the main thread had other work and heard nothing of answers.
+_TURN_S = 0.25
+_HTTPS_PORT = 443
+#: Workers that are not destroyed yet: theirs is the last reference, so that no other thread lets go of one.
+_ALIVE: set[NetworkWorker] = set()
+
+
+class _Proxies(QNetworkProxyFactory):
+    """The proxies that QGIS itself asks."""
+
+    def queryProxy(self, query: QNetworkProxyQuery) -> list[QNetworkProxy]:
+        return QgsNetworkAccessManager.instance().proxyFactory().queryProxy(query)
+
+
+class NetworkWorker(QObject):
+    """Lives in the main thread, wherever it is made: its slots run there, its signals are emitted by any thread.
+
+    Its slots take a fraction of a millisecond each, the first one of a server with TLS and the last one some: nothing
+    that shows in the user interface.
+
+    Parameters
+    ----------
+    terms : Terms
+
+    Signals
+    -------
+    asked(Exchange)
+        Start it.
+    dropped(Exchange)
+        Nobody waits for it any more.
+    closing()
+        End every exchange, then the worker itself. Nothing may be emitted after it.
+    """
+
+    asked = pyqtSignal(object)
+    dropped = pyqtSignal(object)
+    closing = pyqtSignal()
+
+    def __init__(self, terms: Terms) -> None:
+        super().__init__()
+        self._terms = terms
+        self._usual: QNetworkRequest | None = None
+        managers = -(-terms.connections // PER_MANAGER)
+        self._rooms = [(terms.connections + place) // managers for place in reversed(range(managers))]
+        self._managers: list[QNetworkAccessManager] = []
+        self._busy: list[int] = []
+        self._timer: QTimer | None = None
+        # With the place of the manager in its list.
+        self._under_way: dict[QNetworkReply, tuple[Exchange, int]] = {}
+        self._over: list[QNetworkReply] = []
+        self._tls: dict[str, QSslConfiguration] = {}
+        self._clock_s = self._looked_s = 0.0
+        self.asked.connect(self._start, Qt.ConnectionType.QueuedConnection)
+        self.dropped.connect(self._drop, Qt.ConnectionType.QueuedConnection)
+        self.closing.connect(self._close, Qt.ConnectionType.QueuedConnection)
+        if not in_main_thread():
+            self.moveToThread(QCoreApplication.instance().thread())
+        _ALIVE.add(self)
+
+    # --- slots
+
+    @pyqtSlot(object)
+    def _start(self, exchange: Exchange) -> None:
+        if exchange.done.is_set():
+            return
+        try:
+            self._turn()
+            exchange.until_s = self._clock_s + self._terms.timeouts.whole_s
+            self._send(exchange)
+        except Exception as failure:  # noqa: BLE001  (raised in the thread that asked)
+            exchange.end(failure)
+
+    @pyqtSlot(object)
+    def _drop(self, exchange: Exchange) -> None:
+        for reply, (under_way, _) in list(self._under_way.items()):
+            if under_way is exchange:
+                self._abandon(reply)
+
+    @pyqtSlot()
+    def _close(self) -> None:
+        for reply, (exchange, _) in list(self._under_way.items()):
+            self._abandon(reply)
+            exchange.end(Cancelled("cancelled while waiting for the network"))
+        self._discard()
+        if self._timer is not None:
+            self._timer.stop()
+        self.destroyed.connect(partial(_ALIVE.discard, self))
+        # With its managers, which are its children.
+        self.deleteLater()
+
+    @pyqtSlot()
+    def _look(self) -> None:
+        self._discard()
+        self._turn()
+        for reply, (exchange, _) in list(self._under_way.items()):
+            received = reply.bytesAvailable()
+            if received != exchange.received_bytes:
+                exchange.received_bytes = received
+                exchange.heard_s = self._clock_s
+            late = self._lateness(exchange)
+            if late is not None:
+                self._abandon(reply)
+                exchange.end(late)
+        if not self._under_way and not self._over:
+            self._timer.stop()
+
+    @pyqtSlot()
+    def _finished(self) -> None:
+        reply = self.sender()
+        if reply not in self._under_way:
+            return
+        exchange = self._release(reply)
+        try:
+            answer = answer_of(reply, exchange.url, self._terms.max_body_bytes, _has_proxy)
+            target = redirect_target(answer)
+            if target is None:
+                exchange.end(answer)
+            else:
+                exchange.url = joined(exchange.url, target)
+                exchange.redirects += 1
+                self._send(exchange)
+        except Exception as failure:  # noqa: BLE001  (raised in the thread that asked)
+            exchange.end(failure)
+        finally:
+            # Last, as what has been called may have waited for events, among them those that delete what is over.
+            self._over.append(reply)
+
+    @pyqtSlot("QList<QSslError>")
+    def _judge_tls(self, errors: list[Any]) -> None:
+        """Let pass what the user has told QGIS, for good, to let pass of this server's certificate."""
+        reply = self.sender()
+        certificate = reply.sslConfiguration().peerCertificate()
+        known = QgsApplication.authManager().sslCertCustomConfig(
+            QgsAuthCertUtils.shaHexForCert(certificate), _host_and_port(reply.url())
+        )
+        if not known.isNull() and {error.error() for error in errors} <= set(known.sslIgnoredErrorEnums()):
+            reply.ignoreSslErrors(errors)
+
+    # --- steps
+
+    def _turn(self) -> None:
+        """Let the clock go on, by no more than a turn of the main thread takes when it has little else to do.
+
+        Answers come in there: those that wait for it have not kept anyone waiting.
+        """
+        now_s = time.monotonic()
+        if self._timer is None:
+            self._timer = QTimer(self)
+            self._timer.timeout.connect(self._look)
+        if self._timer.isActive():
+            self._clock_s += min(now_s - self._looked_s, _TURN_S)
+        else:
+            self._timer.start(_LOOK_MS)
+        self._looked_s = now_s
+
+    def _lateness(self, exchange: Exchange) -> TransportError | None:
+        """What there is to say of an exchange that has to end."""
+        timeouts = self._terms.timeouts
+        if exchange.received_bytes > self._terms.max_body_bytes:
+            return too_long(self._terms.max_body_bytes)
+        if self._clock_s > exchange.until_s:
+            return TransportError(f"no whole answer within {timeouts.whole_s:g} s")
+        if self._clock_s - exchange.heard_s > timeouts.read_s:
+            return TransportError(
+                f"no answer from {urlsplit(exchange.url).hostname} for {timeouts.read_s:g} s"
+            )
+        return None
+
+    def _place(self) -> int:
+        """First manager with a connection to spare, so that no more are opened than needed."""
+        free = (place for place, busy in enumerate(self._busy) if busy < self._rooms[place])
+        place = next(free, None)
+        if place is not None:
+            return place
+        if len(self._managers) == len(self._rooms):
+            return self._busy.index(min(self._busy))
+        manager = QNetworkAccessManager(self)
+        manager.setRedirectPolicy(QNetworkRequest.RedirectPolicy.ManualRedirectPolicy)
+        manager.setProxyFactory(_Proxies())
+        self._managers.append(manager)
+        self._busy.append(0)
+        return len(self._managers) - 1
+
+    def _send(self, exchange: Exchange) -> None:
+        parts = urlsplit(exchange.url)
+        if parts.scheme not in ("http", "https"):
+            raise TransportError("redirect to something else than http or https", again=False)
+        if exchange.redirects > MAX_REDIRECTS:
+            raise TransportError(f"more than {MAX_REDIRECTS} redirects", again=False)
+        url = QUrl(exchange.url)
+        if not url.isValid() or not url.host():
+            raise TransportError("the URL is not valid", again=False)
+        # Credentials are for the server that was asked, not for one it points to.
+        authcfg = self._terms.authcfg if parts[:2] == exchange.origin else ""
+        request = self._request(url, exchange.headers, authcfg)
+        exchange.received_bytes = 0
+        exchange.heard_s = self._clock_s
+        place = self._place()
+        reply = self._managers[place].get(request)
+        self._busy[place] += 1
+        self._under_way[reply] = exchange, place
+        # No setReadBufferSize: Qt 5.15 may tell its own thread of it when the request there has already failed, and
+        # ends with a segmentation fault. `_look` sees to the limit.
+        if parts.scheme == "https":
+            reply.sslErrors.connect(self._judge_tls)
+        reply.finished.connect(self._finished)
+
+    def _request(self, url: QUrl, headers: Mapping[str, str], authcfg: str) -> QNetworkRequest:
+        if self._usual is None:
+            self._usual = QNetworkRequest()
+            _set_headers(self._usual, self._terms.headers)
+        request = QNetworkRequest(self._usual)
+        request.setUrl(url)
+        _set_headers(request, headers)
+        if authcfg:
+            manager = QgsApplication.authManager()
+            # Or QGIS would ask for it, in a dialog.
+            if not manager.masterPasswordIsSet():
+                raise TransportError(
+                    "QGIS's authentication database is locked: enter its master password, then try again",
+                    again=False,
+                )
+            applied, request = manager.updateNetworkRequest(request, authcfg)
+            if not applied:
+                raise TransportError(
+                    f"QGIS could not apply the authentication configuration {authcfg}", again=False
+                )
+        if url.scheme() == "https":
+            request.setSslConfiguration(self._tls_of(request, bool(authcfg)))
+        # Hooks of other plugins and of the user's organisation.
+        QgsNetworkAccessManager.instance().preprocessRequest(request)
+        return request
+
+    def _tls_of(self, request: QNetworkRequest, authenticated: bool) -> QSslConfiguration:
+        """Certificates and protocol of QGIS's authentication manager; looked up once a server, because it is slow."""
+        server = f"{_host_and_port(request.url())} {authenticated}"
+        if server not in self._tls:
+            configuration = request.sslConfiguration()
+            manager = QgsApplication.authManager()
+            if not manager.isDisabled():
+                configuration.setCaCertificates(
+                    QgsAuthCertUtils.casMerge(manager.trustedCaCertsCache(), configuration.caCertificates())
+                )
+                own = manager.sslCertCustomConfigByHost(_host_and_port(request.url()))
+                if not own.isNull():
+                    configuration.setProtocol(own.sslProtocol())
+                    configuration.setPeerVerifyMode(own.sslPeerVerifyMode())
+                    configuration.setPeerVerifyDepth(own.sslPeerVerifyDepth())
+            self._tls[server] = configuration
+        return self._tls[server]
+
+    def _abandon(self, reply: QNetworkReply) -> None:
+        self._release(reply)
+        reply.finished.disconnect(self._finished)
+        reply.abort()
+        self._over.append(reply)
+
+    def _release(self, reply: QNetworkReply) -> Exchange:
+        """Free the place of a reply's connection."""
+        exchange, place = self._under_way.pop(reply)
+        self._busy[place] -= 1
+        return exchange
+
+    def _discard(self) -> None:
+        """Delete replies that have sent their last signals; not by `deleteLater`, as Qt has not got Python's lock."""
+        for reply in self._over:
+            sip.delete(reply)
+        self._over.clear()
+
+
+def in_main_thread() -> bool:
+    """Whether this is the application's thread; asked of Python, as Qt's answer would be an object on PyQt's list."""
+    return threading.get_ident() == threading.main_thread().ident
+
+
+def _has_proxy(url: QUrl) -> bool:
+    first = _Proxies().queryProxy(QNetworkProxyQuery(url))[0]
+    return first.type() not in (QNetworkProxy.ProxyType.NoProxy, QNetworkProxy.ProxyType.DefaultProxy)
+
+
+def _set_headers(request: QNetworkRequest, headers: Mapping[str, str]) -> None:
+    for name, value in headers.items():
+        request.setRawHeader(name.encode("latin-1"), value.encode("latin-1"))
+
+
+def _host_and_port(url: QUrl) -> str:
+    """Name a server as QGIS's authentication database does."""
+    return f"{url.host().strip()}:{url.port(_HTTPS_PORT)}"
