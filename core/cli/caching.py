@@ -23,13 +23,21 @@ def opened_cache(values: dict[str, Any]) -> TileCache | None:
         raise InvalidInput(f"cache limit {limit_mb} MB: must be 1 or more; --no-cache keeps nothing")
     if values["no_cache"]:
         return None
+    _check_folder(values["cache_dir"])
     from ..imagery.cache.tile_cache import LIMIT_BYTES, TileCache
 
     return TileCache(values["cache_dir"], LIMIT_BYTES if limit_mb is None else limit_mb * _MB)
 
 
+def _check_folder(folder: str | None) -> None:
+    # As from a variable that is not set: the current folder, which it would stand for, is not meant.
+    if folder == "":
+        raise InvalidInput("cache folder '': must be the name of a folder, or left out for the usual one")
+
+
 def run_cache(arguments: argparse.Namespace) -> int:
     """List or clear the cache."""
+    _check_folder(arguments.cache_dir)
     from ..imagery.cache.tile_cache import TileCache
 
     cache = TileCache(arguments.cache_dir)

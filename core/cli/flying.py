@@ -164,6 +164,9 @@ def _interruptible() -> Iterator[list[int]]:
 def run_capture(arguments: argparse.Namespace) -> int:
     """Capture a mission into a folder."""
     mission, values = _settings(arguments)
+    if not values["data_dir"]:
+        # As from a variable that is not set: the current folder, which it would stand for, is not meant.
+        raise InvalidInput("data folder '': must be the name of a folder, such as . for the current one")
     bar = _Bar(arguments.quiet)
     with _opened(mission, values, plan_only=False) as source, _interruptible() as interrupts:
         result = _run(mission, source, values, arguments, bar, lambda: bool(interrupts))
@@ -186,11 +189,8 @@ def _run(
 
     worked_out = plan(mission, source.grid)
     _check_terms(worked_out, source, worked_out.requests * len(mission.map_types), arguments.accept_terms)
-    if not source.map_types:
-        kinds = ", ".join(mission.map_types)
-        print(f"{source.title} has one kind of picture; it is written as {kinds}", file=sys.stderr)
     try:
-        return capture(
+        result = capture(
             worked_out,
             source,
             values["data_dir"],
@@ -201,6 +201,10 @@ def _run(
         )
     finally:
         bar.close()
+    if not source.map_types:
+        kinds = ", ".join(mission.map_types)
+        print(f"{source.title} has one kind of picture; it is written as {kinds}", file=sys.stderr)
+    return result
 
 
 def _print_result(result: CaptureResult, as_json: bool) -> None:

@@ -7,7 +7,7 @@ import json
 import textwrap
 from typing import TYPE_CHECKING, Any
 
-from ..errors import InvalidInput
+from ..errors import InvalidInput, SourceError
 from .exits import DONE
 
 if TYPE_CHECKING:
@@ -55,6 +55,8 @@ def _show(arguments: argparse.Namespace) -> int:
         if arguments.json:
             print(json.dumps([{"name": layer.name, "title": layer.title} for layer in offered], indent=1))
             return DONE
+        if not offered:
+            raise SourceError(f"{arguments.source}: offers no layers")
         for layer in offered:
             print(f"{layer.name:{_COLUMN}s} {layer.title}")
         return DONE

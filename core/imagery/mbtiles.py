@@ -51,7 +51,7 @@ class MBTilesSource:
         self, path: Path, connection: sqlite3.Connection, rows: Mapping[str, str], grid: PixelGrid
     ) -> None:
         self.name = str(path)
-        self.title = rows.get("name", "").strip() or path.stem
+        self.title = _plain(rows.get("name", "")) or path.stem
         self.attribution = _plain(rows.get("attribution", ""))
         self.grid = grid
         date = rows.get("date", "").strip()
@@ -128,7 +128,11 @@ def open_mbtiles(path: str | os.PathLike[str]) -> MBTilesSource:
         It is not there, is no MBTiles, or holds no pictures.
     """
     file = Path(path)
-    if not file.is_file():
+    try:
+        there = file.is_file()
+    except OSError as wrong:
+        raise InvalidInput(f"MBTiles {file}: cannot be read ({wrong.strerror})") from wrong
+    if not there:
         raise InvalidInput(f"MBTiles {file}: is not there")
     connection = None
     try:
@@ -187,8 +191,8 @@ def _grid(file: Path, connection: sqlite3.Connection, rows: Mapping[str, str], s
         raise InvalidInput(f"MBTiles {file}: holds no tiles")
     if rows.get("format") == "pbf" or sample.startswith(_GZIP):
         raise InvalidInput(f"MBTiles {file}: holds vector tiles (pbf); must hold pictures (png, jpg or webp)")
-    lowest, highest = _zooms(connection, rows)
     try:
+        lowest, highest = _zooms(connection, rows)
         return PixelGrid(_tile_px(sample), lowest, highest, highest)
     except InvalidInput as wrong:
         raise InvalidInput(f"MBTiles {file}: {wrong}") from wrong
@@ -202,6 +206,8 @@ def _zooms(connection: sqlite3.Connection, rows: Mapping[str, str]) -> tuple[int
         if lowest <= highest <= _HIGHEST_ZOOM:
             return lowest, highest
     found: Any = connection.execute("SELECT min(zoom_level), max(zoom_level) FROM tiles").fetchone()
+    if not all(isinstance(zoom, int) for zoom in found):
+        raise InvalidInput(f"its tiles are of zooms {found[0]!r} to {found[1]!r}; must be whole numbers")
     return int(found[0]), int(found[1])
 
 
@@ -220,4 +226,5 @@ def _tile_px(sample: bytes) -> int:
 def _plain(text: str) -> str:
     """Text without the HTML that attributions of web maps are written in, on one line."""
     lines = re.sub(r"<(br|p|/p|div|/div)\b[^>]*>", " ", text, flags=re.IGNORECASE)
-    return " ".join(html.unescape(re.sub(r"<[^>]*>", "", lines)).split())
+    plain = html.unescape(re.sub(r"<[^>]*>", "", lines))
+    return " ".join("".join(one if one.isprintable() else " " for one in plain).split())

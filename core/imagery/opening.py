@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -25,6 +26,8 @@ _RASTER_ENDINGS = frozenset(
     [".tif", ".tiff", ".vrt", ".jp2", ".img", ".png", ".jpg", ".jpeg", ".ecw", ".gpkg", ".cog"]
 )
 _MBTILES_ENDING = ".mbtiles"
+#: What stands in templates of tiles, and not in paths of dated files.
+_TILE = re.compile(r"\{(z|zoom|x|-?y|q)\}")
 #: What the plugin names layers of its project by.
 _QGIS = "qgis:"
 
@@ -41,14 +44,25 @@ def is_file(name: str) -> bool:
     """
     if name.startswith("/vsi"):
         return True
-    if name.startswith(_QGIS):
+    if name.startswith(_QGIS) or "://" in name:
+        return False
+    if _TILE.search(name) and not _is_there(name):
+        # A template whose https:// was forgotten, as that says what is wrong.
         return False
     ending = Path(name).suffix.lower()
-    return "://" not in name and (
+    return (
         ending in _RASTER_ENDINGS
         or ending == _MBTILES_ENDING
-        or (NAME.fullmatch(name) is None and Path(name).is_file())
+        or (NAME.fullmatch(name) is None and _is_there(name))
     )
+
+
+def _is_there(name: str) -> bool:
+    try:
+        return Path(name).is_file()
+    except (OSError, ValueError):
+        # No name of a file: too long, or with what the system does not take.
+        return False
 
 
 def open_source(
@@ -98,6 +112,8 @@ def open_source(
     SourceError
         A key is needed and missing, or the service or file cannot be read.
     """
+    if connections < 1:
+        raise InvalidInput(f"{connections} connections: must be 1 or more")
     if is_file(name):
         return _open_file(name, date)
     entry = entry_of(name, key=key, tile_px=tile_px, max_zoom=max_zoom, transport=transport)

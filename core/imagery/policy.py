@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 from ..errors import InvalidInput, SourceError
@@ -48,8 +49,8 @@ class Policy:
             )
         for name in ("max_tiles", "max_connections", "requests_per_s"):
             value = getattr(self, name)
-            if value is not None and not value > 0:
-                raise InvalidInput(f"{name} {value}: must be above 0, or left out")
+            if value is not None and not (value > 0 and math.isfinite(value)):
+                raise InvalidInput(f"{name} {value}: must be a number above 0, or left out")
 
     def connections(self, wanted: int) -> int:
         """Return the connections to open where ``wanted`` are asked for."""

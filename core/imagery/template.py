@@ -31,8 +31,8 @@ _BRACES = re.compile(r"\{([^{}]*)\}")
 _RANGE = re.compile(r"\{(\w)-(\w)\}|\[(\w)-(\w)\]|\{switch:([\w,-]+)\}")
 #: Names that keys go by in queries.
 _KEY_NAMES = re.compile(
-    r"access_?token|api[-_]?key|app_?(id|code)|auth(token)?|client_secret|key|password|secret|sig(nature)?"
-    r"|subscription-key|token",
+    r"access[-_]?(key|token)|ak|(x[-_])?api[-_]?key|app[-_]?(id|code|key)|auth([-_]?(key|token))?|client[-_]?secret"
+    r"|key|password|secret|sig(nature)?|subscription[-_]?key|tk|token",
     re.IGNORECASE,
 )
 
@@ -76,7 +76,14 @@ class Template:
     @property
     def host(self) -> str:
         """Host asked, its first subdomain where there are several."""
-        return urlsplit(self._filled({"s": self.subdomains[0] if self.subdomains else ""})).hostname or ""
+        return self.hosts[0]
+
+    @property
+    def hosts(self) -> tuple[str, ...]:
+        """Hosts asked, of every subdomain."""
+        asked = (urlsplit(self._filled({"s": one})).hostname or "" for one in self.subdomains or ("",))
+        # A name may end in the dot of the root, which is the same host.
+        return tuple(dict.fromkeys(host.rstrip(".") for host in asked))
 
     def url(
         self, z: int, x: int, y: int, *, scale: int = 1, map_type: str = "", date: str = "", key: str = ""
@@ -132,12 +139,25 @@ def check_address(text: str, what: str) -> None:
     what : str
         What it is, as errors name it.
     """
-    parts = urlsplit(_BRACES.sub("0", text))
+    if not text.isprintable() or " " in text:
+        raise InvalidInput(
+            f"{what} with spaces or control characters: must be without, or have them written %20"
+        )
+    try:
+        parts = urlsplit(_BRACES.sub("0", text))
+        _ = parts.port
+    except ValueError as wrong:
+        raise InvalidInput(
+            f"{what} of an invalid host or port: must be as in https://tiles.example:8080/"
+        ) from wrong
     if parts.scheme not in ("http", "https") or not parts.hostname:
         raise InvalidInput(f"{what} of {parts.scheme or 'no'} scheme: must start with http:// or https://")
     if parts.username is not None or parts.password is not None:
         raise InvalidInput(f"{what} for {parts.hostname}: holds a user name; no credentials may stand in it")
-    for name, value in parse_qsl(urlsplit(text).query):
+    before, _, after = text.partition("#")
+    # Some servers take ; between parameters, and what stands after # may have been meant for the query.
+    told = f"{before.partition('?')[2]}&{after}".replace(";", "&")
+    for name, value in parse_qsl(told):
         if _KEY_NAMES.fullmatch(name) and "{key}" not in value:
             raise InvalidInput(
                 f"{what} for {parts.hostname}: holds a key in {name!r}, which would end up in files; "

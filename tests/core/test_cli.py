@@ -11,6 +11,7 @@ import time
 from pathlib import Path
 
 import pytest
+from terrainav.core.cli import flying
 
 from tests.support.command import command
 from tests.support.tileserver import TileServer
@@ -245,3 +246,44 @@ sys.exit(main(['capture', '--coords', '35_-89_120', '--data-dir', {str(locked / 
     assert "locked" in line
     assert "Permission denied" in line
     assert not list(Path(locked).iterdir())
+
+
+def test_what_cannot_be_printed_does_not_break_the_line_of_an_error(run):
+    said = run("plan", "--coords", "35_-89_120", "--source", "a\nb\x1b[31m.tif")
+    assert (said.returncode, said.stderr) == (2, "terrainav: a b [31m.tif: there is no such file\n")
+    too_long = run("plan", "--coords", "35_-89_120", "--source", "x" * 5000 + ".tif")
+    assert "cannot be read" in one_line(too_long, 2)
+
+
+@pytest.mark.parametrize("option", ["--data-dir", "--cache-dir"])
+def test_a_folder_without_a_name_is_not_the_current_one(run, tmp_path, option):
+    before = sorted(tmp_path.iterdir())
+    assert "folder '': must be the name of a folder" in one_line(
+        run("capture", "--coords", BOX, option, ""), 2
+    )
+    assert sorted(tmp_path.iterdir()) == before
+
+
+def test_an_interrupt_while_planning_is_one_line(run, monkeypatch):
+    def interrupted(*_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(flying, "plan", interrupted)
+    assert one_line(run("plan", "--coords", BOX), 130) == "terrainav: stopped"
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs a device that is always full")
+@pytest.mark.parametrize("arguments", [("cameras",), ("--help",)])
+def test_output_that_cannot_be_written_is_one_line(tmp_path, arguments):
+    with Path("/dev/full").open("w") as full:
+        process = subprocess.run(
+            [sys.executable, "-m", "terrainav.core.cli", *arguments],
+            cwd=tmp_path,
+            stdout=full,
+            stderr=subprocess.PIPE,
+            text=True,
+            timeout=120,
+            check=False,
+        )
+    assert (process.returncode, len(process.stderr.splitlines())) == (3, 1), process.stderr
+    assert "No space left on device" in process.stderr

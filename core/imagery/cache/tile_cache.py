@@ -178,8 +178,10 @@ class TileCache:
         """
         before = self._folder_bytes()
         everything = (*self._paths(), *self._paths(corrupt=True))
-        for path in everything if names is None else self._named(names):
-            _clear(path)
+        # Where one cannot be removed, the others go all the same.
+        failures = [_failure(path) for path in (everything if names is None else self._named(names))]
+        for failure in filter(None, failures):
+            raise failure
         return max(before - self._folder_bytes(), 0)
 
     def trim(self) -> None:
@@ -230,7 +232,8 @@ class TileCache:
     def _paths(self, *, corrupt: bool = False) -> tuple[Path, ...]:
         """Files of the cache, or those that were set aside; files of others are left alone."""
         try:
-            names = sorted(entry.name for entry in os.scandir(self.folder))
+            with os.scandir(self.folder) as entries:
+                names = sorted(entry.name for entry in entries if entry.is_file())
         except OSError:
             return ()
         found = ((name, _NAME.fullmatch(name)) for name in names)
@@ -314,6 +317,15 @@ def _clear(path: Path) -> None:
             path.unlink(missing_ok=True)
     except (sqlite3.Error, OSError) as wrong:
         raise OutputError(f"cache {path}: cannot be removed ({wrong})") from wrong
+
+
+def _failure(path: Path) -> OutputError | None:
+    """Remove a file as `_clear` does, and return why that was not possible."""
+    try:
+        _clear(path)
+    except OutputError as wrong:
+        return wrong
+    return None
 
 
 def _has_tiles(path: Path) -> bool:

@@ -88,13 +88,18 @@ class Dates:
             dt.date.fromisoformat(date if self.kind == "day" else f"{date}-01-01")
         except ValueError:
             return False
-        return len(date) == len(_FORMS[self.kind]) and self.first <= date <= (self.last or "9999")
+        return len(date) == len(_FORMS[self.kind]) and self.first <= date <= (self.last or _now())
 
     def _near(self, date: str) -> str:
         ordered = sorted(self.values)
         at = bisect.bisect(ordered, date)
         start = max(0, min(at - _NAMED // 2, len(ordered) - _NAMED))
         return ", ".join(ordered[start : start + _NAMED])
+
+
+def _now() -> str:
+    """Latest day it is anywhere on Earth."""
+    return (dt.datetime.now(dt.timezone.utc) + dt.timedelta(hours=14)).date().isoformat()
 
 
 def dates_of_dimension(values: Iterable[str], default: str) -> Dates | None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field, fields, replace
 from typing import Any
@@ -21,6 +22,25 @@ KEY_ENV = "TERRAINAV_KEY"
 KINDS = ("world", "xyz", "static-map")
 #: West, south, east and north of the whole map.
 WORLD_DEG = (-180.0, -90.0, 180.0, 90.0)
+#: What every entry states.
+_NEEDED = ("title", "kind", "min_zoom", "max_zoom", "native_zoom")
+_TEXT = ((str,), "text of one line")
+_WHOLE = ((int,), "a whole number")
+_LIST = ((list, tuple), "a list")
+_OBJECT = ((Mapping,), "an object")
+#: Types of what an entry states, and words for them.
+_KINDS_OF: dict[str, tuple[tuple[type, ...], str]] = {
+    **dict.fromkeys(("title", "kind", "area", "attribution", "key_env", "secret_env"), _TEXT),
+    **dict.fromkeys(("bulk_allowed", "licence", "terms", "terms_url"), _TEXT),
+    **dict.fromkeys(("min_zoom", "max_zoom", "native_zoom", "max_tiles", "max_connections"), _WHOLE),
+    "requests_per_s": ((int, float), "a number"),
+    "cache_allowed": ((bool,), "true or false"),
+    **dict.fromkeys(("map_types", "hosts", "tile_px", "bounds_deg", "levels"), _LIST),
+    **dict.fromkeys(("urls", "dates", "placeholder"), _OBJECT),
+}
+#: Widest tiles that may be stated, px: 48 MB of pixels, and twice what any server is known to have.
+_WIDEST_TILE_PX = 4096
+_VARIABLE = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
 
 
 @dataclass(frozen=True)
@@ -79,6 +99,7 @@ class CatalogueEntry:
     def from_dict(cls, name: str, data: Mapping[str, Any], *, user: bool = False) -> CatalogueEntry:
         """Entry of ``resources/sources.json``; raises InvalidInput on what is unknown or missing."""
         data = dict(data)
+        _check_kinds(name, data)
         terms = {field: data.pop(field) for field in Policy.__dataclass_fields__ if field in data}
         try:
             marks = dict(data.pop("placeholder", {}))
@@ -123,7 +144,14 @@ class CatalogueEntry:
         if not (-180.0 <= west < east <= 180.0 and -90.0 <= south < north <= 90.0):
             raise InvalidInput(f"bounds {self.bounds_deg}: must be west, south, east, north in degrees")
         for size in self.tile_px:
+            if size > _WIDEST_TILE_PX:
+                raise InvalidInput(f"tile size {size} px: must be {_WIDEST_TILE_PX} or less")
             self.grid(size)
+        for variable in (self.key_env, self.secret_env):
+            if variable is not None and not _VARIABLE.fullmatch(variable):
+                raise InvalidInput(
+                    f"environment variable {variable!r}: must be letters, digits and underscores, such as {KEY_ENV}"
+                )
         self._check_urls()
 
     def _check_stated(self) -> None:
@@ -218,6 +246,36 @@ class CatalogueEntry:
         )
 
 
+def _check_kinds(name: str, data: Mapping[str, Any]) -> None:
+    """Refuse what is unknown, missing or of another kind, in the words of who writes the file."""
+    for needed in _NEEDED:
+        if needed not in data:
+            raise InvalidInput(f"catalogue entry {name!r}: {needed} is missing")
+    for one, value in data.items():
+        if one not in _KINDS_OF:
+            raise InvalidInput(
+                f"catalogue entry {name!r}: {one!r} is unknown; known are {', '.join(_KINDS_OF)}"
+            )
+        kinds, words = _KINDS_OF[one]
+        # What is true or false counts as a number in Python.
+        right = isinstance(value, kinds) and (bool in kinds or not isinstance(value, bool))
+        if isinstance(value, str):
+            right = right and value.isprintable()
+        if value is None:
+            right = one not in _NEEDED
+        if not right:
+            raise InvalidInput(f"catalogue entry {name!r}: {one} {value!r}: must be {words}")
+    for one, kind, words in (
+        ("urls", str, "text"),
+        ("hosts", str, "text"),
+        ("tile_px", int, "whole numbers"),
+    ):
+        values = data.get(one) or ()
+        for value in values.values() if isinstance(values, Mapping) else values:
+            if not isinstance(value, kind):
+                raise InvalidInput(f"catalogue entry {name!r}: {one} with {value!r}: must be {words}")
+
+
 def shipped() -> tuple[CatalogueEntry, ...]:
     """Return the entries of ``resources/sources.json``, the embedded world first."""
     return tuple(CatalogueEntry.from_dict(name, data) for name, data in read_json("sources.json").items())
@@ -231,7 +289,8 @@ def serving(host: str) -> CatalogueEntry | None:
 def under_provider(entry: CatalogueEntry) -> CatalogueEntry:
     """Return an entry with its provider's terms: they hold however the tiles are asked for."""
     for url in entry.urls.values():
-        known = serving(Template(url, levels=entry.levels).host)
+        providers = (serving(host) for host in Template(url, levels=entry.levels).hosts)
+        known = next((provider for provider in providers if provider is not None), None)
         if known is not None:
             return replace(
                 entry,

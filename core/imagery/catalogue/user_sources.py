@@ -46,8 +46,9 @@ def user_sources(folder: str | os.PathLike[str] | None = None) -> tuple[Catalogu
         The file cannot be read, or an entry is not right; names the file.
     """
     path = _path(folder)
+    known = _read(path)
     try:
-        return tuple(_entry(name, data) for name, data in _read(path).items())
+        return tuple(_entry(name, data) for name, data in known.items())
     except InvalidInput as wrong:
         raise InvalidInput(f"{path}: {wrong}") from wrong
 
@@ -135,10 +136,7 @@ def add(name: str, data: Mapping[str, Any], folder: str | os.PathLike[str] | Non
     OutputError
         The file cannot be written.
     """
-    if not NAME.fullmatch(name):
-        raise InvalidInput(
-            f"source name {name!r}: must be lower-case letters, digits, hyphens and underscores, at most 64"
-        )
+    _check_name(name)
     if any(entry.name == name for entry in shipped()):
         raise InvalidInput(f"source name {name!r}: is one of the catalogue's; choose another")
     path = _path(folder)
@@ -173,7 +171,15 @@ def _path(folder: str | os.PathLike[str] | None) -> Path:
     return (default_folder() if folder is None else Path(folder)) / FILE
 
 
+def _check_name(name: str) -> None:
+    if not NAME.fullmatch(name):
+        raise InvalidInput(
+            f"source name {name!r}: must be lower-case letters, digits, hyphens and underscores, at most 64"
+        )
+
+
 def _entry(name: str, data: Any) -> CatalogueEntry:
+    _check_name(name)
     if not isinstance(data, Mapping):
         raise InvalidInput(f"catalogue entry {name!r}: must be an object")
     entry = CatalogueEntry.from_dict(name, data, user=True)
@@ -187,7 +193,9 @@ def _read(path: Path) -> dict[str, Any]:
         data = json.loads(path.read_text(encoding="utf-8"))
     except FileNotFoundError:
         return {}
-    except (OSError, ValueError) as wrong:
+    except OSError as wrong:
+        raise InvalidInput(f"{path}: cannot be read ({wrong.strerror}); mend it, or move it away") from wrong
+    except (ValueError, RecursionError) as wrong:
         raise InvalidInput(f"{path}: cannot be read as JSON ({wrong}); mend it, or move it away") from wrong
     if not isinstance(data, dict):
         raise InvalidInput(f"{path}: must hold a JSON object of sources")
@@ -195,8 +203,8 @@ def _read(path: Path) -> dict[str, Any]:
 
 
 def _write(path: Path, data: Mapping[str, Any]) -> None:
-    make_folder(path.parent)
     try:
+        make_folder(path.parent)
         write_whole(path, (json.dumps(data, indent=1, ensure_ascii=False) + "\n").encode())
     except OutputError as wrong:
         raise OutputError(f"{wrong}; {FOLDER_ENV} names another folder") from wrong

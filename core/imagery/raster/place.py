@@ -50,7 +50,10 @@ class Place:
         x, x_column, x_row, y, y_column, y_row = facts.geotransform
         self._origin = np.array([x, y])
         self._steps = np.array([[x_column, x_row], [y_column, y_row]])
-        if not np.isfinite(facts.geotransform).all() or np.linalg.det(self._steps) == 0.0:
+        # Absurd steps overflow, and are refused for where they lead.
+        with np.errstate(over="ignore", invalid="ignore"):
+            places = np.isfinite(facts.geotransform).all() and np.linalg.det(self._steps) != 0.0
+        if not places:
             raise InvalidInput(f"its geotransform {facts.geotransform} places no pixel")
         self._width, self._height = facts.sizes[0]
         self._crs = _horizontal(facts.crs_wkt)
@@ -81,7 +84,9 @@ class Place:
         """
         column, row = self._width / 2.0, self._height / 2.0
         x, y = self._on_map(np.array([column, column + 1.0, column]), np.array([row, row, row + 1.0]))
-        steps = np.array([x[1:] - x[0], y[1:] - y[0]])
+        # A centre off the map is not finite.
+        with np.errstate(invalid="ignore"):
+            steps = np.array([x[1:] - x[0], y[1:] - y[0]])
         steps[0] -= np.rint(steps[0] / (2.0 * HALF_WORLD_M)) * (2.0 * HALF_WORLD_M)
         if not np.isfinite(steps).all() or abs(y[0]) > HALF_WORLD_M:
             raise InvalidInput("its centre does not lie on the Web-Mercator map")

@@ -210,10 +210,13 @@ class RasterSource:
 def _check_there(path: str) -> None:
     if path.startswith("/vsi"):
         return
-    if Path(path).is_dir():
-        raise InvalidInput(f"{path}: is a folder; name a raster file")
-    if not Path(path).is_file():
-        raise InvalidInput(f"{path}: there is no such file")
+    try:
+        if Path(path).is_dir():
+            raise InvalidInput(f"{path}: is a folder; name a raster file")
+        if not Path(path).is_file():
+            raise InvalidInput(f"{path}: there is no such file")
+    except OSError as wrong:
+        raise InvalidInput(f"{path}: cannot be read ({wrong.strerror})") from wrong
 
 
 def _state(path: str) -> tuple[int, int] | None:

@@ -23,6 +23,8 @@ CHOICES = {
     "wmts": ("layer", "style", "tilematrixset", "format"),
     "wms": ("layers", "styles", "format", "version"),
 }
+#: How the documents of each kind begin.
+_ROOTS = {"wmts": rb"<(\w+:)?Capabilities\b", "wms": rb"<(\w+:)?(WMS|WMT_MS)_Capabilities\b"}
 #: Formats of tiles that can be decoded, the first that is offered is taken.
 FORMATS = ("image/png", "image/jpeg", "image/webp", "image/gif")
 #: Largest capabilities read; those of national services have some MB.
@@ -163,9 +165,14 @@ def fetched(service: Service, key: str | None, transport: Transport | None) -> D
     plain = body.replace(b"\0", b"")
     if len(body) > MAX_DOCUMENT_BYTES or b"<!ENTITY" in plain:
         raise document.wrong("capabilities of too many bytes, or with entities of their own, are not read")
-    if not re.search(rb"<(\w+:)?(WMS_|WMT_MS_)?Capabilities\b", plain):
+    found = [kind for kind, root in _ROOTS.items() if re.search(root, plain)]
+    if not found:
         words = first_words(body, response.headers.get("content-type", ""))
         raise document.wrong(f"no capabilities at this address{f': {words}' if words else ''}")
+    if service.kind not in found:
+        raise document.wrong(
+            f"the capabilities at this address are of a {found[0].upper()}: write {found[0]}:URL"
+        )
     return document
 
 
@@ -258,5 +265,6 @@ def credit_of(title: str | None, provider: Any) -> str:
 
 def one_line(text: str | None) -> str:
     """Text of a document in one line of bounded length, markup left out."""
-    plain = " ".join(re.sub(r"<[^>]*>", " ", text or "").split())
+    plain = re.sub(r"<[^>]*>", " ", text or "")
+    plain = " ".join("".join(one if one.isprintable() else " " for one in plain).split())
     return plain if len(plain) <= _WORDS_CHARACTERS else plain[: _WORDS_CHARACTERS - 1] + "…"

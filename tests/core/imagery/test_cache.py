@@ -17,8 +17,9 @@ import numpy as np
 import pytest
 from osgeo import gdal
 from terrainav.core.capture.runner import capture
-from terrainav.core.errors import InvalidInput, PartError, SourceError
+from terrainav.core.errors import InvalidInput, OutputError, PartError, SourceError
 from terrainav.core.geodesy.mercator import PixelGrid
+from terrainav.core.imagery.cache import tilefile
 from terrainav.core.imagery.cache.tile_cache import TileCache, default_folder
 from terrainav.core.imagery.decode import Placeholder
 from terrainav.core.imagery.policy import Policy
@@ -364,6 +365,8 @@ def test_clear(cache):
             fetch(server, cache, range(3), name=name, title=name.upper())
         (cache.folder / "my-own.mbtiles").write_bytes(b"mine")
         (cache.folder / "notes.txt").write_bytes(b"mine")
+        # A folder is none of the cache's files, whatever it is called.
+        (cache.folder / "a-0123456789ab.mbtiles").mkdir()
         with pytest.raises(InvalidInput, match=r"cache 'osm': is not there; .* holds ign, pdok, usgs"):
             cache.clear(["usgs", "osm"])
         assert len(cache.list()) == 3
@@ -371,8 +374,26 @@ def test_clear(cache):
         assert [file.source for file in cache.list()] == ["pdok"]
         assert cache.clear() > 0
         assert cache.list() == ()
-        assert sorted(path.name for path in cache.folder.iterdir()) == ["my-own.mbtiles", "notes.txt"]
+        left = sorted(path.name for path in cache.folder.iterdir())
+        assert left == ["a-0123456789ab.mbtiles", "my-own.mbtiles", "notes.txt"]
         assert cache.clear() == 0
+
+
+def test_a_file_that_cannot_be_removed_keeps_no_other(cache, monkeypatch):
+    with CachingTileServer(headers=HOUR) as server:
+        for name in ("ign", "usgs"):
+            fetch(server, cache, range(3), name=name, title=name)
+    remove = tilefile.remove
+
+    def held(path):
+        if "ign" in path.name:
+            raise PermissionError(13, "Permission denied")
+        return remove(path)
+
+    monkeypatch.setattr(tilefile, "remove", held)
+    with pytest.raises(OutputError, match=r"ign.*: cannot be removed"):
+        cache.clear()
+    assert [file.source for file in cache.list()] == ["ign"]
 
 
 def test_clearing_a_file_in_use_leaves_it_whole(cache):

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import datetime as dt
+
 import pytest
 from terrainav.core.errors import InvalidInput
 from terrainav.core.imagery.catalogue.dates import Dates, dates_of_dimension
@@ -35,6 +37,17 @@ def test_dates_of_each_kind(dates, right, wrong):
             dates.checked(date)
         assert repr(date) in str(raised.value)
         assert "\n" not in str(raised.value)
+
+
+def test_days_to_come_are_none_of_those_there_are():
+    to_now = Dates("day", "2015-11-24", "2024-06-21")
+    today = dt.datetime.now(dt.timezone.utc).date()
+    assert to_now.checked(today.isoformat())
+    # Somewhere it may be tomorrow already, but never the day after.
+    with pytest.raises(InvalidInput, match="from 2015-11-24 to now"):
+        to_now.checked((today + dt.timedelta(days=2)).isoformat())
+    with pytest.raises(InvalidInput, match="from 2018 to now"):
+        Dates("year", "2018", "2024").checked(str(today.year + 2))
 
 
 def test_listed_dates_stand_for_what_the_address_needs():

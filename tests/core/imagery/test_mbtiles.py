@@ -210,6 +210,16 @@ def an_odd_size(path):
     write(path, {(0, 0, 0): to_bytes(np.zeros((300, 300, 3), np.uint8), "png")})
 
 
+def zooms_that_are_none(path):
+    # By hand, as columns of declared types would turn some of it into numbers.
+    with closing(sqlite3.connect(path)) as database:
+        database.execute("CREATE TABLE metadata (name, value)")
+        database.execute("CREATE TABLE tiles (zoom_level, tile_column, tile_row, tile_data)")
+        body = to_bytes(np.zeros((256, 256, 3), np.uint8), "png")
+        database.execute("INSERT INTO tiles VALUES (NULL, 0, 0, ?)", (body,))
+        database.commit()
+
+
 @pytest.mark.parametrize(
     ("make", "message"),
     [
@@ -221,6 +231,7 @@ def an_odd_size(path):
         (vector_by_content, r"holds vector tiles \(pbf\); must hold pictures"),
         (something_else, "its tiles are no pictures; must be png, jpg or webp"),
         (not_square, "its tiles are of 512x256 px; must be square"),
+        (zooms_that_are_none, "its tiles are of zooms None to None; must be whole numbers"),
         (an_odd_size, "tile size 300 px: must be a multiple of 256"),
     ],
 )
@@ -370,3 +381,14 @@ def test_damage_is_a_missing_part(tmp_path):
         with pytest.raises(PartError, match=f"tile {zoom}/{x}/{y}"):
             source.fetch("", Window(zoom, x * 256, y * 256, 256, 256))
     source.close()
+
+
+def test_a_title_is_one_line_of_what_can_be_printed(tmp_path):
+    source = open_mbtiles(write(tmp_path / "own.mbtiles", some_tiles(), name="my\nown \x1b[31mtiles"))
+    assert source.title == "my own [31mtiles"
+    source.close()
+
+
+def test_a_name_that_is_too_long_is_one_line():
+    with pytest.raises(InvalidInput, match="cannot be read"):
+        open_mbtiles("x" * 5000 + ".mbtiles")

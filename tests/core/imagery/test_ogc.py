@@ -264,8 +264,9 @@ def test_a_key_is_sent_and_written_nowhere(server):
          "no capabilities at this address: no such map"),
         ((200, "text/html", b"<html><title>Please log in</title></html>"), "no capabilities at this address: Please"),
         ((404, "text/plain", b"gone"), "404 Not Found: gone"),
-        (xml(b"<Capabilities><Contents>"), "capabilities that cannot be read"),
-        (xml(b"<Capabilities/>"), "capabilities that cannot be read"),
+        (xml(b"<Capabilities><Contents>"),
+         {"wmts": "capabilities that cannot be read", "wms": "are of a WMTS: write wmts:"}),
+        (xml(b"<WMS_Capabilities/>"), {"wmts": "are of a WMS: write wms:", "wms": "capabilities that cannot be read"}),
         (xml(b'<!DOCTYPE x [<!ENTITY e SYSTEM "file:///etc/hostname">]><Capabilities>&e;</Capabilities>'), "entities"),
         (xml('<!DOCTYPE x [<!ENTITY e "x">]><Capabilities/>'.encode("utf-16")), "entities"),
     ],
@@ -275,7 +276,7 @@ def test_an_address_without_capabilities_is_one_line(server, kind, answer, says)
     server.answer = lambda *_: answer
     with pytest.raises(SourceError) as raised:
         open_source(f"{kind}:{server.url}/c.xml")
-    assert says in one_line(raised)
+    assert (says if isinstance(says, str) else says[kind]) in one_line(raised)
     assert "127.0.0.1" in str(raised.value)
 
 
@@ -286,12 +287,20 @@ def test_a_document_beyond_measure_is_given_up(server, monkeypatch):
         open_source(f"wmts:{server.url}/c.xml")
 
 
+def test_titles_are_one_line_of_what_can_be_printed(server):
+    layer = wmts_layer(
+        "a", {"quad": []}, title="Or&#10;tho&#x202e; &#x9b;31m", resources=[("image/png", "/{TileRow}")]
+    )
+    server.answer = lambda *_: xml(wmts_document([layer], []))
+    assert [one.title for one in layers(f"wmts:{server.url}/c.xml")] == ["Or tho 31m"]
+
+
 @pytest.mark.parametrize("kind", ["wmts", "wms"])
 def test_without_owslib_the_line_says_what_to_install(server, kind, monkeypatch):
     for name in [name for name in sys.modules if name.partition(".")[0] == "owslib"]:
         monkeypatch.delitem(sys.modules, name)
     monkeypatch.setitem(sys.modules, "owslib", None)
-    server.answer = lambda *_: xml(b"<Capabilities/>")
+    server.answer = lambda *_: xml(b"<Capabilities/>" if kind == "wmts" else b"<WMS_Capabilities/>")
     with pytest.raises(SourceError, match=f"source {kind}:127.0.0.1: needs OWSLib: pip install owslib"):
         open_source(f"{kind}:{server.url}/c.xml")
 

@@ -42,6 +42,8 @@ def test_the_world_opens_with_its_seed():
         ("http://h/{z}/{x}/{y}.tif", True, False),
         ("ftp://h/{z}/{x}/{y}", True, False),
         ("{z}/{x}/{y}", True, False),
+        ("tiles.example/{z}/{x}/{y}.png", True, False),
+        ("x" * 5000, False, False),
         ("photos/ortho_{date}.tif", False, True),
         ("C:\\maps\\ortho.TIF", False, True),
         ("/vsicurl/https://h/cog.tif", False, True),
@@ -303,3 +305,9 @@ def test_with_a_cache_the_second_run_asks_for_nothing(tmp_path):
             source.fetch("", window)
             source.close()
         assert sum(server.requests.values()) == 3
+
+
+@pytest.mark.parametrize("connections", [0, -1])
+def test_connections_that_are_none_are_refused(connections):
+    with pytest.raises(InvalidInput, match=f"^{connections} connections: must be 1 or more"):
+        open_source("world", connections=connections)

@@ -135,3 +135,44 @@ def test_addresses_are_held_to_the_same_as_templates():
     for wrong in ("ftp://h.example", "https://me@h.example", "https://h.example?token=abc"):
         with pytest.raises(InvalidInput, match=r"^address "):
             check_address(wrong, "address")
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        "http://[::1/",
+        "http://h.example:abc/",
+        "http://h.example:99999/",
+        "http://h h/",
+        "http://h/\n",
+        "http://h/\x1b",
+    ],
+)
+def test_addresses_that_no_server_can_have(wrong):
+    with pytest.raises(InvalidInput, match=r"^address (with spaces|of an invalid host)"):
+        check_address(wrong, "address")
+
+
+@pytest.mark.parametrize(
+    "query",
+    [
+        "?access-token=",
+        "?X-Api-Key=",
+        "?subscription_key=",
+        "?access_key=",
+        "?tk=",
+        "?ak=",
+        "?a=1;key=",
+        "#key=",
+        "?%6bey=",
+    ],
+)
+def test_keys_are_found_by_whatever_name_and_place(query):
+    with pytest.raises(InvalidInput, match="holds a key") as raised:
+        check_address(f"https://h.example/{query}abc123", "address")
+    assert "abc123" not in str(raised.value)
+
+
+def test_hosts_are_those_of_every_subdomain_without_the_dot_of_the_root():
+    template = Template("https://{switch:a,tile}.h.example./{z}/{x}/{y}")
+    assert (template.host, template.hosts) == ("a.h.example", ("a.h.example", "tile.h.example"))

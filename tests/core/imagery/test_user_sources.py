@@ -158,3 +158,59 @@ def test_where_the_folder_is(monkeypatch, tmp_path):
     monkeypatch.setattr("sys.platform", "win32")
     monkeypatch.setenv("APPDATA", str(tmp_path / "roaming"))
     assert default_folder() == tmp_path / "roaming" / "terrainav"
+
+
+@pytest.mark.parametrize(
+    ("change", "says"),
+    [
+        ({"title": "two\nlines"}, "title 'two\\\\nlines': must be text of one line"),
+        ({"attribution": 5}, "attribution 5: must be text"),
+        ({"title": None}, "title None: must be text"),
+        ({"max_zoom": 5.5}, "max_zoom 5.5: must be a whole number"),
+        ({"max_zoom": True}, "max_zoom True: must be a whole number"),
+        ({"max_connections": "3"}, "max_connections '3': must be a whole number"),
+        ({"requests_per_s": float("inf")}, "requests_per_s inf: must be a number above 0"),
+        ({"cache_allowed": "no"}, "cache_allowed 'no': must be true or false"),
+        ({"tile_px": "256"}, "tile_px '256': must be a list"),
+        ({"tile_px": [256.0]}, "tile_px with 256.0: must be whole numbers"),
+        ({"tile_px": [1 << 20]}, "tile size 1048576 px: must be 4096 or less"),
+        ({"urls": {"": 7}}, "urls with 7: must be text"),
+        ({"key_env": "FOO BAR"}, "environment variable 'FOO BAR': must be letters"),
+        ({"foo": 1}, "'foo' is unknown; known are title"),
+        ({"kind": ...}, "kind is missing"),
+    ],
+)
+def test_data_of_another_kind_are_refused_and_named(change, says, folder):
+    data = {**described("https://h.example/{z}/{x}/{y}"), **change}
+    with pytest.raises(InvalidInput, match=says):
+        add("mine", {name: value for name, value in data.items() if value is not ...})
+    assert not folder.exists()
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ("{", "cannot be read as JSON"),
+        ("[" * 100_000, "cannot be read as JSON"),
+        ("[]", "must hold"),
+        ('{"a": 1}', "'a'"),
+    ],
+)
+def test_a_broken_file_is_named_once(folder, text, says):
+    folder.mkdir()
+    (folder / "sources.json").write_text(text)
+    with pytest.raises(InvalidInput, match=says) as raised:
+        sources()
+    assert str(raised.value).count("sources.json") == 1
+    assert (folder / "sources.json").read_text() == text
+
+
+@pytest.mark.parametrize(
+    "url",
+    [
+        "https://tile.openstreetmap.org./{z}/{x}/{y}.png",
+        "https://{switch:x,tile}.openstreetmap.org/{z}/{x}/{y}.png",
+    ],
+)
+def test_terms_hold_however_the_host_is_spelled(url):
+    assert add("mine", described(url)).bulk_allowed == "no"
