@@ -65,9 +65,10 @@ its own cell's bound.
 | --- | ---: | ---: | ---: | --- |
 {table}
 
-Rectangles that camera frames count for in covering, {rectangles.with_extent:,} of {RECTANGLES[0]:,} cameras at any
-tilt and height, leave their image by at most {max(rectangles.worst_px, 0.0):.2g} px beyond the noise of map positions,
-and the Earth hides nothing of them; {without:,} more poses see ground and have no rectangle.
+Of the rectangles that camera frames count for in covering, {rectangles.with_extent:,} for {RECTANGLES[0]:,} cameras at
+any tilt and height were looked at: none leaves its image by more than {max(rectangles.worst_px, 0.0):.2g} px beyond the noise
+of map positions (before they give way by half a pixel of the source), and the Earth hides nothing of them. {without:,} more
+poses see ground and have no rectangle.
 
 The bound of the exact camera is one of rounding, which is random: what holds in the worst of a million scenes is
 far from the median one. Draws of fields of view are even in the logarithm of their tangent, so that half of all
