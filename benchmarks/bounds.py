@@ -45,6 +45,7 @@ def page() -> str:
         _, wide = bounds.meshes(2028, MESHES // 3, tolerance, narrowest=20.0, widest=150.0)
         rows.append(row(f"mesh-{tolerance:g}px, 20° to 150°", wide, "meshes"))
     rectangles = bounds.rectangles_inside(2027, *RECTANGLES)
+    worst_px = max(rectangles.worst_px, 0.0)
     without = rectangles.count - rectangles.with_extent
     table = "\n".join(rows)
     total = sum(tally.count for tally in level.values())
@@ -66,9 +67,9 @@ its own cell's bound.
 {table}
 
 Of the rectangles that camera frames count for in covering, {rectangles.with_extent:,} for {RECTANGLES[0]:,} cameras at
-any tilt and height were looked at: none leaves its image by more than {max(rectangles.worst_px, 0.0):.2g} px beyond the noise
-of map positions (before they give way by half a pixel of the source), and the Earth hides nothing of them. {without:,} more
-poses see ground and have no rectangle.
+any tilt and height were looked at: none leaves its image by more than {worst_px:.2g} px beyond the noise
+of map positions (before they give way by half a pixel of the source), and the Earth hides nothing of them. {without:,}
+more poses see ground and have no rectangle.
 
 The bound of the exact camera is one of rounding, which is random: what holds in the worst of a million scenes is
 far from the median one. Draws of fields of view are even in the logarithm of their tangent, so that half of all
