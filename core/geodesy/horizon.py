@@ -9,7 +9,16 @@ from numpy.typing import NDArray
 
 from ..errors import InvalidInput
 from .camera import CORNERS, Camera
-from .ellipsoid import WGS84, Ellipsoid, clearance, limb, limb_azimuth, sight_lines, trace
+from .ellipsoid import (
+    WGS84,
+    Ellipsoid,
+    above_tangent_plane_m,
+    clearance,
+    limb,
+    limb_azimuth,
+    sight_lines,
+    trace,
+)
 from .poses import Poses
 
 Floats = NDArray[np.float64]
@@ -56,12 +65,10 @@ def poles_seen(camera: Camera, poses: Poses, ground: Ellipsoid = WGS84) -> NDArr
         at_pole = np.full((len(found), 1), 90.0 * pole)
         lat, agl = poses.lat_deg[:, np.newaxis], poses.agl_m[:, np.newaxis]
         vectors = sight_lines(lat, agl, at_pole, np.zeros_like(at_pole), ground)
-        # The camera's height over that plane is the part of the way to the pole that leads down along the axis.
-        phi = np.radians(poses.lat_deg)
-        descent = -(np.cos(phi) * vectors[:, 0, 1] + np.sin(phi) * vectors[:, 0, 2]) * pole
         points, in_front = camera.image_xy(vectors, *poses.attitude)
         inside = in_front[:, 0] & (np.abs(points[:, 0]) <= 1.0).all(axis=-1)
-        found[inside & (descent > 0.0)] = pole
+        above_m = above_tangent_plane_m(lat, vectors, at_pole, np.zeros_like(at_pole))[:, 0]
+        found[inside & (above_m > 0.0)] = pole
     return found
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -168,14 +170,26 @@ def _shown(camera: Camera, poses: Poses, edges: FrameEdges, centre: Floats, grou
     # What leaves by little is a little smaller; the rest is found by halving.
     inside = np.where(beyond[at] < _LITTLE, 1.0 - 2.0 * beyond[at], 0.0)
     little = (inside > 0.0) & (_leaving(camera, some, scaled(inside), ground) <= limit)
-    inside, outside = np.where(little, inside, 0.0), np.where(little, inside, 1.0)
-    for _ in range(0 if little.all() else _HALVINGS):
-        middle = (inside + outside) / 2.0
-        seen = _leaving(camera, some, scaled(middle), ground) <= limit
-        inside, outside = np.where(seen, middle, inside), np.where(seen, outside, middle)
+    if not little.all():
+        halved = _largest_share(
+            lambda share: np.asarray(_leaving(camera, some, scaled(share), ground) <= limit),
+            len(at),
+            _HALVINGS,
+        )
+        inside = np.where(little, inside, halved)
     for side, smaller in zip(edges, scaled(inside)):
         side[at] = smaller
     return edges
+
+
+def _largest_share(fits: Callable[[Floats], Flags], count: int, halvings: int) -> Floats:
+    """Largest shares (count,) of 0 to 1 that are known to fit, by halving; what fits does so at every smaller share."""
+    inside, outside = np.zeros(count), np.ones(count)
+    for _ in range(halvings):
+        share = (inside + outside) / 2.0
+        fitting = fits(share)
+        inside, outside = np.where(fitting, share, inside), np.where(fitting, outside, share)
+    return inside
 
 
 def _leaving(
@@ -270,13 +284,13 @@ def _searched(
     half_v = reach * np.tile(np.minimum(ratios, 1.0), len(centre))
     half_u = reach * np.tile(np.minimum(1.0 / ratios, 1.0), len(centre))
     some = poses.take(every)
-    inside, outside = np.zeros(len(every)), np.ones(len(every))
-    for _ in range(_ROUGHLY):
-        share = (inside + outside) / 2.0
+
+    def fits(share: Floats) -> Flags:
         across, down = share * half_u, share * half_v
         tried = FrameEdges(u - across, u + across, v - down, v + down)
-        seen = _leaving(camera, some, tried, ground, points=_ROUGH_POINTS) <= 0.0
-        inside, outside = np.where(seen, share, inside), np.where(seen, outside, share)
+        return np.asarray(_leaving(camera, some, tried, ground, points=_ROUGH_POINTS) <= 0.0)
+
+    inside = _largest_share(fits, len(every), _ROUGHLY)
     width, height = ((inside * half).reshape(len(centre), len(ratios)) for half in (half_u, half_v))
     best = np.argmax(width * height, axis=1)[:, np.newaxis]
     return np.take_along_axis(width, best, axis=1)[:, 0], np.take_along_axis(height, best, axis=1)[:, 0]
