@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import socket
 import sys
 
 import pytest
@@ -31,3 +32,17 @@ def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter, config: p
     if loaded:
         terminalreporter.section("Qt or QGIS in a headless run", red=True)
         terminalreporter.line(f"these modules were loaded: {', '.join(loaded)}")
+
+
+@pytest.fixture
+def deaf_template():
+    """URL template of a listener whose queue is full: it answers nothing to those who want to connect."""
+    listener = socket.create_server(("127.0.0.1", 0), backlog=0)
+    clients = [socket.socket() for _ in range(4)]
+    for client in clients:
+        client.setblocking(False)
+        client.connect_ex(listener.getsockname())
+    yield f"http://127.0.0.1:{listener.getsockname()[1]}/{{z}}/{{x}}/{{y}}.png"
+    for client in clients:
+        client.close()
+    listener.close()

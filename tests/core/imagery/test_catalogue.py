@@ -215,22 +215,6 @@ def test_a_source_without_terms_is_free():
     source.close()
 
 
-@pytest.mark.parametrize(
-    "template",
-    [
-        "https://tile.openstreetmap.org/{z}/{x}/{y}.png",
-        "https://{s}.tile.openstreetmap.org/{z}/{x}/{y}.png",
-        "https://services.arcgisonline.com/ArcGIS/rest/services/World_Topo_Map/MapServer/tile/{z}/{y}/{x}",
-    ],
-)
-def test_terms_hold_for_a_provider_s_tiles_by_template_too(template):
-    source = open_source(template)
-    assert source.attribution
-    with pytest.raises(SourceError):
-        check_policy(source, 10_000, accept_terms=True)
-    source.close()
-
-
 def test_connections_are_those_the_provider_allows():
     assert entry_named("osm").policy.connections(16) == 2
     assert Policy().connections(16) == 16
