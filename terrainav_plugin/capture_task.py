@@ -3,18 +3,15 @@
 from __future__ import annotations
 
 import time
-import traceback
 from contextlib import closing
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from qgis.core import QgsTask
 from qgis.PyQt.QtCore import pyqtSignal
 
-from ..core.errors import Cancelled, TerrAInavError
-from .compat import TASK_FLAGS
 from .i18n import tr
 from .sources import open_for_capture, snapshot_for
+from .task import Task
 
 if TYPE_CHECKING:
     from ..core.capture.runner import CaptureResult, Progress
@@ -26,7 +23,7 @@ if TYPE_CHECKING:
 _CAPTURE_SHARE = 0.9
 
 
-class CaptureTask(QgsTask):
+class CaptureTask(Task):
     """Captures a plan into a folder; makes a mosaic of map frames, and lays a test shot on the map.
 
     Everything it needs is handed over when it is made, on the main thread; `run` uses plain values only.
@@ -45,8 +42,6 @@ class CaptureTask(QgsTask):
     -------
     progressed(object)
         `Progress`, about ten times a second.
-    ended(object)
-        The task itself, on the main thread, whatever became of it.
 
     Attributes
     ----------
@@ -54,25 +49,18 @@ class CaptureTask(QgsTask):
     mosaics : list of Mosaic
     picture : Path or None
         Of a test shot: what shows it on the map.
-    error : str
-        Why the run ended early; empty otherwise.
-    trace : str
-        Where an error came from that should not have been.
     """
 
     progressed = pyqtSignal(object)
-    ended = pyqtSignal(object)
 
     def __init__(self, plan: Plan, folder: Path, key: str | None = None, test_shot: bool = False) -> None:
-        super().__init__(tr("Capturing {name}").format(name=folder.name), TASK_FLAGS)
+        super().__init__(tr("Capturing {name}").format(name=folder.name))
         self.plan = plan
         self.folder = folder
         self.started_s = time.monotonic()
         self.result: CaptureResult | None = None
         self.mosaics: list[Mosaic] = []
         self.picture: Path | None = None
-        self.error = ""
-        self.trace = ""
         self._key = key
         self._test_shot = test_shot
         self._snapshot = snapshot_for(plan.mission)
@@ -84,26 +72,16 @@ class CaptureTask(QgsTask):
         """Whether the user ended it."""
         return self.isCanceled()
 
-    def run(self) -> bool:
-        """Capture; on a thread of the task manager."""
-        try:
-            self._capture()
-        except Cancelled:
-            return False
-        except TerrAInavError as wrong:
-            self.error = str(wrong)
-            return False
-        except Exception as wrong:  # noqa: BLE001  an exception that leaves run() ends QGIS; it is reported instead
-            self.error = tr("unexpected error: {error}").format(error=repr(wrong))
-            self.trace = traceback.format_exc()
-            return False
+    def work(self) -> bool:
+        """Capture."""
+        self._capture()
         return not self.isCanceled()
 
-    def finished(self, result: bool) -> None:  # noqa: ARG002  QGIS passes it
+    def finished(self, result: bool) -> None:
         """Tell; on the main thread."""
         # A task that is cancelled before its turn does not run.
         self._transport.close()
-        self.ended.emit(self)
+        super().finished(result)
 
     def _capture(self) -> None:
         from ..core.capture.runner import capture

@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-import traceback
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from qgis.core import QgsProject, QgsRasterLayer, QgsRectangle, QgsTask
+from qgis.core import QgsProject, QgsRasterLayer, QgsRectangle
 from qgis.gui import QgisInterface
-from qgis.PyQt.QtCore import pyqtSignal
 
-from ...core.errors import Cancelled, InvalidInput, TerrAInavError
-from ..compat import TASK_FLAGS
+from ...core.errors import InvalidInput
 from ..i18n import tr
 from ..sources import WORLD, tile_layer_uri
+from ..task import Task
 from .box_geometry import canvas_rectangle
 from .mission_group import ROLE
 from .world_picture import WorldPicture, choose_picture, render
@@ -27,42 +25,18 @@ _BACKGROUND = "background"
 _MARGIN = 1.2
 
 
-class WorldTask(QgsTask):
-    """Renders a picture of the embedded world.
-
-    Signals
-    -------
-    ended(object)
-        The task itself, on the main thread.
-    """
-
-    ended = pyqtSignal(object)
+class WorldTask(Task):
+    """Renders a picture of the embedded world."""
 
     def __init__(self, picture: WorldPicture, path: Path) -> None:
-        super().__init__(tr("Drawing the synthetic landscape"), TASK_FLAGS)
+        super().__init__(tr("Drawing the synthetic landscape"))
         self.picture = picture
         self.path = path
-        self.error = ""
-        self.trace = ""
 
-    def run(self) -> bool:
-        """Render; on a thread of the task manager."""
-        try:
-            render(self.picture, self.path, self._go_on)
-        except Cancelled:
-            return False
-        except TerrAInavError as wrong:
-            self.error = str(wrong)
-            return False
-        except Exception as wrong:  # noqa: BLE001  an exception that leaves run() ends QGIS; it is reported instead
-            self.error = tr("unexpected error: {error}").format(error=repr(wrong))
-            self.trace = traceback.format_exc()
-            return False
+    def work(self) -> bool:
+        """Render."""
+        render(self.picture, self.path, self._go_on)
         return True
-
-    def finished(self, result: bool) -> None:  # noqa: ARG002  QGIS passes it
-        """Tell; on the main thread."""
-        self.ended.emit(self)
 
     def _go_on(self, share: float) -> bool:
         self.setProgress(100.0 * share)

@@ -1,0 +1,58 @@
+"""Work on a thread of QGIS's task manager that tells how it ended and never raises."""
+
+from __future__ import annotations
+
+import traceback
+
+from qgis.core import QgsTask
+from qgis.PyQt.QtCore import pyqtSignal
+
+from ..core.errors import Cancelled, TerrAInavError
+from .compat import TASK_FLAGS
+from .i18n import tr
+
+
+class Task(QgsTask):
+    """A task whose `work` may raise.
+
+    Signals
+    -------
+    ended(object)
+        The task itself, on the main thread, whatever became of it.
+
+    Attributes
+    ----------
+    error : str
+        Why it ended early; empty otherwise.
+    trace : str
+        Where an error came from that should not have been.
+    """
+
+    ended = pyqtSignal(object)
+
+    def __init__(self, description: str) -> None:
+        super().__init__(description, TASK_FLAGS)
+        self.error = ""
+        self.trace = ""
+
+    def work(self) -> bool:
+        """Do it, on a thread of the task manager; return whether it came to its end."""
+        raise NotImplementedError
+
+    def run(self) -> bool:
+        """Work; an error ends the task and is kept."""
+        try:
+            return self.work()
+        except Cancelled:
+            return False
+        except TerrAInavError as wrong:
+            self.error = str(wrong)
+            return False
+        except Exception as wrong:  # noqa: BLE001  an exception that leaves run() ends QGIS; it is reported instead
+            self.error = tr("unexpected error: {error}").format(error=repr(wrong))
+            self.trace = traceback.format_exc()
+            return False
+
+    def finished(self, result: bool) -> None:  # noqa: ARG002  QGIS passes it
+        """Tell; on the main thread."""
+        self.ended.emit(self)
