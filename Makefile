@@ -1,5 +1,5 @@
 .DEFAULT_GOAL := help
-.PHONY: help setup test test-core test-plugin lint format demo qgis clean
+.PHONY: help setup test test-core test-plugin test-qgis340 lint format demo qgis screenshots translations package clean
 
 PYTHON := .venv/bin/python
 # Seconds after which a run inside QGIS is stopped, with the stacks of all threads printed.
@@ -17,8 +17,11 @@ test: test-core test-plugin  ## every test: core headless, plugin inside the rea
 test-core: setup  ## only the tests that run without Qt and QGIS
 	$(PYTHON) -m pytest tests --ignore=tests/plugin
 
-test-plugin: setup  ## only the tests that run inside the real QGIS
+test-plugin: translations  ## only the tests that run inside the real QGIS
 	$(PYTHON) tools/qgis_app.py --timeout $(PLUGIN_TIMEOUT) --pytest tests/plugin
+
+test-qgis340: setup  ## the plugin's tests in the QGIS 3.40 of Debian 13, in a system of its own (root, 2.4 GB)
+	@bash tools/qgis340.sh
 
 lint: setup  ## ruff, mypy (strict on core), bandit
 	$(PYTHON) -m ruff check .
@@ -30,11 +33,20 @@ format: setup  ## let ruff rewrite the code
 	$(PYTHON) -m ruff check --fix .
 	$(PYTHON) -m ruff format .
 
-demo: setup  ## the main job in the real QGIS; leaves demo/ with dataset, project and screenshot
+demo: translations  ## the main job in the real QGIS; leaves demo/ with dataset, project and screenshot
 	$(PYTHON) tools/qgis_app.py --timeout $(DEMO_TIMEOUT) tools/demo.py
 
-qgis: setup  ## open QGIS with the plugin, in a profile of its own
+qgis: translations  ## open QGIS with the plugin, in a profile of its own
 	$(PYTHON) tools/qgis_app.py --visible
+
+screenshots: translations  ## take the pictures of docs/guide.md anew
+	$(PYTHON) tools/qgis_app.py --timeout $(DEMO_TIMEOUT) tools/screenshots.py
+
+translations: setup  ## compile what the plugin says in other languages; after a change of texts: tools/translations.py update
+	@$(PYTHON) tools/translations.py compile
+
+package: translations  ## the zip for QGIS and plugins.qgis.org, of the last commit, in dist/
+	$(PYTHON) tools/package.py
 
 clean:  ## remove everything that was made here, the environment included
 	rm -rf .venv .qgis-profile .hypothesis .mypy_cache .pytest_cache .ruff_cache build dist demo screenshots *.egg-info

@@ -40,7 +40,7 @@ from terrainav.core.report.timing import QUICK, THOROUGH
 ROOT = Path(__file__).resolve().parents[1]
 AGRICENTER = Box(35.16, -89.90, 35.115, -89.823)
 #: A fresh breeze over fields, and the time between the exposures of a survey.
-WIND, INTERVAL_S, WIND_AGL_M = Wind(8.0, 250.0, 0.2), 5.0, 120.0
+WIND, AIRSPEED_M_PER_S, INTERVAL_S, WIND_AGL_M = Wind(8.0, 250.0, 0.2), 15.0, 5.0, 120.0
 
 
 class Scene(NamedTuple):
@@ -221,7 +221,7 @@ def _wind_text(flight: Flight) -> Iterator[str]:
     yield "## Flight in wind"
     yield (
         f"Wind of {wind.speed_m_per_s:g} m/s with a turbulence of {100 * wind.turbulence:g} % at "
-        f"{WIND_AGL_M:g} m, flown at {wind.airspeed_m_per_s:g} m/s, {flight.interval_s:g} s between "
+        f"{WIND_AGL_M:g} m, flown at {flight.airspeed_m_per_s:g} m/s, {flight.interval_s:g} s between "
         f"exposures. The time constants of gusts and aircraft reach from {flight.fastest_s * 1e3:.2g} ms to "
         f"{flight.slowest_s:.3g} s: a stiff system, which is discretised exactly, one step an exposure. The "
         "usual integrators beside it, by the covariance of the state at the next exposure:"
@@ -245,7 +245,9 @@ def main() -> int:
     make_folder(images)
     results = list(run(arguments.quick))
     print("wind …", file=sys.stderr, flush=True)
-    flight = measure_flight(WIND, INTERVAL_S, WIND_AGL_M, QUICK if arguments.quick else THOROUGH)
+    flight = measure_flight(
+        WIND, AIRSPEED_M_PER_S, INTERVAL_S, WIND_AGL_M, QUICK if arguments.quick else THOROUGH
+    )
     drawn = {
         result.scene.name: plots.work_precision(
             result.found.stages,

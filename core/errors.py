@@ -8,7 +8,18 @@ class TerrAInavError(Exception):
 
 
 class InvalidInput(TerrAInavError, ValueError):
-    """An argument outside its domain: the message names the value and what would be right."""
+    """An argument outside its domain: the message names the value and what would be right.
+
+    Parameters
+    ----------
+    message : str
+    field : str
+        Name of the one field of a mission that is to be put right; empty where it is about no single one.
+    """
+
+    def __init__(self, message: str = "", field: str = "") -> None:
+        super().__init__(message)
+        self.field = field
 
 
 class SourceError(TerrAInavError):

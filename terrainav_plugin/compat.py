@@ -2,18 +2,71 @@
 
 from __future__ import annotations
 
-from qgis.core import Qgis, QgsTask, QgsWkbTypes
+from qgis.core import Qgis, QgsField, QgsMapLayerProxyModel, QgsMapLayerType, QgsTask, QgsWkbTypes
+from qgis.PyQt import QtCore, QtGui, QtWidgets
 
-try:
-    from qgis.PyQt.QtGui import QAction
-except ImportError:  # Qt 5
-    from qgis.PyQt.QtWidgets import QAction
+__all__ = [
+    "LINE",
+    "POINT",
+    "POINT_LAYERS",
+    "POLYGON",
+    "POLYGON_LAYERS",
+    "RASTER",
+    "TASK_FLAGS",
+    "VECTOR",
+    "QAction",
+    "QUndoCommand",
+    "QUndoStack",
+    "field",
+]
 
-__all__ = ["POLYGON", "TASK_FLAGS", "QAction"]
+# Qt 6 has them with the classes that know no widget.
+QAction = getattr(QtGui, "QAction", None) or QtWidgets.QAction
+QUndoCommand = getattr(QtGui, "QUndoCommand", None) or QtWidgets.QUndoCommand
+QUndoStack = getattr(QtGui, "QUndoStack", None) or QtWidgets.QUndoStack
 
-POLYGON = Qgis.GeometryType.Polygon if hasattr(Qgis, "GeometryType") else QgsWkbTypes.PolygonGeometry
+if hasattr(Qgis, "GeometryType"):  # QGIS 3.30
+    POINT, LINE, POLYGON = Qgis.GeometryType.Point, Qgis.GeometryType.Line, Qgis.GeometryType.Polygon
+else:
+    POINT, LINE, POLYGON = (
+        QgsWkbTypes.GeometryType.PointGeometry,
+        QgsWkbTypes.GeometryType.LineGeometry,
+        QgsWkbTypes.GeometryType.PolygonGeometry,
+    )
+
+if hasattr(Qgis, "LayerFilter"):  # QGIS 3.34
+    POINT_LAYERS, POLYGON_LAYERS = Qgis.LayerFilter.PointLayer, Qgis.LayerFilter.PolygonLayer
+else:
+    POINT_LAYERS, POLYGON_LAYERS = (
+        QgsMapLayerProxyModel.Filter.PointLayer,
+        QgsMapLayerProxyModel.Filter.PolygonLayer,
+    )
+
+if hasattr(Qgis, "LayerType"):  # QGIS 3.30
+    VECTOR, RASTER = Qgis.LayerType.Vector, Qgis.LayerType.Raster
+else:
+    VECTOR, RASTER = QgsMapLayerType.VectorLayer, QgsMapLayerType.RasterLayer
 
 #: A task that can be stopped; the plugin says itself how it ended, where QGIS (3.26) lets it.
 TASK_FLAGS = QgsTask.Flag.CanCancel
 if hasattr(QgsTask.Flag, "Silent"):
     TASK_FLAGS |= QgsTask.Flag.Silent
+
+#: Types of attributes: their name in Qt 6, and in the QVariant of Qt 5.
+_KINDS = {
+    "text": ("QString", "String"),
+    "integer": ("Int", "Int"),
+    "number": ("Double", "Double"),
+    "yes_no": ("Bool", "Bool"),
+    "time": ("QDateTime", "DateTime"),
+}
+#: From this version on (3.38) fields are made with Qt 6's types, under Qt 5, too.
+_WITH_META_TYPES = 33800
+
+
+def field(name: str, kind: str) -> QgsField:
+    """Attribute of a layer; ``kind`` is text, integer, number, yes_no or time."""
+    there, before = _KINDS[kind]
+    if Qgis.QGIS_VERSION_INT >= _WITH_META_TYPES:
+        return QgsField(name, getattr(QtCore.QMetaType.Type, there))
+    return QgsField(name, getattr(QtCore.QVariant, before))

@@ -7,17 +7,29 @@ from collections.abc import Callable
 from qgis.core import Qgis, QgsMessageLog
 from qgis.gui import QgisInterface, QgsMessageBarItem
 from qgis.PyQt.QtCore import QObject
-from qgis.PyQt.QtWidgets import QPushButton
+from qgis.PyQt.QtWidgets import QDockWidget, QPushButton, QTabWidget
 
 from .i18n import tr
 
 TITLE = "TerrAInav"
+#: What QGIS calls its log panel.
+_LOG_PANEL = "MessageLog"
 _SECONDS = {Qgis.MessageLevel.Info: 8, Qgis.MessageLevel.Success: 12}
 
 
 def log(text: str, level: Qgis.MessageLevel = Qgis.MessageLevel.Info) -> None:
     """Write a line to the log panel's TerrAInav tab."""
     QgsMessageLog.logMessage(text, TITLE, level, notifyUser=False)
+
+
+def show_log(iface: QgisInterface) -> None:
+    """Open the log panel at TerrAInav's tab."""
+    iface.openMessageLog()
+    panel = iface.mainWindow().findChild(QDockWidget, _LOG_PANEL)
+    for tabs in panel.findChildren(QTabWidget) if panel is not None else ():
+        for index in range(tabs.count()):
+            if tabs.tabText(index) == TITLE:
+                tabs.setCurrentIndex(index)
 
 
 class Messages(QObject):
@@ -64,7 +76,7 @@ class Messages(QObject):
         if action is not None:
             self._add_button(item, *action)
         if details:
-            self._add_button(item, tr("Details"), self._iface.openMessageLog, keep=True)
+            self._add_button(item, tr("Details"), lambda: show_log(self._iface), keep=True)
         # The bar deletes an item once it is closed; its wrapper must not be used after that.
         item.destroyed.connect(lambda: self._forget(item))
         self._shown.append(item)

@@ -6,14 +6,14 @@ from pathlib import Path
 
 from qgis.PyQt.QtGui import QIcon
 
-_RESOURCES = Path(__file__).resolve().parent.parent / "resources"
+RESOURCES = Path(__file__).resolve().parent.parent / "resources"
 
 
 def icon(name: str) -> QIcon:
     """Icon of an action."""
-    return QIcon(str(_RESOURCES / f"{name}.svg"))
+    return QIcon(str(RESOURCES / f"{name}.svg"))
 
 
 def style(name: str) -> str:
     """Path of a layer style."""
-    return str(_RESOURCES / f"{name}.qml")
+    return str(RESOURCES / f"{name}.qml")

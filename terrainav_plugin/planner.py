@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, NamedTuple
 from qgis.PyQt.QtCore import QObject, QTimer, pyqtSignal
 
 from .i18n import tr
-from .map.preview_features import PreviewFeatures, preview_features
 
 if TYPE_CHECKING:
     from ..core.geodesy.mercator import PixelGrid
@@ -25,12 +24,11 @@ _MOST_TIMED_PX = 4_000_000
 
 
 class Planned(NamedTuple):
-    """A mission worked out; ``features`` where the preview is wanted."""
+    """A mission worked out."""
 
     mission: Mission
     plan: Plan
     summary: Summary
-    features: PreviewFeatures | None
 
 
 class _Overtaken(Exception):
@@ -59,7 +57,7 @@ class Planner(QObject):
         super().__init__(parent)
         self._latest = 0
         self._timed = True
-        self._wanted: tuple[Mission, Callable[[], PixelGrid], bool, bool] | None = None
+        self._wanted: tuple[Mission, Callable[[], PixelGrid], bool] | None = None
         self._running: Future[Planned] | Future[tuple[Planned, str]] | None = None
         self._pool = ThreadPoolExecutor(1, thread_name_prefix="terrainav-plan")
         self._pause = QTimer(self)
@@ -74,14 +72,12 @@ class Planner(QObject):
         """Whether an answer is still to come."""
         return self._wanted is not None or self._running is not None
 
-    def request(
-        self, mission: Mission, with_features: bool, at_once: bool = False, timed: bool = True
-    ) -> None:
+    def request(self, mission: Mission, at_once: bool = False, timed: bool = True) -> None:
         """Ask for a plan; the answer comes by `planned` or `refused`, and by `costed` where it is to be timed."""
         self._latest += 1
         from .sources import grid_finder
 
-        self._wanted = (mission, grid_finder(mission), with_features, timed)
+        self._wanted = (mission, grid_finder(mission), timed)
         self._pause.start(0 if at_once else _PAUSE_MS)
 
     def forget(self) -> None:
@@ -98,17 +94,15 @@ class Planner(QObject):
     def _start(self) -> None:
         if self._wanted is None or self._running is not None:
             return
-        (mission, find_grid, with_features, self._timed), self._wanted = self._wanted, None
+        (mission, find_grid, self._timed), self._wanted = self._wanted, None
         number = self._latest
-        self._submit(self._work, number, mission, find_grid, with_features)
+        self._submit(self._work, number, mission, find_grid)
 
     def _submit(self, work: Callable[..., object], number: int, *values: object) -> None:
         self._running = self._pool.submit(work, number, *values)
         self._running.add_done_callback(lambda future: self._finished.emit(number, future))
 
-    def _work(
-        self, number: int, mission: Mission, find_grid: Callable[[], PixelGrid], with_features: bool
-    ) -> Planned:
+    def _work(self, number: int, mission: Mission, find_grid: Callable[[], PixelGrid]) -> Planned:
         """Plan step by step, ending early when overtaken. Runs on the planner's thread."""
         from ..core.mission.estimate import estimate
         from ..core.mission.plan import plan
@@ -116,10 +110,7 @@ class Planner(QObject):
 
         steps = plan(mission, find_grid())
         self._check(number)
-        summary = estimate(steps, costs_of(mission.source))
-        self._check(number)
-        features = preview_features(steps) if with_features else None
-        return Planned(mission, steps, summary, features)
+        return Planned(mission, steps, estimate(steps, costs_of(mission.source)))
 
     def _time(self, number: int, planned: Planned) -> tuple[Planned, str]:
         """Time the methods of a plan, last of all. Runs on the planner's thread."""

@@ -6,20 +6,27 @@ import importlib
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
-from qgis.core import QgsProject
+from qgis.core import QgsApplication, QgsProject
 from qgis.gui import QgisInterface
+from qgis.PyQt.QtCore import QTimer
 from qgis.PyQt.QtWidgets import QMenu
 
 from .compat import QAction
-from .i18n import tr
-from .map.mission_group import saved_missions
+from .i18n import install_translator, remove_translator, tr
 from .messages import Messages
+from .options import PAGE, OptionsFactory
 from .paths import icon
 
 if TYPE_CHECKING:
+    from qgis.PyQt.QtCore import QTranslator
+    from qgis.PyQt.QtWidgets import QToolBar
+
+    from .processing.provider import Provider
     from .workflow import Workflow
 
 MENU = "TerrAInav"
+#: Actions that look as they do everywhere in QGIS.
+_OF_QGIS = {"settings": "/mActionOptions.svg", "help": "/mActionHelpContents.svg"}
 #: Packages the plugin needs beside QGIS.
 _NEEDED = {"numpy": "numpy", "pyproj": "pyproj", "PIL": "Pillow", "requests": "requests"}
 
@@ -31,29 +38,70 @@ class TerrAInavPlugin:
         self.iface = iface
         self.actions: dict[str, QAction] = {}
         self.messages: Messages | None = None
-        self._toolbar = self._menu = None
+        self._toolbar: QToolBar | None = None
+        self._menu: QMenu | None = None
+        self._options: OptionsFactory | None = None
+        self._translator: QTranslator | None = None
         self._workflow: Workflow | None = None
+        self._provider: Provider | None = None
+        self._processing_soon: QTimer | None = None
+
+    def initProcessing(self) -> None:
+        """Add the provider of algorithms; QGIS itself calls this where it has no windows (``qgis_process``)."""
+        from .processing.provider import Provider
+
+        if self._provider is not None:
+            return
+        self._provider = Provider()
+        QgsApplication.processingRegistry().addProvider(self._provider)
 
     def initGui(self) -> None:
-        """Add toolbar and menu."""
+        """Add toolbar, menu and options page."""
+        self._translator = install_translator()
         self.messages = Messages(self.iface)
         self._toolbar = self.iface.addToolBar(MENU)
         self._toolbar.setObjectName("terrainav_toolbar")
         # Not QGIS's own menu for a plugin, which stays behind when its last entry is removed.
-        self._menu = QMenu(MENU, self.iface.rasterMenu())
+        self._menu = QMenu(f"&{MENU}", self.iface.rasterMenu())
         self._menu.setObjectName("terrainav_menu")
         self._menu.setIcon(icon("icon"))
         self.iface.rasterMenu().addMenu(self._menu)
-        self._add("dock", tr("Mission panel"), self._toggle_dock, checkable=True)
-        self._add("draw_box", tr("Draw box"), self._toggle_box_tool, checkable=True)
-        self._add("preview", tr("Preview footprints"), self._toggle_preview, checkable=True)
-        self._add("test_shot", tr("Test shot"), self._toggle_point_tool, checkable=True)
-        self._add("capture", tr("Capture"), lambda: self._use(lambda w: w.capture()))
+        self._add("dock", tr("Mission &panel"), self._toggle_dock, checkable=True)
+        self._add("draw_box", tr("&Draw box"), self._toggle_box_tool, checkable=True)
+        self._add("preview", tr("Preview &footprints"), self._toggle_preview, checkable=True)
+        self._add("test_shot", tr("&Test shot"), self._toggle_point_tool, checkable=True)
+        self._add("capture", tr("&Capture"), lambda: self._use(lambda w: w.capture()))
+        self._add("view_images", tr("&View images"), self._toggle_view_tool, checkable=True)
+        self._menu.addSeparator()
+        self._add("settings", tr("&Settings…"), self.show_settings, in_toolbar=False)
+        self._add("help", tr("&Help"), self._show_help, in_toolbar=False)
+        self._options = OptionsFactory(self._settings_changed)
+        self.iface.registerOptionsWidgetFactory(self._options)
         self.iface.projectRead.connect(self._project_read)
+        # QGIS need not wait for it while it starts: nothing is run before there is a window.
+        self._processing_soon = QTimer(self.iface.mainWindow())
+        self._processing_soon.setSingleShot(True)
+        self._processing_soon.timeout.connect(self.initProcessing)
+        self._processing_soon.start(0)
 
     def unload(self) -> None:
         """Take everything away again."""
+        if self._processing_soon is not None:
+            self._processing_soon.stop()
+            self._processing_soon.deleteLater()
+            self._processing_soon = None
+        if self._provider is not None:
+            # With it, the registry deletes its algorithms.
+            QgsApplication.processingRegistry().removeProvider(self._provider)
+            self._provider = None
+        if self._toolbar is None:
+            return
+        from .help import close_help
+
         self.iface.projectRead.disconnect(self._project_read)
+        self.iface.unregisterOptionsWidgetFactory(self._options)
+        self._options.deleteLater()
+        close_help()
         if self._workflow is not None:
             self._workflow.close()
             self._workflow.deleteLater()
@@ -61,13 +109,19 @@ class TerrAInavPlugin:
         self.messages.clear()
         self.messages.deleteLater()
         for action in self.actions.values():
+            self.iface.unregisterMainWindowAction(action)
             action.deleteLater()
         self.actions.clear()
         self.iface.rasterMenu().removeAction(self._menu.menuAction())
         self._menu.deleteLater()
         self.iface.mainWindow().removeToolBar(self._toolbar)
         self._toolbar.deleteLater()
-        self._toolbar = self._menu = None
+        remove_translator(self._translator)
+        self._toolbar = self._menu = self._options = self._translator = None
+
+    def show_settings(self) -> None:
+        """Open QGIS's options at the plugin's page."""
+        self.iface.showOptionsDialog(self.iface.mainWindow(), PAGE)
 
     @property
     def workflow(self) -> Workflow | None:
@@ -79,13 +133,24 @@ class TerrAInavPlugin:
             self._wire(self._workflow)
         return self._workflow
 
-    def _add(self, name: str, text: str, slot: Callable[..., None], checkable: bool = False) -> None:
-        action = QAction(icon(name), text, self.iface.mainWindow())
+    def _add(
+        self,
+        name: str,
+        text: str,
+        slot: Callable[..., None],
+        checkable: bool = False,
+        in_toolbar: bool = True,
+    ) -> None:
+        image = QgsApplication.getThemeIcon(_OF_QGIS[name]) if name in _OF_QGIS else icon(name)
+        action = QAction(image, text, self.iface.mainWindow())
         action.setObjectName(f"terrainav_{name}")
-        action.setToolTip(tr("TerrAInav: {text}").format(text=text))
+        action.setToolTip(tr("TerrAInav: {text}").format(text=text.replace("&", "")))
         action.setCheckable(checkable)
         action.triggered.connect(slot)
-        self._toolbar.addAction(action)
+        # Without a shortcut until the user sets one, among QGIS's own.
+        self.iface.registerMainWindowAction(action, "")
+        if in_toolbar:
+            self._toolbar.addAction(action)
         self._menu.addAction(action)
         self.actions[name] = action
 
@@ -93,10 +158,10 @@ class TerrAInavPlugin:
         """Let the toolbar follow what is going on."""
         workflow.box_tool.setAction(self.actions["draw_box"])
         workflow.point_tool.setAction(self.actions["test_shot"])
+        workflow.viewing.tool.setAction(self.actions["view_images"])
         self.actions["dock"].setChecked(workflow.dock.isUserVisible())
         workflow.dock.visibilityChanged.connect(self.actions["dock"].setChecked)
         workflow.preview_shown.connect(self.actions["preview"].setChecked)
-        workflow.running.connect(self.actions["capture"].setDisabled)
 
     def _use(self, act: Callable[[Workflow], None]) -> None:
         workflow = self.workflow
@@ -115,12 +180,29 @@ class TerrAInavPlugin:
     def _toggle_point_tool(self, on: bool) -> None:
         self._use(lambda workflow: workflow.take_test_shot() if on else workflow.point_tool.stop())
 
+    def _toggle_view_tool(self, on: bool) -> None:
+        self._use(lambda workflow: workflow.viewing.start() if on else workflow.viewing.stop())
+        if self._workflow is not None:
+            # Not taken up where there is nothing to view.
+            self.actions["view_images"].setChecked(self._workflow.viewing.tool.isActive())
+
     def _toggle_preview(self, on: bool) -> None:
         self._use(lambda workflow: workflow.set_preview(on))
 
+    def _show_help(self) -> None:
+        from .help import show_help
+
+        show_help()
+
+    def _settings_changed(self) -> None:
+        if self._workflow is not None:
+            self._workflow.settings_changed()
+
     def _project_read(self) -> None:
+        from .map.mission_group import saved_missions
+
         if saved_missions(QgsProject.instance()):
-            self._use(lambda workflow: workflow.restore_saved())
+            self._use(lambda workflow: workflow.missions.restore())
 
     def _can_work(self) -> bool:
         """Whether the needed packages are there; says which are not."""

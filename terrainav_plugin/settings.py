@@ -2,26 +2,62 @@
 
 from __future__ import annotations
 
+import os
+import re
 from pathlib import Path
+from typing import Any
 
 from qgis.core import QgsApplication, QgsSettings
 
 _ROOT = "TerrAInav/"
+_KEYS = f"{_ROOT}authcfg"
+#: Megabytes as files are counted, for the limit of the cache.
+BYTES_PER_MB = 1_000_000
+UNITS = ("m", "ft")
+_CACHE_ENV = "TERRAINAV_CACHE_DIR"
 
 
 class _Text:
-    """A setting that is a text."""
+    """A setting that is a text; ``choices`` are those it may be, empty for any."""
 
-    def __init__(self, default: str = "") -> None:
+    def __init__(self, default: str = "", choices: tuple[str, ...] = ()) -> None:
         self.default = default
+        self.choices = choices
 
     def __set_name__(self, owner: type, name: str) -> None:
         self.key = _ROOT + name
 
     def __get__(self, instance: object, owner: type) -> str:
-        return str(QgsSettings().value(self.key, self.default) or "")
+        text = str(QgsSettings().value(self.key, self.default) or "")
+        return text if not self.choices or text in self.choices else self.default
 
     def __set__(self, instance: object, value: str) -> None:
+        if self.choices and value not in self.choices:
+            raise ValueError(f"{self.key} {value!r}: must be one of {', '.join(self.choices)}")
+        QgsSettings().setValue(self.key, value)
+
+
+class _Whole:
+    """A setting that is a whole number of a range; what is not, in the file of settings, counts as the default."""
+
+    def __init__(self, default: int, least: int, most: int) -> None:
+        self.default, self.least, self.most = default, least, most
+
+    def __set_name__(self, owner: type, name: str) -> None:
+        self.key = _ROOT + name
+
+    def __get__(self, instance: object, owner: type) -> Any:
+        if instance is None:
+            return self
+        try:
+            number = int(QgsSettings().value(self.key, self.default))
+        except (TypeError, ValueError):
+            return self.default
+        return number if self.least <= number <= self.most else self.default
+
+    def __set__(self, instance: object, value: int) -> None:
+        if not self.least <= value <= self.most:
+            raise ValueError(f"{self.key} {value}: must be from {self.least} to {self.most}")
         QgsSettings().setValue(self.key, value)
 
 
@@ -35,23 +71,92 @@ class Settings:
     form = _Text()
     """The dock's last entries, as JSON."""
 
+    recent = _Text()
+    """Mission files and datasets opened last, as JSON."""
+
+    missions_folder = _Text()
+    """Where missions are captured to by default; empty for a folder of the user's home."""
+
     backgrounds_folder = _Text()
     """Where rendered backgrounds are kept; empty for a folder of the user's profile."""
 
+    cache_folder = _Text()
+    """Where tiles are kept for later runs; empty for the platform's own place."""
+
+    cache_limit_mb = _Whole(4_000, 10, 10_000_000)
+    """Most that the cache may take, in megabytes."""
+
+    connections = _Whole(8, 1, 64)
+    """Requests under way at once, where the provider allows so many."""
+
+    units = _Text("m", UNITS)
+    """Unit of heights in a mission that begins: m or ft."""
+
     def authcfg(self, source: str) -> str:
-        """Id of the authentication configuration that holds the key of a source; empty for none."""
-        return str(QgsSettings().value(f"{_ROOT}authcfg/{source}", "") or "")
+        """Id of the authentication configuration of a source; empty for none."""
+        name = credential_name(source)
+        return str(QgsSettings().value(f"{_KEYS}/{name}", "") or "") if name else ""
 
     def set_authcfg(self, source: str, authcfg: str) -> None:
-        """Remember which authentication configuration holds the key of a source."""
-        QgsSettings().setValue(f"{_ROOT}authcfg/{source}", authcfg)
+        """Remember which authentication configuration is a source's; empty for none."""
+        name = credential_name(source)
+        if name and authcfg:
+            QgsSettings().setValue(f"{_KEYS}/{name}", authcfg)
+        elif name:
+            QgsSettings().remove(f"{_KEYS}/{name}")
+
+    def authcfgs(self) -> dict[str, str]:
+        """Ids of authentication configurations by what `credential_name` calls their sources."""
+        settings = QgsSettings()
+        settings.beginGroup(_KEYS)
+        names = settings.childKeys()
+        settings.endGroup()
+        found = {name: self.authcfg(name) for name in sorted(names)}
+        return {name: authcfg for name, authcfg in found.items() if authcfg}
+
+    @property
+    def missions(self) -> Path:
+        """Folder below which missions are captured."""
+        chosen = self.missions_folder
+        return Path(chosen).expanduser() if chosen else self.home
+
+    @property
+    def home(self) -> Path:
+        """Folder for missions where none is chosen."""
+        return Path.home() / "TerrAInav"
+
+    @property
+    def profile(self) -> Path:
+        """Folder for rendered backgrounds where none is chosen."""
+        return Path(QgsApplication.qgisSettingsDirPath()) / "TerrAInav" / "backgrounds"
 
     @property
     def backgrounds(self) -> Path:
         """Folder for rendered backgrounds."""
         chosen = self.backgrounds_folder
-        return (
-            Path(chosen)
-            if chosen
-            else Path(QgsApplication.qgisSettingsDirPath()) / "TerrAInav" / "backgrounds"
-        )
+        return Path(chosen).expanduser() if chosen else self.profile
+
+    @property
+    def cache(self) -> Path | None:
+        """Folder of the tile cache; None for the platform's own, or that of the environment."""
+        chosen = self.cache_folder
+        return Path(chosen).expanduser() if chosen and not os.environ.get(_CACHE_ENV) else None
+
+    @property
+    def cache_limit_bytes(self) -> int:
+        """Most that the cache may take."""
+        return int(self.cache_limit_mb) * BYTES_PER_MB
+
+
+def credential_name(source: str) -> str:
+    """Name that a source's credentials go by.
+
+    Addresses go by their host, so that credentials given for one are not sent to another. Layers of the project, files
+    and connections of QGIS have none here.
+    """
+    address = re.search(r"https?://([^/?#]*)", source, re.IGNORECASE)
+    if address:
+        host = address.group(1).rpartition("@")[2].lower()
+        return re.sub(r"[\w-]*(\{[^{}]*\}|\[[^\[\]]*\])[\w-]*\.?", "", host)
+    known = re.fullmatch(r"[a-z0-9][a-z0-9_.:-]*", source) and not source.startswith("qgis:")
+    return source if known else ""

@@ -8,31 +8,45 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 from urllib.parse import quote
 
-from qgis.core import QgsApplication, QgsAuthMethodConfig, QgsProject
+from qgis.core import QgsProject
 
 from ..core.errors import InvalidInput, SourceError
-from .dock import mission_form
-from .dock.choices import CameraChoice
+from .credentials import key_in, problem_with
 from .dock.mission_form import FormError
 from .i18n import tr
+from .layers.connections import Connection, connection, is_connection
 from .layers.snapshot import Snapshot, grid_of_layers, is_of_qgis, take_snapshot
 from .layers.source import LayerSource
+from .settings import Settings
 
 if TYPE_CHECKING:
     from ..core.geodesy.mercator import PixelGrid
+    from ..core.imagery.cache.tile_cache import TileCache
+    from ..core.imagery.catalogue.entry import CatalogueEntry
     from ..core.imagery.source import Source
     from ..core.imagery.transport import Transport
     from ..core.mission.estimate import Costs
     from ..core.mission.mission import Mission
+    from .network.transport import QgisTransport
+
+__all__ = [
+    "WORLD",
+    "costs_of",
+    "credentials_problem",
+    "grid_finder",
+    "grid_of",
+    "key_in",
+    "key_of",
+    "needs_key",
+    "open_for_capture",
+    "snapshot_for",
+    "terms_problem",
+    "tile_cache",
+    "tile_layer_uri",
+    "transport_for",
+]
 
 WORLD = "world"
-
-
-def camera_choices() -> list[CameraChoice]:
-    """Entries of the camera chooser."""
-    from ..core.mission.presets import cameras
-
-    return [CameraChoice(p.name, p.camera.fov_deg, p.camera.aspect_ratio) for p in cameras()]
 
 
 def grid_of(mission: Mission) -> PixelGrid:
@@ -43,12 +57,10 @@ def grid_of(mission: Mission) -> PixelGrid:
     FormError
         For the field ``source`` or ``date``, where there is no such source.
     """
-    from ..core.imagery.opening import open_source
-
     try:
         if is_of_qgis(mission.source):
             return grid_of_layers(mission.source, QgsProject.instance())
-        source = open_source(mission.source, seed=mission.seed, date=mission.date or None, plan_only=True)
+        source = _opened(mission, plan_only=True)
     except (InvalidInput, SourceError) as wrong:
         field = "date" if str(wrong).startswith("date ") else "source"
         raise FormError({field: str(wrong).replace(" (--date)", "")}) from wrong
@@ -59,7 +71,7 @@ def grid_of(mission: Mission) -> PixelGrid:
 
 def grid_finder(mission: Mission) -> Callable[[], PixelGrid]:
     """Return what gives `grid_of` on any thread; made on the main thread, which the project's layers belong to."""
-    if not is_of_qgis(mission.source):
+    if not (is_of_qgis(mission.source) or is_connection(mission.source)):
         return lambda: grid_of(mission)
     try:
         grid = grid_of(mission)
@@ -75,15 +87,15 @@ def grid_finder(mission: Mission) -> Callable[[], PixelGrid]:
 
 def costs_of(name: str) -> Costs:
     """What a request to a source is assumed to take, for estimates."""
-    from ..core.imagery.opening import entry_of, is_file
+    from ..core.imagery.opening import is_file
     from ..core.mission.estimate import OFFLINE, ONLINE
 
     if name == WORLD or is_of_qgis(name) or is_file(name):
         return OFFLINE
     # The entry of a service is in its capabilities, which planning has read and an estimate does not read again.
-    if name.startswith(("wmts:", "wms:")):
+    if name.startswith(("wmts:", "wms:")) or is_connection(name):
         return ONLINE
-    return replace(ONLINE, requests_per_s=entry_of(name).policy.requests_per_s)
+    return replace(ONLINE, requests_per_s=_entry_of(name).policy.requests_per_s)
 
 
 def snapshot_for(mission: Mission) -> Snapshot | None:
@@ -107,17 +119,107 @@ def open_for_capture(
     """Source of a mission, ready to fetch; raises InvalidInput or SourceError."""
     if snapshot is not None:
         return LayerSource(snapshot)
-    from ..core.imagery.cache.tile_cache import TileCache
-    from ..core.imagery.opening import open_source
+    return _opened(mission, key=key, transport=transport, cache=tile_cache())
 
-    return open_source(
-        mission.source,
-        seed=mission.seed,
-        key=key,
-        date=mission.date or None,
-        transport=transport,
-        cache=TileCache(),
-    )
+
+def transport_for(source: str, connections: int | None = None) -> QgisTransport:
+    """Way to the network for a source, with the authentication that the user has chosen for it.
+
+    Parameters
+    ----------
+    source : str
+        As a mission names it.
+    connections : int or None
+        None for those of the settings.
+
+    Raises
+    ------
+    InvalidInput
+        QGIS has no such connection.
+    """
+    from .network.transport import QgisTransport
+
+    settings = Settings()
+    wanted = settings.connections if connections is None else connections
+    if is_connection(source):
+        known = connection(source)
+        return QgisTransport(wanted, authcfg=known.authcfg, headers=known.headers)
+    return QgisTransport(wanted, authcfg=authcfg_of_requests(source))
+
+
+def authcfg_of_requests(source: str) -> str:
+    """Id of the configuration that a source's requests are authenticated by; empty where it is for its key alone."""
+    return "" if needs_key(source) else Settings().authcfg(source)
+
+
+def key_of(source: str) -> str | None:
+    """API key that the user has chosen for a source; on the main thread. None where it needs none."""
+    return key_in(Settings().authcfg(source)) if needs_key(source) else None
+
+
+def credentials_problem(source: str) -> str:
+    """What keeps a run from using the key or the authentication of a source, in words; empty for nothing.
+
+    On the main thread: QGIS asks for its master password where it has not been given it.
+    """
+    if is_connection(source):
+        return problem_with(connection(source).authcfg, is_key=False)
+    authcfg, is_key = Settings().authcfg(source), needs_key(source)
+    # The command's way to hand a key over holds here as well.
+    if is_key and not authcfg and _entry_of(source).key(None):
+        return ""
+    return problem_with(authcfg, is_key)
+
+
+def needs_key(source: str) -> bool:
+    """Whether a source's addresses have a key in them; no network is asked."""
+    from ..core.imagery.opening import is_file, is_template
+
+    if is_connection(source) or is_of_qgis(source) or is_file(source):
+        return False
+    if is_template(source) or "://" in source:
+        return "{key}" in source
+    try:
+        return _entry_of(source).key_env is not None
+    except InvalidInput:
+        return False
+
+
+def tile_cache() -> TileCache:
+    """Cache of tiles as the settings say."""
+    from ..core.imagery.cache.tile_cache import TileCache
+
+    settings = Settings()
+    return TileCache(settings.cache, settings.cache_limit_bytes)
+
+
+def _opened(
+    mission: Mission,
+    *,
+    key: str | None = None,
+    transport: Transport | None = None,
+    cache: TileCache | None = None,
+    plan_only: bool = False,
+) -> Source:
+    from ..core.imagery.opening import open_entry, open_source
+
+    options = {
+        "date": mission.date or None,
+        "connections": Settings().connections,
+        "transport": transport,
+        "cache": cache,
+        "plan_only": plan_only,
+    }
+    if is_connection(mission.source):
+        known = connection(mission.source)
+        return open_entry(known.entry(), key=known.key or None, **options)
+    return open_source(mission.source, seed=mission.seed, key=key, **options)
+
+
+def _entry_of(name: str) -> CatalogueEntry:
+    from ..core.imagery.opening import entry_of
+
+    return connection(name).entry() if is_connection(name) else entry_of(name)
 
 
 def terms_problem(mission: Mission, requests: int) -> tuple[str, bool] | None:
@@ -125,9 +227,8 @@ def terms_problem(mission: Mission, requests: int) -> tuple[str, bool] | None:
     if is_of_qgis(mission.source):
         return None
     from ..core.imagery.catalogue.listing import alternatives
-    from ..core.imagery.opening import open_source
 
-    source = open_source(mission.source, seed=mission.seed, date=mission.date or None, plan_only=True)
+    source = _opened(mission, plan_only=True)
     policy, title = source.policy, source.title
     source.close()
     if not policy.stops(requests):
@@ -142,20 +243,11 @@ def terms_problem(mission: Mission, requests: int) -> tuple[str, bool] | None:
     )
     if can_agree:
         return quoted, True
-    bounds = mission_form.bounds_of(mission.area)
+    bounds = mission.area.bounds
     east_deg = bounds.east_deg + (360.0 if bounds.east_deg < bounds.west_deg else 0.0)
     others = alternatives(mission.map_types, (bounds.west_deg, bounds.south_deg, east_deg, bounds.north_deg))
     instead = ", ".join(other.partition(" (")[0] for other in others)
     return quoted + html.escape(tr("Sources that allow it: {names}.").format(names=instead)), False
-
-
-def key_in(authcfg: str) -> str | None:
-    """API key: the password of a configuration of QGIS's authentication database; None where there is none."""
-    if not authcfg:
-        return None
-    config = QgsAuthMethodConfig()
-    loaded, config = QgsApplication.authManager().loadAuthenticationConfig(authcfg, config, True)
-    return (config.config("password") or None) if loaded else None
 
 
 def tile_layer_uri(name: str, map_type: str, date: str = "") -> str:
@@ -166,9 +258,8 @@ def tile_layer_uri(name: str, map_type: str, date: str = "") -> str:
     InvalidInput
         Where the source cannot be shown as such a layer.
     """
-    from ..core.imagery.opening import entry_of, open_source
-
-    entry = entry_of(name)
+    known = connection(name) if is_connection(name) else None
+    entry = _entry_of(name)
     chosen = entry.date(date or None)
     if not entry.urls:
         raise InvalidInput(
@@ -184,7 +275,13 @@ def tile_layer_uri(name: str, map_type: str, date: str = "") -> str:
                 "{host} needs a key, which would be written into the project file: show another source"
             ).format(host=template.host)
         )
-    grid = open_source(name, date=date or None, plan_only=True).grid
+    if template.levels:
+        raise InvalidInput(
+            tr("{title} names its zooms otherwise than QGIS does: add its layer by QGIS's Browser").format(
+                title=entry.title
+            )
+        )
+    grid = entry.grid()
     url = template.text
     filled = {
         "{s}": template.subdomains[0] if template.subdomains else "",
@@ -196,4 +293,13 @@ def tile_layer_uri(name: str, map_type: str, date: str = "") -> str:
         url = url.replace(placeholder, value)
     # QGIS takes braces as they are, and unpacks the rest once.
     address = quote(url, safe=":/{}?=,;@+$!*'()~")
-    return f"type=xyz&url={address}&zmin={grid.min_zoom}&zmax={grid.max_zoom}&tilePixelRatio={grid.scale}"
+    uri = f"type=xyz&url={address}&zmin={grid.min_zoom}&zmax={grid.max_zoom}&tilePixelRatio={grid.scale}"
+    return uri + _authenticated(name, known)
+
+
+def _authenticated(name: str, known: Connection | None) -> str:
+    """What a layer's data source says of authentication: the id of a configuration, and no secret."""
+    authcfg = authcfg_of_requests(name) if known is None else known.authcfg
+    referer = "" if known is None else known.headers.get("Referer", "")
+    told = f"&authcfg={authcfg}" if authcfg else ""
+    return f"{told}&referer={quote(referer, safe='')}" if referer else told

@@ -4,38 +4,49 @@ from __future__ import annotations
 
 import traceback
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from qgis.core import QgsApplication, QgsProject
 from qgis.gui import QgisInterface
 from qgis.PyQt.QtCore import QObject, Qt, pyqtSignal
+from qgis.PyQt.QtWidgets import QComboBox
 
 from ..core.errors import TerrAInavError
 from ..core.mission.area import Box
 from .dock import mission_form
+from .dock.camera_choices import camera_choices
 from .dock.dock import Dock
-from .dock.estimates import details_html, estimate_html
+from .dock.estimates import readout
 from .dock.form_state import BOX_FIELDS, FormState
 from .dock.mission_form import FormError
-from .dock.refusals import refused_fields
+from .dock.refusals import in_words_of_the_dock, refused_fields
 from .dock.source_choices import source_choices
 from .dock.source_shelf import SourceShelf
 from .i18n import tr
 from .layers.snapshot import is_of_qgis
+from .map.area_control import AreaControl
 from .map.background import Background, WorldTask
 from .map.box_tool import BoxTool
-from .map.mission_group import MissionGroup, saved_missions
+from .map.mission_group import MissionGroup
 from .map.point_tool import PointTool
 from .map.preview import Preview
 from .messages import Messages
+from .missions.missions import Missions
 from .planner import Planned, Planner
-from .runs import Runs
+from .runs.after import open_in_system
+from .runs.line import Runs
+from .runs.panel import RunPanel
 from .settings import Settings
-from .sources import WORLD, camera_choices
+from .sources import WORLD
+from .viewer.viewing import Viewing
 
 if TYPE_CHECKING:
     from ..core.mission.mission import Mission
+
+#: Height of a first mission in feet, where those are set: about that in metres.
+_USUAL_AGL_FT = 400.0
 
 
 class Workflow(QObject):
@@ -57,15 +68,25 @@ class Workflow(QObject):
         self.iface = iface
         self.messages = messages
         self.settings = Settings()
+        self._units = self.settings.units
         self.project = QgsProject.instance()
         canvas = iface.mapCanvas()
         self.planner = Planner()
-        self.preview = Preview(self.project)
+        self.preview = Preview(self.project, canvas)
         self.background = Background(self.project, iface)
         self.box_tool = BoxTool(canvas)
         self.point_tool = PointTool(canvas)
-        self.dock = Dock(source_choices(self.project)[0], camera_choices())
+        self.dock = Dock(source_choices(self.project)[0], camera_choices()[0])
+        self.areas = AreaControl(iface, self.dock, messages, self.box_tool)
         self.runs = Runs(self)
+        self.run_panel = RunPanel(
+            self.runs,
+            self.dock.run_list,
+            zoom=lambda run: self.zoom_to(run.mission.area.bounds),
+            open_folder=lambda run: open_in_system(run.folder),
+        )
+        self.missions = Missions(self)
+        self.viewing = Viewing(self.project, iface, messages)
         self.shelf = SourceShelf(self.project, self.dock.form.imagery, messages, iface.mainWindow())
         self.planned: Planned | None = None
         self._timed: tuple[Mission, str] | None = None
@@ -109,12 +130,13 @@ class Workflow(QObject):
             self._show_preview_state(False)
             self.messages.warning(tr("No preview yet: {reason}").format(reason=self._reason()))
 
-    def capture(self) -> None:
-        """Capture the mission that is entered."""
+    def capture(self, only_failed: bool = False) -> None:
+        """Capture the mission that is entered, as it is now; or of it only what has failed."""
         self.dock.setUserVisible(True)
-        if not self.runs.folder_is_given(self.state()):
-            return
-        self.with_plan(self.runs.start)
+        state, asks = self.state(), self.runs.questions
+        if asks.folder_is_given(state) and asks.key_is_there(state.source_name):
+            folder = Path(state.folder.strip()).expanduser()
+            self.with_plan(lambda planned: self.runs.start(planned, folder, only_failed))
 
     def with_plan(self, act: Callable[[Planned], None]) -> None:
         """Do something with the plan of what is entered now, as soon as there is one."""
@@ -150,27 +172,33 @@ class Workflow(QObject):
         """Group of the mission that is captured into a folder."""
         return MissionGroup(self.project, folder.name or tr("mission"), str(folder))
 
-    def restore_saved(self) -> None:
-        """Take up the mission of a project that has just been opened."""
-        missions = saved_missions(self.project)
-        if not missions:
-            return
-        folder, text = missions[0]
-        from ..core.mission.mission import Mission
-
-        try:
-            state = mission_form.state_of(Mission.from_json(text), folder)
-        except TerrAInavError as wrong:
-            self.messages.warning(tr("The project's mission cannot be read: {error}").format(error=wrong))
-            return
-        self.dock.form.set_state(state)
+    def show_preview_again(self) -> None:
+        """Show the preview of a mission that has been opened."""
         self._show_preview_state(True)
         self._plan(at_once=True)
+
+    def zoom_to(self, box: Box) -> None:
+        """Show an area on the map."""
+        try:
+            self.background.zoom_to(box)
+        except TerrAInavError as wrong:
+            self.messages.warning(str(wrong))
+
+    def settings_changed(self) -> None:
+        """Take up what the user has set among QGIS's options."""
+        units = self.dock.form.findChild(QComboBox, "agl_unit")
+        if self._units != self.settings.units:
+            self._units = self.settings.units
+            units.setCurrentIndex(units.findData(self._units))
+        self.dock.form.show_key(self.settings.authcfg(self.state().source_name))
+        self._plan()
 
     def close(self) -> None:
         """Leave nothing behind."""
         self.settings.form = self.state().to_json()
         self.runs.close()
+        self.missions.close()
+        self.viewing.close()
         if self._world_task is not None:
             self._world_task.ended.disconnect()
             self._world_task.cancel()
@@ -179,6 +207,7 @@ class Workflow(QObject):
         for signal in (self.project.layersAdded, self.project.layersRemoved, self.project.cleared):
             signal.disconnect(self._show_hint)
         self.shelf.close()
+        self.areas.close()
         for tool in (self.box_tool, self.point_tool):
             tool.stop()
             tool.deleteLater()
@@ -198,8 +227,7 @@ class Workflow(QObject):
         self.dock.preview_toggled.connect(self.set_preview)
         self.dock.test_shot_clicked.connect(self.take_test_shot)
         self.dock.capture_clicked.connect(self.capture)
-        self.dock.cancel_clicked.connect(self.runs.cancel)
-        self.box_tool.drawn.connect(self._box_drawn)
+        self.running.connect(self.dock.show_busy)
         self.box_tool.refused.connect(self.messages.warning)
         self.point_tool.clicked.connect(self.runs.start_test_shot)
         self.point_tool.refused.connect(self.messages.warning)
@@ -207,19 +235,22 @@ class Workflow(QObject):
         self.planner.costed.connect(self._show_cost)
         self.planner.refused.connect(self._show_refused)
         self.preview.closed.connect(lambda: self._show_preview_state(False))
+        self.preview.failed.connect(self._preview_failed)
         for signal in (self.project.layersAdded, self.project.layersRemoved, self.project.cleared):
             signal.connect(self._show_hint)
 
     def _restore(self) -> None:
         state = FormState.from_json(self.settings.form)
+        if not self.settings.form and self._units == "ft":
+            state = replace(state, agl_unit="ft", agl=_USUAL_AGL_FT)
         if not state.folder:
-            state = mission_form.with_folder(state, str(Path.home() / "TerrAInav" / "mission-1"))
+            state = mission_form.with_folder(state, str(self.settings.missions / "mission-1"))
         self.dock.form.set_state(state)
         self._show_hint()
 
     def _form_changed(self) -> None:
         self.settings.form = self.state().to_json()
-        self.dock.form.show_key(self.settings.authcfg(self.state().source))
+        self.dock.form.show_key(self.settings.authcfg(self.state().source_name))
         self._when_planned = None
         self._plan()
         self._show_hint()
@@ -241,18 +272,19 @@ class Workflow(QObject):
             return False
         self.dock.form.show_messages({})
         # Beside a run, times would be those of the run.
-        timed = not self._cost_of(mission) and self.runs.task is None and self._when_planned is None
-        self.planner.request(mission, self.dock.preview.isChecked(), at_once, timed)
+        timed = not self._cost_of(mission) and self.runs.idle and self._when_planned is None
+        self.planner.request(mission, at_once, timed)
         return True
 
     def _show_planned(self, planned: Planned) -> None:
         self.planned = planned
         self._show_figures(planned)
-        if planned.features is not None and self.dock.preview.isChecked():
-            self.preview.show(self.group(), planned.mission, planned.features)
+        if self.dock.preview.isChecked():
+            self.preview.show(self.group(), planned.mission, planned.plan)
+            self.group().make_current()
             if self._zoom_to_preview:
                 self._zoom_to_preview = False
-                self._zoom_if_out_of_sight(mission_form.bounds_of(planned.mission.area))
+                self._zoom_if_out_of_sight(planned.mission.area.bounds)
         act, self._when_planned = self._when_planned, None
         if act is not None:
             act(planned)
@@ -263,9 +295,10 @@ class Workflow(QObject):
 
     def _show_figures(self, planned: Planned) -> None:
         cost = self._cost_of(planned.mission)
-        if not cost and (self.runs.task is not None or self._when_planned is not None):
+        if not cost and (not self.runs.idle or self._when_planned is not None):
             cost = tr("not timed beside a run")
-        self.dock.show_estimates(estimate_html(planned.summary, cost), details_html(planned.plan.accuracy))
+        unit = self.state().agl_unit
+        self.dock.figures.show_readout(readout(planned.plan, planned.summary, unit, cost))
 
     def _cost_of(self, mission: Mission) -> str:
         """What a mission's methods were timed at; empty where that is not known."""
@@ -280,7 +313,7 @@ class Workflow(QObject):
         elif isinstance(error, TerrAInavError):
             messages = refused_fields(error)
             self.dock.form.show_messages(messages)
-            self.dock.show_problem(next(iter(messages.values()), str(error)))
+            self.dock.show_problem(next(iter(messages.values()), in_words_of_the_dock(error)))
         else:
             self.dock.show_problem(tr("Unexpected error: {error}").format(error=repr(error)))
             self.messages.error(
@@ -297,19 +330,22 @@ class Workflow(QObject):
 
     # --- smaller reactions
 
-    def _box_drawn(self, box: Box) -> None:
-        self.dock.form.set_state(mission_form.with_box(self.state(), box))
-
     def _box(self) -> Box | None:
         """Area that is entered; None while there is none."""
         return mission_form.box(self.state())
 
     def _key_chosen(self, authcfg: str) -> None:
-        self.settings.set_authcfg(self.state().source, authcfg)
+        self.settings.set_authcfg(self.state().source_name, authcfg)
+        # What was said about it no longer holds.
+        self._plan()
 
     def _show_preview_state(self, on: bool) -> None:
         self.dock.show_preview_on(on)
         self.preview_shown.emit(on)
+
+    def _preview_failed(self, error: Exception) -> None:
+        trace = "".join(traceback.format_exception(None, error, error.__traceback__))
+        self.messages.error(tr("The preview could not be drawn: {error}").format(error=repr(error)), trace)
 
     def _zoom_if_out_of_sight(self, box: Box) -> None:
         """Move the map only where the preview could not be seen: users keep the view they chose."""

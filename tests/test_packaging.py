@@ -17,9 +17,6 @@ import pytest
 ROOT = Path(__file__).resolve().parents[1]
 PYPROJECT = (ROOT / "pyproject.toml").read_text(encoding="utf-8")
 
-# Folders that QGIS's plugin repository wants to see nothing of.
-NOT_SHIPPED = ("tests/", "tools/", "docs/", "benchmarks/", ".ci/", "Makefile", "pyproject.toml")
-
 REQUIRED_BY_QGIS = (
     "name qgisMinimumVersion qgisMaximumVersion description about version author email tracker repository homepage "
     "category tags icon changelog license hasProcessingProvider experimental"
@@ -119,14 +116,6 @@ def test_wheel_holds_nothing_else(wheel_names):
     rooms = ("terrainav/core/", "terrainav/resources/", "terrainav/terrainav_plugin/")
     own = {"terrainav/__init__.py", "terrainav/metadata.txt"}
     assert [name for name in wheel_names if not name.startswith(rooms) and name not in own] == []
-
-
-def test_plugin_zip_leaves_development_out(tmp_path):
-    attributes = (ROOT / ".gitattributes").read_text(encoding="utf-8")
-    excluded = {
-        line.split()[0].strip("/") for line in attributes.splitlines() if line.endswith(" export-ignore")
-    }
-    assert {name.strip("/") for name in NOT_SHIPPED} <= excluded
 
 
 def test_root_package_is_imported_under_its_own_name_only(request):

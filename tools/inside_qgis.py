@@ -53,7 +53,8 @@ def _print_exception(
 
 def start(job: dict[str, Any]) -> None:
     """Begin `job` when the application's event loop runs: this itself is called just before."""
-    site.addsitedir(job["site_packages"])
+    if job["site_packages"]:
+        site.addsitedir(job["site_packages"])
     QTimer.singleShot(0, lambda: _begin(job))
 
 

@@ -86,14 +86,20 @@ class LaunchError(Exception):
     """QGIS or its X server could not be started."""
 
 
-def make_profile(profiles: Path, settings: str) -> None:
-    """Make QGIS's profile ``default`` below `profiles`, with the plugin linked in; settings already there are kept."""
+def make_profile(profiles: Path, settings: str, *, bare: bool = False) -> None:
+    """Make QGIS's profile ``default`` below `profiles`; settings already there are kept.
+
+    The plugin is linked in, except into a ``bare`` one.
+    """
     profile = profiles / "profiles" / "default"
     link = profile / "python" / "plugins" / PLUGIN
     link.parent.mkdir(parents=True, exist_ok=True)
     if link.is_symlink():
         link.unlink()
-    link.symlink_to(ROOT, target_is_directory=True)
+    if bare:
+        settings = settings.replace(f"{PLUGIN}=true\n", "")
+    else:
+        link.symlink_to(ROOT, target_is_directory=True)
 
     ini = profile / "QGIS" / "QGIS3.ini"
     if not ini.exists():
@@ -247,6 +253,8 @@ def run(
     size_px: str = "1600x1000",
     profiles: Path | None = None,
     extra_environment: Mapping[str, str] | None = None,
+    bare: bool = False,
+    language: str = "en",
 ) -> int:
     """Run a script, or pytest, inside a QGIS that nobody sees.
 
@@ -264,6 +272,10 @@ def run(
         Where the profile is kept; otherwise it is removed after the run.
     extra_environment : mapping, optional
         Variables for the application.
+    bare : bool
+        Without the plugin and without the packages of the project's environment, as a user first has QGIS.
+    language : str
+        That the application speaks.
 
     Returns
     -------
@@ -282,16 +294,16 @@ def run(
     with tempfile.TemporaryDirectory(prefix="qgis-app-") as temporary:
         folder = Path(temporary)
         profiles = profiles.resolve() if profiles else folder
-        make_profile(profiles, UNATTENDED_SETTINGS)
+        make_profile(profiles, UNATTENDED_SETTINGS, bare=bare)
         result = folder / "exit-code"
         job = {
             "arguments": list(arguments),
             "pytest": pytest,
             "root": str(ROOT),
-            "site_packages": site_packages(),
+            "site_packages": None if bare else site_packages(),
             "result": str(result),
         }
-        command = [qgis, "--nologo", "--noversioncheck", "--nocustomization", "--lang", "en"]
+        command = [qgis, "--nologo", "--noversioncheck", "--nocustomization", "--lang", language]
         command += ["--profiles-path", str(profiles), "--profile", "default"]
         before_plugins, after_start = write_hooks(folder, job)
         command += ["--code", str(after_start)]
@@ -331,6 +343,8 @@ def parse(arguments: Sequence[str] | None) -> argparse.Namespace:
     parser.add_argument(
         "--env", action="append", default=[], metavar="K=V", help="set a variable for the application"
     )
+    parser.add_argument("--bare", action="store_true", help="without the plugin and its environment")
+    parser.add_argument("--lang", default="en", metavar="LANGUAGE", help="of the application (%(default)s)")
     parser.add_argument("--visible", action="store_true", help="open QGIS on your own display instead")
     parser.add_argument("--pytest", action="store_true", help="run pytest; what follows are its arguments")
     parser.add_argument("arguments", nargs=argparse.REMAINDER, help="a script and its arguments")
@@ -357,6 +371,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
             size_px=options.size,
             profiles=options.profiles_path,
             extra_environment=dict(item.split("=", 1) for item in options.env),
+            bare=options.bare,
+            language=options.lang,
         )
     except LaunchError as error:
         print(f"qgis_app: {error}", file=sys.stderr)

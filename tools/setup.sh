@@ -7,7 +7,7 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 PYTHON=/usr/bin/python3
 # proj-bin: inside a virtual environment the distribution's pyproj finds its data by where the `proj` command is.
 PACKAGES=(
-    qgis python3-qgis xvfb
+    qgis python3-qgis xvfb git qttools5-dev-tools
     python3-venv python3-gdal python3-matplotlib python3-numpy python3-owslib python3-pil python3-pyproj python3-pyqt5.qtsvg python3-requests
     ca-certificates fonts-dejavu-core libgl1-mesa-dri proj-bin
 )
@@ -90,6 +90,9 @@ make_environment() {
     write_constraints
     .venv/bin/python -m pip install --quiet --disable-pip-version-check --no-input \
         --constraint .venv/constraints.txt --editable '.[test,lint]'
+    # Only its stubs are read; in a folder of its own nothing takes it for the Qt that QGIS has.
+    .venv/bin/python -m pip install --quiet --disable-pip-version-check --no-input --no-deps \
+        --target .venv/qt6 'PyQt6==6.8.*' 'PyQt6-sip>=13.8,<14'
     verify_shared_modules
 }
 

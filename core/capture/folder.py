@@ -7,19 +7,14 @@ import os
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 
+from ..dataset.folder import FOOTPRINTS_FILE, JOURNAL_FILE, MISSION_FILE, PLAN_FILE, REJECTED_FOLDER
 from ..errors import OutputError
 from ..files import PARTIAL_ENDING, make_folder, write_whole
+from ..lock import open_locked
 from ..mission.export import write_plan
 from ..mission.mission import Mission
 from ..mission.plan import Plan
 from .journal import Outcome
-from .lock import open_locked
-
-MISSION_FILE = "mission.json"
-JOURNAL_FILE = "journal.jsonl"
-PLAN_FILE = "plan.csv"
-FOOTPRINTS_FILE = "footprints.geojson"
-TABLE_FILE = "meta_data.csv"
 
 
 def open_folder(folder: str | os.PathLike[str], mission: Mission, *, resume: bool) -> Path:
@@ -61,6 +56,15 @@ def open_folder(folder: str | os.PathLike[str], mission: Mission, *, resume: boo
     return path
 
 
+def check_captured(folder: str | os.PathLike[str]) -> None:
+    """Raise OutputError where a folder holds no capture, of which something might have failed."""
+    path = Path(folder)
+    if _mark_of(path) is None or not (path / JOURNAL_FILE).is_file():
+        raise OutputError(
+            f"folder {folder}: holds no capture of this mission, so nothing of it has failed; capture it first"
+        )
+
+
 def _mark_of(path: Path) -> bytes | None:
     mark = path / MISSION_FILE
     try:
@@ -86,9 +90,10 @@ def write_plan_files(folder: Path, plan: Plan) -> None:
 
 
 def complete_pictures(folder: Path, endings: tuple[str, ...], outcomes: Mapping[str, Outcome]) -> set[str]:
-    """Those of the pictures that are in a folder with all their files, as long as they were when they were written.
+    """Those of the pictures that are there with all their files, as long as they were when they were written.
 
-    What a killed run was writing is removed; so this is for the run that has the journal open.
+    Pictures that cleaning has moved are there, and some files of one that it was moving. What a killed run was writing
+    is removed; so this is for the run that has the journal open.
 
     Parameters
     ----------
@@ -100,20 +105,22 @@ def complete_pictures(folder: Path, endings: tuple[str, ...], outcomes: Mapping[
         By the picture's name.
     """
     partial = tuple(ending + PARTIAL_ENDING for ending in endings)
-    sizes: dict[str, int] = {}
-    try:
-        with os.scandir(folder) as entries:
-            for entry in entries:
-                if entry.name.endswith(partial):
-                    with contextlib.suppress(OSError):
-                        Path(entry.path).unlink()
-                else:
-                    sizes[entry.name] = entry.stat().st_size
-    except OSError as wrong:
-        raise OutputError(f"folder {folder}: cannot be read ({wrong.strerror})") from wrong
+    sizes = _sizes(folder / REJECTED_FOLDER) if (folder / REJECTED_FOLDER).is_dir() else {}
+    sizes.update(_sizes(folder))
+    for name in [name for name in sizes if name.endswith(partial)]:
+        with contextlib.suppress(OSError):
+            (folder / name).unlink()
 
     def complete(outcome: Outcome) -> bool:
         lengths = [sizes.get(outcome.name + ending, 0) for ending in endings]
         return all(lengths) and outcome.size_bytes in (0, sum(lengths))
 
     return {name for name, outcome in outcomes.items() if complete(outcome)}
+
+
+def _sizes(folder: Path) -> dict[str, int]:
+    try:
+        with os.scandir(folder) as entries:
+            return {entry.name: entry.stat().st_size for entry in entries}
+    except OSError as wrong:
+        raise OutputError(f"folder {folder}: cannot be read ({wrong.strerror})") from wrong

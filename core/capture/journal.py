@@ -16,7 +16,7 @@ from types import TracebackType
 from typing import IO, Any
 
 from ..errors import OutputError
-from .lock import open_locked
+from ..lock import open_locked
 
 DONE = "done"
 FAILED = "failed"

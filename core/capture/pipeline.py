@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
@@ -14,7 +15,7 @@ from typing import Generic, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import PartError
+from ..errors import Cancelled, PartError
 from ..geodesy.frames import Windows
 from ..imagery.source import Part, Window
 from .spool import Slot, Spool
@@ -22,6 +23,7 @@ from .spool import Slot, Spool
 Pixels = NDArray[np.uint8]
 Job = TypeVar("Job")
 Result = TypeVar("Result")
+Outcome = TypeVar("Outcome")
 
 #: Longest wait until the caller is asked again whether to go on, seconds.
 _POLL_S = 0.05
@@ -84,6 +86,33 @@ class _PartOnTheWay(Generic[Job]):
     needed: int = 0
 
 
+class _Gate:
+    """What work that was handed to threads waits at: it begins while the gate is open, and never after its end."""
+
+    def __init__(self) -> None:
+        self._open = threading.Event()
+        self._over = False
+
+    def hold(self, held: bool) -> None:
+        """Let work begin, or keep it back."""
+        if held:
+            self._open.clear()
+        else:
+            self._open.set()
+
+    def end(self) -> None:
+        """Send away what waits, and what still comes."""
+        self._over = True
+        self._open.set()
+
+    def pass_through(self, work: Callable[..., Outcome], *arguments: object) -> Outcome:
+        """Do the work when it may begin; raises Cancelled where it may not any more."""
+        self._open.wait()
+        if self._over:
+            raise Cancelled("not begun: the run was stopped")
+        return work(*arguments)
+
+
 class Pipeline(Generic[Job, Result]):
     """Makes pictures out of parts, each of which is fetched once and dropped after its last picture.
 
@@ -133,14 +162,21 @@ class Pipeline(Generic[Job, Result]):
         self._parts: dict[Window, _PartOnTheWay[Job]] = {}
         self._spool = spool or Spool()
         self._events: SimpleQueue[Callable[[], None]] = SimpleQueue()
+        self._gate = _Gate()
         self._connections = ThreadPoolExecutor(connections, "terrainav-fetch")
         self._workers = ThreadPoolExecutor(workers, "terrainav-work")
 
-    def run(self, jobs: Iterable[tuple[Job, Sequence[Part]]], go_on: Callable[[], bool]) -> bool:
+    def run(
+        self,
+        jobs: Iterable[tuple[Job, Sequence[Part]]],
+        go_on: Callable[[], bool],
+        paused: Callable[[], bool] = lambda: False,
+    ) -> bool:
         """Make the pictures of ``jobs``; once.
 
         ``go_on`` is asked many times a second. When it says no, or an error stops the run, what waits is dropped,
-        what is being made is finished and reported, and requests under way are left to end by themselves.
+        what is being made is finished and reported, and requests under way are left to end by themselves. While
+        ``paused``, which is asked as often, says yes, no part is asked for and no picture begun.
 
         Returns
         -------
@@ -153,12 +189,15 @@ class Pipeline(Generic[Job, Result]):
             while not complete:
                 if not go_on():
                     return False
-                more = self._admit(waiting)
+                held = paused()
+                self._gate.hold(held)
+                more = held or self._admit(waiting)
                 complete = not more and self._on_the_way == 0
                 if not complete:
                     self._handle_event()
             return True
         finally:
+            self._gate.end()
             self._connections.shutdown(wait=complete, cancel_futures=True)
             self._workers.shutdown(wait=True, cancel_futures=True)
             self._spool.close()
@@ -201,7 +240,7 @@ class Pipeline(Generic[Job, Result]):
     def _ask_for(self, window: Window) -> None:
         self.requests += 1
         self._fetching += 1
-        request = self._connections.submit(self._fetch, window)
+        request = self._connections.submit(self._gate.pass_through, self._fetch, window)
         request.add_done_callback(lambda done: self._events.put(partial(self._part_arrived, window, done)))
 
     def _handle_event(self) -> None:
@@ -265,7 +304,7 @@ class Pipeline(Generic[Job, Result]):
             self._on_the_way -= 1
             self._finished(picture.job, failure)
             return
-        making = self._workers.submit(self._work, picture.job, picture.parts, pixels)
+        making = self._workers.submit(self._gate.pass_through, self._work, picture.job, picture.parts, pixels)
         self._making[making] = picture.job
         making.add_done_callback(lambda done: self._events.put(partial(self._picture_made, done)))
 

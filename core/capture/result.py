@@ -20,6 +20,10 @@ class Progress:
         Parts asked of the source so far.
     map_type : str
         The one being captured.
+    active_s : float
+        Seconds that the run has worked: pauses are left out, so that rates can be had from it.
+    paused : bool
+        Whether it is held.
     """
 
     total: int
@@ -28,6 +32,8 @@ class Progress:
     skipped: int
     requests: int
     map_type: str
+    active_s: float = 0.0
+    paused: bool = False
 
 
 @dataclass(frozen=True)
@@ -54,7 +60,7 @@ class CaptureResult:
         Parts asked of the source, and different parts that the pictures to be made needed; equal, but for a run
         that was stopped.
     seconds : float
-        Wall time.
+        Wall time, without pauses.
     cancelled : bool
         Whether it was stopped; it can be resumed.
     """

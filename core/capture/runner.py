@@ -13,11 +13,13 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from ..dataset.folder import JOURNAL_FILE, TABLE_FILE
+from ..dataset.table import other_columns
 from ..errors import InvalidInput, OutputError, PartError
 from ..imagery.source import Part, Source, Window
 from ..mission.plan import Plan
-from .folder import JOURNAL_FILE, TABLE_FILE, complete_pictures, open_folder, write_plan_files
-from .journal import DONE, FAILED, Journal, Outcome
+from .folder import check_captured, complete_pictures, open_folder, write_plan_files
+from .journal import FAILED, Journal, Outcome
 from .pipeline import Pipeline, sweep
 from .records import Made, PictureJob, job_of, make_picture, parts_of, table_of
 from .result import CaptureResult, Failure, Progress
@@ -42,14 +44,17 @@ def capture(
     workers: int | None = None,
     resume: bool = False,
     only: Iterable[int] | None = None,
+    only_failed: bool = False,
     progress: Callable[[Progress], object] | None = None,
     cancelled: Callable[[], bool] | None = None,
+    paused: Callable[[], bool] | None = None,
 ) -> CaptureResult:
     """Capture the pictures of a plan into a dataset folder.
 
     Pictures are written whole or not at all, and noted in the journal one by one; those that cannot be made are
     named in the journal and the table with the reason, and the others go on. The tables are written at the end,
-    also of a run that was stopped. The same mission leaves the same pictures and tables, in one go or in several.
+    also of a run that was stopped; columns that others have added to them are kept. The same mission leaves the same
+    pictures and tables, in one go or in several.
 
     Parameters
     ----------
@@ -66,11 +71,15 @@ def capture(
         Go on with a folder that holds this mission: what is missing or has failed is made.
     only : iterable of int or None
         Indices of the captures to make; None for all.
+    only_failed : bool
+        Make those that an earlier run has noted as failed, and nothing else; the folder has to hold this mission.
     progress : callable
         Called in this thread with a Progress, about ten times a second at most, and at the end.
     cancelled : callable
         Asked many times a second; when it says yes the run ends within the time a picture takes. It waits for no
         request: those under way are left to the source, and end when it is closed.
+    paused : callable
+        Asked as often; while it says yes, no part is asked for and no picture begun. Progress is still reported.
 
     Returns
     -------
@@ -82,22 +91,25 @@ def capture(
         A map type the source does not have, a plan for another pixel grid, pictures the format cannot hold:
         before anything is written.
     OutputError
-        A folder that cannot be written, that holds another mission, or holds this one without ``resume``.
+        A folder that cannot be written, that holds another mission, or holds this one without ``resume``, or
+        does not hold it where only what has failed is wanted.
     SourceError
         The source cannot serve; what was finished is kept.
     """
-    started = time.monotonic()
     _check(plan, source, connections, workers)
     chosen = _chosen(plan, only)
-    path = open_folder(folder, plan.mission, resume=resume)
+    if only_failed:
+        check_captured(folder)
+    path = open_folder(folder, plan.mission, resume=resume or only_failed)
+    listener = _Listener(progress, cancelled, paused)
     with Journal(path / JOURNAL_FILE) as journal:
-        run = _Run(plan, source, path, journal, chosen, _Listener(progress, cancelled))
+        run = _Run(plan, source, path, journal, chosen, listener, only_failed=only_failed)
         write_plan_files(path, plan)
         complete = all(
             run.capture_map_type(map_type, connections, workers or os.cpu_count() or 1)
             for map_type in plan.mission.map_types
         )
-    return run.result(time.monotonic() - started, cancelled=not complete)
+    return run.result(listener.active_s(), cancelled=not complete)
 
 
 def _check(plan: Plan, source: Source, connections: int, workers: int | None) -> None:
@@ -130,13 +142,43 @@ def _chosen(plan: Plan, only: Iterable[int] | None) -> Numbers:
 
 
 class _Listener:
-    """The caller's callbacks: told of progress now and then, asked whether to go on."""
+    """The caller's callbacks: told of progress now and then, asked whether to go on or wait, which takes the time.
+
+    Attributes
+    ----------
+    is_paused : bool
+        What the caller has last said.
+    """
 
     def __init__(
-        self, progress: Callable[[Progress], object] | None, cancelled: Callable[[], bool] | None
+        self,
+        progress: Callable[[Progress], object] | None,
+        cancelled: Callable[[], bool] | None,
+        paused: Callable[[], bool] | None,
     ) -> None:
-        self._progress, self._cancelled = progress, cancelled
+        self._progress, self._cancelled, self._paused = progress, cancelled, paused
         self._told_s = -math.inf
+        self._started_s = time.monotonic()
+        self._pause_began_s = self._pauses_s = 0.0
+        self.is_paused = False
+
+    def active_s(self) -> float:
+        """Seconds so far in which the run was not held."""
+        until_s = self._pause_began_s if self.is_paused else time.monotonic()
+        return until_s - self._started_s - self._pauses_s
+
+    def wait(self) -> bool:
+        """Whether the caller holds the run."""
+        held = self._paused is not None and self._paused()
+        if held and not self.is_paused:
+            self._pause_began_s = time.monotonic()
+        elif self.is_paused and not held:
+            self._pauses_s += time.monotonic() - self._pause_began_s
+        if held != self.is_paused:
+            self.is_paused = held
+            # The next report says so, however short a time ago the last one was.
+            self._told_s = -math.inf
+        return held
 
     def tell(self, progress: Callable[[], Progress], *, at_once: bool = False) -> None:
         """Report progress, unless the last report was a moment ago."""
@@ -160,7 +202,15 @@ class _Run:
     """
 
     def __init__(
-        self, plan: Plan, source: Source, folder: Path, journal: Journal, chosen: Numbers, listener: _Listener
+        self,
+        plan: Plan,
+        source: Source,
+        folder: Path,
+        journal: Journal,
+        chosen: Numbers,
+        listener: _Listener,
+        *,
+        only_failed: bool,
     ) -> None:
         self._plan, self._source, self._folder = plan, source, folder
         self._journal, self._listener = journal, listener
@@ -168,12 +218,17 @@ class _Run:
         self._done = self._requests = self._unique_parts = 0
         self._failures: list[tuple[int, int, Failure]] = []
         self._outcomes = self._known_outcomes()
+        self._other_columns = {
+            map_type: other_columns(folder / map_type / TABLE_FILE) for map_type in self._map_types
+        }
+        wanted = (FAILED,) if only_failed else (FAILED, None)
         self._pending = {
-            map_type: np.array([i for i in chosen.tolist() if not self._is_done(map_type, i)], np.int64)
+            map_type: np.array([i for i in chosen.tolist() if self._status(map_type, i) in wanted], np.int64)
             for map_type in self._map_types
         }
-        self._total = len(chosen) * len(self._map_types)
-        self._skipped = self._total - sum(len(pending) for pending in self._pending.values())
+        pending = sum(len(indices) for indices in self._pending.values())
+        self._total = pending if only_failed else len(chosen) * len(self._map_types)
+        self._skipped = self._total - pending
 
     def _known_outcomes(self) -> dict[str, dict[str, Outcome]]:
         """What earlier runs have left of each map type: failures, and pictures that are still there."""
@@ -192,9 +247,9 @@ class _Run:
             known[map_type] = {n: o for n, o in outcomes.items() if o.status == FAILED or n in there}
         return known
 
-    def _is_done(self, map_type: str, index: int) -> bool:
+    def _status(self, map_type: str, index: int) -> str | None:
         outcome = self._outcomes[map_type].get(self._plan.names[index])
-        return outcome is not None and outcome.status == DONE
+        return None if outcome is None else outcome.status
 
     def capture_map_type(self, map_type: str, connections: int, workers: int) -> bool:
         """Make the pictures of a map type that are not there, and its table; False where cancelled."""
@@ -224,11 +279,12 @@ class _Run:
                 return self._go_on(map_type)
 
             try:
-                return pipeline.run(jobs, go_on)
+                return pipeline.run(jobs, go_on, self._listener.wait)
             finally:
                 self._requests = earlier + pipeline.requests
         finally:
-            table_of(self._plan, self._source, self._outcomes[map_type]).save(folder / TABLE_FILE)
+            table = table_of(self._plan, self._source, self._outcomes[map_type])
+            table.with_other(self._other_columns[map_type]).save(folder / TABLE_FILE)
             self._listener.tell(partial(self._progress, map_type), at_once=True)
 
     def _users(self, map_type: str, order: list[int]) -> Counter[Window] | None:
@@ -261,7 +317,16 @@ class _Run:
         self._outcomes[map_type][name] = outcome
 
     def _progress(self, map_type: str) -> Progress:
-        return Progress(self._total, self._done, len(self._failures), self._skipped, self._requests, map_type)
+        return Progress(
+            self._total,
+            self._done,
+            len(self._failures),
+            self._skipped,
+            self._requests,
+            map_type,
+            self._listener.active_s(),
+            self._listener.is_paused,
+        )
 
     def result(self, seconds: float, *, cancelled: bool) -> CaptureResult:
         """Return what the run has done."""

@@ -1,4 +1,4 @@
-"""The command ``terrainav``: plan, capture, report, sources, cameras, cache."""
+"""The command ``terrainav``: plan, capture, clean, report, sources, cameras, cache."""
 
 from __future__ import annotations
 
@@ -10,14 +10,17 @@ from collections.abc import Callable, Sequence
 
 from ..errors import Cancelled, InvalidInput, TerrAInavError
 from .caching import run_cache
+from .cameras import run_cameras
+from .cleaning import run_clean
 from .exits import BAD_INPUT, DONE, FAILED, STOPPED
 from .flying import run_capture, run_plan, run_report
-from .listing import run_cameras, run_sources
+from .listing import run_sources
 from .options import normalised, parser
 
 _COMMANDS: dict[str, Callable[[argparse.Namespace], int]] = {
     "plan": run_plan,
     "capture": run_capture,
+    "clean": run_clean,
     "report": run_report,
     "sources": run_sources,
     "cameras": run_cameras,

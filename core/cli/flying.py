@@ -7,7 +7,6 @@ import json
 import os
 import signal
 import sys
-import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import asdict, replace
@@ -116,7 +115,8 @@ def run_plan(arguments: argparse.Namespace) -> int:
             if path.endswith(".json"):
                 mission.save(path)
             else:
-                write_plan(worked_out, path)
+                for note in write_plan(worked_out, path).notes:
+                    print(f"{path}: {note}", file=sys.stderr)
         _print_summary(worked_out, source, values, arguments.json)
     return DONE
 
@@ -126,14 +126,13 @@ class _Bar:
 
     def __init__(self, quiet: bool) -> None:
         self._live = not quiet and sys.stderr.isatty()
-        self._start = time.monotonic()
 
     def __call__(self, progress: Progress) -> None:
         if not self._live:
             return
         finished = progress.done + progress.failed + progress.skipped
         share = finished / progress.total if progress.total else 1.0
-        rate = progress.done / max(time.monotonic() - self._start, 1e-3)
+        rate = progress.done / max(progress.active_s, 1e-3)
         full = int(share * _BAR_WIDTH)
         failed = f", {progress.failed} failed" if progress.failed else ""
         line = f"{progress.map_type:10s}[{'#' * full:{_BAR_WIDTH}s}] {finished}/{progress.total}{failed}, {rate:.0f}/s"
@@ -196,6 +195,7 @@ def _run(
             values["data_dir"],
             connections=values["connections"],
             resume=arguments.resume,
+            only_failed=arguments.only_failed,
             progress=bar,
             cancelled=cancelled,
         )

@@ -1,9 +1,10 @@
-"""What there is to choose from: sources of imagery and cameras."""
+"""Sources of imagery on the command line: listed, shown, added, removed."""
 
 from __future__ import annotations
 
 import argparse
 import json
+import sys
 import textwrap
 from typing import TYPE_CHECKING, Any
 
@@ -25,16 +26,20 @@ def run_sources(arguments: argparse.Namespace) -> int:
 
 
 def _list(arguments: argparse.Namespace) -> int:
-    from ..imagery.catalogue.listing import sources
+    from ..imagery.catalogue.entry import shipped
+    from ..imagery.catalogue.user_sources import shelf
 
-    entries = sources()
+    own = shelf()
+    entries = (*shipped(), *own.entries)
+    for problem in own.problems.values():
+        print(f"terrainav: {problem}", file=sys.stderr)
     if arguments.json:
         print(json.dumps([entry.to_dict() for entry in entries], indent=1))
         return DONE
     for entry in entries:
-        own = " (your own)" if entry.user else ""
+        mark = " (your own)" if entry.user else ""
         dates = f"; dates: {entry.dates.text()}" if entry.dates else ""
-        print(f"{entry.name:{_COLUMN}s}{entry.title}{own}")
+        print(f"{entry.name:{_COLUMN}s}{entry.title}{mark}")
         print(
             f"{'':{_COLUMN}s}zoom {entry.min_zoom} to {entry.native_zoom}, bulk download: {entry.bulk_allowed}; "
             f"{entry.licence or 'licence not stated'}{dates}"
@@ -140,27 +145,4 @@ def _remove(arguments: argparse.Namespace) -> int:
 
     remove(arguments.name)
     print(f"{arguments.name} removed")
-    return DONE
-
-
-def run_cameras(arguments: argparse.Namespace) -> int:
-    """List camera presets."""
-    from ..mission.presets import cameras
-
-    presets = cameras()
-    if arguments.json:
-        rows = [
-            {
-                "name": p.name,
-                "fov_deg": p.camera.fov_deg,
-                "aspect_ratio": p.camera.aspect_ratio,
-                "source": p.source,
-            }
-            for p in presets
-        ]
-        print(json.dumps(rows, indent=1))
-        return DONE
-    for preset in presets:
-        camera = preset.camera
-        print(f"{preset.name:26s}{camera.fov_deg:6.1f} deg diagonal, {camera.aspect_ratio:.3f} : 1")
     return DONE

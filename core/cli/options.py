@@ -6,6 +6,7 @@ import argparse
 from collections.abc import Sequence
 from typing import Any, NoReturn
 
+from ..dataset.clean import DEFAULT_ENTROPY
 from ..mission.settings import OPTIONS
 from .exits import BAD_INPUT
 
@@ -35,9 +36,9 @@ def parser() -> argparse.ArgumentParser:
     whole.add_argument("--version", action="store_true", help="print the version")
     commands = whole.add_subparsers(dest="command", metavar="COMMAND", parser_class=_Parser)
     _add_flying(commands)
+    _add_clean(commands)
     _add_sources(commands)
-    listing = commands.add_parser("cameras", help="list camera presets")
-    listing.add_argument("--json", action="store_true", help="print as JSON")
+    _add_cameras(commands)
     _add_cache(commands)
     return whole
 
@@ -70,13 +71,16 @@ def _add_flying(commands: Any) -> None:
         metavar="FILE",
         action="append",
         default=[],
-        help="write .csv, .geojson, .kml or mission .json",
+        help="write .csv, .geojson, .kml, .gpkg, .gpx, .litchi.csv, .plan (QGroundControl) or mission .json",
     )
     planning.add_argument("--json", action="store_true", help="print the figures as JSON")
 
     capturing = commands.add_parser("capture", help="capture a mission into a folder (--data-dir)")
     _add_mission_options(capturing)
     capturing.add_argument("--resume", action="store_true", help="go on with an interrupted capture")
+    capturing.add_argument(
+        "--only-failed", action="store_true", help="capture what has failed before, and nothing else"
+    )
     _add_consent(capturing)
     capturing.add_argument("--json", action="store_true", help="print the result as JSON")
     capturing.add_argument("--quiet", action="store_true", help="no progress bar")
@@ -89,6 +93,27 @@ def _add_flying(commands: Any) -> None:
         "--output", metavar="DIR", required=True, help="folder of the page and its pictures"
     )
     _add_consent(reporting)
+
+
+def _add_clean(commands: Any) -> None:
+    cleaning = commands.add_parser(
+        "clean", help="reject the images of a dataset with too little to see; deletes nothing"
+    )
+    cleaning.add_argument("folder", metavar="OUT", help="the dataset's folder")
+    cleaning.add_argument(
+        "--entropy",
+        type=float,
+        default=DEFAULT_ENTROPY,
+        metavar="BITS",
+        help="reject images below it, 0 to 8 (default %(default)s); the roadmap's entropies decide for all map types",
+    )
+    what = cleaning.add_mutually_exclusive_group()
+    what.add_argument(
+        "--move", action="store_true", help="also move them to a folder `rejected` beside the others"
+    )
+    what.add_argument("--undo", action="store_true", help="put all back as it was before")
+    cleaning.add_argument("--dry-run", action="store_true", help="change nothing, print the counts")
+    _add_json(cleaning, False)
 
 
 def _add_consent(command: argparse.ArgumentParser) -> None:
@@ -169,6 +194,35 @@ def _add_sources(commands: Any) -> None:
     adding.add_argument("--no-storing", action="store_true", help="its terms forbid to keep tiles for later")
 
     removing = actions.add_parser("remove", help="forget a source of your own")
+    removing.add_argument("name", metavar="NAME")
+
+
+def _add_cameras(commands: Any) -> None:
+    listing = commands.add_parser("cameras", help="list cameras by name; add or remove one of your own")
+    _add_json(listing, False)
+    actions = listing.add_subparsers(dest="action", metavar="ACTION", parser_class=_Parser)
+    every = actions.add_parser("list", help="list them (also without an action)")
+    _add_json(every, argparse.SUPPRESS)
+
+    adding = actions.add_parser(
+        "add", help="keep a camera of your own under a name, by one field of view, or its sensor and lens"
+    )
+    adding.add_argument("name", metavar="NAME", help="such as 'Sony RX1 35 mm'")
+    pair: dict[str, Any] = {"nargs": 2, "metavar": ("W", "H")}
+    adding.add_argument("--fov", type=float, metavar="DEG", help="diagonal field of view in degrees")
+    adding.add_argument("--hfov", type=float, metavar="DEG", help="horizontal field of view in degrees")
+    adding.add_argument("--vfov", type=float, metavar="DEG", help="vertical field of view in degrees")
+    adding.add_argument("--sensor", type=float, help="width and height of the sensor in mm", **pair)
+    adding.add_argument("--focal-length", type=float, metavar="MM", help="of the lens itself, with --sensor")
+    adding.add_argument(
+        "--aspect-ratio", type=float, help="width and height of the picture, such as 4 3", **pair
+    )
+    adding.add_argument(
+        "--size-px", type=int, help="width and height of the picture in pixels instead", **pair
+    )
+    adding.add_argument("--source", metavar="TEXT", help="where these facts are from")
+
+    removing = actions.add_parser("remove", help="forget a camera of your own")
     removing.add_argument("name", metavar="NAME")
 
 

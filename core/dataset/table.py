@@ -7,14 +7,14 @@ import io
 import math
 import os
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import InvalidInput
+from ..errors import InvalidInput, OutputError
 from ..files import write_whole
 
 Floats = NDArray[np.float64]
@@ -116,6 +116,25 @@ class Table:
     def __len__(self) -> int:
         return len(self.img_names)
 
+    def with_other(self, columns: Mapping[str, Mapping[str, str]]) -> Table:
+        """Copy with these columns as those that are not ours.
+
+        Parameters
+        ----------
+        columns : mapping of str to mapping of str to str
+            Cells by image name; those of images without one are empty.
+        """
+        return self.replaced(
+            {
+                header: tuple(cells.get(name, "") for name in self.img_names)
+                for header, cells in columns.items()
+            }
+        )
+
+    def replaced(self, other: Mapping[str, tuple[str, ...]]) -> Table:
+        """Copy with these columns, cells in the order of the rows, as those that are not ours."""
+        return replace(self, other=other)
+
     def to_csv(self) -> str:
         """Text of the table; the same table gives the same text, and numbers have all their digits."""
         return "".join(self._blocks())
@@ -178,6 +197,27 @@ class Table:
         except (OSError, UnicodeDecodeError) as wrong:
             raise InvalidInput(f"table {path}: cannot be read ({wrong})") from wrong
         return cls.from_csv(text, f"table {path}")
+
+
+def other_columns(path: Path) -> dict[str, dict[str, str]]:
+    """Columns of a table that are not ours, each as cells by image name; empty where there is no such file.
+
+    Raises
+    ------
+    OutputError
+        Where it has such columns and cannot be read.
+    """
+    try:
+        if not path.exists():
+            return {}
+        with path.open(encoding="utf-8-sig", newline="") as file:
+            headers = set(next(csv.reader(file), []))
+        if headers <= {_HEADERS.get(name, name) for name in FIELDS}:
+            return {}
+        table = Table.load(path)
+    except (OSError, UnicodeDecodeError, csv.Error, InvalidInput) as wrong:
+        raise OutputError(f"{wrong}; repair the table, or remove it to have it written anew") from wrong
+    return {header: dict(zip(table.img_names, cells)) for header, cells in table.other.items()}
 
 
 #: Fields of `Table` that are columns of ours, in the order they are written.

@@ -103,7 +103,8 @@ def outline(
     if len(points) < 3:
         raise InvalidInput(
             f"camera at height {agl_m:g} m, yaw {attitude[0]:g}, tilt {attitude[1]:g}, roll {attitude[2]:g} deg: no "
-            "ray of its image meets the Earth; tilt it down"
+            "ray of its image meets the Earth; tilt it down",
+            "tilt_deg",
         )
     lat, dlon = np.concatenate([lat[hit], arc.lat_deg]), np.concatenate([dlon[hit], arc.dlon_deg])
     centre = points.mean(axis=0)

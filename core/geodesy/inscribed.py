@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -14,14 +12,21 @@ from .frames import FrameEdges
 from .horizon import outline
 from .mercator import lat_to_v, lon_to_u, u_to_lon, v_to_lat
 from .poses import Poses
+from .rings import (
+    EDGE_POINTS,
+    RATIO_REACH,
+    border_points,
+    half_sizes,
+    image_frame,
+    largest_share,
+    reach,
+    sag,
+    unit_border,
+)
 
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
-#: Points along each edge of the image.
-_EDGE_POINTS = 12
-#: Ratios of height to width that are tried, and how far they reach from that of the ground itself.
-_RATIOS, _RATIO_REACH = 33, 16.0
 #: Ratios that are tried where the horizon cuts an image, each by halving.
 _TRIED_RATIOS = 7
 #: Rounding an edge to the grid may move it outward by half a pixel; the rest is for what float64 does to positions.
@@ -30,11 +35,8 @@ _MARGIN_PX = 0.5 + 1e-3
 _BEYOND = 1.0
 #: Longitudes within this of a level camera's are not beyond a pole.
 _SAME_SIDE_DEG = 90.0
-#: Points along each side of a rectangle at which it is asked whether the image shows it, and halvings to find how
-#: much smaller one has to be that it does not.
-_BORDER_POINTS, _HALVINGS = 13, 40
-#: The same where fields of view are wider than this, degrees: a half image is a small angle at their sides.
-_WIDE_DEG, _WIDE_BORDER_POINTS = 120.0, 65
+#: Halvings to find how much smaller a rectangle has to be that the image shows it.
+_HALVINGS = 40
 #: Halvings, and points along each side, where rectangles of several shapes are compared.
 _ROUGHLY, _ROUGH_POINTS = 10, 5
 #: Half images by which a rectangle may leave its image to be made smaller in one step.
@@ -49,14 +51,6 @@ _SMALL = 0.05
 _HALF_TURN = 0.5
 #: Poses worked on in one go, to bound memory.
 _BATCH = 1024
-
-
-def _image_frame() -> Floats:
-    """Points of the image's frame, (4·points, 2), corners first of each edge."""
-    corners = np.array([[-1.0, 1.0], [1.0, 1.0], [1.0, -1.0], [-1.0, -1.0]])
-    shares = np.arange(_EDGE_POINTS)[:, np.newaxis] / _EDGE_POINTS
-    edges = [start + shares * (end - start) for start, end in zip(corners, np.roll(corners, -1, axis=0))]
-    return np.concatenate(edges)
 
 
 def inscribed_edges(
@@ -91,7 +85,7 @@ def inscribed_edges(
         ]
         return FrameEdges(*(np.concatenate(columns) for columns in zip(*parts)))
     at_zero = poses._replace(lon_deg=np.zeros(len(poses.lat_deg)))
-    seen = exact(camera, at_zero, tuple((x, y) for x, y in _image_frame().tolist()), ground)
+    seen = exact(camera, at_zero, tuple((x, y) for x, y in image_frame().tolist()), ground)
     ring = _on_map(seen)
     whole = seen.hit.all(axis=1)
     level = whole & (np.abs(seen.lon_deg) < _SAME_SIDE_DEG).all(axis=1)
@@ -104,7 +98,7 @@ def inscribed_edges(
         side[level] = straight[level]
     centre[level, 0] = 0.0
     centre[level, 1] = (edges.top_v + edges.bottom_v)[level] / 2.0
-    inside = _narrowed(edges, np.where(polygon | level, _sag(ring), 0.0))
+    inside = _narrowed(edges, np.where(polygon | level, sag(ring), 0.0))
     # Small images of level cameras are all but rectangles of the map.
     asked = np.flatnonzero(~level | (np.ptp(ring[..., 0], axis=1) > _SMALL))
     if len(asked):
@@ -122,7 +116,7 @@ def _about_centres(
     centre, half_u, half_v = np.zeros((count, 2)), np.zeros(count), np.zeros(count)
     if polygon.any():
         centre[polygon] = _centres(camera, poses.take(polygon), ground)
-        half_u[polygon], half_v[polygon] = _half_sizes(ring[polygon] - centre[polygon, np.newaxis])
+        half_u[polygon], half_v[polygon] = half_sizes(ring[polygon] - centre[polygon, np.newaxis])
     if cut.any():
         centre[cut] = _centres(camera, poses.take(cut), ground)
         half_u[cut], half_v[cut] = _searched(camera, poses.take(cut), ring[cut], centre[cut], ground)
@@ -136,17 +130,6 @@ def _narrowed(edges: FrameEdges, room: Floats | float) -> FrameEdges:
     across, down = (np.minimum(room, size / 2.0) for size in edges.size)
     west, east, top, bottom = edges
     return FrameEdges(west + across, east - across, top + down, bottom - down)
-
-
-def _sag(ring: Floats) -> Floats:
-    """How far the rings (n, k, 2) bend inward between their points, (n,)."""
-    sides = ring.reshape(len(ring), 4, _EDGE_POINTS, 2)
-    second, chord = np.diff(sides, n=2, axis=2), sides[:, :, 2:] - sides[:, :, :-2]
-    length = np.hypot(chord[..., 0], chord[..., 1])
-    # Across its chord a curve leaves it by an eighth of its second difference; along it, points are only spaced.
-    aside = np.abs(second[..., 0] * chord[..., 1] - second[..., 1] * chord[..., 0])
-    sag: Floats = (aside / np.where(length > 0.0, length, 1.0)).max(axis=(1, 2)) / 8.0
-    return sag
 
 
 def _shown(camera: Camera, poses: Poses, edges: FrameEdges, centre: Floats, ground: Ellipsoid) -> FrameEdges:
@@ -171,7 +154,7 @@ def _shown(camera: Camera, poses: Poses, edges: FrameEdges, centre: Floats, grou
     inside = np.where(beyond[at] < _LITTLE, 1.0 - 2.0 * beyond[at], 0.0)
     little = (inside > 0.0) & (_leaving(camera, some, scaled(inside), ground) <= limit)
     if not little.all():
-        halved = _largest_share(
+        halved = largest_share(
             lambda share: np.asarray(_leaving(camera, some, scaled(share), ground) <= limit),
             len(at),
             _HALVINGS,
@@ -180,16 +163,6 @@ def _shown(camera: Camera, poses: Poses, edges: FrameEdges, centre: Floats, grou
     for side, smaller in zip(edges, scaled(inside)):
         side[at] = smaller
     return edges
-
-
-def _largest_share(fits: Callable[[Floats], Flags], count: int, halvings: int) -> Floats:
-    """Largest shares (count,) of 0 to 1 that are known to fit, by halving; what fits does so at every smaller share."""
-    inside, outside = np.zeros(count), np.ones(count)
-    for _ in range(halvings):
-        share = (inside + outside) / 2.0
-        fitting = fits(share)
-        inside, outside = np.where(fitting, share, inside), np.where(fitting, outside, share)
-    return inside
 
 
 def _leaving(
@@ -204,12 +177,8 @@ def _leaving(
 
     ``moved`` shifts the rectangles by so much, in world fractions; ``points`` are looked at along each side.
     """
-    if points is None:
-        points = _BORDER_POINTS if camera.fov_deg <= _WIDE_DEG else _WIDE_BORDER_POINTS
-    # Closest at the corners, where images of straight lines bend the most; along such a side a curve starts level.
-    share = (1.0 - np.cos(np.linspace(0.0, np.pi, points))) / 2.0
-    low, high = np.zeros_like(share), np.ones_like(share)
-    across, down = np.stack([share, share, low, high]), np.stack([low, high, share, share])
+    points = border_points(camera) if points is None else points
+    across, down = unit_border(points)
     west, _, top, _ = (side[:, np.newaxis, np.newaxis] for side in edges)
     width, height = (size[:, np.newaxis, np.newaxis] for size in edges.size)
     # Longitudes here count from the camera's meridian, whose world fraction is a half.
@@ -219,30 +188,16 @@ def _leaving(
     vectors = sight_lines(camera_lat, agl, lat, dlon, ground)
     sides = camera.beyond_sides(vectors.reshape(len(west), -1, 3), *poses.attitude)
     below_m = -above_tangent_plane_m(camera_lat, vectors, lat, dlon)
-    hidden = _reach(below_m[..., np.newaxis]) >= 0.0
-    beyond: Floats = np.where(hidden, np.inf, _reach(sides.reshape(len(west), 4, points, 4))).max(axis=1)
+    hidden = reach(below_m[..., np.newaxis]) >= 0.0
+    beyond: Floats = np.where(hidden, np.inf, reach(sides.reshape(len(west), 4, points, 4))).max(axis=1)
     return beyond
-
-
-def _reach(size: Floats) -> Floats:
-    """Largest values (...) of smooth curves known at points, (..., points, k).
-
-    Between points a curve is above all of them only beside a point that is above both its neighbours: by what the
-    parabola through the three is, and as much again for what is no parabola.
-    """
-    before, middle, after = size[..., :-2, :], size[..., 1:-1, :], size[..., 2:, :]
-    bend = before - 2.0 * middle + after
-    peak = (middle >= before) & (middle >= after) & (bend < 0.0)
-    above = np.where(peak, (after - before) ** 2 / (-4.0 * np.where(peak, bend, -1.0)), 0.0)
-    reach: Floats = np.maximum(size.max(axis=(-2, -1)), (middle + above).max(axis=(-2, -1)))
-    return reach
 
 
 def _level_edges(ring: Floats) -> FrameEdges:
     """Edges inside the rings (n, k, 2) of level, north-up cameras, whose own edges are nearly the map's."""
     north, east, south, west = (
-        np.take(ring, range(start, start + _EDGE_POINTS + 1), axis=1, mode="wrap")
-        for start in range(0, 4 * _EDGE_POINTS, _EDGE_POINTS)
+        np.take(ring, range(start, start + EDGE_POINTS + 1), axis=1, mode="wrap")
+        for start in range(0, 4 * EDGE_POINTS, EDGE_POINTS)
     )
     return FrameEdges(
         west[..., 0].max(axis=1),
@@ -277,7 +232,7 @@ def _searched(
     camera: Camera, poses: Poses, ring: Floats, centre: Floats, ground: Ellipsoid
 ) -> tuple[Floats, Floats]:
     """Half width and height, (n,) each, of the largest rectangles about their centres that are found by trying."""
-    ratios = np.geomspace(1.0 / _RATIO_REACH, _RATIO_REACH, _TRIED_RATIOS)
+    ratios = np.geomspace(1.0 / RATIO_REACH, RATIO_REACH, _TRIED_RATIOS)
     every = np.repeat(np.arange(len(centre)), len(ratios))
     u, v = centre[every].T
     reach = np.minimum(np.abs(ring - centre[:, np.newaxis]).max(axis=(1, 2)), _WIDEST / 2.0)[every]
@@ -290,29 +245,7 @@ def _searched(
         tried = FrameEdges(u - across, u + across, v - down, v + down)
         return np.asarray(_leaving(camera, some, tried, ground, points=_ROUGH_POINTS) <= 0.0)
 
-    inside = _largest_share(fits, len(every), _ROUGHLY)
+    inside = largest_share(fits, len(every), _ROUGHLY)
     width, height = ((inside * half).reshape(len(centre), len(ratios)) for half in (half_u, half_v))
     best = np.argmax(width * height, axis=1)[:, np.newaxis]
     return np.take_along_axis(width, best, axis=1)[:, 0], np.take_along_axis(height, best, axis=1)[:, 0]
-
-
-def _half_sizes(ring: Floats) -> tuple[Floats, Floats]:
-    """Half width and height, (n,) each, of the largest centred rectangle inside each ring (n, k, 2).
-
-    0 for rings without extent, as those have that lie beyond the map.
-    """
-    extent = np.ptp(ring, axis=1)
-    flat = (extent <= 0.0).any(axis=1)
-    shape = np.where(flat, 1.0, extent[:, 1]) / np.where(flat, 1.0, extent[:, 0])
-    ratios = shape[:, np.newaxis] * np.geomspace(1.0 / _RATIO_REACH, _RATIO_REACH, _RATIOS)
-    start, way = ring, np.roll(ring, -1, axis=1) - ring
-    # A line through two vertices leaves the rectangle on its side while |way × corner| stays below |way × start|.
-    distance = np.abs(way[..., 0] * start[..., 1] - way[..., 1] * start[..., 0])[:, :, np.newaxis]
-    reach_u, reach_v = (np.abs(way[..., axis])[:, :, np.newaxis] for axis in (1, 0))
-    need = reach_u + reach_v * ratios[:, np.newaxis]
-    # Vertices that coincide make no line.
-    room = np.where(need > 0.0, distance / np.where(need > 0.0, need, 1.0), np.inf)
-    half_u = np.where(flat[:, np.newaxis], 0.0, room.min(axis=1))
-    best = np.argmax(half_u * half_u * ratios, axis=1)[:, np.newaxis]
-    width = np.take_along_axis(half_u, best, axis=1)[:, 0]
-    return width, width * np.take_along_axis(ratios, best, axis=1)[:, 0]

@@ -44,8 +44,8 @@ class Poses(NamedTuple):
         """Yaw, tilt and roll in degrees, (n,) each."""
         return self.yaw_deg, self.tilt_deg, self.roll_deg
 
-    def take(self, which: NDArray[Any]) -> Poses:
-        """Some of the poses, by index or mask."""
+    def take(self, which: NDArray[Any] | slice) -> Poses:
+        """Some of the poses, by index, mask or slice."""
         lat_deg = self.lat_deg[which]
         return Poses(
             lat_deg,

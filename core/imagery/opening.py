@@ -117,6 +117,42 @@ def open_source(
     if is_file(name):
         return _open_file(name, date)
     entry = entry_of(name, key=key, tile_px=tile_px, max_zoom=max_zoom, transport=transport)
+    return open_entry(
+        entry,
+        seed=seed,
+        key=key,
+        secret=secret,
+        date=date,
+        tile_px=tile_px,
+        connections=connections,
+        transport=transport,
+        cache=cache,
+        plan_only=plan_only,
+    )
+
+
+def open_entry(
+    entry: CatalogueEntry,
+    *,
+    seed: int = 2024,
+    key: str | None = None,
+    secret: str | None = None,
+    date: str | None = None,
+    tile_px: int | None = None,
+    connections: int = 8,
+    transport: Transport | None = None,
+    cache: TileCache | None = None,
+    plan_only: bool = False,
+) -> Source:
+    """Open the source that an entry describes; see `open_source`.
+
+    Raises
+    ------
+    InvalidInput
+        The date or tile size is unknown.
+    SourceError
+        A key is needed and missing.
+    """
     chosen, key = entry.date(date), entry.key(key)
     if entry.kind == "world":
         from .world import WorldSource
@@ -127,7 +163,7 @@ def open_source(
     if entry.kind == "static-map":
         return StaticMapSource(
             key or "",
-            secret or (os.environ.get(entry.secret_env) if entry.secret_env else None),
+            secret or (os.environ.get(entry.signing_env) if entry.signing_env else None),
             scale=entry.grid(tile_px).scale,
             name=entry.name,
             title=entry.title,

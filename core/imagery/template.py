@@ -158,11 +158,16 @@ def check_address(text: str, what: str) -> None:
     # Some servers take ; between parameters, and what stands after # may have been meant for the query.
     told = f"{before.partition('?')[2]}&{after}".replace(";", "&")
     for name, value in parse_qsl(told):
-        if _KEY_NAMES.fullmatch(name) and "{key}" not in value:
+        if is_key_name(name) and "{key}" not in value:
             raise InvalidInput(
                 f"{what} for {parts.hostname}: holds a key in {name!r}, which would end up in files; "
                 f"write {name}={{key}} and set TERRAINAV_KEY"
             )
+
+
+def is_key_name(name: str) -> bool:
+    """Whether a parameter of a query goes by a name that keys go by."""
+    return _KEY_NAMES.fullmatch(name) is not None
 
 
 def _in_braces(names: Iterable[str]) -> str:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from ..errors import InvalidInput
 from ..geodesy.ellipsoid import WGS84
+from ..geodesy.mercator import wrap_lon_deg
 
 Floats = NDArray[np.float64]
 Position = tuple[float, float]
@@ -28,6 +29,12 @@ def check_agl(agl_m: float) -> None:
     """Refuse a height that is not a positive, finite number of metres."""
     if not (math.isfinite(agl_m) and agl_m > 0.0):
         raise InvalidInput(f"height above ground {agl_m} m: must be above 0")
+
+
+def check_yaw(yaw_deg: float) -> None:
+    """Refuse a yaw beyond ±360 degrees (or not a number)."""
+    if not -360.0 <= yaw_deg <= 360.0:
+        raise InvalidInput(f"yaw {yaw_deg} deg: must be from -360 to 360")
 
 
 @dataclass(frozen=True)
@@ -136,16 +143,45 @@ class Points:
     Parameters
     ----------
     poses : tuple of (latitude, longitude, height above ground), degrees and metres
+    yaws_deg : tuple of float
+        Yaw of each, -360..360; empty where all have the mission's own.
     """
 
     poses: tuple[tuple[float, float, float], ...]
+    yaws_deg: tuple[float, ...] = ()
 
     def __post_init__(self) -> None:
         if not self.poses:
             raise InvalidInput("list of points is empty: needs at least one latitude, longitude and height")
-        for lat, lon, agl in self.poses:
+        for lat, lon, agl in self.poses if not _sound(self.poses) else ():
             check_lat_lon(lat, lon)
             check_agl(agl)
+        if self.yaws_deg and len(self.yaws_deg) != len(self.poses):
+            raise InvalidInput(
+                f"{len(self.yaws_deg)} yaws of {len(self.poses)} points: give one for each, or none"
+            )
+        for yaw in self.yaws_deg:
+            check_yaw(yaw)
+
+    @property
+    def bounds(self) -> Box:
+        """The smallest box around the points: across the antimeridian where that is the shorter way."""
+        lat, lon, _ = np.array(self.poses, np.float64).reshape(-1, 3).T
+        lon = np.unique(np.where(np.abs(lon) <= 180.0, lon, wrap_lon_deg(lon)))
+        # It ends where the widest gap between neighbours begins; the first is the one across the antimeridian.
+        gaps = np.diff(lon, prepend=lon[-1] - 360.0)
+        first = int(np.argmax(gaps))
+        return Box(float(lat.max()), float(lon[first]), float(lat.min()), float(lon[first - 1]))
+
+
+def _sound(poses: tuple[tuple[float, float, float], ...]) -> bool:
+    """Whether poses are surely right, looked at all at once; where not, each is looked at by itself."""
+    values = np.array(poses) if len({len(pose) for pose in poses}) == 1 else np.empty(0)
+    if values.dtype.kind not in "fiu" or values.shape[1:] != (3,):
+        return False
+    lat, lon, agl = values.T
+    sound = (np.abs(lat) <= 90.0) & (np.abs(lon) <= 360.0) & (agl > 0.0) & np.isfinite(agl)
+    return bool(sound.all())
 
 
 def _turned(ring: tuple[Position, ...], turns: int) -> tuple[Position, ...]:

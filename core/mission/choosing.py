@@ -30,12 +30,14 @@ from .rungs import (
     picture_rungs,
     too_much,
 )
+from .turned import is_turned
 
 Floats = NDArray[np.float64]
 Disturbed = Callable[[Layout, Poses], Poses]
 
 _NO_CAMERA_FRAME = "the source gives pictures by their centre, not tiles that others can be made from"
 _WIND = "wind turns the camera"
+_TURNED = "the rows are turned from east, and the camera with them"
 
 
 def choose_methods(mission: Mission, grid: PixelGrid, disturbed: Disturbed) -> tuple[Framed, Accuracy]:
@@ -49,7 +51,9 @@ def choose_methods(mission: Mission, grid: PixelGrid, disturbed: Disturbed) -> t
     """
     camera_outside = _NO_CAMERA_FRAME if grid.centre_decimals is not None else ""
     gusty = mission.wind is not None and mission.wind.sigma_m_per_s > 0.0
-    map_outside = _WIND if gusty else accuracy.outside_flat_domain(_ends(mission))
+    map_outside = (
+        _TURNED if is_turned(mission) else _WIND if gusty else accuracy.outside_flat_domain(_ends(mission))
+    )
     turned_away: Choice | None = None
     if mission.frame != "camera":
         if not map_outside:
@@ -68,12 +72,14 @@ def choose_methods(mission: Mission, grid: PixelGrid, disturbed: Disturbed) -> t
             if mission.frame == "map" or camera_outside:
                 return _beyond_budget(mission, flown, [picture], None)
         elif mission.frame == "map":
-            raise InvalidInput(f"picture 'map' was asked for, but has no bound here: {map_outside}")
+            raise InvalidInput(f"picture 'map' was asked for, but has no bound here: {map_outside}", "frame")
         else:
             rung = Rung("picture", "map", math.inf, math.inf, map_outside)
             turned_away = Choice(rung, rung, map_outside)
     if camera_outside:
-        raise InvalidInput(f"picture as the camera sees it: {camera_outside}; choose a source of tiles")
+        raise InvalidInput(
+            f"picture as the camera sees it: {camera_outside}; choose a source of tiles", "source"
+        )
     flown = framed(mission, grid, CameraFraming(mission, grid), disturbed)
     scene = scene_of(mission, flown)
     _check_resolved(scene)
@@ -109,7 +115,8 @@ def _check_resolved(scene: Scene) -> None:
     if finest < accuracy.RESOLVED_M:
         raise InvalidInput(
             f"pixels of {finest:.2g} m on the ground: degrees in float64 resolve {accuracy.RESOLVED_M:g} m; fly "
-            "higher or widen the field of view"
+            "higher or widen the field of view",
+            "agl_m",
         )
 
 
@@ -118,6 +125,7 @@ def _ends(mission: Mission) -> Scene:
     area = mission.area
     if isinstance(area, Points):
         lat, _, agl = np.array(area.poses, np.float64).reshape(-1, 3).T
+        # The domain is the same at any yaw.
     else:
         lat = np.array([area.bounds.north_deg, area.bounds.south_deg])
         agl = np.full(2, mission.agl_m)
@@ -149,7 +157,8 @@ def _beyond_budget(
         methods = ", ".join(f"{rung.stage} {rung.name}" for rung in best)
         raise InvalidInput(
             f"error budget {budget:g} px: no methods fit; the closest are {methods} with {bound_text(total)} px, "
-            f"{bound_text(total / budget)} times as much; raise --error-budget, or go on with --accept-error"
+            f"{bound_text(total / budget)} times as much; raise --error-budget, or go on with --accept-error",
+            "error_budget_px",
         )
     picture, footprint, *rest = (Choice(rung) for rung in best)
     if turned_away is not None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +14,7 @@ from .area import Area, Box, Points, Polygon
 FEET_IN_METRES = 0.3048
 UNITS = {"m": 1.0, "ft": FEET_IN_METRES}
 KINDS = ("single", "list", "raster")
-_FORMATS = '"lat_lon_agl", "latTL_lonTL_latBR_lonBR_agl", or a text file of "lat lon agl" lines'
+_FORMATS = '"lat_lon_agl", "latTL_lonTL_latBR_lonBR_agl", or a text file of "lat lon agl [yaw]" lines'
 _SEPARATORS = re.compile(r"[_,;\s]+")
 _UNICODE_MINUS = {0x2212: "-", 0x2013: "-", 0xFE63: "-", 0xFF0D: "-"}
 #: Longer texts are no file's name.
@@ -41,7 +42,8 @@ def parse_coords(text: str, kind: str | None = None, agl_unit: str = "m") -> tup
     ----------
     text : str
         ``"lat_lon_agl"``, ``"latTL_lonTL_latBR_lonBR_agl"`` (commas or spaces do as well as underscores,
-        Unicode minus signs as hyphens), or a file of ``lat lon agl`` lines.
+        Unicode minus signs as hyphens), or a file of ``lat lon agl`` lines; those may have a fourth number, the
+        point's yaw in degrees.
     kind : str or None
         single, list or raster; None to infer it. A single mission takes a file's first row, and a box's
         top-left corner as its centre.
@@ -72,6 +74,40 @@ def parse_coords(text: str, kind: str | None = None, agl_unit: str = "m") -> tup
     return Points(((values[0], values[1], agl),)), agl
 
 
+def parse_points(lines: Iterable[str], where: str = "coordinates", agl_unit: str = "m") -> Points:
+    """Points from lines of ``lat lon agl``, or ``lat lon agl yaw``; empty lines and those that begin with # are none.
+
+    Parameters
+    ----------
+    where : str
+        What the lines are of, for messages.
+    agl_unit : str
+        m or ft.
+
+    Raises
+    ------
+    InvalidInput
+        Names the line that cannot be read; or no line holds a point.
+    """
+    poses: list[tuple[float, float, float]] = []
+    yaws: list[float] = []
+    for number, line in enumerate(lines, 1):
+        if not line.strip() or line.lstrip().startswith("#"):
+            continue
+        there = f"{where}, line {number}:"
+        pose, yaw = _pose(line, there, agl_unit)
+        if poses and bool(yaw) != bool(yaws):
+            raise InvalidInput(
+                f"{there} {line.strip()!r} has {3 + len(yaw)} numbers and the lines before {4 - len(yaw)}: give "
+                "every point its yaw, or none"
+            )
+        poses.append(pose)
+        yaws += yaw
+    if not poses:
+        raise InvalidInput(f"{where}: holds no coordinates; expected lines of lat lon agl [yaw]")
+    return Points(tuple(poses), tuple(yaws))
+
+
 def _from_file(path: Path, kind: str | None, agl_unit: str) -> tuple[Area, float]:
     if kind == "raster":
         raise InvalidInput(
@@ -81,28 +117,24 @@ def _from_file(path: Path, kind: str | None, agl_unit: str) -> tuple[Area, float
         lines = path.read_text(encoding="utf-8-sig").splitlines()
     except (OSError, UnicodeDecodeError) as wrong:
         raise InvalidInput(f"file {path}: cannot be read as text ({wrong})") from wrong
-    poses: list[tuple[float, float, float]] = []
-    for number, line in enumerate(lines, 1):
-        if not line.strip() or line.lstrip().startswith("#"):
-            continue
-        poses.append(_pose(line, f"{path}, line {number}:", agl_unit))
-        if kind == "single":
-            break
-    if not poses:
-        raise InvalidInput(f"file {path}: holds no coordinates; expected lines of lat lon agl")
-    return Points(tuple(poses)), poses[0][2]
+    if kind == "single":
+        held = (at for at, line in enumerate(lines) if line.strip() and not line.lstrip().startswith("#"))
+        lines = lines[: next(held, 0) + 1]
+    points = parse_points(lines, f"file {path}", agl_unit)
+    return points, points.poses[0][2]
 
 
-def _pose(line: str, where: str, agl_unit: str) -> tuple[float, float, float]:
+def _pose(line: str, where: str, agl_unit: str) -> tuple[tuple[float, float, float], list[float]]:
+    """Pose of a line, and its yaw where it has one."""
     values = _numbers(line, where)
-    if len(values) != 3:
-        raise InvalidInput(f"{where} {line.strip()!r} has {len(values)} numbers; expected lat lon agl")
+    if len(values) not in (3, 4):
+        raise InvalidInput(f"{where} {line.strip()!r} has {len(values)} numbers; expected lat lon agl [yaw]")
     pose = (values[0], values[1], _scaled(values[2], agl_unit))
     try:
-        Points((pose,))
+        Points((pose,), tuple(values[3:]))
     except InvalidInput as wrong:
         raise InvalidInput(f"{where} {wrong}") from wrong
-    return pose
+    return pose, values[3:]
 
 
 def load_polygon(path: str) -> Polygon:

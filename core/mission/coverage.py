@@ -65,17 +65,17 @@ class Rectangles(NamedTuple):
     y1: Floats
 
 
-def _as_rectangles(windows: Windows) -> Rectangles:
-    """Windows as rectangles, those joined that touch side by side in sequence."""
-    left, top, right, bottom = windows.bounds_px
-    joined = np.zeros(len(left), bool)
-    joined[1:] = (
+def joined(rectangles: Rectangles) -> Rectangles:
+    """Rectangles (n,), n >= 1, those made one that touch side by side in sequence."""
+    left, top, right, bottom = rectangles
+    beside = np.zeros(len(left), bool)
+    beside[1:] = (
         (top[1:] == top[:-1])
         & (bottom[1:] == bottom[:-1])
         & (left[1:] <= right[:-1])
         & (left[:-1] <= right[1:])
     )
-    first = np.flatnonzero(~joined)
+    first = np.flatnonzero(~beside)
     return Rectangles(
         np.minimum.reduceat(left, first), top[first], np.maximum.reduceat(right, first), bottom[first]
     )
@@ -112,7 +112,7 @@ def _chunks(first: Numbers, last: Numbers, strips: int) -> list[tuple[int, int]]
     return [(start, stop) for start, stop in zip(bounds, bounds[1:]) if stop > start]
 
 
-def _gaps(rectangles: Rectangles, within: tuple[float, float, float, float]) -> Rectangles:
+def gaps(rectangles: Rectangles, within: tuple[float, float, float, float]) -> Rectangles:
     """What the rectangles leave of ``within`` (x0, y0, x1, y1), as rectangles of its own."""
     west, north, east, south = within
     x0, x1 = (np.clip(x, west, east) for x in (rectangles.x0, rectangles.x1))
@@ -145,13 +145,13 @@ def coverage(area: Box | Polygon, windows: Windows, grid: PixelGrid, zoom: int) 
     lon = np.array([box.west_deg, box.continuous_east_deg])
     west, east = (lon_to_u(lon) * world).tolist()
     north, south = (lat_to_v(np.array([box.north_deg, box.south_deg])) * world).tolist()
-    gaps = _gaps(_as_rectangles(windows), (west, north, east, south))
+    missing = gaps(joined(Rectangles(*windows.bounds_px)), (west, north, east, south))
     ground = area_within_m2(
         area,
-        u_to_lon(gaps.x0 / world),
-        v_to_lat(gaps.y1 / world),
-        u_to_lon(gaps.x1 / world),
-        v_to_lat(gaps.y0 / world),
+        u_to_lon(missing.x0 / world),
+        v_to_lat(missing.y1 / world),
+        u_to_lon(missing.x1 / world),
+        v_to_lat(missing.y0 / world),
     )
     ground = ground[ground > _NO_GROUND_M2]
     return Coverage(total, float(ground.sum()), complete=not len(ground))
@@ -160,7 +160,7 @@ def coverage(area: Box | Polygon, windows: Windows, grid: PixelGrid, zoom: int) 
 def unique_tiles(windows: Windows, grid: PixelGrid, zoom: int) -> int:
     """Tiles that windows need, each counted once, without listing them."""
     size, columns = grid.tile_px, 1 << zoom
-    pixels = _as_rectangles(windows)
+    pixels = joined(Rectangles(*windows.bounds_px))
     x0, y0 = pixels.x0 // size, pixels.y0 // size
     x1, y1 = np.ceil(pixels.x1 / size), np.ceil(pixels.y1 / size)
     x1 = np.minimum(x1, x0 + columns)
@@ -185,20 +185,35 @@ def unique_tiles(windows: Windows, grid: PixelGrid, zoom: int) -> int:
 
 
 def overlap(column: Numbers, row: Numbers, windows: Windows, rows_are_level: bool) -> Overlap:
-    """Shares of width and of height that neighbouring windows have in common.
+    """Shares of width and of height that neighbouring windows have in common; parameters as of `shares`."""
+    return overlap_of(*shares(column, row, Rectangles(*windows.bounds_px), rows_are_level))
+
+
+def overlap_of(along: Floats, across: Floats) -> Overlap:
+    """Least and median of the shares of neighbours along and across rows."""
+    return Overlap(*_least_and_median(along), *_least_and_median(across))
+
+
+def shares(
+    column: Numbers, row: Numbers, rectangles: Rectangles, rows_are_level: bool
+) -> tuple[Floats, Floats]:
+    """Shares of width, along rows, and of height, across them, that neighbouring rectangles have in common.
 
     Parameters
     ----------
     column, row : array (n,)
         Grid indices in flight order.
+    rectangles : Rectangles
+        (n,).
     rows_are_level : bool
-        Whether all windows of a row have the same top and height, so that any of the next row will do;
+        Whether all rectangles of a row have the same top and height, so that any of the next row will do;
         otherwise the one of the same column is the neighbour.
     """
-    left, top, right, bottom = windows.bounds_px
+    left, top, right, bottom = rectangles
+    width, height = right - left, bottom - top
     beside = np.flatnonzero((row[1:] == row[:-1]) & (np.abs(np.diff(column)) == 1))
     shared = np.minimum(right[beside], right[beside + 1]) - np.maximum(left[beside], left[beside + 1])
-    along = shared / np.maximum(windows.width_px[beside], windows.width_px[beside + 1])
+    along = shared / np.maximum(width[beside], width[beside + 1])
 
     columns = int(column.max()) + 1
     keys = row * columns + column
@@ -210,8 +225,7 @@ def overlap(column: Numbers, row: Numbers, windows: Windows, rows_are_level: boo
     here = np.flatnonzero(level)
     below = below[here]
     shared = np.minimum(bottom[here], bottom[below]) - np.maximum(top[here], top[below])
-    across = shared / np.maximum(windows.height_px[here], windows.height_px[below])
-    return Overlap(*_least_and_median(along), *_least_and_median(across))
+    return along, shared / np.maximum(height[here], height[below])
 
 
 def _least_and_median(shares: Floats) -> tuple[float | None, float | None]:

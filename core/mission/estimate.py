@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, fields
 from typing import Any
 
@@ -61,6 +62,7 @@ class Summary:
     camera_gsd_m_per_px: float
     source_gsd_m_per_px: float
     flight_distance_m: float
+    flight_s: float
     area_m2: float | None
     uncovered_m2: float | None
     covered_share: float | None
@@ -96,6 +98,7 @@ class Summary:
                 f"camera {length_text(self.camera_gsd_m_per_px)}, source {length_text(self.source_gsd_m_per_px)}",
             ),
             ("flight distance", length_text(self.flight_distance_m)),
+            ("flight time", duration_text(self.flight_s)),
         ]
         if self.covered_share is not None and self.uncovered_m2 is not None:
             words = "complete" if self.complete else f"{area_text(self.uncovered_m2)} uncovered"
@@ -114,7 +117,7 @@ class Summary:
                 size_text(self.download_bytes) if self.download_bytes else "nothing (computed here)",
             ),
             ("files", size_text(self.output_bytes)),
-            ("time", f"about {_duration(self.seconds)}"),
+            ("time", f"about {duration_text(max(self.seconds, 1.0))}"),
             *self.accuracy.lines(),
             *(("warning", text) for text in self.warnings),
         ]
@@ -152,6 +155,7 @@ def estimate(plan: Plan, costs: Costs = ONLINE, connections: int = 8, cores: int
         camera_gsd_m_per_px=plan.camera_gsd_m_per_px,
         source_gsd_m_per_px=plan.source_gsd_m_per_px,
         flight_distance_m=plan.flight_distance_m,
+        flight_s=plan.flight_s,
         area_m2=None if coverage is None else coverage.area_m2,
         uncovered_m2=None if coverage is None else coverage.uncovered_m2,
         covered_share=None if coverage is None else coverage.share,
@@ -231,7 +235,8 @@ def size_text(count: float) -> str:
     return f"{count:.0f} bytes"
 
 
-def _duration(seconds: float) -> str:
+def duration_text(seconds: float) -> str:
+    """Duration in the unit that suits it."""
     if seconds < 90:
-        return f"{max(round(seconds), 1)} s"
+        return f"{math.ceil(seconds - 0.5)} s"
     return f"{seconds / 60:.0f} min" if seconds < 5400 else f"{seconds / 3600:.1f} h"

@@ -15,17 +15,23 @@ from ..geodesy.accuracy import Scene
 from ..geodesy.ellipsoid import WGS84, Ellipsoid
 from ..geodesy.frames import FrameEdges, Windows, map_frame_edges, windows_of
 from ..geodesy.inscribed import inscribed_edges
-from ..geodesy.mercator import MAX_LAT_DEG, PixelGrid, fitting_zoom
+from ..geodesy.mercator import MAX_LAT_DEG, PixelGrid, fitting_zoom, lat_to_v
 from ..geodesy.poses import Poses
 from ..geodesy.view import fitting_detail
 from .area import Points
 from .layout import Layout, lay_out
 from .mission import Mission
+from .turned import Pass, is_turned, lay_out_turned
 
 Floats = NDArray[np.float64]
 
 #: Ratio down to which a wanted distance counts as the source's own, which are people's figures of three digits.
 _SAME_SIZE = 0.995
+#: Share of a half frame by which those of turned rows may be smaller so that many share theirs, and what turning and
+#: stretching a frame may move it by beyond their first order.
+_NARROWED, _BEYOND_FIRST_ORDER = 1e-3, 1.1
+#: World fraction that stands for frames without extent: far below a pixel.
+_SMALLEST = 1e-12
 #: Longest side of a camera frame, px: a picture of it takes 1.2 GB.
 _LONGEST_CAMERA_FRAME_PX = 20_000
 
@@ -34,6 +40,7 @@ class Framed(NamedTuple):
     """Captures with the windows of their pictures.
 
     ``size_px`` is the width and height of camera frames, and None for map frames, whose windows are the pictures.
+    ``passes`` are those of turned or crossed rows.
     """
 
     layout: Layout
@@ -41,6 +48,7 @@ class Framed(NamedTuple):
     zoom: int
     windows: Windows
     size_px: tuple[int, int] | None
+    passes: tuple[Pass, ...] = ()
 
 
 class Framing(Protocol):
@@ -82,13 +90,19 @@ def framed(
 
     def laid_out(pixel: float) -> Layout:
         def frames(lat_deg: Floats) -> FrameEdges:
-            return framing.edges(_posed(mission, lat_deg, np.zeros_like(lat_deg), mission.agl_m), pixel)
+            attitude = (mission.yaw_deg, mission.tilt_deg, mission.roll_deg)
+            height = np.broadcast_to(np.float64(mission.agl_m), lat_deg.shape)
+            return framing.edges(Poses.turned(lat_deg, np.zeros_like(lat_deg), height, *attitude), pixel)
 
         return lay_out(mission, frames, pixel)
 
-    layout = laid_out(0.0)
+    passes: tuple[Pass, ...] = ()
+    if is_turned(mission):
+        layout, passes = lay_out_turned(mission, ground_of(mission))
+    else:
+        layout = laid_out(0.0)
     zoom = framing.zoom(layout)
-    if not isinstance(mission.area, Points):
+    if not passes and not isinstance(mission.area, Points):
         # Outer frames need room for their rounding, a share of a pixel; that may, at the border of two zooms,
         # take the lower one, whose pixels are larger.
         layout = laid_out(1.0 / grid.world_px(zoom))
@@ -96,16 +110,58 @@ def framed(
         if lower != zoom:
             zoom = min(zoom, lower)
             layout = laid_out(1.0 / grid.world_px(zoom))
-    poses = disturbed(layout, _posed(mission, layout.lat_deg, layout.lon_deg, layout.agl_m))
-    first, run = poses.runs()
-    edges = framing.edges(poses.take(first), 1.0 / grid.world_px(zoom))
+    poses = disturbed(layout, nominal_poses(mission, layout))
+    pixel = 1.0 / grid.world_px(zoom)
+    if passes and mission.wind is None:
+        edges, run = _rounded_edges(framing, poses, pixel), np.arange(len(poses.lat_deg))
+    else:
+        first, run = poses.runs()
+        edges = framing.edges(poses.take(first), pixel)
     windows = windows_of(edges, run, poses.lon_deg, grid, zoom)
-    return Framed(layout, poses, zoom, windows, framing.size_px(layout))
+    return Framed(layout, poses, zoom, windows, framing.size_px(layout), passes)
 
 
-def _posed(mission: Mission, lat_deg: Floats, lon_deg: Floats, agl_m: Floats | float) -> Poses:
-    height = np.broadcast_to(np.asarray(agl_m, np.float64), lat_deg.shape)
-    return Poses.turned(lat_deg, lon_deg, height, mission.yaw_deg, mission.tilt_deg, mission.roll_deg)
+def _rounded_edges(framing: Framing, poses: Poses, pixel: float) -> FrameEdges:
+    """Edges of frames of turned rows, (n,): poses whose latitude and yaw are nearly the same share theirs.
+
+    A frame no point of which is farther than r from the camera lies in the image of one that is turned by an angle, or
+    stretched by a share, where it is smaller by r times that angle or share on every side.
+    """
+
+    def far_and_near(edges: FrameEdges, lat_deg: Floats) -> tuple[Floats, Floats]:
+        v = lat_to_v(lat_deg)
+        across = np.maximum(np.abs(edges.west_u), np.abs(edges.east_u))
+        down = np.maximum(np.abs(edges.top_v - v), np.abs(edges.bottom_v - v))
+        return np.hypot(across, down), np.minimum(*edges.size) / 2.0
+
+    (far,), (near,) = far_and_near(framing.edges(poses.take(slice(0, 1)), pixel), poses.lat_deg[:1])
+    turn_deg = math.degrees(2.0 * _NARROWED * max(float(near), _SMALLEST) / max(float(far), _SMALLEST))
+    step_deg = turn_deg / (1.0 + math.tan(math.radians(float(np.abs(poses.lat_deg).max()))))
+    lat, yaw = np.rint(poses.lat_deg / step_deg), np.rint(poses.yaw_deg / turn_deg)
+    cells, cell = np.unique(lat + 1j * yaw, return_inverse=True)
+    same = poses.take(np.zeros(len(cells), np.intp))
+    shared = same._replace(lat_deg=cells.real * step_deg, yaw_deg=cells.imag * turn_deg)
+    west, east, top, bottom = edges = framing.edges(shared, pixel)
+    far, _ = far_and_near(edges, shared.lat_deg)
+    # Half a step of latitude stretches, and half a step of yaw turns.
+    room = far * math.radians(turn_deg) * _BEYOND_FIRST_ORDER
+    across, down = (np.minimum(room, size / 2.0) for size in edges.size)
+    moved = lat_to_v(poses.lat_deg) - lat_to_v(shared.lat_deg)[cell]
+    return FrameEdges(
+        (west + across)[cell],
+        (east - across)[cell],
+        (top + down)[cell] + moved,
+        (bottom - down)[cell] + moved,
+    )
+
+
+def nominal_poses(mission: Mission, layout: Layout) -> Poses:
+    """Poses of captures as they are meant to be."""
+    tilt, roll = (
+        np.broadcast_to(np.float64(angle), layout.lat_deg.shape)
+        for angle in (mission.tilt_deg, mission.roll_deg)
+    )
+    return Poses(layout.lat_deg, layout.lon_deg, layout.agl_m, layout.yaw_deg, tilt, roll)
 
 
 def _limit_px(mission: Mission, grid: PixelGrid) -> int:
@@ -124,11 +180,12 @@ def sampled_zooms(mission: Mission, grid: PixelGrid) -> tuple[int, int]:
 
 def _checked_zoom(zoom: int, mission: Mission, grid: PixelGrid) -> int:
     if not grid.min_zoom <= zoom <= grid.max_zoom:
-        raise InvalidInput(f"zoom {zoom}: the source has {grid.min_zoom} to {grid.max_zoom}")
+        raise InvalidInput(f"zoom {zoom}: the source has {grid.min_zoom} to {grid.max_zoom}", "zoom")
     if zoom > _highest(mission, grid):
         raise InvalidInput(
             f"zoom {zoom}: the source's own pixels end at zoom {grid.native_zoom}; ask for that, or allow enlarged "
-            "pixels (--upsample)"
+            "pixels (--upsample)",
+            "zoom",
         )
     return zoom
 
@@ -176,7 +233,8 @@ class MapFraming:
         if not fits(zoom):
             raise InvalidInput(
                 f"pictures from {mission.agl_m:g} m are larger than {limit} px at zoom {zoom}, the source's lowest; "
-                "fly lower or allow larger pictures (--max-px)"
+                "fly lower or allow larger pictures (--max-px)",
+                "max_px",
             )
         return zoom
 
@@ -212,7 +270,8 @@ class CameraFraming:
         if min(size) < 1:
             raise InvalidInput(
                 f"picture of {width:.3g} x {width / aspect:.3g} px: under one pixel; choose a less extreme aspect "
-                "ratio, a higher zoom or larger pictures (--max-px)"
+                "ratio, a higher zoom or larger pictures (--max-px)",
+                "max_px",
             )
         if max(size) > _LONGEST_CAMERA_FRAME_PX:
             raise InvalidInput(
@@ -245,7 +304,8 @@ def _zoom_for_gsd(gsd_m_per_px: float, grid: PixelGrid, lat_deg: Floats, highest
 def _too_fine(gsd_m_per_px: float, finest_m: float) -> InvalidInput:
     return InvalidInput(
         f"ground sample distance {gsd_m_per_px} m: the source's own pixels are {finest_m:.3g} m here; ask for that or "
-        "more, or allow enlarged pixels (--upsample)"
+        "more, or allow enlarged pixels (--upsample)",
+        "gsd_m_per_px",
     )
 
 
@@ -272,7 +332,8 @@ def check_windows(framed: Framed, grid: PixelGrid) -> None:
         at = int(np.flatnonzero(small)[0])
         raise InvalidInput(
             f"picture from {float(poses.agl_m[at]):g} m at zoom {zoom}: under one pixel; fly higher or "
-            "choose a higher zoom"
+            "choose a higher zoom",
+            "agl_m",
         )
     if grid.max_size_px is not None and max(windows.width_px.max(), windows.height_px.max()) > (
         grid.max_size_px * grid.scale

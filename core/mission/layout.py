@@ -15,7 +15,7 @@ from ..geodesy.frames import FrameEdges
 from ..geodesy.mercator import MAX_LAT_DEG, lat_to_v, lon_to_u, u_to_lon, v_to_lat
 from ..geodesy.utm import utm_zone
 from .area import Box, Points, Polygon
-from .mission import Mission
+from .mission import ONE_WAY, Mission
 from .shape import row_spans, touching
 
 Floats = NDArray[np.float64]
@@ -46,9 +46,10 @@ _UTM_REACH_DEG = 30.0
 
 
 class Layout(NamedTuple):
-    """Captures in flight order: rows from north to south, flown alternately eastward and westward.
+    """Captures in flight order: rows from north to south, flown to and fro or each from its first column.
 
-    Arrays (n,): grid indices, poses in degrees and metres. Longitudes are continuous along a mission.
+    Arrays (n,): grid indices, poses in degrees and metres. Longitudes are continuous along a mission. Yaws that are
+    all the same take no memory.
     """
 
     column: Numbers
@@ -56,6 +57,7 @@ class Layout(NamedTuple):
     lat_deg: Floats
     lon_deg: Floats
     agl_m: Floats
+    yaw_deg: Floats
 
 
 def lay_out(mission: Mission, frames: Frames, pixel: float) -> Layout:
@@ -79,14 +81,15 @@ def lay_out(mission: Mission, frames: Frames, pixel: float) -> Layout:
     """
     area = mission.area
     if isinstance(area, Points):
-        return _points(area, mission.max_images)
-    _refuse_beyond_mercator(area.bounds)
+        return _points(mission, area)
+    refuse_beyond_mercator(area.bounds)
     if mission.layout == "paper":
         return _paper(mission, area, frames)
     return _cover(mission, area, frames, pixel)
 
 
-def _refuse_beyond_mercator(box: Box) -> None:
+def refuse_beyond_mercator(box: Box) -> None:
+    """Refuse areas that reach beyond Web Mercator's latitudes."""
     for lat in (box.north_deg, box.south_deg):
         if abs(lat) > MAX_LAT_DEG:
             raise InvalidInput(
@@ -94,19 +97,29 @@ def _refuse_beyond_mercator(box: Box) -> None:
             )
 
 
-def _refuse_too_many(count: float, limit: int) -> None:
+def refuse_too_many(count: float, limit: int) -> None:
+    """Refuse more images than a mission may have."""
     if count > limit:
         raise InvalidInput(
             f"mission of {count:.0f} images: the limit is {limit}; fly higher, draw a smaller area, or raise it "
-            "(--max-images)"
+            "(--max-images)",
+            "max_images",
         )
 
 
-def _points(area: Points, limit: int) -> Layout:
-    _refuse_too_many(len(area.poses), limit)
+def _points(mission: Mission, area: Points) -> Layout:
+    refuse_too_many(len(area.poses), mission.max_images)
     lat, lon, agl = np.array(area.poses, np.float64).reshape(-1, 3).T
     index = np.arange(len(lat), dtype=np.int64)
-    return Layout(index, np.zeros_like(index), lat, lon, agl)
+    yaws = point_yaws_deg(mission, area)
+    return Layout(index, np.zeros_like(index), lat, lon, agl, yaws)
+
+
+def point_yaws_deg(mission: Mission, area: Points) -> Floats:
+    """Yaw of each point, (n,): its own, or the mission's."""
+    if area.yaws_deg:
+        return np.array(area.yaws_deg, np.float64)
+    return np.broadcast_to(np.float64(mission.yaw_deg), (len(area.poses),))
 
 
 # --- rows along parallels
@@ -122,19 +135,25 @@ def _cover(mission: Mission, area: Box | Polygon, frames: Frames, pixel: float) 
 
     width, _ = edges.size
     step = width * (1.0 - mission.overlap_along) - _MEETING_PX * pixel
-    _refuse_no_step(step, mission.overlap_along)
+    refuse_no_step(step, mission.overlap_along)
     west_u, east_u = lon_to_u(spans[:, 0]), lon_to_u(spans[:, 1])
     need = (east_u - west_u) + 2.0 * rounding
     counts = np.maximum(np.ceil((need - width) / step), 0.0) + 1.0
-    _refuse_too_many(float(counts.sum()), mission.max_images)
+    refuse_too_many(float(counts.sum()), mission.max_images)
     per_row = counts.astype(np.int64)
     row = np.repeat(np.arange(len(per_row), dtype=np.int64), per_row)
     column = np.arange(len(row), dtype=np.int64) - np.repeat(np.cumsum(per_row) - per_row, per_row)
     middle = (west_u + east_u - edges.west_u - edges.east_u) / 2.0
     u = middle[row] + (column - (per_row[row] - 1) / 2.0) * step[row]
     lat = v_to_lat(rows_v)
-    layout = Layout(column, row, lat[row], u_to_lon(u), np.full(len(row), mission.agl_m))
-    return _serpentine(_over(area, layout, FrameEdges(*(edge[row] for edge in edges)), rounding))
+    layout = _level(mission, column, row, lat[row], u_to_lon(u))
+    return in_order(_over(area, layout, FrameEdges(*(edge[row] for edge in edges)), rounding), mission.order)
+
+
+def _level(mission: Mission, column: Numbers, row: Numbers, lat_deg: Floats, lon_deg: Floats) -> Layout:
+    """Captures of one height and yaw, those of the mission."""
+    agl, yaw = (np.broadcast_to(np.float64(value), row.shape) for value in (mission.agl_m, mission.yaw_deg))
+    return Layout(column, row, lat_deg, lon_deg, agl, yaw)
 
 
 def _over(area: Box | Polygon, layout: Layout, edges: FrameEdges, rounding: float) -> Layout:
@@ -148,12 +167,14 @@ def _over(area: Box | Polygon, layout: Layout, edges: FrameEdges, rounding: floa
     return _picked(layout, keep)
 
 
-def _refuse_no_step(step: Floats, overlap: float) -> None:
+def refuse_no_step(step: Floats, overlap: float) -> None:
+    """Refuse steps from capture to capture, or from row to row, that do not go on."""
     if not (step > 0.0).all():
         if overlap == 0.0:
             raise InvalidInput(
                 "images without a thousandth of a pixel of ground to count on: the camera looks past the map or the "
-                "Earth; tilt it less or fly lower"
+                "Earth; tilt it less or fly lower",
+                "tilt_deg",
             )
         raise InvalidInput(
             f"overlap {overlap}: leaves under a thousandth of a pixel between captures; overlap less"
@@ -166,7 +187,7 @@ def _row_centres(mission: Mission, box: Box, frames: Frames, pixel: float) -> tu
     centres, edges = rows.settle(rows.first_top, rows.most())
     count = int(np.searchsorted(edges.bottom_v, rows.last_bottom)) + 1
     if count > len(centres):
-        raise InvalidInput(f"rows from {mission.agl_m:g} m cannot be placed in this area; fly lower")
+        raise InvalidInput(f"rows from {mission.agl_m:g} m cannot be placed in this area; fly lower", "agl_m")
     spare = float(edges.bottom_v[count - 1]) - rows.last_bottom
     shift = rows.centring_shift(count, spare)
     placed, edges = rows.lean(rows.settle(rows.first_top - shift, count)[0])
@@ -210,7 +231,8 @@ class _Rows:
         if not sees.any():
             raise InvalidInput(
                 f"camera at {self._mission.agl_m:g} m, tilted so: from nowhere on the map does it see this area; tilt "
-                "it less or fly lower"
+                "it less or fly lower",
+                "tilt_deg",
             )
         places = tried[sees]
         highest, lowest = (
@@ -254,7 +276,7 @@ class _Rows:
         shared = self._mission.overlap_across * np.maximum(height[1:], height[:-1])
         below, above = (edges.bottom_v - centres)[:-1], (centres - edges.top_v)[1:]
         steps: Floats = below + above - shared - self._meeting
-        _refuse_no_step(steps, self._mission.overlap_across)
+        refuse_no_step(steps, self._mission.overlap_across)
         return steps
 
     def most(self) -> int:
@@ -263,9 +285,9 @@ class _Rows:
         half = (self._south - self._north) / 2.0
         edges = self._edges(self._north + half * (1.0 + nodes))
         step = (edges.bottom_v - edges.top_v) * (1.0 - self._mission.overlap_across) - self._meeting
-        _refuse_no_step(step, self._mission.overlap_across)
+        refuse_no_step(step, self._mission.overlap_across)
         count = half * float(np.sum(weights / step))
-        _refuse_too_many(math.floor(count * (1.0 - _COUNT_SHARE)), self._mission.max_images)
+        refuse_too_many(math.floor(count * (1.0 - _COUNT_SHARE)), self._mission.max_images)
         return math.ceil(count * (1.0 + _COUNT_SHARE)) + _COUNT_MORE
 
     def settle(self, top: float, count: int) -> tuple[Floats, FrameEdges]:
@@ -321,14 +343,20 @@ class _Rows:
 
 
 def _picked(layout: Layout, which: NDArray[Any]) -> Layout:
-    column, row, lat_deg, lon_deg, agl_m = layout
-    return Layout(column[which], row[which], lat_deg[which], lon_deg[which], agl_m[which])
+    column, row, *poses = layout
+    column = column[which]
+    # What is the same for all takes no memory.
+    kept = (
+        values[which] if any(values.strides) else np.broadcast_to(values[:1], column.shape)
+        for values in poses
+    )
+    return Layout(column, row[which], *kept)
 
 
-def _serpentine(layout: Layout) -> Layout:
-    """Rows in turn eastward and westward."""
-    order = np.lexsort((np.where(layout.row % 2, -layout.column, layout.column), layout.row))
-    return _picked(layout, order)
+def in_order(layout: Layout, order: str) -> Layout:
+    """Rows one after the other: to and fro, or each from its first column."""
+    column = layout.column if order == ONE_WAY else np.where(layout.row % 2, -layout.column, layout.column)
+    return _picked(layout, np.lexsort((column, layout.row)))
 
 
 # --- the paper's grid
@@ -345,7 +373,8 @@ def _paper(mission: Mission, area: Box | Polygon, frames: Frames) -> Layout:
     if reach > _UTM_REACH_DEG:
         raise InvalidInput(
             f"paper layout over {box.span_deg:g} deg of longitude: its UTM grid holds to {_UTM_REACH_DEG:g} deg from "
-            "the zone's meridian; use --layout cover"
+            "the zone's meridian; use --layout cover",
+            "layout",
         )
     (left, right), (top, bottom) = zone.forward(
         np.array([box.west_deg, box.continuous_east_deg]) - turn, np.array([box.north_deg, box.south_deg])
@@ -354,12 +383,12 @@ def _paper(mission: Mission, area: Box | Polygon, frames: Frames) -> Layout:
     step_x, step_y = width * (1.0 - mission.overlap_along), height * (1.0 - mission.overlap_across)
     columns = _paper_count(float(right - left), width, step_x)
     rows = _paper_count(float(top - bottom), height, step_y)
-    _refuse_too_many(columns * rows, mission.max_images)
+    refuse_too_many(columns * rows, mission.max_images)
     row, column = (index.ravel() for index in np.indices((int(rows), int(columns)), dtype=np.int64))
     lon, lat = zone.inverse(left + column * step_x, top - row * step_y)
     lon = zone.central_meridian_deg + np.mod(lon - zone.central_meridian_deg + 180.0, 360.0) - 180.0 + turn
-    layout = Layout(column, row, lat, lon, np.full(len(lat), mission.agl_m))
-    return _serpentine(layout if isinstance(area, Box) else _over(area, layout, frames(lat), 0.0))
+    layout = _level(mission, column, row, lat, lon)
+    return in_order(layout if isinstance(area, Box) else _over(area, layout, frames(lat), 0.0), mission.order)
 
 
 def _paper_count(extent_m: float, size_m: float, step_m: float) -> float:

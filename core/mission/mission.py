@@ -5,7 +5,9 @@ from __future__ import annotations
 import json
 import math
 import os
+import re
 from dataclasses import asdict, dataclass, field, fields, replace
+from datetime import datetime, timezone
 from pathlib import Path
 from typing import Any
 
@@ -14,12 +16,14 @@ from ..files import write_whole
 from ..geodesy.camera import Camera
 from .area import Area, Box, Points, Polygon, check_agl
 from .rungs import AUTO, FOOTPRINTS, FRAMES, MESHES
-from .wind import Wind
+from .wind import Wind, check_airspeed
 
 #: Version of the mission file; readers accept this one and refuse newer ones.
 SCHEMA = 1
 MAP_TYPES = ("satellite", "roadmap", "terrain")
 LAYOUTS = ("cover", "paper")
+#: Whether rows are flown to and fro, or each from its beginning.
+SERPENTINE, ONE_WAY = ORDERS = ("serpentine", "one-way")
 FORMATS = ("tif", "jpg", "png")
 #: How a camera frame takes its pixels from the source's.
 RESAMPLINGS = ("nearest", "bilinear", "bicubic", "lanczos")
@@ -28,6 +32,9 @@ DEFAULT_BUDGET_PX = 0.1
 #: The paper's and Google Static Maps' longest side of a picture.
 DEFAULT_MAX_PX = 640
 DEFAULT_MAX_IMAGES = 10_000_000
+DEFAULT_AIRSPEED_M_PER_S = 15.0
+#: The flight's clock starts here where nothing else is said.
+DEFAULT_START = "2000-01-01T00:00:00Z"
 #: Ground lies between these, metres: the shore of the Dead Sea and Everest, with room for geoid and lakes' beds.
 LOWEST_GROUND_M, HIGHEST_GROUND_M = 12_000.0, 9_000.0
 
@@ -35,8 +42,29 @@ LOWEST_GROUND_M, HIGHEST_GROUND_M = 12_000.0, 9_000.0
 #: Fields that are real numbers.
 _REAL = (
     *("agl_m", "overlap_along", "overlap_across", "gsd_m_per_px", "error_budget_px"),
-    *("yaw_deg", "tilt_deg", "roll_deg", "ground_height_m"),
+    *("yaw_deg", "tilt_deg", "roll_deg", "ground_height_m", "grid_angle_deg", "airspeed_m_per_s"),
 )
+
+
+#: UTC as ISO 8601 writes it: to the second, or with up to six decimals of one.
+_UTC = re.compile(r"[0-9]{4}-[0-9]{2}-[0-9]{2}T[0-9]{2}:[0-9]{2}:[0-9]{2}(\.[0-9]{1,6})?Z")
+
+
+def utc_time(text: str) -> datetime:
+    """Time of an ISO 8601 text in UTC, such as 2024-06-21T10:30:00Z; with the time zone UTC.
+
+    Raises
+    ------
+    InvalidInput
+        Another form, or a day or an hour that is not.
+    """
+    if _UTC.fullmatch(text):
+        form = "%Y-%m-%dT%H:%M:%S.%fZ" if "." in text else "%Y-%m-%dT%H:%M:%SZ"
+        try:
+            return datetime.strptime(text, form).replace(tzinfo=timezone.utc)
+        except ValueError as wrong:
+            raise InvalidInput(f"start {text!r}: no such time ({wrong})", "start") from wrong
+    raise InvalidInput(f"start {text!r}: must be UTC as 2024-06-21T10:30:00Z", "start")
 
 
 def _choice(what: str, value: str, choices: tuple[str, ...]) -> None:
@@ -58,7 +86,14 @@ class Mission:
     overlap_along, overlap_across : float
         Share of a picture that the next one of its row, and of the next row, shows again, in [0, 1).
     layout : str
-        ``cover`` (rows along parallels that leave nothing out) or ``paper`` (a UTM grid as published).
+        ``cover`` (rows that leave nothing out) or ``paper`` (a UTM grid as published).
+    grid_angle_deg : float
+        By which an area's rows are turned clockwise from east, -180..180; the pictures turn with them. Points have no
+        rows.
+    crosshatch : bool
+        Whether an area is flown a second time, in rows across the first ones, the pictures turned with them.
+    order : str
+        ``serpentine`` (rows to and fro) or ``one-way`` (each from its beginning).
     map_types : tuple of str
         Of satellite, roadmap, terrain.
     source : str
@@ -80,7 +115,8 @@ class Mission:
     max_images : int
         More pictures than this are refused before memory is taken.
     yaw_deg, tilt_deg, roll_deg : float
-        Attitude of every capture, as in `Camera.rays_enu`; tilt 0 looks straight down.
+        Attitude of every capture, as in `Camera.rays_enu`; tilt 0 looks straight down. The yaw counts from the rows'
+        own north where those are turned, and gives way to the points' own yaws.
     ground_height_m : float
         Height of the ground over the WGS84 ellipsoid.
     error_budget_px : float
@@ -95,6 +131,10 @@ class Mission:
         What moves the captures off their places; None for still air, which costs nothing.
     date : str
         Of the imagery, as the source writes it; empty for the source's default.
+    airspeed_m_per_s : float
+        Flight speed through the air, 0.1..340 m/s.
+    start : str
+        Time of the first exposure, ISO 8601 in UTC.
     """
 
     area: Area
@@ -125,6 +165,11 @@ class Mission:
     resampling: str = "bilinear"
     wind: Wind | None = None
     date: str = ""
+    grid_angle_deg: float = 0.0
+    crosshatch: bool = False
+    order: str = SERPENTINE
+    airspeed_m_per_s: float = DEFAULT_AIRSPEED_M_PER_S
+    start: str = DEFAULT_START
 
     def __post_init__(self) -> None:
         check_agl(self.agl_m)
@@ -132,6 +177,7 @@ class Mission:
             if not 0.0 <= getattr(self, name) < 1.0:
                 raise InvalidInput(f"overlap {getattr(self, name)}: must be at least 0 and below 1")
         _choice("layout", self.layout, LAYOUTS)
+        _choice("order of flight", self.order, ORDERS)
         _choice("image format", self.image_format, FORMATS)
         if not self.map_types:
             raise InvalidInput(f"no map type: give one or more of {', '.join(MAP_TYPES)}")
@@ -147,10 +193,21 @@ class Mission:
             )
         self._check_pixels()
         self._check_accuracy()
+        self._check_flight()
         for name in _REAL:
             # A whole number and its float are the same mission, and the same text.
             if isinstance(getattr(self, name), int):
                 object.__setattr__(self, name, float(getattr(self, name)))
+
+    def _check_flight(self) -> None:
+        if not -180.0 <= self.grid_angle_deg <= 180.0:
+            raise InvalidInput(
+                f"grid angle {self.grid_angle_deg} deg: must be from -180 to 180", "grid_angle_deg"
+            )
+        check_airspeed(self.airspeed_m_per_s)
+        if self.wind is not None:
+            self.wind.flown_at(self.airspeed_m_per_s)
+        utc_time(self.start)
 
     def _check_accuracy(self) -> None:
         for name, limit in (("yaw", 360.0), ("tilt", 180.0), ("roll", 180.0)):
@@ -309,6 +366,11 @@ _JSON_TYPES: dict[str, tuple[Any, str]] = {
     "mesh": _TEXT,
     "resampling": _TEXT,
     "wind": ((dict,), "an object"),
+    "grid_angle_deg": _NUMBER,
+    "crosshatch": (bool, "true or false"),
+    "order": _TEXT,
+    "airspeed_m_per_s": _NUMBER,
+    "start": _TEXT,
 }
 
 
@@ -319,5 +381,5 @@ def _area_from_dict(area: dict[str, Any]) -> Area:
     if kind == "polygon":
         return Polygon(tuple(tuple((p[0], p[1]) for p in ring) for ring in area["rings"]))
     if kind == "points":
-        return Points(tuple((p[0], p[1], p[2]) for p in area["poses"]))
+        return Points(tuple((p[0], p[1], p[2]) for p in area["poses"]), tuple(area.get("yaws_deg", ())))
     raise InvalidInput(f"area type {kind!r}: must be box, polygon or points")

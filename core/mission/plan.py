@@ -9,24 +9,24 @@ from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
-from pyproj import Geod
 
 from ..errors import InvalidInput
 from ..geodesy.accuracy import Scene
-from ..geodesy.ellipsoid import WGS84
 from ..geodesy.footprint import Corners, ground_corners
 from ..geodesy.frames import Windows, window_centres
 from ..geodesy.horizon import Outline, outline, poles_seen
-from ..geodesy.mercator import MAX_LAT_DEG, PixelGrid, lat_to_v, wrap_lon_deg
+from ..geodesy.mercator import MAX_LAT_DEG, PixelGrid, lat_to_v
 from ..geodesy.poses import Poses
 from ..geodesy.view import View, view
 from .area import Points
 from .choosing import choose_methods
-from .coverage import Coverage, Overlap, coverage, overlap, unique_tiles
-from .framing import check_windows, ground_of, sampled_zooms
+from .coverage import Coverage, Overlap, Rectangles, coverage, overlap, unique_tiles
+from .flight import Legs, intervals_s, legs
+from .framing import check_windows, ground_of, nominal_poses, sampled_zooms
 from .layout import Layout
 from .mission import Mission
 from .rungs import Accuracy
+from .turned import Pass, turned_coverage, turned_overlap, turned_rectangles
 from .wind import fly
 
 Floats = NDArray[np.float64]
@@ -38,6 +38,8 @@ Kept = TypeVar("Kept")
 _KEPT = 16
 #: Views from which tiles are counted, at most: a plan of more distinct ones moves some of them to where the others are.
 _VIEWS_COUNTED = 500
+#: The same of turned rows in still air, whose views differ by the plane's convergence and by latitude alone.
+_TURNED_VIEWS_COUNTED = 60
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,6 +68,8 @@ class Plan:
         The methods that were chosen, and their bounds.
     nominal : Poses or None
         As they were meant to be, where wind has moved them.
+    passes : tuple of Pass
+        Of turned or crossed rows; empty for rows along parallels and for points.
 
     Everything else is worked out when first asked for, and kept.
     """
@@ -81,6 +85,7 @@ class Plan:
     size_px: tuple[int, int] | None
     accuracy: Accuracy
     nominal: Poses | None = None
+    passes: tuple[Pass, ...] = ()
 
     def __len__(self) -> int:
         return len(self.column)
@@ -195,9 +200,11 @@ class Plan:
 
     @cached_property
     def coverage(self) -> Coverage | None:
-        """What the windows show of the area; None for points."""
+        """What the windows show of the area, or of turned rows the rectangles turned with them; None for points."""
         if isinstance(self.mission.area, Points):
             return None
+        if self.passes:
+            return turned_coverage(self.mission, self.passes, self._rectangles)
         return coverage(self.mission.area, self.windows, self.grid, self.zoom)
 
     @cached_property
@@ -205,7 +212,20 @@ class Plan:
         """What neighbouring pictures really share; all None for points."""
         if isinstance(self.mission.area, Points):
             return Overlap(None, None, None, None)
+        if self.passes:
+            return turned_overlap(self.column, self.row, self.passes, self._rectangles)
         return overlap(self.column, self.row, self.windows, rows_are_level=self.mission.layout == "cover")
+
+    @property
+    def _rectangles(self) -> tuple[Rectangles, ...]:
+        """What the images of each pass show, in its plane."""
+        ends = [*(part.first for part in self.passes[1:]), len(self)]
+        mission, moved = self.mission, self.nominal is not None
+        slices = [slice(part.first, end) for part, end in zip(self.passes, ends)]
+        return tuple(
+            turned_rectangles(mission, part, self.poses.take(at), self.row[at], ground_of(mission), own=moved)
+            for part, at in zip(self.passes, slices)
+        )
 
     @cached_property
     def requests(self) -> int:
@@ -223,11 +243,11 @@ class Plan:
         view of its own, and there are more than a few hundred.
         """
         first, _ = self._runs
-        starts = (
-            first
-            if len(first) <= _VIEWS_COUNTED
-            else np.arange(0, len(self), -(-len(self) // _VIEWS_COUNTED))
-        )
+        most = _TURNED_VIEWS_COUNTED if self.passes and self.mission.wind is None else _VIEWS_COUNTED
+        starts = first
+        if len(first) > most:
+            starts = np.arange(0, len(self), -(-len(self) // most))
+            starts = np.union1d(starts, [part.first for part in self.passes]).astype(np.intp)
         v = lat_to_v(self.lat_deg)
         seen: NDArray[np.int64] = np.empty(0, np.int64)
         for start, end in zip(starts.tolist(), np.append(starts[1:], len(self)).tolist()):
@@ -238,7 +258,31 @@ class Plan:
     @cached_property
     def flight_distance_m(self) -> float:
         """Geodesic length of the way from the first capture to the last, without climbs."""
-        return float(np.sum(_legs(self.lat_deg, self.lon_deg)[1]))
+        way = self._legs if self.nominal is None else legs(self.lat_deg, self.lon_deg)
+        return float(np.sum(way.distance_m))
+
+    @cached_property
+    def _legs(self) -> Legs:
+        """Legs as they were meant to be."""
+        meant = self.poses if self.nominal is None else self.nominal
+        return legs(meant.lat_deg, meant.lon_deg)
+
+    @cached_property
+    def times_s(self) -> Floats:
+        """Seconds of each exposure after the first one, (n,), along the flight as it was meant to be.
+
+        `flight.intervals_s` says what is counted: legs at the ground speed, climbs at the airspeed, no turns.
+        """
+        mission = self.mission
+        agl = self.agl_m if self.nominal is None else self.nominal.agl_m
+        times = np.zeros(len(self))
+        np.cumsum(intervals_s(self._legs, agl, mission.airspeed_m_per_s, mission.wind), out=times[1:])
+        return times
+
+    @property
+    def flight_s(self) -> float:
+        """Seconds from the first exposure to the last."""
+        return float(self.times_s[-1])
 
     @property
     def rows(self) -> int:
@@ -278,9 +322,7 @@ def plan(mission: Mission, grid: PixelGrid) -> Plan:
     corners = ground_corners(mission.camera, flown.poses, ground, chosen.footprint.rung.name)
     nominal = None
     if mission.wind is not None:
-        nominal = Poses.turned(
-            layout.lat_deg, layout.lon_deg, layout.agl_m, mission.yaw_deg, mission.tilt_deg, mission.roll_deg
-        )
+        nominal = nominal_poses(mission, layout)
     return Plan(
         mission=mission,
         grid=grid,
@@ -293,6 +335,7 @@ def plan(mission: Mission, grid: PixelGrid) -> Plan:
         size_px=flown.size_px,
         accuracy=chosen,
         nominal=nominal,
+        passes=flown.passes,
     )
 
 
@@ -300,10 +343,9 @@ def _disturbed(mission: Mission, layout: Layout, nominal: Poses) -> Poses:
     """Poses that are flown: moved and turned by the wind."""
     if mission.wind is None:
         return nominal
-    forward, distance = _legs(layout.lat_deg, layout.lon_deg)
-    heading = np.append(forward, forward[-1:]) if len(forward) else np.zeros(len(layout.lat_deg))
-    interval_s = distance / mission.wind.ground_speed_m_per_s(heading[:-1])
-    off = fly(mission.wind, interval_s, heading, layout.agl_m, mission.yaw_deg)
+    way, airspeed = legs(layout.lat_deg, layout.lon_deg), mission.airspeed_m_per_s
+    interval_s = intervals_s(way, layout.agl_m, airspeed, mission.wind)
+    off = fly(mission.wind, airspeed, interval_s, way.headings_deg(), layout.agl_m, layout.yaw_deg)
     lat, ground = nominal.lat_deg, ground_of(mission)
     north = np.degrees(off.north_m / ground.meridional_radius_m(lat))
     east = np.degrees(off.east_m / (ground.normal_radius_m(lat) * np.cos(np.radians(lat))))
@@ -311,7 +353,8 @@ def _disturbed(mission: Mission, layout: Layout, nominal: Poses) -> Poses:
     if (agl <= 0.0).any():
         raise InvalidInput(
             f"wind of {mission.wind.speed_m_per_s:g} m/s at {mission.agl_m:g} m: the gusts throw the camera to the "
-            "ground; fly higher or in less turbulence"
+            "ground; fly higher or in less turbulence",
+            "wind",
         )
     return Poses(
         lat + north,
@@ -321,10 +364,3 @@ def _disturbed(mission: Mission, layout: Layout, nominal: Poses) -> Poses:
         nominal.tilt_deg + off.tilt_deg,
         nominal.roll_deg + off.roll_deg,
     )
-
-
-def _legs(lat_deg: Floats, lon_deg: Floats) -> tuple[Floats, Floats]:
-    """Azimuth in degrees and length in metres of the geodesic from each capture to the next, (n - 1,) each."""
-    lon = wrap_lon_deg(lon_deg)
-    forward, _, distance = Geod(a=WGS84.a_m, b=WGS84.b_m).inv(lon[:-1], lat_deg[:-1], lon[1:], lat_deg[1:])
-    return forward, distance

@@ -10,7 +10,7 @@ import difflib
 import json
 import os
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Callable
 
@@ -19,12 +19,15 @@ from ..geodesy.camera import Camera
 from .area import Area, Points
 from .coords import KINDS, UNITS, load_polygon, parse_coords
 from .mission import (
+    DEFAULT_AIRSPEED_M_PER_S,
     DEFAULT_BUDGET_PX,
     DEFAULT_MAX_IMAGES,
     DEFAULT_MAX_PX,
+    DEFAULT_START,
     FORMATS,
     LAYOUTS,
     MAP_TYPES,
+    ORDERS,
     RESAMPLINGS,
     Mission,
 )
@@ -106,15 +109,28 @@ def _truth(value: Any, what: str) -> bool:
 
 #: Every option a mission is made from, in the order help shows them.
 OPTIONS: tuple[Option, ...] = (
-    Option("coords", str, None, "lat_lon_agl, latTL_lonTL_latBR_lonBR_agl, or a file of lat lon agl lines"),
+    Option(
+        "coords", str, None, "lat_lon_agl, latTL_lonTL_latBR_lonBR_agl, or a file of lat lon agl [yaw] lines"
+    ),
     Option("area", str, None, "GeoJSON file of a polygon, with --agl, instead of --coords", metavar="FILE"),
     Option(
         "agl", float, None, "height above ground of --area; elsewhere it replaces the coordinates' height"
     ),
     Option("agl_unit", str, "m", "unit of the heights given", choices=tuple(UNITS)),
     Option("mission", str, None, "kind of mission; inferred from the coordinates if left out", choices=KINDS),
-    Option("camera", str, None, "camera preset (see terrainav cameras) instead of --fov and --aspect-ratio"),
+    Option("camera", str, None, "camera by name (see terrainav cameras) instead of --fov and --aspect-ratio"),
     Option("fov", float, None, "diagonal field of view in degrees (78.8)"),
+    Option("hfov", float, None, "horizontal field of view in degrees, instead of --fov"),
+    Option("vfov", float, None, "vertical field of view in degrees, instead of --fov"),
+    Option(
+        "sensor",
+        float,
+        None,
+        "width and height of the sensor in mm, with --focal-length, instead of --fov",
+        count=(2, 2),
+        metavar=("W", "H"),
+    ),
+    Option("focal_length", float, None, "focal length of the lens itself in mm, with --sensor"),
     Option(
         "aspect_ratio", float, None, "width and height of the picture (4 3)", count=(2, 2), metavar=("W", "H")
     ),
@@ -135,6 +151,14 @@ OPTIONS: tuple[Option, ...] = (
     Option(
         "layout", str, "cover", "cover leaves nothing out; paper is the published UTM grid", choices=LAYOUTS
     ),
+    Option(
+        "grid_angle",
+        float,
+        0.0,
+        "degrees the rows of an area, and the pictures with them, are turned clockwise from east",
+    ),
+    Option("crosshatch", str, False, "fly an area a second time, in rows across the first ones", flag=True),
+    Option("order", str, ORDERS[0], "rows to and fro, or each from its beginning", choices=ORDERS),
     Option(
         "map_type", str, ("satellite",), "one or more of " + ", ".join(MAP_TYPES), count=(1, len(MAP_TYPES))
     ),
@@ -191,7 +215,8 @@ OPTIONS: tuple[Option, ...] = (
         count=(3, 3),
         metavar=("SPEED", "FROM", "TURBULENCE"),
     ),
-    Option("airspeed", float, 15.0, "flight speed through the air in m/s, for --wind"),
+    Option("airspeed", float, DEFAULT_AIRSPEED_M_PER_S, "flight speed through the air in m/s"),
+    Option("start", str, DEFAULT_START, "UTC time of the first exposure, such as 2024-06-21T10:30:00Z"),
     Option("max_images", int, DEFAULT_MAX_IMAGES, "refuse missions of more images"),
     Option("seed", int, 2024, "of whatever is random, such as the synthetic landscape"),
     Option(
@@ -310,6 +335,11 @@ def mission_from(values: Mapping[str, Any]) -> Mission:
         mesh=values["mesh"],
         resampling=values["resampling"],
         wind=_wind(values),
+        grid_angle_deg=values["grid_angle"],
+        crosshatch=values["crosshatch"],
+        order=values["order"],
+        airspeed_m_per_s=values["airspeed"],
+        start=values["start"],
     )
 
 
@@ -317,7 +347,7 @@ def _wind(values: Mapping[str, Any]) -> Wind | None:
     if values["wind"] is None:
         return None
     speed, from_deg, turbulence = values["wind"]
-    return Wind(speed, from_deg, turbulence, values["seed"], values["airspeed"])
+    return Wind(speed, from_deg, turbulence, values["seed"])
 
 
 def _area(values: Mapping[str, Any]) -> tuple[Area, float]:
@@ -336,19 +366,43 @@ def _area(values: Mapping[str, Any]) -> tuple[Area, float]:
     if agl_m is None:
         return area, coords_agl_m
     if isinstance(area, Points):
-        area = Points(tuple((lat, lon, agl_m) for lat, lon, _ in area.poses))
+        area = replace(area, poses=tuple((lat, lon, agl_m) for lat, lon, _ in area.poses))
     return area, agl_m
 
 
 def _camera(values: Mapping[str, Any]) -> Camera:
+    _check_one_camera(values)
     if values["camera"] is not None:
-        for name in ("fov", "aspect_ratio"):
-            if values[name] is not None:
-                raise InvalidInput(
-                    f"camera {values['camera']!r} and {name} {values[name]!r}: give one of the two"
-                )
         return camera_named(values["camera"]).camera
-    width, height = values["aspect_ratio"] or DEFAULT_ASPECT
-    if not (width > 0.0 and height > 0.0):
-        raise InvalidInput(f"aspect ratio {width:g} {height:g}: width and height must be above 0")
+    shape = values["aspect_ratio"]
+    if shape is not None and not (shape[0] > 0.0 and shape[1] > 0.0):
+        raise InvalidInput(f"aspect ratio {shape[0]:g} {shape[1]:g}: width and height must be above 0")
+    if values["sensor"] is not None:
+        ratio = None if shape is None else shape[0] / shape[1]
+        return Camera.from_sensor(values["sensor"], values["focal_length"], ratio)
+    width, height = shape or DEFAULT_ASPECT
+    if values["hfov"] is not None:
+        return Camera.from_horizontal_fov(values["hfov"], width / height)
+    if values["vfov"] is not None:
+        return Camera.from_vertical_fov(values["vfov"], width / height)
     return Camera(DEFAULT_FOV_DEG if values["fov"] is None else values["fov"], width / height)
+
+
+def _check_one_camera(values: Mapping[str, Any]) -> None:
+    """Refuse a camera that is given in two ways, or by half."""
+    ways = ["camera", "fov", "hfov", "vfov", "sensor"]
+    if values["camera"] is not None:
+        ways.append("aspect_ratio")
+    given = [f"{name} {_shown(values[name])}" for name in ways if values[name] is not None]
+    if len(given) > 1:
+        raise InvalidInput(f"{given[0]} and {given[1]}: give one of the two")
+    if (values["sensor"] is None) != (values["focal_length"] is None):
+        name, other = (
+            ("sensor", "focal_length") if values["focal_length"] is None else ("focal_length", "sensor")
+        )
+        raise InvalidInput(f"{name} {_shown(values[name])}: needs {other} as well")
+
+
+def _shown(value: Any) -> str:
+    """Value of an option as a person gives it."""
+    return " ".join(f"{one:g}" for one in value) if isinstance(value, tuple) else repr(value)

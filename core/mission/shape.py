@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Protocol
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -12,15 +14,23 @@ from .area import Box, Polygon
 Floats = NDArray[np.float64]
 
 
-def _edges(polygon: Polygon) -> tuple[Floats, Floats, Floats, Floats]:
-    """Start longitude, start latitude, end longitude, end latitude of every edge of every ring."""
+class Rings(Protocol):
+    """Something of rings, the outer one first, whose sides are straight along two axes: of degrees, or of a plane."""
+
+    def arrays(self) -> list[tuple[Floats, Floats]]:
+        """First and second coordinates of each ring's corners."""
+        ...
+
+
+def sides_of(polygon: Rings) -> tuple[Floats, Floats, Floats, Floats]:
+    """Start longitude, start latitude, end longitude, end latitude of every side of every ring."""
     rings = polygon.arrays()
     lon0, lat0 = (np.concatenate(parts) for parts in zip(*rings))
     lon1, lat1 = (np.concatenate([np.roll(part, -1) for part in parts]) for parts in zip(*rings))
     return lon0, lat0, lon1, lat1
 
 
-def _in_band(
+def in_band(
     edges: tuple[Floats, Floats, Floats, Floats], south: float, north: float
 ) -> tuple[Floats, Floats]:
     """Least and greatest longitude of what each edge has strictly between two parallels; others left out."""
@@ -51,26 +61,26 @@ def row_spans(area: Box | Polygon, top_v: Floats, bottom_v: Floats) -> Floats:
     """
     if isinstance(area, Box):
         return np.tile([area.west_deg, area.continuous_east_deg], (len(top_v), 1))
-    edges = _edges(area)
+    edges = sides_of(area)
     spans = np.full((len(top_v), 2), np.nan)
     for index, (south, north) in enumerate(zip(v_to_lat(bottom_v), v_to_lat(top_v))):
-        west, east = _in_band(edges, float(south), float(north))
+        west, east = in_band(edges, float(south), float(north))
         if len(west):
             spans[index] = west.min(), east.max()
     return spans
 
 
-def touching(polygon: Polygon, west: Floats, south: Floats, east: Floats, north: Floats) -> NDArray[np.bool_]:
+def touching(polygon: Rings, west: Floats, south: Floats, east: Floats, north: Floats) -> NDArray[np.bool_]:
     """Which rectangles of degrees share ground with a polygon (n,); longitudes continuous with it.
 
     Rectangles of one row (equal south and north, one after the other) are looked at together.
     """
-    edges = _edges(polygon)
+    edges = sides_of(polygon)
     touches = np.zeros(len(west), bool)
     change = np.flatnonzero((np.diff(south) != 0.0) | (np.diff(north) != 0.0)) + 1
     for start, stop in zip([0, *change], [*change, len(west)]):
         row = slice(start, stop)
-        low, high = _in_band(edges, float(south[start]), float(north[start]))
+        low, high = in_band(edges, float(south[start]), float(north[start]))
         crossings = _crossings(edges, float(south[start] + north[start]) / 2.0)
         middle = (west[row] + east[row]) / 2.0
         within = np.searchsorted(crossings, middle) % 2 == 1
@@ -104,13 +114,22 @@ def area_within_m2(area: Box | Polygon, west: Floats, south: Floats, east: Float
 
 
 def _clipped_ring_m2(lon: Floats, lat: Floats, rectangle: tuple[float, float, float, float]) -> float:
-    """Square metres of a ring inside a rectangle (Sutherland and Hodgman's clipping)."""
+    """Square metres of a ring inside a rectangle."""
+    lon, lat = clipped(lon, lat, rectangle)
+    return WGS84.ring_area_m2(lon, lat) if len(lon) else 0.0
+
+
+def clipped(x: Floats, y: Floats, rectangle: tuple[float, float, float, float]) -> tuple[Floats, Floats]:
+    """Ring inside a rectangle of least x, least y, greatest x, greatest y (Sutherland and Hodgman's clipping).
+
+    Without corners where nothing of it is.
+    """
     west, south, east, north = rectangle
     for axis, limit, sense in ((0, west, 1.0), (0, east, -1.0), (1, south, 1.0), (1, north, -1.0)):
-        lon, lat = cut_half_plane(lon, lat, axis, limit, sense)
-        if len(lon) < 3:
-            return 0.0
-    return WGS84.ring_area_m2(lon, lat)
+        x, y = cut_half_plane(x, y, axis, limit, sense)
+        if len(x) < 3:
+            return x[:0], y[:0]
+    return x, y
 
 
 def cut_half_plane(lon: Floats, lat: Floats, axis: int, limit: float, sense: float) -> tuple[Floats, Floats]:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ..errors import InvalidInput
 from .gusts import HIGH_FT, LOW_FT, M_PER_FT, STATES, flight_system, outputs
-from .sde import LinearSystem, factor
+from .sde import factor
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.intp]
@@ -32,9 +32,18 @@ MOST_HEIGHTS = 64
 CHUNK = 4096
 
 
+def check_airspeed(airspeed_m_per_s: float) -> None:
+    """Refuse a speed through the air that is not of `AIRSPEEDS_M_PER_S`."""
+    slowest, fastest = AIRSPEEDS_M_PER_S
+    if not slowest <= airspeed_m_per_s <= fastest:
+        raise InvalidInput(
+            f"airspeed {airspeed_m_per_s} m/s: must be {slowest} to {fastest}", "airspeed_m_per_s"
+        )
+
+
 @dataclass(frozen=True)
 class Wind:
-    """Wind at flight height, and the speed it is flown in.
+    """Wind at flight height.
 
     Parameters
     ----------
@@ -44,18 +53,14 @@ class Wind:
         Direction it blows from, clockwise from north.
     turbulence : float
         Intensity: sigma of the horizontal gusts over the mean wind, >= 0 (some 0.1 over water, 0.2 over fields).
-        That sigma must stay below the airspeed: beyond, turbulence is not frozen while the aircraft flies through.
     seed : int
         Of the gusts, >= 0: the same seed gives the same flight.
-    airspeed_m_per_s : float
-        Flight speed through the air, 0.1..340 m/s and above the mean wind.
     """
 
     speed_m_per_s: float = 0.0
     from_deg: float = 0.0
     turbulence: float = 0.0
     seed: int = 2024
-    airspeed_m_per_s: float = 15.0
 
     def __post_init__(self) -> None:
         if not (math.isfinite(self.speed_m_per_s) and self.speed_m_per_s >= 0.0):
@@ -68,41 +73,52 @@ class Wind:
             )
         if not (self.seed >= 0 and self.seed % 1 == 0):
             raise InvalidInput(f"seed {self.seed!r} of the wind: must be a whole number, 0 or more")
-        slowest, fastest = AIRSPEEDS_M_PER_S
-        if not slowest <= self.airspeed_m_per_s <= fastest:
-            raise InvalidInput(f"airspeed {self.airspeed_m_per_s} m/s: must be {slowest} to {fastest}")
-        if self.speed_m_per_s >= self.airspeed_m_per_s:
+
+    def flown_at(self, airspeed_m_per_s: float) -> Wind:
+        """Return this wind, where an aircraft of that airspeed can fly in it.
+
+        Raises
+        ------
+        InvalidInput
+            A mean wind or a sigma of the gusts that is not below the airspeed: the one cannot be flown against, and
+            the other is not frozen while the aircraft flies through; an airspeed that `check_airspeed` refuses.
+        """
+        check_airspeed(airspeed_m_per_s)
+        if self.speed_m_per_s >= airspeed_m_per_s:
             raise InvalidInput(
-                f"wind speed {self.speed_m_per_s} m/s: must be below the airspeed, {self.airspeed_m_per_s} m/s, to "
+                f"wind speed {self.speed_m_per_s} m/s: must be below the airspeed, {airspeed_m_per_s} m/s, to "
                 "fly against it"
             )
-        if self.sigma_m_per_s >= self.airspeed_m_per_s:
+        if self.sigma_m_per_s >= airspeed_m_per_s:
             raise InvalidInput(
                 f"turbulence intensity {self.turbulence}: gusts of {self.sigma_m_per_s:g} m/s must stay below the "
-                f"airspeed, {self.airspeed_m_per_s} m/s"
+                f"airspeed, {airspeed_m_per_s} m/s"
             )
+        return self
 
     @property
     def sigma_m_per_s(self) -> float:
         """Sigma of the horizontal gusts in metres a second."""
         return self.turbulence * self.speed_m_per_s
 
-    def crab_deg(self, heading_deg: Floats | float) -> Floats:
+    def crab_deg(self, heading_deg: Floats | float, airspeed_m_per_s: float) -> Floats:
         """Angle into the wind, clockwise positive, by which flight through the air leads the track over ground.
 
         Parameters
         ----------
         heading_deg : array (...) or float
             Direction of the track over ground, clockwise from north.
+        airspeed_m_per_s : float
+            Above the mean wind.
         """
         against = np.radians(self.from_deg - np.asarray(heading_deg, np.float64))
-        crab: Floats = np.degrees(np.arcsin(self.speed_m_per_s / self.airspeed_m_per_s * np.sin(against)))
+        crab: Floats = np.degrees(np.arcsin(self.speed_m_per_s / airspeed_m_per_s * np.sin(against)))
         return crab
 
-    def ground_speed_m_per_s(self, heading_deg: Floats | float) -> Floats:
-        """Speed over ground along a track, in metres a second: always above 0."""
+    def ground_speed_m_per_s(self, heading_deg: Floats | float, airspeed_m_per_s: float) -> Floats:
+        """Speed over ground along a track, in metres a second: above 0 where the airspeed is above the mean wind."""
         against = np.radians(self.from_deg - np.asarray(heading_deg, np.float64))
-        forward = np.sqrt(self.airspeed_m_per_s**2 - (self.speed_m_per_s * np.sin(against)) ** 2)
+        forward = np.sqrt(airspeed_m_per_s**2 - (self.speed_m_per_s * np.sin(against)) ** 2)
         speed: Floats = forward - self.speed_m_per_s * np.cos(against)
         return speed
 
@@ -129,6 +145,7 @@ class Disturbance:
 
 def fly(
     wind: Wind,
+    airspeed_m_per_s: float,
     interval_s: Floats,
     heading_deg: Floats,
     agl_m: Floats,
@@ -146,6 +163,8 @@ def fly(
     Parameters
     ----------
     wind : Wind
+    airspeed_m_per_s : float
+        Flight speed through the air.
     interval_s : array (n - 1,)
         Time from each exposure to the next, >= 0.
     heading_deg : array (n,)
@@ -165,15 +184,16 @@ def fly(
     Raises
     ------
     InvalidInput
-        On shapes that do not match, and on values outside the domain.
+        On shapes that do not match, on values outside the domain, and as `Wind.flown_at` does.
     """
+    wind.flown_at(airspeed_m_per_s)
     heading_deg, agl_m = np.asarray(heading_deg, np.float64), np.asarray(agl_m, np.float64)
     interval_s, yaw_deg = np.asarray(interval_s, np.float64), np.asarray(yaw_deg, np.float64)
     _check(interval_s, heading_deg, agl_m, yaw_deg)
     if wind.sigma_m_per_s == 0.0 or heading_deg.size == 0:
         return Disturbance(*np.zeros((6, heading_deg.size)))
-    along, across, up, pitch, roll, yaw = _sampled(wind, interval_s, agl_m)
-    air_deg = heading_deg + wind.crab_deg(heading_deg)
+    along, across, up, pitch, roll, yaw = _sampled(wind, airspeed_m_per_s, interval_s, agl_m)
+    air_deg = heading_deg + wind.crab_deg(heading_deg, airspeed_m_per_s)
     sine, cosine = np.sin(np.radians(air_deg)), np.cos(np.radians(air_deg))
     turn = np.radians(air_deg - yaw_deg)
     return Disturbance(
@@ -210,12 +230,12 @@ def _check(interval_s: Floats, heading_deg: Floats, agl_m: Floats, yaw_deg: Floa
             raise InvalidInput(f"{name} {wrong.flat[0]} {rule}")
 
 
-def _sampled(wind: Wind, interval_s: Floats, agl_m: Floats) -> Floats:
+def _sampled(wind: Wind, airspeed_m_per_s: float, interval_s: Floats, agl_m: Floats) -> Floats:
     """`gusts.OUTPUTS` at each exposure (6, n).
 
     Each exposure is one product of a matrix with the state before it and fresh normal deviates beside each other.
     """
-    steps, which = _steps(wind, interval_s, agl_m)
+    steps, which = _steps(wind.sigma_m_per_s, airspeed_m_per_s, interval_s, agl_m)
     size = len(STATES)
     picked = outputs()
     bits = np.random.PCG64(np.random.SeedSequence(int(wind.seed)))
@@ -232,7 +252,9 @@ def _sampled(wind: Wind, interval_s: Floats, agl_m: Floats) -> Floats:
     return sampled
 
 
-def _steps(wind: Wind, interval_s: Floats, agl_m: Floats) -> tuple[Floats, Ints]:
+def _steps(
+    sigma_m_per_s: float, airspeed_m_per_s: float, interval_s: Floats, agl_m: Floats
+) -> tuple[Floats, Ints]:
     """Return the matrices (m, d, 2 d) that step the state, one for each kind of step, and each exposure's kind (n,).
 
     The first starts the flight: it forgets the state and draws from the stationary distribution. Rounding an interval
@@ -244,21 +266,16 @@ def _steps(wind: Wind, interval_s: Floats, agl_m: Floats) -> tuple[Floats, Ints]
     kinds, kind_of = np.unique(height_of[1:] * intervals_s.size + interval_of, return_inverse=True)
     size = len(STATES)
     steps = np.zeros((kinds.size + 1, size, 2 * size))
-    first = _system(wind, float(heights_m[height_of[0]])).stationary_covariance()
+    systems = [flight_system(sigma_m_per_s, airspeed_m_per_s, height_m) for height_m in heights_m.tolist()]
+    first = systems[height_of[0]].stationary_covariance()
     steps[0, :, size:] = factor(first[np.newaxis])[0]
-    for height, height_m in enumerate(heights_m.tolist()):
+    for height, system in enumerate(systems):
         due = np.flatnonzero(kinds // max(intervals_s.size, 1) == height)
         if due.size:
-            change, covariance = _system(wind, height_m).discretise(
-                intervals_s[kinds[due] % intervals_s.size]
-            )
+            change, covariance = system.discretise(intervals_s[kinds[due] % intervals_s.size])
             steps[1 + due, :, :size] = change + np.eye(size)
             steps[1 + due, :, size:] = factor(covariance)
     return steps, np.concatenate([[0], 1 + kind_of]).astype(np.intp)
-
-
-def _system(wind: Wind, agl_m: float) -> LinearSystem:
-    return flight_system(wind.sigma_m_per_s, wind.airspeed_m_per_s, agl_m)
 
 
 def _rounded(values: Floats, most: int) -> tuple[Floats, Ints]:

@@ -6,11 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from pyproj import Geod
 
-from ..geodesy.ellipsoid import WGS84
-from ..geodesy.mercator import wrap_lon_deg
+from ..mission.flight import intervals_s, legs
 from ..mission.gusts import flight_system
+from ..mission.mission import DEFAULT_AIRSPEED_M_PER_S
 from ..mission.plan import Plan
 from ..mission.sde import LinearSystem, factor
 from ..mission.wind import Wind, fly
@@ -29,7 +28,7 @@ _DOUBLINGS = 40
 _RUNAWAY = 1e30
 #: Captures whose flight is timed.
 _FLOWN = 20_000
-#: What stands for a mission's wind where it has none, for what leaving it out saves.
+#: What stands for a mission's wind where it has no gusts, for what leaving it out saves; flown at the usual airspeed.
 _USUAL = Wind(5.0, 0.0, 0.15)
 #: Interval where a plan has none of its own, s.
 _INTERVAL_S = 10.0
@@ -63,6 +62,7 @@ class Flight:
 
     Attributes
     ----------
+    airspeed_m_per_s : float
     interval_s : float
         Between exposures: median of the plan.
     fastest_s, slowest_s : float
@@ -74,6 +74,7 @@ class Flight:
     """
 
     wind: Wind
+    airspeed_m_per_s: float
     interval_s: float
     fastest_s: float
     slowest_s: float
@@ -82,9 +83,11 @@ class Flight:
     settled: tuple[Settled, ...]
 
 
-def measure_flight(wind: Wind, interval_s: float, agl_m: float, effort: Effort) -> Flight:
+def measure_flight(
+    wind: Wind, airspeed_m_per_s: float, interval_s: float, agl_m: float, effort: Effort
+) -> Flight:
     """Compare the methods on one flight: gusts of a wind at a height, and an interval between exposures."""
-    system = flight_system(wind.sigma_m_per_s, wind.airspeed_m_per_s, agl_m)
+    system = flight_system(wind.sigma_m_per_s, airspeed_m_per_s, agl_m)
     finer = LinearSystem(
         system.drift_per_s.astype(np.longdouble),
         system.noise_per_s.astype(np.longdouble),
@@ -108,6 +111,7 @@ def measure_flight(wind: Wind, interval_s: float, agl_m: float, effort: Effort) 
     constants = system.time_constants_s
     return Flight(
         wind,
+        airspeed_m_per_s,
         interval_s,
         float(constants[0]),
         float(constants[-1]),
@@ -160,28 +164,19 @@ def _seconds_an_exposure(
 
 def interval_of(plan: Plan) -> float:
     """Median time between exposures of a plan, s."""
-    interval_s, _ = _times(plan, plan.mission.wind or _USUAL)
+    interval_s = np.diff(plan.times_s)
     moving = interval_s[interval_s > 0.0]
     return float(np.median(moving)) if moving.size else _INTERVAL_S
 
 
 def seconds_of_flight(plan: Plan, effort: Effort) -> float:
     """Seconds that the poses of a whole plan in wind take; of a usual wind where the mission has none."""
-    wind = plan.mission.wind or _USUAL
-    wind = wind if wind.sigma_m_per_s > 0.0 else _USUAL
-    interval_s, heading = _times(plan, wind)
-    count = min(len(plan), _FLOWN)
+    wind, airspeed = plan.mission.wind, plan.mission.airspeed_m_per_s
+    if wind is None or wind.sigma_m_per_s == 0.0:
+        wind, airspeed = _USUAL, DEFAULT_AIRSPEED_M_PER_S
+    gusty, count = wind, min(len(plan), _FLOWN)
     agl = plan.agl_m[:count]
-    _, seconds = timed(lambda: fly(wind, interval_s[: count - 1], heading[:count], agl), effort)
+    way = legs(plan.lat_deg[:count], plan.lon_deg[:count])
+    interval_s = intervals_s(way, agl, airspeed, gusty)
+    _, seconds = timed(lambda: fly(gusty, airspeed, interval_s, way.headings_deg(), agl), effort)
     return seconds * len(plan) / count
-
-
-def _times(plan: Plan, wind: Wind) -> tuple[Floats, Floats]:
-    """Seconds between exposures (n - 1,) and headings (n,) of a plan."""
-    lon = wrap_lon_deg(plan.lon_deg)
-    forward, _, distance = Geod(a=WGS84.a_m, b=WGS84.b_m).inv(
-        lon[:-1], plan.lat_deg[:-1], lon[1:], plan.lat_deg[1:]
-    )
-    heading = np.append(forward, forward[-1:]) if len(forward) else np.zeros(len(plan))
-    interval_s: Floats = distance / wind.ground_speed_m_per_s(heading[:-1])
-    return interval_s, heading

@@ -188,7 +188,8 @@ def measure(
     wind, flight = plan.mission.wind, None
     if wind is not None and wind.sigma_m_per_s > 0.0:
         say("wind")
-        flight = measure_flight(wind, interval_of(plan), float(np.median(plan.agl_m)), effort)
+        agl_m = float(np.median(plan.agl_m))
+        flight = measure_flight(wind, plan.mission.airspeed_m_per_s, interval_of(plan), agl_m, effort)
     say("what was left out")
     return Measurement(
         map_type=map_type,

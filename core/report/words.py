@@ -76,7 +76,7 @@ def mission_facts(plan: Plan, source: Source, map_type: str) -> list[tuple[str, 
                 "wind",
                 (
                     f"{wind.speed_m_per_s:g} m/s from {wind.from_deg:g}°, turbulence {100 * wind.turbulence:.3g} "
-                    f"%, flown at {wind.airspeed_m_per_s:g} m/s"
+                    f"%, flown at {mission.airspeed_m_per_s:g} m/s"
                 ),
             )
         )

@@ -18,6 +18,7 @@ from qgis.PyQt.QtWidgets import (
 )
 
 from ...core.errors import TerrAInavError
+from ..help import add_help_button
 from ..i18n import tr
 from .field_marks import STYLE_SHEET, FieldMarks
 from .form_widgets import combo, spin
@@ -108,6 +109,7 @@ class AddSourceDialog(QDialog):
         self.buttons = QDialogButtonBox(
             QDialogButtonBox.StandardButton.Ok | QDialogButtonBox.StandardButton.Cancel
         )
+        add_help_button(self.buttons, "sources")
 
     def _lay_out(self) -> None:
         form = QFormLayout()

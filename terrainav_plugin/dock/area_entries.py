@@ -1,14 +1,31 @@
-"""The entries of the area: four edges around a button, as on a map."""
+"""The entries of the area: four edges around a button, as on a map, and what the area is."""
 
 from __future__ import annotations
 
+import html
+from functools import partial
+
+from qgis.core import QgsApplication
 from qgis.gui import QgsCollapsibleGroupBoxBasic
-from qgis.PyQt.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QLineEdit, QPushButton
+from qgis.PyQt.QtCore import Qt, pyqtSignal
+from qgis.PyQt.QtGui import QKeySequence
+from qgis.PyQt.QtWidgets import (
+    QGridLayout,
+    QHBoxLayout,
+    QLabel,
+    QLineEdit,
+    QPushButton,
+    QToolButton,
+    QWidget,
+)
 
 from ..i18n import tr
 from ..paths import icon
+from .area_history import AreaHistory
+from .area_menu import AreaMenu
 from .field_marks import FieldMarks
-from .form_state import BOX_FIELDS
+from .form_state import BOX_FIELDS, FormState
+from .form_widgets import row
 
 #: Room for five digits and a sign.
 _EDGE_PX = 70
@@ -17,15 +34,117 @@ _EDGE_PX = 70
 class AreaEntries(QgsCollapsibleGroupBoxBasic):
     """Group of the area.
 
+    Signals
+    -------
+    box_wanted()
+        A box is wanted instead of the polygon or the points.
+
     Attributes
     ----------
     edges : dict of str to QLineEdit
-    draw_box : QPushButton
+    shape : str
+        Of a polygon or points, as `FormState` has it.
+    draw_box, edit : QPushButton
+    area_from : AreaMenu
+    undo, redo : QToolButton
     """
+
+    box_wanted = pyqtSignal()
 
     def __init__(self, marks: FieldMarks) -> None:
         super().__init__(tr("Area"))
+        self.shape = ""
         self.edges = {name: _edge(name) for name in BOX_FIELDS}
+        self.draw_box = QPushButton(icon("draw_box"), tr("Draw &box"))
+        self.draw_box.setObjectName("draw_box")
+        self.draw_box.setToolTip(tr("Press, drag and release on the map"))
+        self.area_from = AreaMenu()
+        self.edit = QPushButton(QgsApplication.getThemeIcon("/mActionMoveFeature.svg"), tr("Move"))
+        self.edit.setObjectName("edit_area")
+        self.edit.setCheckable(True)
+        self.edit.setToolTip(
+            tr(
+                "Move the area on the map: drag inside it, or drag the edges and corners of a box; arrow keys move it "
+                "by a pixel of the screen, with Shift by ten; Esc ends it. Corners of polygons are moved with QGIS's "
+                "own tools, in their layer."
+            )
+        )
+        self.undo = _tool_button("undo_area", "/mActionUndo.svg")
+        self.redo = _tool_button("redo_area", "/mActionRedo.svg")
+        self.words = QLabel()
+        self.words.setObjectName("area_words")
+        self.words.setWordWrap(True)
+        self.words.setTextFormat(Qt.TextFormat.RichText)
+        self.words.linkActivated.connect(self.box_wanted)
+        self._lay_out(marks)
+
+    def values(self) -> dict[str, str]:
+        """Return what is entered, by field."""
+        return {**{name: edit.text() for name, edit in self.edges.items()}, "shape": self.shape}
+
+    def set_state(self, state: FormState) -> None:
+        """Enter the fields of a state, telling nobody."""
+        self.show_edges(state)
+        self.shape = state.shape
+
+    def show_edges(self, state: FormState) -> None:
+        """Show edges, for one while they are dragged, telling nobody."""
+        for name, edit in self.edges.items():
+            edit.blockSignals(True)
+            edit.setText(getattr(state, name))
+            # Long numbers show their first digits.
+            edit.setCursorPosition(0)
+            edit.blockSignals(False)
+
+    def show_words(self, text: str, is_shape: bool, was_shape: bool = False) -> None:
+        """Say what the area is; empty for none.
+
+        Parameters
+        ----------
+        is_shape, was_shape : bool
+            Whether it is no box, and whether it was none before the last change.
+        """
+        words = html.escape(text)
+        if is_shape:
+            words += f' (<a href="box">{html.escape(tr("make it a box"))}</a>)'
+            tip = tr("The edges are those of the box around it. Typing one makes the area a box.")
+        else:
+            tip = tr("Size on the ground: width along its middle parallel, height along a meridian")
+            if was_shape and text:
+                words += ". " + html.escape(tr("The edge typed made it a box; undo brings the shape back."))
+        self.words.setText(words)
+        self.words.setToolTip(tip)
+        self.words.setVisible(bool(text))
+        self.area_from.offer_box(is_shape)
+        self.edit.setEnabled(bool(text))
+
+    def connect_history(self, history: AreaHistory) -> None:
+        """Let the buttons and the fields' keys undo and redo."""
+        stack = history.stack
+        for button, act, can, named, tip, none, keys in (
+            (
+                *(self.undo, stack.undo, stack.canUndoChanged, stack.undoTextChanged),
+                *(tr("Undo: {step} ({keys})"), tr("No change of the area to undo"), "Ctrl+Z"),
+            ),
+            (
+                *(self.redo, stack.redo, stack.canRedoChanged, stack.redoTextChanged),
+                *(tr("Redo: {step} ({keys})"), tr("No change of the area to redo"), "Ctrl+Shift+Z"),
+            ),
+        ):
+            shown = QKeySequence(keys).toString(QKeySequence.SequenceFormat.NativeText)
+
+            # A method of this group, which is disconnected with it: the stack outlives the buttons.
+            name = partial(self._name_step, button, tip, none, shown)
+            button.clicked.connect(act)
+            can.connect(button.setEnabled)
+            named.connect(name)
+            button.setEnabled(False)
+            name("")
+
+    def _name_step(self, button: QToolButton, tip: str, none: str, keys: str, step: str) -> None:
+        button.setToolTip(tip.format(step=step, keys=keys) if step else none)
+
+    def _lay_out(self, marks: FieldMarks) -> None:
         letters = {"north": tr("N"), "west": tr("W"), "south": tr("S"), "east": tr("E")}
         grid = QGridLayout(self)
         grid.setHorizontalSpacing(6)
@@ -38,14 +157,28 @@ class AreaEntries(QgsCollapsibleGroupBoxBasic):
             cell.addWidget(label)
             cell.addWidget(self.edges[name], 1)
             grid.addLayout(cell, line, column)
-        self.draw_box = QPushButton(icon("draw_box"), tr("Draw box"))
-        self.draw_box.setObjectName("draw_box")
-        self.draw_box.setToolTip(tr("Press, drag and release on the map"))
         grid.addWidget(self.draw_box, 1, 1)
-        for line, name in enumerate(BOX_FIELDS, start=3):
-            grid.addWidget(marks.label(name, self.edges[name]), line, 0, 1, 3)
+        grid.addWidget(self.area_from, 0, 0)
+        grid.addWidget(row(self.undo, self.redo), 0, 2, Qt.AlignmentFlag.AlignRight)
+        grid.addWidget(self.edit, 2, 2)
+        grid.addWidget(self.words, 3, 0, 1, 3)
+        for line, (name, field) in enumerate({**self.edges, "shape": self.words}.items(), start=4):
+            grid.addWidget(marks.label(name, field), line, 0, 1, 3)
         for column in range(3):
             grid.setColumnStretch(column, 1)
+        order: list[QWidget] = [self.area_from, *self.edges.values(), self.draw_box, self.edit]
+        order += [self.undo, self.redo]
+        for before, after in zip(order, order[1:]):
+            QWidget.setTabOrder(before, after)
+
+
+def _tool_button(name: str, image: str) -> QToolButton:
+    button = QToolButton()
+    button.setObjectName(name)
+    button.setIcon(QgsApplication.getThemeIcon(image))
+    button.setAutoRaise(True)
+    button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
+    return button
 
 
 def _edge(name: str) -> QLineEdit:
@@ -57,7 +190,10 @@ def _edge(name: str) -> QLineEdit:
         "south": tr("Southern edge: latitude in degrees, down to -90"),
         "east": tr("Eastern edge: longitude in degrees"),
     }
-    paste = tr("Coordinates pasted here as north_west_south_east_agl fill all fields.")
+    paste = tr(
+        "Coordinates pasted here fill all fields: north_west_south_east_agl, lat_lon_agl, or lines of "
+        "lat lon agl [yaw]. An edge typed makes a polygon or points a box."
+    )
     edit = QLineEdit()
     edit.setObjectName(name)
     edit.setToolTip(f"{tips[name]}\n{paste}")

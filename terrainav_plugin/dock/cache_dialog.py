@@ -17,6 +17,7 @@ from qgis.PyQt.QtWidgets import (
 
 from ...core.errors import TerrAInavError
 from ...core.mission.estimate import size_text
+from ..help import add_help_button
 from ..i18n import tr
 
 _ROOM_PX = (620, 320)
@@ -26,12 +27,12 @@ class CacheDialog(QDialog):
     """Lists the files of the tile cache, and clears some or all of them."""
 
     def __init__(self, parent: QWidget | None = None) -> None:
-        from ...core.imagery.cache.tile_cache import TileCache
+        from ..sources import tile_cache
 
         super().__init__(parent)
         self.setObjectName("terrainav_cache")
         self.setWindowTitle(tr("TerrAInav: cache"))
-        self._cache = TileCache()
+        self._cache = tile_cache()
         self.told = QLabel()
         self.told.setWordWrap(True)
         self.told.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
@@ -51,6 +52,7 @@ class CacheDialog(QDialog):
         self.clear_some.clicked.connect(lambda: self._clear(self._selected()))
         self.clear_all.clicked.connect(lambda: self._clear(None))
         buttons.rejected.connect(self.reject)
+        add_help_button(buttons, "sources")
         layout = QVBoxLayout(self)
         for widget in (self.told, self.table, buttons):
             layout.addWidget(widget)

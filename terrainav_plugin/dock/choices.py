@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 #: Groups of the source chooser, in their order.
-CATALOGUE, OWN, PROJECT, FILE = range(4)
+CATALOGUE, REGIONAL, OWN, CONNECTION, SERVICE, PROJECT, FILE, OTHER = range(8)
 
 
 class SourceChoice(NamedTuple):
@@ -18,12 +18,14 @@ class SourceChoice(NamedTuple):
         Empty where the source has one kind of picture.
     needs_key : bool
     group : int
-        Where it comes from: `CATALOGUE`, `OWN`, `PROJECT` or `FILE`.
+        Where it comes from: one of the groups above.
     limits : str
         What its provider allows, as HTML.
     dates : str
         Dates it can be had of, in words; empty where there is but one.
     default_date : str
+    may_authenticate : bool
+        Whether an authentication configuration can be chosen for its requests.
     """
 
     name: str
@@ -34,11 +36,29 @@ class SourceChoice(NamedTuple):
     limits: str = ""
     dates: str = ""
     default_date: str = ""
+    may_authenticate: bool = False
 
 
 class CameraChoice(NamedTuple):
-    """An entry of the camera chooser."""
+    """An entry of the camera chooser.
+
+    Parameters
+    ----------
+    name : str
+    fov_deg : float
+        Diagonal field of view.
+    aspect_ratio : float
+    sensor_mm : (width, height) or None
+        Where it is known.
+    tip : str
+        What is known of the camera, and from where.
+    user : bool
+        Whether it is one that the user has saved.
+    """
 
     name: str
     fov_deg: float
     aspect_ratio: float
+    sensor_mm: tuple[float, float] | None = None
+    tip: str = ""
+    user: bool = False

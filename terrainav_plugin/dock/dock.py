@@ -1,4 +1,4 @@
-"""The mission panel: entries, figures, progress and buttons."""
+"""The mission panel: entries, figures, buttons and captures."""
 
 from __future__ import annotations
 
@@ -11,20 +11,22 @@ from qgis.PyQt.QtGui import QIcon
 from qgis.PyQt.QtWidgets import (
     QFrame,
     QGridLayout,
+    QHBoxLayout,
     QLabel,
-    QProgressBar,
     QPushButton,
-    QScrollArea,
-    QStyle,
+    QToolButton,
     QVBoxLayout,
     QWidget,
 )
 
+from ..help import show_help
 from ..i18n import tr
 from ..paths import icon
 from .choices import CameraChoice, SourceChoice
 from .dock_form import DockForm
 from .figures import Figures
+from .form_scroll import FormScroll
+from .run_list import RunList
 
 
 class Dock(QgsDockWidget):
@@ -32,13 +34,12 @@ class Dock(QgsDockWidget):
 
     Signals
     -------
-    preview_toggled(bool), test_shot_clicked(), capture_clicked(), cancel_clicked()
+    preview_toggled(bool), test_shot_clicked(), capture_clicked()
     """
 
     preview_toggled = pyqtSignal(bool)
     test_shot_clicked = pyqtSignal()
     capture_clicked = pyqtSignal()
-    cancel_clicked = pyqtSignal()
 
     def __init__(self, sources: Sequence[SourceChoice], cameras: Sequence[CameraChoice]) -> None:
         super().__init__(tr("TerrAInav mission"))
@@ -47,39 +48,25 @@ class Dock(QgsDockWidget):
         self.hint = _wrapped_label("hint")
         self.hint.setFrameShape(QFrame.Shape.StyledPanel)
         self.hint.setMargin(6)
-        self.estimates = _wrapped_label("estimates")
-        self.problem = _wrapped_label("problem")
-        self.problem.setProperty("terrainavMark", "true")
-        self._make_progress()
+        self.figures = Figures()
+        self.figures.enlarging_wanted.connect(self.form.allow_enlarged_pixels)
+        self.estimates, self.problem = self.figures.estimates, self.figures.problem
+        self.run_list = RunList()
         self._make_buttons()
         self.setWidget(self._contents())
-        self.show_running(None)
 
     def show_hint(self, text: str) -> None:
         """Say what to do first; an empty text hides the hint."""
         self.hint.setText(text)
         self.hint.setVisible(bool(text))
 
-    def show_estimates(self, text: str, details: str = "") -> None:
-        """Show the figures of the plan, and more about them in a tooltip."""
-        self.estimates.setText(text)
-        self.estimates.setToolTip(details)
-        self.estimates.show()
-        self.problem.hide()
-        self._figures.fit()
-
     def show_nothing(self) -> None:
         """Show that there is nothing to work out."""
-        self.show_estimates(tr("No area yet."))
+        self.figures.show_text(tr("No area yet."))
 
     def show_problem(self, text: str) -> None:
         """Show why there are no figures."""
-        self.estimates.setText("")
-        self.estimates.setToolTip("")
-        self.problem.setText(text)
-        self.estimates.hide()
-        self.problem.setVisible(bool(text))
-        self._figures.fit()
+        self.figures.show_problem(text)
 
     def show_preview_on(self, on: bool) -> None:
         """Press or release the preview button without asking for a preview."""
@@ -87,22 +74,9 @@ class Dock(QgsDockWidget):
         self.preview.setChecked(on)
         self.preview.blockSignals(False)
 
-    def show_running(self, text: str | None, percent: float = 0.0) -> None:
-        """Show the progress of a run; None when none is running."""
-        running = text is not None
-        self.progress.setVisible(running)
-        self.progress_text.setVisible(running)
-        self.cancel.setVisible(running)
-        self.capture.setVisible(not running)
-        self.test_shot.setEnabled(not running)
-        self.progress.setValue(int(percent))
-        self.progress_text.setText(text or "")
-
-    def _make_progress(self) -> None:
-        self.progress = QProgressBar()
-        self.progress.setObjectName("progress")
-        self.progress.setRange(0, 100)
-        self.progress_text = _wrapped_label("progress_text")
+    def show_busy(self, busy: bool) -> None:
+        """Show whether captures are under way: a test shot would wait behind them, another mission can."""
+        self.test_shot.setEnabled(not busy)
 
     def _make_buttons(self) -> None:
         self.preview = _button(
@@ -124,42 +98,47 @@ class Dock(QgsDockWidget):
             tr("Write all images; goes on where an earlier run was stopped"),
         )
         self.capture.clicked.connect(self.capture_clicked)
-        self.cancel = _button(
-            "cancel",
-            QgsApplication.getThemeIcon("/mTaskCancel.svg"),
-            tr("Cancel"),
-            tr("Stop; images that are finished are kept"),
+        self.missions = QToolButton()
+        self.missions.setObjectName("missions")
+        self.missions.setIcon(QgsApplication.getThemeIcon("/mActionFileOpen.svg"))
+        self.missions.setText(tr("&Missions"))
+        self.missions.setToolTip(
+            tr("Missions of this project, mission files and datasets: open, save, begin")
         )
-        self.cancel.clicked.connect(self.cancel_clicked)
+        self.missions.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextBesideIcon)
+        self.missions.setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
+        self.missions.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
+        self.help = QToolButton()
+        self.help.setObjectName("help")
+        self.help.setIcon(QgsApplication.getThemeIcon("/mActionHelpContents.svg"))
+        self.help.setText(tr("Help"))
+        self.help.setToolTip(tr("Open the guide"))
+        self.help.clicked.connect(lambda _checked: show_help())
 
     def _contents(self) -> QWidget:
-        scroll = QScrollArea()
-        scroll.setWidgetResizable(True)
-        scroll.setFrameShape(QFrame.Shape.NoFrame)
-        scroll.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
-        scroll.setWidget(self.form)
-        # The form is scrolled up and down only: the panel is never too narrow for it.
-        bar = scroll.style().pixelMetric(QStyle.PixelMetric.PM_ScrollBarExtent)
-        scroll.setMinimumWidth(self.form.minimumSizeHint().width() + bar)
         figures = QgsCollapsibleGroupBoxBasic(tr("Estimates"))
         inside = QVBoxLayout(figures)
-        self._figures = Figures(self.estimates, self.problem)
-        inside.addWidget(self._figures)
+        inside.addWidget(self.figures)
         buttons = QGridLayout()
         buttons.addWidget(self.preview, 0, 0)
         buttons.addWidget(self.test_shot, 0, 1)
         buttons.addWidget(self.capture, 1, 0, 1, 2)
-        buttons.addWidget(self.cancel, 1, 0, 1, 2)
+        buttons.setColumnStretch(0, 1)
+        buttons.setColumnStretch(1, 1)
+        top = QHBoxLayout()
+        top.addWidget(self.missions)
+        top.addStretch(1)
+        top.addWidget(self.help)
         contents = QWidget()
         contents.setStyleSheet(self.form.styleSheet())
         layout = QVBoxLayout(contents)
         layout.setContentsMargins(4, 4, 4, 6)
+        layout.addLayout(top)
         layout.addWidget(self.hint)
-        layout.addWidget(scroll, 1)
+        layout.addWidget(FormScroll(self.form), 1)
         layout.addWidget(figures)
-        layout.addWidget(self.progress)
-        layout.addWidget(self.progress_text)
         layout.addLayout(buttons)
+        layout.addWidget(self.run_list)
         return contents
 
 

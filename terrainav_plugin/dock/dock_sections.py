@@ -1,117 +1,101 @@
-"""Groups of entries that most missions leave as they are: attitude, wind, accuracy."""
+"""Groups of entries that most missions leave as they are: attitude, pixels, wind, accuracy."""
 
 from __future__ import annotations
 
 import html
 from typing import Any
 
-from qgis.gui import QgsCollapsibleGroupBoxBasic
 from qgis.PyQt.QtCore import Qt, pyqtSignal
-from qgis.PyQt.QtWidgets import QAbstractSpinBox, QCheckBox, QComboBox, QLabel, QWidget
+from qgis.PyQt.QtWidgets import QLabel, QLineEdit
 
 from ..i18n import tr
+from .entries import Section
 from .field_marks import FieldMarks
 from .form_state import FormState
-from .form_widgets import NumberBox, choose, combo, form_layout, spin
+from .form_widgets import combo, spin, tick
 
 #: Numbers are taken as typed, and judged in words: what a spin box lets through is far more than what is right.
-_ANGLE, _HEIGHT_M, _SPEED_M_PER_S, _BUDGET_PX = 1e4, 1e6, 1e4, 1e6
-
-
-class Section(QgsCollapsibleGroupBoxBasic):
-    """A group whose entries are fields of `FormState`; collapsed until an entry is not the usual one.
-
-    Signals
-    -------
-    changed()
-    """
-
-    changed = pyqtSignal()
-
-    def __init__(self, name: str, title: str, marks: FieldMarks) -> None:
-        super().__init__(title)
-        self.setObjectName(name)
-        self.entries: dict[str, QWidget] = {}
-        self._marks = marks
-        self._form = form_layout(self)
-
-    def values(self) -> dict[str, Any]:
-        """Return what is entered, by field."""
-        return {name: _value(widget) for name, widget in self.entries.items()}
-
-    def set_state(self, state: FormState) -> None:
-        """Enter the fields of a state; shows them where one is not as usual."""
-        usual = FormState()
-        for name, widget in self.entries.items():
-            _enter(widget, getattr(state, name))
-        if any(getattr(state, name) != getattr(usual, name) for name in self.values()):
-            self.setCollapsed(False)
-
-    def show_marked(self, messages: dict[str, str]) -> None:
-        """Open where something is said about an entry."""
-        if any(name in messages for name in self.entries):
-            self.setCollapsed(False)
-
-    def _number(self, name: str, label: str, widget: NumberBox) -> None:
-        widget.setStepType(QAbstractSpinBox.StepType.AdaptiveDecimalStepType)
-        widget.valueChanged.connect(self.changed)
-        self._add(name, label, widget)
-
-    def _choice(self, name: str, label: str, widget: QComboBox) -> None:
-        widget.currentIndexChanged.connect(self.changed)
-        self._add(name, label, widget)
-
-    def _add(self, name: str, label: str, widget: QWidget) -> None:
-        self.entries[name] = widget
-        self._form.addRow(label, self._marks.field(name, widget))
-
-
-def _value(widget: QWidget) -> Any:
-    if isinstance(widget, QComboBox):
-        return widget.currentData()
-    return widget.isChecked() if isinstance(widget, QCheckBox) else widget.value()
-
-
-def _enter(widget: QWidget, value: Any) -> None:
-    if isinstance(widget, QComboBox):
-        choose(widget, value)
-    elif isinstance(widget, QCheckBox):
-        widget.setChecked(value)
-    else:
-        widget.setValue(value)
+_ANGLE, _HEIGHT_M, _SPEED_M_PER_S, _BUDGET_PX, _ZOOM, _SIZE_PX = 1e4, 1e6, 1e4, 1e6, 99, 1_000_000
 
 
 class AttitudeSection(Section):
-    """Where every picture looks, and how high the ground lies."""
+    """Where every picture looks, how high the ground lies, and when the flight begins."""
 
     def __init__(self, marks: FieldMarks) -> None:
-        super().__init__("attitude", tr("Attitude"), marks)
-        angles = (
-            (
-                "yaw_deg",
-                tr("Yaw"),
-                tr("Direction of the picture's top edge, in degrees clockwise from north (-360 to 360)"),
-            ),
-            (
-                "tilt_deg",
-                tr("Tilt"),
-                tr(
-                    "Degrees the view is lifted from straight down (0) towards the picture's top edge; "
-                    "90 looks level (-180 to 180)"
-                ),
-            ),
-            (
-                "roll_deg",
-                tr("Roll"),
-                tr("Degrees the camera is rolled about its line of sight, right side down (-180 to 180)"),
-            ),
+        super().__init__("attitude", tr("Attitude, ground and time"), marks)
+        yaw = tr(
+            "Direction of the picture's top edge, in degrees clockwise from north (-360 to 360); counted from the "
+            "grid's own north where a grid angle turns the rows"
         )
-        for name, label, tip in angles:
-            self._number(name, label, spin(name, -_ANGLE, _ANGLE, 6, " °", tip))
-        tip = tr("Height of the ground above the WGS84 ellipsoid, in metres (-12,000 to 9,000)")
+        tilt = tr(
+            "Degrees the view is lifted from straight down (0) towards the picture's top edge; "
+            "90 looks level (-180 to 180)"
+        )
+        roll = tr("Degrees the camera is rolled about its line of sight, right side down (-180 to 180)")
+        ground = tr("Height of the ground above the WGS84 ellipsoid, in metres (-12,000 to 9,000)")
+        self.add("yaw_deg", tr("Yaw"), spin("yaw_deg", -_ANGLE, _ANGLE, 6, " °", yaw))
+        self.add("tilt_deg", tr("Tilt"), spin("tilt_deg", -_ANGLE, _ANGLE, 6, " °", tilt))
+        self.add("roll_deg", tr("Roll"), spin("roll_deg", -_ANGLE, _ANGLE, 6, " °", roll))
         name = "ground_height_m"
-        self._number(name, tr("Ground height"), spin(name, -_HEIGHT_M, _HEIGHT_M, 3, " m", tip))
-        self.setCollapsed(True)
+        self.add(name, tr("Ground height"), spin(name, -_HEIGHT_M, _HEIGHT_M, 3, " m", ground))
+        start = QLineEdit()
+        start.setObjectName("start")
+        start.setPlaceholderText("2024-06-21T10:30:00Z")
+        start.setToolTip(
+            tr("Time of the first image, in UTC as 2024-06-21T10:30:00Z: the clock of the simulated flight")
+        )
+        self.add("start", tr("Start"), start)
+
+
+class PixelsSection(Section):
+    """Which of the source's pixels are taken, and what size they are written in."""
+
+    def __init__(self, marks: FieldMarks) -> None:
+        super().__init__("pixels", tr("Pixels"), marks)
+        ways = (
+            ("auto", tr("Automatic")),
+            ("zoom", tr("Zoom")),
+            ("gsd", tr("Ground per px")),
+        )
+        tip = tr(
+            "Which of the source's pixels make the pictures. Automatic: the finest with which every picture fits the "
+            "longest side (px) of the camera."
+        )
+        self.add("resolution", tr("Source's pixels"), combo("resolution", ways, tip))
+        tip = tr(
+            "Zoom level of the source, without unit: each one has pixels half the size of the one before"
+        )
+        self._zoom = self.add("zoom", tr("Zoom"), spin("zoom", -_ZOOM, _ZOOM, 0, "", tip))
+        tip = tr("Ground that a pixel of the source is to show, in metres; the zoom nearest to it is taken")
+        name = "gsd_m_per_px"
+        self._gsd = self.add(name, tr("Source's ground per px"), spin(name, 0.0, 1e6, 6, " m", tip))
+        tip = tr(
+            "Also take zooms above the finest that the source has pixels of its own for. Pictures get more pixels "
+            "(px), and show nothing more."
+        )
+        self.upsample = tick("upsample", tr("Allow enlarged pixels"), tip)
+        self.add("upsample", "", self.upsample)
+        tip = tr("Resize every picture to the width and height below, in pixels (px)")
+        self.add("resize", "", tick("resize", tr("Resize pictures"), tip))
+        names = ("resize_width_px", "resize_height_px")
+        tips = (
+            tr("Width of the resized pictures in pixels (px)"),
+            tr("Height of the resized pictures in pixels (px)"),
+        )
+        sizes = {name: spin(name, 0, _SIZE_PX, 0, " px", tip) for name, tip in zip(names, tips)}
+        self._size = self.add_two(tr("To"), *names, sizes, "×")
+        tip = tr("Write one channel of grey values instead of three of colours (without unit)")
+        self._grey = self.add("resize_grey", "", tick("resize_grey", tr("Grey"), tip))
+        self.edited.connect(self._show_rows)
+        self._show_rows()
+
+    def _show_rows(self) -> None:
+        """Show what is said by the choices made."""
+        values = self.values()
+        self.show_row(self._zoom, values["resolution"] == "zoom")
+        self.show_row(self._gsd, values["resolution"] == "gsd")
+        for field in (self._size, self._grey):
+            self.show_row(field, values["resize"])
 
 
 class WindSection(Section):
@@ -126,32 +110,29 @@ class WindSection(Section):
                 "Gusts move and turn the camera at every exposure: pictures are then as the camera really sees them"
             )
         )
+        speed = tr("Mean wind at flight height, in metres a second; below the airspeed")
         name = "wind_speed_m_per_s"
-        tip = tr("Mean wind at flight height, in metres a second; below the airspeed")
-        self._number(name, tr("Speed"), spin(name, -_SPEED_M_PER_S, _SPEED_M_PER_S, 3, " m/s", tip))
-        name = "wind_from_deg"
-        tip = tr("Direction the wind blows from, in degrees clockwise from north")
-        self._number(name, tr("From"), spin(name, -_ANGLE, _ANGLE, 3, " °", tip))
-        name = "turbulence"
-        tip = tr(
+        self.add(name, tr("Speed"), spin(name, -_SPEED_M_PER_S, _SPEED_M_PER_S, 3, " m/s", speed))
+        origin = tr("Direction the wind blows from, in degrees clockwise from north")
+        self.add("wind_from_deg", tr("From"), spin("wind_from_deg", -_ANGLE, _ANGLE, 3, " °", origin))
+        gusts = tr(
             "Strength of the gusts: their standard deviation over the mean wind, without unit; "
             "about 0.1 over water, 0.2 over fields, 0 for a steady wind"
         )
-        self._number(name, tr("Turbulence"), spin(name, -1e3, 1e3, 4, "", tip))
-        name = "airspeed_m_per_s"
-        tip = tr("Speed of the flight through the air, in metres a second (0.1 to 340)")
-        self._number(name, tr("Airspeed"), spin(name, -_SPEED_M_PER_S, _SPEED_M_PER_S, 3, " m/s", tip))
-        self.toggled.connect(self.changed)
-        self.setCollapsed(True)
+        self.add("turbulence", tr("Turbulence"), spin("turbulence", -1e3, 1e3, 4, "", gusts))
+        self.toggled.connect(lambda: self.edited.emit("wind"))
 
     def values(self) -> dict[str, Any]:
         """Return what is entered, and whether it counts."""
         return {**super().values(), "wind": self.isChecked()}
 
-    def set_state(self, state: FormState) -> None:
-        """Enter the fields of a state."""
+    def enter(self, state: FormState) -> None:
+        """Enter the fields of a state; opens where the wind is switched on."""
+        switched_on = state.wind and not self.isChecked()
         self.setChecked(state.wind)
-        super().set_state(state)
+        super().enter(state)
+        if switched_on:
+            self.unfold()
 
 
 class AccuracySection(Section):
@@ -167,19 +148,14 @@ class AccuracySection(Section):
 
     def __init__(self, marks: FieldMarks) -> None:
         super().__init__("accuracy", tr("Accuracy"), marks)
-        tip = tr(
+        budget = tr(
             "Most that the errors of all steps may add up to, in pixels of the planned image, by their bounds; "
             "above 0. The cheapest methods that fit are used."
         )
         name = "error_budget_px"
-        self._number(name, tr("Error budget"), spin(name, 0.0, _BUDGET_PX, 12, " px", tip))
-        check = QCheckBox(tr("Go on beyond the budget"))
-        check.setObjectName("accept_error")
-        check.setToolTip(
-            tr("Where no methods fit the budget (px), take the most accurate ones instead of refusing")
-        )
-        check.toggled.connect(self.changed)
-        self._add("accept_error", "", check)
+        self.add(name, tr("Error budget"), spin(name, 0.0, _BUDGET_PX, 12, " px", budget))
+        tip = tr("Where no methods fit the budget (px), take the most accurate ones instead of refusing")
+        self.add("accept_error", "", tick("accept_error", tr("Go on beyond the budget"), tip))
         frames = (
             ("auto", tr("Automatic")),
             ("map", tr("Map frame (north-up)")),
@@ -189,7 +165,8 @@ class AccuracySection(Section):
             "Map frame: a window of the source's own pixels, for cameras that look straight down. Camera frame: "
             "the picture as the camera sees it. Automatic: a map frame where its error in px fits the budget."
         )
-        self._choice("frame", tr("Pictures"), combo("frame", frames, tip))
+        frame = combo("frame", frames, tip)
+        self.add("frame", tr("Pictures"), frame)
         kernels = (
             ("nearest", tr("Nearest pixel")),
             ("bilinear", tr("Bilinear")),
@@ -200,9 +177,9 @@ class AccuracySection(Section):
             "How camera frames take their values between the source's pixels, from 1 px to 6 px across; "
             "map frames are not resampled"
         )
-        self._choice("resampling", tr("Resampling"), combo("resampling", kernels, tip))
+        resampling = combo("resampling", kernels, tip)
+        self.add("resampling", tr("Resampling"), resampling)
         # What a camera frame is resampled with says nothing about a map frame.
-        frame, resampling = self.entries["frame"], self.entries["resampling"]
         frame.currentIndexChanged.connect(lambda: resampling.setEnabled(frame.currentData() != "map"))
         self.more = QLabel()
         self.more.setObjectName("more")

@@ -4,38 +4,108 @@ from __future__ import annotations
 
 import html
 import math
+from collections.abc import Iterable
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from ...core.mission.estimate import area_text, length_text, size_text
+from ...core.mission.estimate import size_text
 from ...core.mission.rungs import bound_text
 from ..i18n import tr
+from .refusals import in_words_of_the_dock
+from .units import METRES, area_text, gsd_text, length_text
 
 if TYPE_CHECKING:
     from ...core.mission.estimate import Summary
+    from ...core.mission.mission import Mission
+    from ...core.mission.plan import Plan
     from ...core.mission.rungs import Accuracy
 
+#: A source whose pixels are coarser than the camera's by no more than this share is as fine as the camera.
+_COARSER = 1.02
 
-def estimate_lines(summary: Summary, cost: str = "") -> list[tuple[str, str]]:
-    """Label and value of every figure; ``cost`` is what the methods were timed at, empty while that is not known."""
-    lines = [
-        (tr("Images"), _images(summary)),
-        (tr("Picture"), _picture(summary)),
-        (tr("Ground per px"), _gsd(summary)),
-    ]
+
+@dataclass(frozen=True)
+class Readout:
+    """What a plan comes to, by how much it matters.
+
+    Parameters
+    ----------
+    warnings : tuple of str
+        What is to be thought about first.
+    figures, details : tuple of (label, value)
+        What everybody asks, and the rest.
+    why : str
+        Why the methods were chosen, as HTML.
+    offers_enlarging : bool
+        Whether pictures could have more pixels if the mission allowed enlarged ones.
+    """
+
+    warnings: tuple[str, ...]
+    figures: tuple[tuple[str, str], ...]
+    details: tuple[tuple[str, str], ...]
+    why: str = ""
+    offers_enlarging: bool = False
+
+    def figures_html(self) -> str:
+        """What everybody asks, as a table for a label."""
+        return _table(self.figures)
+
+    def details_html(self) -> str:
+        """The rest, as a table for a label."""
+        return _table(self.details)
+
+
+def readout(plan: Plan, summary: Summary, unit: str = "m", cost: str = "") -> Readout:
+    """Figures of a plan.
+
+    Parameters
+    ----------
+    unit : str
+        m or ft, of lengths and areas.
+    cost : str
+        What the methods were timed at; empty while that is not known.
+    """
+    mission, grid = plan.mission, plan.grid
+    # Every zoom has pixels half the size of the one before.
+    own_m = summary.source_gsd_m_per_px * 2.0 ** (plan.zoom - grid.native_zoom)
+    coarser = own_m > _COARSER * mission.camera.gsd_m_per_px(mission.agl_m, mission.max_px)
+    enlargeable = grid.max_zoom > grid.native_zoom and not mission.upsample
+    return Readout(
+        tuple(in_words_of_the_dock(text) for text in summary.warnings),
+        tuple(_figures(mission, summary, unit, own_m if coarser else None)),
+        tuple(_details(summary, cost)),
+        _why_html(plan.accuracy),
+        coarser and enlargeable and mission.zoom is None and mission.gsd_m_per_px is None,
+    )
+
+
+def _figures(mission: Mission, summary: Summary, unit: str, coarser_m: float | None) -> list[tuple[str, str]]:
+    lines = [(tr("Images"), _images(summary))]
     if summary.covered_share is not None:
-        lines.append((tr("Coverage"), _coverage(summary)))
-    if summary.least_overlap_along is not None or summary.least_overlap_across is not None:
-        lines.append((tr("Overlap"), _overlap(summary)))
+        lines.append((tr("Coverage"), _coverage(summary, unit)))
+    if mission.overlap_along > 0.0 or mission.overlap_across > 0.0:
+        lines += _overlap(summary)
+    lines.append((tr("Ground per px"), _gsd(mission, summary, unit, coarser_m)))
+    flight = tr("{distance}, {duration}").format(
+        distance=length_text(summary.flight_distance_m, unit), duration=duration_text(summary.flight_s)
+    )
     lines += [
-        (tr("Tiles"), _tiles(summary)),
-        (tr("On disk"), size_text(summary.output_bytes)),
+        (tr("Flight"), flight),
+        (tr("Download"), _download(summary)),
         (tr("Time"), tr("about {duration}").format(duration=duration_text(summary.seconds))),
-        (tr("Flight"), length_text(summary.flight_distance_m)),
-        *_accuracy_lines(summary.accuracy),
-        (tr("Cost"), cost or tr("being timed…")),
-        *((tr("Warning"), text) for text in summary.warnings),
     ]
     return lines
+
+
+def _details(summary: Summary, cost: str) -> list[tuple[str, str]]:
+    return [
+        (tr("Picture"), _picture(summary)),
+        *_overlap(summary),
+        (tr("Tiles"), _tiles(summary)),
+        (tr("On disk"), size_text(summary.output_bytes)),
+        *_accuracy_lines(summary.accuracy),
+        (tr("Cost"), cost or tr("being timed…")),
+    ]
 
 
 def _accuracy_lines(accuracy: Accuracy) -> list[tuple[str, str]]:
@@ -57,12 +127,7 @@ def _accuracy_lines(accuracy: Accuracy) -> list[tuple[str, str]]:
     ]
 
 
-def estimate_html(summary: Summary, cost: str = "") -> str:
-    """All figures as a table for a label."""
-    return _table(estimate_lines(summary, cost))
-
-
-def details_html(accuracy: Accuracy) -> str:
+def _why_html(accuracy: Accuracy) -> str:
     """Why the methods were chosen, as a table for a tooltip."""
     lines = []
     for choice in accuracy.choices:
@@ -79,12 +144,14 @@ def details_html(accuracy: Accuracy) -> str:
 
 
 def _ground_text(bound_m: float) -> str:
-    return f"≤ {length_text(bound_m)}" if math.isfinite(bound_m) else tr("without limit at the horizon")
+    return (
+        f"≤ {length_text(bound_m, METRES)}" if math.isfinite(bound_m) else tr("without limit at the horizon")
+    )
 
 
-def _table(lines: list[tuple[str, str]]) -> str:
+def _table(lines: Iterable[tuple[str, str]]) -> str:
     rows = (
-        f'<tr><td style="padding-right:10px"><b>{html.escape(label)}</b></td><td>{html.escape(value)}</td></tr>'
+        f'<tr><td style="padding-right:10px">{html.escape(label)}</td><td><b>{html.escape(value)}</b></td></tr>'
         for label, value in lines
     )
     return f'<table cellspacing="1">{"".join(rows)}</table>'
@@ -102,41 +169,50 @@ def _picture(summary: Summary) -> str:
     )
 
 
-def _gsd(summary: Summary) -> str:
-    camera, source = summary.camera_gsd_m_per_px, summary.source_gsd_m_per_px
-    return tr("camera {camera}, source {source}").format(
-        camera=length_text(camera), source=length_text(source)
-    )
+def _gsd(mission: Mission, summary: Summary, unit: str, coarser_m: float | None) -> str:
+    """Ground sample distances; with a hint where the source's own pixels, ``coarser_m``, are the coarser ones."""
+    camera_m = mission.camera.gsd_m_per_px(mission.agl_m, mission.max_px)
+    source = gsd_text(summary.source_gsd_m_per_px, unit)
+    text = tr("camera {camera}, source {source}").format(camera=gsd_text(camera_m, unit), source=source)
+    if coarser_m is None:
+        return text
+    hint = tr("the source's own pixels are {source}: the picture has no more detail than that")
+    return f"{text} ({hint.format(source=gsd_text(coarser_m, unit))})"
 
 
-def _coverage(summary: Summary) -> str:
+def _coverage(summary: Summary, unit: str) -> str:
     if summary.complete:
-        return tr("100 % of {area}").format(area=area_text(summary.area_m2))
+        return tr("100 % of {area}").format(area=area_text(summary.area_m2, unit))
     # Rounded down: what is not complete never reads 100.
     share = int(summary.covered_share * 1e4) / 1e2
     return tr("{share:.2f} % of {area}; {uncovered} left out").format(
-        share=share, area=area_text(summary.area_m2), uncovered=area_text(summary.uncovered_m2)
+        share=share, area=area_text(summary.area_m2, unit), uncovered=area_text(summary.uncovered_m2, unit)
     )
 
 
-def _overlap(summary: Summary) -> str:
+def _overlap(summary: Summary) -> list[tuple[str, str]]:
+    """The overlap that is reached; nothing for points."""
     parts = []
     for text, least in (
-        (tr("along {share}"), summary.least_overlap_along),
-        (tr("across {share}"), summary.least_overlap_across),
+        (tr("front {share}"), summary.least_overlap_along),
+        (tr("side {share}"), summary.least_overlap_across),
     ):
         if least is not None:
             parts.append(text.format(share=f"{100.0 * least:.1f} %"))
-    return tr("at least {shares}").format(shares=", ".join(parts))
+    return [(tr("Overlap"), tr("at least {shares}").format(shares=", ".join(parts)))] if parts else []
 
 
 def _tiles(summary: Summary) -> str:
     """Tiles of all map types together."""
+    return tr("{count}, each fetched once").format(count=f"{summary.unique_tiles * len(summary.map_types):,}")
+
+
+def _download(summary: Summary) -> str:
     count = f"{summary.unique_tiles * len(summary.map_types):,}"
     if not summary.download_bytes:
-        return tr("{count}, computed here").format(count=count)
+        return tr("nothing ({count} tiles computed here)").format(count=count)
     size = size_text(summary.download_bytes)
-    return tr("{count}, about {size} to download").format(count=count, size=size)
+    return tr("about {size} in {count} tiles").format(size=size, count=count)
 
 
 def duration_text(seconds: float) -> str:

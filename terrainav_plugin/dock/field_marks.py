@@ -51,6 +51,7 @@ class FieldMarks:
         layout.setSpacing(1)
         layout.addWidget(shown or widget)
         layout.addWidget(self.label(name, widget))
+        holder.setFocusProxy(shown or widget)
         return holder
 
     def label(self, name: str, widget: QWidget) -> _Message:

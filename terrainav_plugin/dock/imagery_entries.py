@@ -7,15 +7,26 @@ from collections.abc import Sequence
 from qgis.core import QgsApplication
 from qgis.gui import QgsAuthConfigSelect, QgsCollapsibleGroupBoxBasic
 from qgis.PyQt.QtCore import Qt, pyqtSignal
-from qgis.PyQt.QtWidgets import QCheckBox, QFileDialog, QLabel, QLineEdit, QMenu, QToolButton
+from qgis.PyQt.QtWidgets import (
+    QCheckBox,
+    QComboBox,
+    QFileDialog,
+    QLabel,
+    QLineEdit,
+    QMenu,
+    QToolButton,
+    QWidget,
+)
 
 from ..i18n import tr
+from ..layers.connections import SERVICE
 from ..paths import icon
 from .choices import OWN, SourceChoice
 from .field_marks import FieldMarks
 from .form_state import URL_TEMPLATE
-from .form_widgets import combo, form_layout, row
-from .source_choices import unlisted
+from .form_widgets import form_layout, row
+from .source_choices import template_limits, unlisted
+from .source_combo import SourceCombo
 
 #: Room for "Synthetic (offline)", the widest title most people see.
 _TITLE_LETTERS = 16
@@ -29,10 +40,12 @@ class ImageryEntries(QgsCollapsibleGroupBoxBasic):
     changed()
         After a change by the user.
     show_on_map_clicked(), add_source_clicked(), remove_source_clicked(), cache_clicked()
+    service_chosen(str)
+        A service was chosen, of which a layer is to be chosen.
 
     Attributes
     ----------
-    source : QComboBox
+    source : SourceCombo
     template, date : QLineEdit
     key : QgsAuthConfigSelect
     map_types : dict of str to QCheckBox
@@ -45,11 +58,13 @@ class ImageryEntries(QgsCollapsibleGroupBoxBasic):
     add_source_clicked = pyqtSignal()
     remove_source_clicked = pyqtSignal()
     cache_clicked = pyqtSignal()
+    service_chosen = pyqtSignal(str)
 
     def __init__(self, marks: FieldMarks, choices: Sequence[SourceChoice]) -> None:
         super().__init__(tr("Imagery"))
         self._marks = marks
         self._choices: dict[str, SourceChoice] = {}
+        self._last = ""
         self._form = form_layout(self)
         self._add_source()
         self._add_details()
@@ -77,37 +92,27 @@ class ImageryEntries(QgsCollapsibleGroupBoxBasic):
         chosen = self.source.currentData()
         self._choices = {choice.name: choice for choice in choices}
         self.source.blockSignals(True)
-        self.source.clear()
-        group = None
-        for choice in choices:
-            if group not in (None, choice.group):
-                self.source.insertSeparator(self.source.count())
-            group = choice.group
-            self.source.addItem(choice.title, choice.name)
-            self.source.setItemData(self.source.count() - 1, choice.title, Qt.ItemDataRole.ToolTipRole)
-        self.source.insertSeparator(self.source.count())
-        self.source.addItem(tr("URL template…"), URL_TEMPLATE)
+        self.source.fill(choices, [(URL_TEMPLATE, tr("URL template…"))])
         if chosen is not None:
             self.choose_source(chosen)
         self.source.blockSignals(False)
+        self._last = self.source.currentData()
         self.show_details()
 
     def choose_source(self, name: str) -> None:
         """Choose a source; one that is not listed is added where that makes sense, otherwise the first is taken."""
-        index = self.source.findData(name)
-        choice = unlisted(name) if index < 0 else None
+        choice = unlisted(name) if self.source.findData(name) < 0 else None
         if choice is not None:
             self._choices[name] = choice
-            index = self.source.count()
-            self.source.addItem(choice.title, name)
-        self.source.setCurrentIndex(max(index, 0))
+            self.source.add(name, choice.title)
+        self.source.choose(name)
 
     def show_details(self) -> None:
         """Show the entries that the chosen source has, and what its provider allows."""
         choice = self.choice()
         own_url = self.source.currentData() == URL_TEMPLATE
         self._form_row(self._template_label, self._template_field, own_url)
-        self._form_row(self._key_label, self.key, choice is not None and choice.needs_key)
+        self._show_key_row(choice, own_url)
         dated = own_url and "{date}" in self.template.text()
         self._form_row(
             self._date_label, self._date_field, dated or (choice is not None and bool(choice.dates))
@@ -118,7 +123,7 @@ class ImageryEntries(QgsCollapsibleGroupBoxBasic):
         else:
             self.date.setPlaceholderText(tr("date"))
             self.date.setToolTip(tr("Date of the imagery, as the server takes it"))
-        self.limits.setText(choice.limits if choice is not None else "")
+        self.limits.setText(choice.limits if choice is not None else template_limits(self.template.text()))
         self.limits.setVisible(bool(self.limits.text()))
         self._remove.setEnabled(choice is not None and choice.group == OWN)
         offered = choice.map_types if choice is not None else ()
@@ -126,12 +131,27 @@ class ImageryEntries(QgsCollapsibleGroupBoxBasic):
             # A source with one kind of picture writes it under whichever name is ticked.
             check.setEnabled(not offered or map_type in offered)
 
-    def _form_row(self, label: QLabel, field: object, shown: bool) -> None:
+    def _show_key_row(self, choice: SourceChoice | None, own_url: bool) -> None:
+        """Offer an authentication configuration, for the key in an address or for the requests."""
+        is_key = "{key}" in self.template.text() if own_url else choice is not None and choice.needs_key
+        shown = is_key or own_url or (choice is not None and choice.may_authenticate)
+        self._key_label.setText(tr("API key") if is_key else tr("Authentication"))
+        self.key.setToolTip(
+            tr("API key, kept in QGIS's authentication database as the password of a configuration")
+            if is_key
+            else tr(
+                "How QGIS authenticates requests to this source; a configuration of its authentication database"
+            )
+        )
+        self._form_row(self._key_label, self._key_field, shown)
+
+    def _form_row(self, label: QLabel, field: QWidget, shown: bool) -> None:
         label.setVisible(shown)
         field.setVisible(shown)
 
     def _add_source(self) -> None:
-        self.source = combo("source", (), tr("Where the pictures come from"))
+        self.source = SourceCombo()
+        self.source.setToolTip(tr("Where the pictures come from; type a part of its name to find it"))
         self.source.setMinimumContentsLength(_TITLE_LETTERS)
         self.show_on_map = QToolButton()
         self.show_on_map.setObjectName("show_on_map")
@@ -181,7 +201,8 @@ class ImageryEntries(QgsCollapsibleGroupBoxBasic):
             tr("API key, kept in QGIS's authentication database as the password of a configuration")
         )
         self._key_label = QLabel(tr("API key"))
-        self._form.addRow(self._key_label, self.key)
+        self._key_field = self._marks.field("key", self.key.findChild(QComboBox) or self.key, self.key)
+        self._form.addRow(self._key_label, self._key_field)
 
     def _add_map_types(self) -> None:
         self.map_types = {
@@ -195,6 +216,15 @@ class ImageryEntries(QgsCollapsibleGroupBoxBasic):
         self._form.addRow(tr("Map types"), self._marks.field("map_types", checks))
 
     def _source_chosen(self) -> None:
+        chosen = self.source.currentData()
+        if isinstance(chosen, str) and chosen.startswith(SERVICE):
+            # Of a service a layer has to be chosen first; until then things stay as they are.
+            self.source.blockSignals(True)
+            self.choose_source(self._last)
+            self.source.blockSignals(False)
+            self.service_chosen.emit(chosen[len(SERVICE) :])
+            return
+        self._last = chosen
         self.show_details()
         self.changed.emit()
 

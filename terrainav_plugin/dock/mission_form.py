@@ -7,12 +7,14 @@ from collections.abc import Callable
 from dataclasses import fields, replace
 from typing import TYPE_CHECKING, Any
 
-from ..i18n import tr
-from .form_state import BOX_FIELDS, URL_TEMPLATE, FormState
+from ...core.errors import InvalidInput
+from ..i18n import told, tr
+from .area_form import FormError, entered_shape, with_box
+from .area_shape import shape_text
+from .camera_terms import camera_as_typed, given_by, in_length_unit
+from .form_state import DIAGONAL, SENSOR, URL_TEMPLATE, FormState
 from .form_text import (
-    SEPARATORS,
     aspect_text,
-    degrees_text,
     exact_degrees_text,
     parse_aspect,
     parse_number,
@@ -22,91 +24,34 @@ if TYPE_CHECKING:
     from ...core.mission.area import Area, Box
     from ...core.mission.mission import Mission
 
-#: Fields of a mission that the dock has entries for; all others it carries along.
-_ENTERED = {
-    "area",
-    "agl_m",
-    "camera",
-    "overlap_along",
-    "overlap_across",
-    "layout",
-    "map_types",
-    "source",
-    "date",
-    "image_format",
-    "yaw_deg",
-    "tilt_deg",
-    "roll_deg",
-    "ground_height_m",
-    "error_budget_px",
-    "accept_error",
-    "frame",
-    "resampling",
-    "wind",
-}
-#: Of those, the ones that are the same in both, each with messages of its own.
+#: Fields of a mission that are entries of the same name, each with messages of its own.
 _SAME = (
-    "overlap_along",
-    "overlap_across",
-    "layout",
-    "map_types",
-    "date",
-    "image_format",
-    "yaw_deg",
-    "tilt_deg",
-    "roll_deg",
-    "ground_height_m",
-    "error_budget_px",
-    "accept_error",
-    "frame",
-    "resampling",
+    *(
+        "overlap_along",
+        "overlap_across",
+        "layout",
+        "grid_angle_deg",
+        "crosshatch",
+        "order",
+        "airspeed_m_per_s",
+    ),
+    *("map_types", "date", "image_format", "max_px", "upsample"),
+    *("yaw_deg", "tilt_deg", "roll_deg", "ground_height_m", "start"),
+    *("error_budget_px", "accept_error", "frame", "resampling"),
 )
-
-
-class FormError(Exception):
-    """Entries that make no mission: a message for every field that is wrong."""
-
-    def __init__(self, messages: dict[str, str]) -> None:
-        super().__init__("; ".join(messages.values()))
-        self.messages = messages
-
-
-def with_box(state: FormState, box: Box, text: Callable[[float], str] = degrees_text) -> FormState:
-    """State with the edges of ``box``."""
-    return replace(
-        state,
-        north=text(box.north_deg),
-        west=text(box.west_deg),
-        south=text(box.south_deg),
-        east=text(box.east_deg),
-    )
-
-
-def with_coordinates(state: FormState, text: str) -> FormState:
-    """State with pasted coordinates: ``north_west_south_east_agl``, the height in the state's unit.
-
-    Commas and spaces do as well as underscores, and the height may be left out.
-
-    Raises
-    ------
-    FormError
-        For the field ``north``, with what is wrong.
-    """
-    from ...core.errors import TerrAInavError
-    from ...core.mission.area import Box
-    from ...core.mission.coords import parse_coords
-
-    parts = SEPARATORS.split(text.strip())
-    if len(parts) == len(BOX_FIELDS):
-        parts.append(repr(state.agl))
-    try:
-        area, agl = parse_coords("_".join(parts))
-    except TerrAInavError as wrong:
-        raise FormError({"north": str(wrong)}) from wrong
-    if not isinstance(area, Box):
-        where = tr("“{text}” is a point: the area needs north_west_south_east_agl")
-        raise FormError({"north": where.format(text=text.strip())})
-    return replace(with_box(state, area), agl=agl)
+#: Entries of the other fields that a message may be about.
+_ENTRIES = {
+    "area": "north",
+    "agl_m": "agl",
+    "camera": "fov_deg",
+    "img_size": "resize_width_px",
+    "wind": "turbulence",
+}
+#: All that the dock has entries for; other fields it carries along.
+_ENTERED = {
+    *_SAME,
+    *("area", "agl_m", "camera", "source", "zoom", "gsd_m_per_px", "img_size", "wind"),
+}
 
 
 class _Checks:
@@ -121,7 +66,7 @@ class _Checks:
         try:
             return check()
         except TerrAInavError as wrong:
-            self.messages.setdefault(field, str(wrong))
+            self.messages.setdefault(field, told(wrong))
         return None
 
     def number(self, field: str, what: str, text: str, parse: Callable[[str], float]) -> float | None:
@@ -144,8 +89,8 @@ def mission(state: FormState) -> Mission:
     """
     checks = _Checks()
     area = _box(state, checks)
-    carried = _carried_area(state)
-    return _mission(state, area if carried is None else carried, checks)
+    shape = checks("shape", lambda: entered_shape(state))
+    return _mission(state, area if shape is None else shape.at(state.agl_m), checks)
 
 
 def test_shot(state: FormState, lat_deg: float, lon_deg: float) -> Mission:
@@ -171,17 +116,48 @@ def _mission(state: FormState, area: Area | None, checks: _Checks) -> Mission:
     from ...core.mission.area import check_agl
 
     camera = _camera(state, checks)
-    checks("agl", lambda: check_agl(state.agl_m))
+    if state.agl_m > 0.0:
+        checks("agl", lambda: check_agl(state.agl_m))
+    else:
+        checks.messages["agl"] = tr("height above ground {height:g} {unit}: must be above 0").format(
+            height=state.agl, unit=state.agl_unit
+        )
+    for name in ("overlap_along", "overlap_across"):
+        if not 0.0 <= getattr(state, name) < 1.0:
+            text = tr("overlap {percent:g} %: must be at least 0 and below 100 %")
+            checks.messages[name] = text.format(percent=100.0 * getattr(state, name))
     entries = {name: getattr(state, name) for name in _SAME}
-    entries["source"] = state.source_name
+    entries.update(source=state.source_name, **_pixels(state))
     beyond = checks("more", lambda: _beyond(state))
     if beyond is not None:
         for name, value in entries.items():
-            checks(name, lambda name=name, value=value: beyond.with_(**{name: value}))
+            field = _ENTRIES.get(name, name)
+            checks(field, lambda name=name, value=value: beyond.with_(**{name: value}))
         entries["wind"] = _wind(state, beyond, checks)
     if checks.messages:
         raise FormError(checks.messages)
-    return beyond.with_(area=area, agl_m=state.agl_m, camera=camera, **entries)
+    try:
+        return beyond.with_(area=area, agl_m=state.agl_m, camera=camera, **entries)
+    except InvalidInput as wrong:
+        # Entries that are right one by one, and do not go together.
+        raise FormError({entry_of(wrong.field) or "more": told(wrong)}) from wrong
+
+
+def _pixels(state: FormState) -> dict[str, Any]:
+    """Fields of a mission that say which pixels of the source are taken, and to what size."""
+    channels = 1 if state.resize_grey else 3
+    return {
+        "zoom": state.zoom if state.resolution == "zoom" else None,
+        "gsd_m_per_px": state.gsd_m_per_px if state.resolution == "gsd" else None,
+        "img_size": (state.resize_width_px, state.resize_height_px, channels) if state.resize else None,
+    }
+
+
+def entry_of(field: str) -> str:
+    """Entry in which a field of a mission is put right; empty where there is none."""
+    known = {entry.name for entry in fields(FormState)}
+    entry = _ENTRIES.get(field, field)
+    return entry if entry in known else ""
 
 
 def _beyond(state: FormState) -> Mission:
@@ -199,17 +175,18 @@ def _wind(state: FormState, beyond: Mission, checks: _Checks) -> Any:
     if not state.wind:
         return None
     seed = beyond.seed if beyond.wind is None else beyond.wind.seed
+    airspeed = beyond.airspeed_m_per_s if "airspeed_m_per_s" in checks.messages else state.airspeed_m_per_s
     entries = {
-        "airspeed_m_per_s": state.airspeed_m_per_s,
-        "wind_from_deg": state.wind_from_deg,
-        "wind_speed_m_per_s": state.wind_speed_m_per_s,
-        "turbulence": state.turbulence,
+        "wind_from_deg": ("from_deg", state.wind_from_deg),
+        "wind_speed_m_per_s": ("speed_m_per_s", state.wind_speed_m_per_s),
+        "turbulence": ("turbulence", state.turbulence),
     }
     wind = Wind(seed=seed)
-    for field, value in entries.items():
+    for field, (name, value) in entries.items():
         # Each on top of those that are right already; speed and turbulence are judged by the airspeed.
-        name = {"wind_from_deg": "from_deg", "wind_speed_m_per_s": "speed_m_per_s"}.get(field, field)
-        better = checks(field, lambda wind=wind, name=name, value=value: replace(wind, **{name: value}))
+        better = checks(
+            field, lambda wind=wind, name=name, value=value: replace(wind, **{name: value}).flown_at(airspeed)
+        )
         wind = wind if better is None else better
     return wind
 
@@ -217,13 +194,25 @@ def _wind(state: FormState, beyond: Mission, checks: _Checks) -> Any:
 def _camera(state: FormState, checks: _Checks) -> Any:
     from ...core.geodesy.camera import Camera
 
-    checks("fov_deg", lambda: Camera(fov_deg=state.fov_deg))
     ratio = checks.number("aspect", tr("aspect ratio"), state.aspect, parse_aspect)
     if ratio is not None:
         checks("aspect", lambda: Camera(aspect_ratio=ratio))
-    if "fov_deg" in checks.messages or "aspect" in checks.messages:
-        return None
-    return Camera(state.fov_deg, ratio)
+    sound = ratio is not None and "aspect" not in checks.messages
+    field = {DIAGONAL: "fov_deg", SENSOR: "focal_length_mm"}.get(state.fov_mode, "fov_typed_deg")
+    if state.fov_mode == SENSOR:
+        size_mm = (state.sensor_width_mm, state.sensor_height_mm)
+        # With a lens that suits it, so that what is wrong is the sensor.
+        if checks("sensor_width_mm", lambda: Camera.from_sensor(size_mm, max(size_mm), ratio)) is None:
+            return None
+    checks(field, lambda: camera_as_typed(state, ratio if sound else 1.0))
+    if state.height_by == "gsd" and not state.camera_gsd > 0.0:
+        checks.messages["camera_gsd"] = tr("ground per px: must be above 0")
+    # The diagonal itself, which the numbers typed may stand for with other digits.
+    return (
+        checks(field, lambda: Camera(state.fov_deg, ratio))
+        if sound and field not in checks.messages
+        else None
+    )
 
 
 def _box(state: FormState, checks: _Checks) -> Box | None:
@@ -248,28 +237,14 @@ def _box(state: FormState, checks: _Checks) -> Box | None:
     return checks("south", lambda: Box(edges["north"], edges["west"], edges["south"], edges["east"]))
 
 
-def _carried_area(state: FormState) -> Area | None:
-    """Polygon or points that the box entered stands for; None where another box has been entered since."""
-    from ...core.mission.area import Box, Points
-
-    beyond = _Checks()("more", lambda: _beyond(state))
-    if "area" not in state.beyond_entries or beyond is None or isinstance(beyond.area, Box):
-        return None
-    area = beyond.area
-    if with_box(state, bounds_of(area), exact_degrees_text) != state:
-        return None
-    if isinstance(area, Points) and state.agl_m != beyond.agl_m and state.agl_m > 0.0:
-        area = Points(tuple((lat, lon, state.agl_m) for lat, lon, _ in area.poses))
-    return area
-
-
-def state_of(mission: Mission, folder: str) -> FormState:
-    """State that asks for ``mission`` again; heights in metres."""
+def state_of(mission: Mission, folder: str, like: FormState | None = None) -> FormState:
+    """State that asks for ``mission`` again, in the unit and the terms of another state; otherwise in metres."""
     from ...core.imagery.opening import is_template
     from ...core.imagery.services.ogc import is_service
 
     state = FormState(
         fov_deg=mission.camera.fov_deg,
+        **_pixel_entries(mission),
         aspect=aspect_text(mission.camera.aspect_ratio),
         agl=float(mission.agl_m),
         source=mission.source,
@@ -286,28 +261,25 @@ def state_of(mission: Mission, folder: str) -> FormState:
             wind_speed_m_per_s=mission.wind.speed_m_per_s,
             wind_from_deg=mission.wind.from_deg,
             turbulence=mission.wind.turbulence,
-            airspeed_m_per_s=mission.wind.airspeed_m_per_s,
         )
     # A mission file may write 90 for 90.0.
     floats = {f.name: float(getattr(state, f.name)) for f in fields(state) if f.type == "float"}
-    return with_box(replace(state, **floats), bounds_of(mission.area), exact_degrees_text)
+    state = with_box(replace(state, **floats), mission.area.bounds, exact_degrees_text)
+    state = replace(state, shape=shape_text(mission.area, state.agl_m))
+    return state if like is None else in_length_unit(given_by(state, like.fov_mode), like.agl_unit)
 
 
-def bounds_of(area: Area) -> Box:
-    """Smallest box around an area, points included."""
-    from ...core.geodesy.mercator import wrap_lon_deg
-    from ...core.mission.area import Box, Points
-
-    if not isinstance(area, Points):
-        return area.bounds
-    lat, lon, _ = zip(*area.poses)
-    # Away from the first point, so that points on either side of the antimeridian are neighbours.
-    away = [float(wrap_lon_deg(value - lon[0])) for value in lon]
-    west, east = (
-        value if abs(value) <= 180.0 else float(wrap_lon_deg(value))
-        for value in (lon[0] + min(away), lon[0] + max(away))
-    )
-    return Box(max(lat), west, min(lat), east)
+def _pixel_entries(mission: Mission) -> dict[str, Any]:
+    """Entries that ask for a mission's pixels."""
+    entries: dict[str, Any] = {}
+    if mission.zoom is not None:
+        entries.update(resolution="zoom", zoom=mission.zoom)
+    if mission.gsd_m_per_px is not None:
+        entries.update(resolution="gsd", gsd_m_per_px=mission.gsd_m_per_px)
+    if mission.img_size is not None:
+        width, height, channels = mission.img_size
+        entries.update(resize=True, resize_width_px=width, resize_height_px=height, resize_grey=channels == 1)
+    return entries
 
 
 def _more(mission: Mission) -> str:
@@ -324,8 +296,6 @@ def _more(mission: Mission) -> str:
     }
     if mission.wind is not None and mission.wind.seed != mission.seed:
         more["wind"] = {"seed": mission.wind.seed}
-    if not isinstance(mission.area, Box):
-        more.update(area=data["area"], agl_m=mission.agl_m)
     return json.dumps(more) if more else ""
 
 
@@ -333,10 +303,7 @@ def beyond_text(state: FormState) -> str:
     """What a state's mission says beyond the entries, in words; empty for nothing."""
     words = []
     for name, value in state.beyond_entries.items():
-        if name == "area":
-            if _carried_area(state) is not None:
-                words.append(tr("area: {kind}").format(kind=value.get("type")))
-        elif name not in ("agl_m", "wind"):
+        if name != "wind":
             text = " × ".join(map(str, value)) if isinstance(value, list) else str(value)
             words.append(f"{name.replace('_', ' ')}: {text}")
     return ", ".join(words)

@@ -1,29 +1,38 @@
-"""Where in the dock a mission that cannot be planned is put right."""
+"""What the core says of a mission, at the entry where it is put right and in the dock's own words."""
 
 from __future__ import annotations
 
-from ...core.errors import TerrAInavError
-from ..i18n import tr
+import re
 
-#: How the core's messages begin that are about one entry, and that entry.
-_FIELDS = (
-    ("error budget ", "error_budget_px"),
-    ("picture 'map' was asked for", "frame"),
-    ("picture as the camera sees it:", "source"),
-    ("camera with tilt ", "tilt_deg"),
-    ("camera at height ", "tilt_deg"),
-    ("wind of ", "turbulence"),
-)
+from ...core.errors import InvalidInput, TerrAInavError
+from ..i18n import told, tr
+from .mission_form import entry_of
+
+#: An option of the command, as the core's advice names it.
+_OPTION = re.compile(r"--[a-z][a-z-]*")
 
 
 def refused_fields(error: TerrAInavError) -> dict[str, str]:
-    """Message at the field that a refusal is about; empty where it is about no single one."""
-    text = str(error)
-    words = {
-        "raise --error-budget, or go on with --accept-error": tr(
-            "raise the budget, or tick “Go on beyond the budget”"
-        )
+    """Message at the entry that a refusal is about; empty where it is about no single one."""
+    entry = entry_of(error.field) if isinstance(error, InvalidInput) and error.field else ""
+    return {entry: in_words_of_the_dock(error)} if entry else {}
+
+
+def in_words_of_the_dock(message: object) -> str:
+    """Message of the core that names entries of the dock instead of options of the command."""
+    names = {
+        "--error-budget": tr("Error budget"),
+        "--accept-error": tr("Go on beyond the budget"),
+        "--upsample": tr("Allow enlarged pixels"),
+        "--max-px": tr("Longest side"),
+        "--zoom": tr("Zoom"),
+        "--gsd": tr("Source's ground per px"),
+        "--img-size": tr("Resize pictures"),
+        "--layout": tr("Layout"),
+        "--date": tr("Date"),
     }
-    for option, entry in words.items():
-        text = text.replace(option, entry)
-    return next(({field: text} for beginning, field in _FIELDS if text.startswith(beginning)), {})
+    text = told(message)
+    for option in sorted(set(_OPTION.findall(text)) - set(names), key=len, reverse=True):
+        # What the dock has no entry for is no advice here.
+        text = re.sub(rf" ?\({option}\)", "", text)
+    return _OPTION.sub(lambda option: tr("“{entry}”").format(entry=names.get(option[0], option[0])), text)

@@ -1,4 +1,4 @@
-"""The entries of the source chooser: catalogue, the user's own sources, the project's layers, and files."""
+"""The entries of the source chooser: catalogue, own sources, QGIS's connections, the project's layers, and files."""
 
 from __future__ import annotations
 
@@ -8,10 +8,20 @@ from typing import TYPE_CHECKING
 
 from qgis.core import QgsProject
 
-from ...core.errors import InvalidInput
+from ...core.errors import InvalidInput, TerrAInavError
 from ..i18n import tr
+from ..layers.connections import (
+    SERVICE as SERVICE_NAME,
+)
+from ..layers.connections import (
+    XYZ,
+    connection,
+    connection_names,
+    is_connection,
+    service_names,
+)
 from ..layers.snapshot import is_of_qgis, layer_choices
-from .choices import CATALOGUE, FILE, OWN, PROJECT, SourceChoice
+from .choices import CATALOGUE, CONNECTION, FILE, OWN, PROJECT, REGIONAL, SERVICE, SourceChoice
 
 if TYPE_CHECKING:
     from ...core.imagery.catalogue.entry import CatalogueEntry
@@ -20,27 +30,38 @@ if TYPE_CHECKING:
 def source_choices(project: QgsProject) -> tuple[list[SourceChoice], str]:
     """Entries of the source chooser, the embedded world first; and what is wrong with the user's own sources."""
     from ...core.imagery.catalogue.entry import shipped
-    from ...core.imagery.catalogue.user_sources import user_sources
+    from ...core.imagery.catalogue.user_sources import shelf
 
     wrong = ""
     entries = list(shipped())
     try:
-        entries += user_sources()
+        own, problems = shelf()
+        entries += own
+        wrong = "; ".join(problems.values())
     except InvalidInput as unreadable:
         wrong = str(unreadable)
     choices = [_of_entry(entry) for entry in entries]
+    choices += [_of_connection(name) for name in connection_names()]
+    asked = tr("A service of many layers: choose it, then one of them, which is kept with your own sources.")
+    choices += [
+        SourceChoice(SERVICE_NAME + name, tr("{name}…").format(name=name), group=SERVICE, limits=asked)
+        for name in service_names()
+    ]
     drawn = tr("Drawn by QGIS as the map shows it, and read from where the layer's data are.")
     choices += [
         SourceChoice(name, title, group=PROJECT, limits=html.escape(drawn))
         for name, title in layer_choices(project)
     ]
-    return choices, wrong
+    return sorted(choices, key=lambda choice: choice.group), wrong
 
 
 def unlisted(name: str) -> SourceChoice | None:
     """Entry for a source that the chooser does not list: a file, or a layer that is not there (any more)."""
     from ...core.imagery.opening import is_file
 
+    if is_connection(name):
+        title = tr("Connection that is not there")
+        return SourceChoice(name, title, group=CONNECTION, limits=html.escape(name[len(XYZ) :]))
     if is_of_qgis(name):
         return SourceChoice(name, tr("Layer that is not there"), group=PROJECT)
     if is_file(name):
@@ -55,11 +76,40 @@ def _of_entry(entry: CatalogueEntry) -> SourceChoice:
         entry.title,
         tuple(entry.map_types),
         entry.key_env is not None,
-        OWN if entry.user else CATALOGUE,
+        _group(entry),
         limits_html(entry),
         "" if dates is None else _without_options(dates.text()),
         "" if dates is None else dates.default,
+        entry.user,
     )
+
+
+def _group(entry: CatalogueEntry) -> int:
+    if entry.user:
+        return OWN
+    from ...core.imagery.catalogue.entry import WORLD_DEG
+
+    return CATALOGUE if entry.bounds_deg == WORLD_DEG else REGIONAL
+
+
+def _of_connection(name: str) -> SourceChoice:
+    try:
+        limits = limits_html(connection(XYZ + name).entry())
+    except InvalidInput as wrong:
+        limits = html.escape(str(wrong))
+    return SourceChoice(XYZ + name, name, group=CONNECTION, limits=limits)
+
+
+def template_limits(template: str) -> str:
+    """What the provider of a URL template allows, as HTML; empty where the template is not right (yet)."""
+    from ...core.imagery.opening import entry_of, is_template
+
+    if not is_template(template):
+        return ""
+    try:
+        return limits_html(entry_of(template))
+    except TerrAInavError:
+        return ""
 
 
 def limits_html(entry: CatalogueEntry) -> str:
@@ -85,6 +135,8 @@ def limits_html(entry: CatalogueEntry) -> str:
     words.append(tr("kept in the cache") if policy.cache_allowed else tr("not kept in the cache"))
     words[0] = words[0][:1].upper() + words[0][1:]
     text = html.escape("; ".join(words))
+    if entry.user and not (policy.licence or policy.terms or policy.terms_url):
+        return f"{text}.<br/>{html.escape(tr('Its terms are not known here: they are yours to check.'))}"
     licence = html.escape(policy.licence or tr("Licence not stated"))
     if policy.terms_url:
         terms = f'<a href="{html.escape(policy.terms_url)}">{html.escape(tr("terms"))}</a>'

@@ -7,8 +7,9 @@ from qgis.PyQt.QtCore import QObject, QTimer
 from qgis.PyQt.QtWidgets import QMessageBox, QWidget
 
 from ...core.errors import TerrAInavError
-from ..i18n import tr
+from ..i18n import told, tr
 from ..messages import Messages
+from ..settings import Settings
 from .add_source_dialog import AddSourceDialog
 from .cache_dialog import CacheDialog
 from .imagery_entries import ImageryEntries
@@ -40,6 +41,9 @@ class SourceShelf(QObject):
         imagery.add_source_clicked.connect(self.add)
         imagery.remove_source_clicked.connect(self.remove)
         imagery.cache_clicked.connect(self.show_cache)
+        imagery.service_chosen.connect(self.choose_layer)
+        # QGIS does not tell of connections that come and go.
+        imagery.source.about_to_open.connect(self.refresh)
         self.refresh()
 
     def close(self) -> None:
@@ -53,12 +57,25 @@ class SourceShelf(QObject):
         choices, problem = source_choices(self._project)
         self._imagery.set_choices(choices)
         if problem and problem != self._told:
-            self._messages.warning(tr("Your own sources are left out: {reason}").format(reason=problem))
+            self._messages.warning(
+                tr("Some of your own sources are left out: {reason}").format(reason=told(problem))
+            )
         self._told = problem
 
     def add(self) -> None:
         """Ask for a source's URL, keep it, and choose it."""
         dialog = AddSourceDialog(self._window)
+        if dialog.exec() and dialog.added:
+            self.refresh()
+            self._imagery.choose_source(dialog.added)
+        dialog.deleteLater()
+
+    def choose_layer(self, name: str) -> None:
+        """Ask which layer of a service of QGIS is wanted, keep it, and choose it."""
+        from ..layers.connections import service
+        from .service_dialog import ServiceDialog
+
+        dialog = ServiceDialog(service(name), self._window)
         if dialog.exec() and dialog.added:
             self.refresh()
             self._imagery.choose_source(dialog.added)
@@ -78,6 +95,7 @@ class SourceShelf(QObject):
             return
         try:
             remove(choice.name)
+            Settings().set_authcfg(choice.name, "")
         except TerrAInavError as wrong:
             self._messages.warning(str(wrong))
         self.refresh()

@@ -26,6 +26,7 @@ from ...core.errors import InvalidInput
 from ...core.geodesy.mercator import HALF_WORLD_M, PixelGrid, fitting_zoom
 from ..i18n import tr
 from ..map.mission_group import ROLE
+from .connections import is_connection
 from .pipes import Pipes
 
 #: What names of sources begin with that QGIS itself draws.
@@ -86,7 +87,7 @@ class Snapshot:
 
 def is_of_qgis(name: str) -> bool:
     """Whether a source is drawn by QGIS itself."""
-    return name.startswith(PREFIX)
+    return name.startswith(PREFIX) and not is_connection(name)
 
 
 def source_name(layer: QgsMapLayer) -> str:

@@ -5,15 +5,15 @@ from __future__ import annotations
 from qgis.core import QgsCsException, QgsPointXY, QgsProject, QgsRectangle
 from qgis.gui import QgsMapCanvas, QgsMapMouseEvent, QgsMapTool, QgsRubberBand
 from qgis.PyQt.QtCore import QEvent, QObject, QPoint, Qt, pyqtSignal
-from qgis.PyQt.QtGui import QColor
+from qgis.PyQt.QtGui import QKeyEvent
 from qgis.PyQt.QtWidgets import QApplication
 
 from ...core.errors import TerrAInavError
+from ...core.mission.area import Box
 from ..compat import POLYGON
+from .area_bands import Readout, area_band
+from .area_words import size_text
 from .box_geometry import box_of
-
-#: Vermillion and its tint of the Okabe-Ito palette, which colour-blind people tell apart.
-_LINE, _FILL = QColor(213, 94, 0), QColor(213, 94, 0, 40)
 
 
 class TemporaryTool(QgsMapTool):
@@ -59,7 +59,8 @@ class TemporaryTool(QgsMapTool):
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
         """Give up on Esc."""
-        if event.type() == QEvent.Type.KeyPress and event.key() == Qt.Key.Key_Escape:
+        pressed = event.type() == QEvent.Type.KeyPress
+        if pressed and isinstance(event, QKeyEvent) and event.key() == Qt.Key.Key_Escape:
             self.give_up()
             return True
         return super().eventFilter(watched, event)
@@ -82,6 +83,7 @@ class BoxTool(TemporaryTool):
     def __init__(self, canvas: QgsMapCanvas) -> None:
         super().__init__(canvas)
         self._band: QgsRubberBand | None = None
+        self._readout = Readout(canvas)
         self._pressed_at: QPoint | None = None
         self._start: QgsPointXY | None = None
         self._given_up = False
@@ -97,6 +99,7 @@ class BoxTool(TemporaryTool):
         """Stretch the box."""
         if self._pressed_at is not None:
             self._show(self._rectangle(event.pos()))
+            self._say_size(event.pos())
 
     def canvasReleaseEvent(self, event: QgsMapMouseEvent) -> None:
         """Finish the box; a click without a drag draws none."""
@@ -108,14 +111,16 @@ class BoxTool(TemporaryTool):
             return
         moved = (event.pos() - self._pressed_at).manhattanLength()
         rectangle = self._rectangle(event.pos())
-        self._clear()
         if moved < QApplication.startDragDistance() or rectangle.width() == 0 or rectangle.height() == 0:
+            self._clear()
             return
         try:
-            box = box_of(rectangle, self.canvas().mapSettings().destinationCrs(), QgsProject.instance())
+            box = self._box(event.pos())
         except (TerrAInavError, QgsCsException) as wrong:
             self.refused.emit(str(wrong))
             return
+        finally:
+            self._clear()
         self.stop()
         self.drawn.emit(box)
 
@@ -138,10 +143,7 @@ class BoxTool(TemporaryTool):
 
     def _show(self, rectangle: QgsRectangle) -> None:
         if self._band is None:
-            self._band = QgsRubberBand(self.canvas(), POLYGON)
-            self._band.setStrokeColor(_LINE)
-            self._band.setFillColor(_FILL)
-            self._band.setWidth(2)
+            self._band = area_band(self.canvas())
         self._band.reset(POLYGON)
         west, south, east, north = (
             rectangle.xMinimum(),
@@ -153,7 +155,21 @@ class BoxTool(TemporaryTool):
             self._band.addPoint(QgsPointXY(x, y), False)
         self._band.addPoint(QgsPointXY(west, north), True)
 
+    def _say_size(self, at: QPoint) -> None:
+        """Say beside the pointer how large the box would be; nothing where there is none."""
+        try:
+            text = size_text(self._box(at))
+        except (TerrAInavError, QgsCsException):
+            text = ""
+        self._readout.say(text, at)
+
+    def _box(self, at: QPoint) -> Box:
+        return box_of(
+            self._rectangle(at), self.canvas().mapSettings().destinationCrs(), QgsProject.instance()
+        )
+
     def _clear(self) -> None:
+        self._readout.clear()
         self._pressed_at = self._start = None
         if self._band is not None:
             self.canvas().scene().removeItem(self._band)

@@ -3,33 +3,57 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import NamedTuple
 
 from qgis.core import QgsLayerTreeGroup, QgsLayerTreeLayer, QgsMapLayer, QgsProject
 
 from ..i18n import tr
 
 #: Custom properties of the group, saved with the project.
-_FOLDER, _MISSION = "terrainav/folder", "terrainav/mission"
+_FOLDER, _MISSION, _CURRENT = "terrainav/folder", "terrainav/mission", "terrainav/current"
 #: Custom property of each layer: what it shows. A reopened project is recognised by it.
 ROLE = "terrainav/role"
 #: Role of the footprints that a dataset holds.
 CAPTURED = "captured"
+#: Role of the footprints whose images could not be made.
+FAILED = "failed"
 
 
-def saved_missions(project: QgsProject) -> list[tuple[str, str]]:
-    """Folder and mission (JSON) of every mission group of a project.
+class SavedMission(NamedTuple):
+    """A mission that a project holds.
+
+    Parameters
+    ----------
+    title : str
+        Name of its group, which the user may have changed.
+    folder : str
+    text : str
+        The mission as JSON.
+    current : bool
+        Whether it was the one in the panel last.
+    """
+
+    title: str
+    folder: str
+    text: str
+    current: bool
+
+
+def saved_missions(project: QgsProject) -> list[SavedMission]:
+    """Missions of a project, one for each of its mission groups, from the top of the layer tree.
 
     A project may have been moved together with its datasets: its layers know where they are now.
     """
     missions = []
     for group in project.layerTreeRoot().findGroups(True):
-        mission = group.customProperty(_MISSION)
-        if not mission:
+        text = group.customProperty(_MISSION)
+        if not text:
             continue
         captured = _layer_in(group, CAPTURED)
         if captured is not None:
             group.setCustomProperty(_FOLDER, str(Path(captured.source().partition("|")[0]).parent))
-        missions.append((group.customProperty(_FOLDER), mission))
+        current = bool(group.customProperty(_CURRENT))
+        missions.append(SavedMission(group.name(), group.customProperty(_FOLDER), text, current))
     return missions
 
 
@@ -73,11 +97,38 @@ class MissionGroup:
         self._project.addMapLayer(layer, False)
         return self._made().insertLayer(index, layer)
 
+    def remove(self, role: str) -> None:
+        """Take the layer that shows ``role`` off the map, if there is one."""
+        layer = self.layer(role)
+        if layer is not None:
+            self._project.removeMapLayer(layer.id())
+            self.remove_if_empty()
+
+    def replace(self, old: QgsMapLayer, new: QgsMapLayer, role: str) -> None:
+        """Put a layer into the place of another, as visible and under the same name."""
+        node = self._project.layerTreeRoot().findLayer(old.id())
+        parent, shown, expanded = node.parent(), node.itemVisibilityChecked(), node.isExpanded()
+        new.setName(old.name())
+        new.setCustomProperty(ROLE, role)
+        self._project.addMapLayer(new, False)
+        there = parent.insertLayer(parent.children().index(node), new)
+        there.setItemVisibilityChecked(shown)
+        there.setExpanded(expanded)
+        self._project.removeMapLayer(old.id())
+
     def remember_mission(self, text: str) -> None:
         """Keep the mission's JSON with the group, so that the project knows it."""
         group = self.find()
         if group is not None:
             group.setCustomProperty(_MISSION, text)
+
+    def make_current(self) -> None:
+        """Have the project remember that this is the mission in the panel."""
+        for group in self._project.layerTreeRoot().findGroups(True):
+            if group.customProperty(_FOLDER) == self._folder:
+                group.setCustomProperty(_CURRENT, True)
+            elif group.customProperty(_CURRENT):
+                group.removeCustomProperty(_CURRENT)
 
     def remove_if_empty(self) -> None:
         """Take the group away when nothing is in it."""

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from ...core.capture.georeference import EPSG, crs_wkt, xml_text
+from ...core.dataset.folder import JOURNAL_FILE
 from ...core.errors import OutputError
 from ...core.files import write_whole
 from ..i18n import tr
@@ -83,11 +84,6 @@ def _mosaics(plan: Plan, folder: Path) -> Iterator[tuple[Mosaic, Placed]]:
     world = plan.grid.world_px(plan.zoom)
     turn = np.floor(np.asarray(plan.windows.left_px, np.float64) / world)
     turns = np.unique(turn)
-    titles = {
-        "satellite": tr("Satellite images"),
-        "roadmap": tr("Roadmap images"),
-        "terrain": tr("Terrain images"),
-    }
     order = np.lexsort((plan.windows.left_px, plan.windows.top_px))
     for map_type in plan.mission.map_types:
         for number, this in enumerate(turns):
@@ -99,9 +95,7 @@ def _mosaics(plan: Plan, folder: Path) -> Iterator[tuple[Mosaic, Placed]]:
             if not there:
                 continue
             suffix = "" if len(turns) == 1 else f"_{number + 1}"
-            title = titles[map_type]
-            if len(turns) > 1:
-                title = tr("{title}, part {number}").format(title=title, number=number + 1)
+            title = _title(map_type, 0 if len(turns) == 1 else number + 1)
             yield (
                 Mosaic(map_type, folder / f"{map_type}{suffix}.vrt", title),
                 _placed(plan, there, float(this) * world),
@@ -184,3 +178,33 @@ def _sources(plan: Plan, placed: Placed, folder: Path) -> Iterator[tuple[str, st
             f'<SourceProperties {properties} BlockXSize="{own_width}" BlockYSize="1"/>',
             f"<SrcRect {source}/><DstRect {place}/>",
         )
+
+
+def mosaics_there(folder: Path, map_types: tuple[str, ...]) -> list[Mosaic] | None:
+    """Mosaics of a dataset as an earlier run has left them; None where they are missing or older than its pictures."""
+    journal = folder / JOURNAL_FILE
+    found: list[Mosaic] = []
+    try:
+        newest_s = journal.stat().st_mtime
+        for map_type in map_types:
+            paths = [folder / f"{map_type}.vrt"]
+            parts = [folder / f"{map_type}_{number}.vrt" for number in (1, 2)]
+            paths = paths if paths[0].is_file() else [path for path in parts if path.is_file()]
+            if not paths or any(path.stat().st_mtime < newest_s for path in paths):
+                return None
+            numbers = (0,) if len(paths) == 1 else (1, 2)
+            found += [Mosaic(map_type, path, _title(map_type, at)) for path, at in zip(paths, numbers)]
+    except OSError:
+        return None
+    return found
+
+
+def _title(map_type: str, number: int = 0) -> str:
+    """Name of a mosaic's layer; of a part of it where there is a ``number``."""
+    titles = {
+        "satellite": tr("Satellite images"),
+        "roadmap": tr("Roadmap images"),
+        "terrain": tr("Terrain images"),
+    }
+    title = titles[map_type]
+    return tr("{title}, part {number}").format(title=title, number=number) if number else title

@@ -1,82 +1,80 @@
-"""The preview: what would be captured, as layers that follow every change."""
+"""The preview: what would be captured, as layers that follow every change of the mission and of the view."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from concurrent.futures import Future, ThreadPoolExecutor
 from typing import TYPE_CHECKING
 
-from qgis.core import QgsProject, QgsVectorLayer
+from qgis.core import QgsFeature, QgsProject, QgsRectangle, QgsVectorLayer
+from qgis.gui import QgsMapCanvas
 from qgis.PyQt.QtCore import QObject, QTimer, pyqtSignal
 
-from ..i18n import tr
-from ..paths import style
 from .mission_group import MissionGroup
-from .preview_features import CRS, FIELDS, PreviewFeatures, field_names
+from .preview_layers import KINDS, Kind, field_names
+from .preview_view import HALF_WORLD_M, View, view_of
 
 if TYPE_CHECKING:
     from ...core.mission.mission import Mission
+    from ...core.mission.plan import Plan
+    from .preview_scene import Drawing, Scene
+
+#: Pause in moving the map after which the preview follows.
+_PAUSE_MS = 60
 
 
-@dataclass(frozen=True)
-class _Kind:
-    """One of the preview's layers."""
-
-    role: str
-    geometry: str
-
-    def new_layer(self, title: str) -> QgsVectorLayer:
-        uri = f"{self.geometry}?crs={CRS}&{FIELDS[self.role]}"
-        layer = QgsVectorLayer(uri, title, "memory")
-        layer.loadNamedStyle(style(self.role))
-        # It can be made again at any time, so closing the project need not ask whether to save it.
-        layer.setCustomProperty("skipMemoryLayersCheck", 1)
-        layer.setReadOnly(True)
-        return layer
-
-
-#: Features added in one go: a few milliseconds.
-_PIECE = 1000
-_ALL_DONE = object()
-#: From the top of the group to its bottom.
-_KINDS = (
-    _Kind("area", "MultiPolygon"),
-    _Kind("centres", "Point"),
-    _Kind("flight", "MultiLineString"),
-    _Kind("footprints", "MultiPolygon"),
-)
-
-
-def _titles(outlined: bool) -> dict[str, str]:
-    return {
-        "area": tr("Area"),
-        "centres": tr("Capture centres"),
-        "flight": tr("Flight line"),
-        "footprints": tr("Planned rows (too many images to draw each)") if outlined else tr("Planned images"),
-    }
+class _Overtaken(Exception):
+    """Another view or plan is wanted by now."""
 
 
 class Preview(QObject):
-    """Shows one plan at a time.
+    """Shows one plan at a time, in the detail that the map's view allows.
+
+    A thread of its own works out what a view needs; the layers are filled on the main thread, one at a time and each in
+    one go. What is there already and still right stays.
 
     Signals
     -------
     closed()
         After the user removed the preview's layers, or the project was closed.
+    failed(object)
+        The error that has kept a view from being drawn.
     """
 
     closed = pyqtSignal()
+    failed = pyqtSignal(object)
+    _finished = pyqtSignal(int, object)
 
-    def __init__(self, project: QgsProject) -> None:
+    def __init__(self, project: QgsProject, canvas: QgsMapCanvas) -> None:
         super().__init__()
         self._project = project
+        self._canvas = canvas
         self._group: MissionGroup | None = None
         self._ids: dict[str, str] = {}
+        self._plan: Plan | None = None
+        self._drawing: Drawing | None = None
+        #: What each layer holds, so that the same is not put there again.
+        self._held: dict[str, list[QgsFeature]] = {}
         self._pieces: Iterator[None] | None = None
-        self._turn = QTimer(self)
-        self._turn.setSingleShot(True)
-        self._turn.timeout.connect(self._fill_on)
+        self._filling = False
+        self._scene: Scene | None = None
+        self._latest = 0
+        self._running: Future[tuple[Scene, Drawing]] | None = None
+        self._pool = ThreadPoolExecutor(1, thread_name_prefix="terrainav-preview")
+        self._pause = _timer(self, self._look)
+        self._turn = _timer(self, self._fill_on)
+        # Emitted on the preview's thread, received on this object's.
+        self._finished.connect(self._deliver)
         project.layersRemoved.connect(self._forget)
+        self._moves = (
+            canvas.extentsChanged,
+            canvas.scaleChanged,
+            canvas.destinationCrsChanged,
+            canvas.rotationChanged,
+            canvas.temporalRangeChanged,
+        )
+        for moved in self._moves:
+            moved.connect(self._follow)
 
     @property
     def shown(self) -> bool:
@@ -85,30 +83,29 @@ class Preview(QObject):
 
     @property
     def busy(self) -> bool:
-        """Whether layers are still being filled."""
-        return self._pieces is not None
+        """Whether layers are still to be filled."""
+        return self._pause.isActive() or self._running is not None or self._pieces is not None
+
+    @property
+    def drawing(self) -> Drawing | None:
+        """What is drawn now."""
+        return self._drawing
 
     def layer(self, role: str) -> QgsVectorLayer | None:
-        """Layer of a kind: area, footprints, centres or flight."""
+        """Layer of a kind: area, centres, flight, footprints or density."""
         return self._project.mapLayer(self._ids.get(role, ""))
 
-    def show(self, group: MissionGroup, mission: Mission, features: PreviewFeatures) -> None:
-        """Draw a plan; layers that are there already are filled anew, in place."""
-        titles = _titles(features.outlined)
+    def show(self, group: MissionGroup, mission: Mission, plan: Plan) -> None:
+        """Have a plan drawn; layers that are there already are filled anew, in place."""
         self._move_to(group)
-        for index, kind in enumerate(_KINDS):
-            layer = self.layer(kind.role)
-            if layer is None:
-                layer = self._adopt(kind.role) or self._add(kind, titles[kind.role], index)
-            if layer.name() != titles[kind.role]:
-                layer.setName(titles[kind.role])
-        group.remember_mission(mission.to_json())
-        self._pieces = self._fill(features)
+        self._plan, self._drawing = plan, None
+        self._filling, self._pieces = False, self._make_layers(mission)
         self._fill_on()
+        self._look()
 
     def set_footprints_visible(self, visible: bool) -> None:
-        """Tick or untick the planned images, centres and flight line in the layer tree."""
-        for role in ("footprints", "centres", "flight"):
+        """Tick or untick the planned images, their density, centres and flight line in the layer tree."""
+        for role in ("footprints", "centres", "flight", "density"):
             layer = self.layer(role)
             node = self._project.layerTreeRoot().findLayer(layer) if layer is not None else None
             if node is not None:
@@ -116,7 +113,10 @@ class Preview(QObject):
 
     def remove(self) -> None:
         """Take the preview off the map; results in its group stay."""
-        self._pieces = None
+        self._latest += 1
+        self._pause.stop()
+        self._plan = self._scene = self._drawing = self._pieces = None
+        self._held = {}
         ids, self._ids = list(self._ids.values()), {}
         self._project.removeMapLayers([layer_id for layer_id in ids if self._project.mapLayer(layer_id)])
         if self._group is not None:
@@ -124,35 +124,117 @@ class Preview(QObject):
         self._group = None
 
     def close(self) -> None:
-        """End for good: nothing of the preview and no connection to the project is left."""
+        """End for good: nothing of the preview, no thread and no connection is left."""
+        for moved in self._moves:
+            moved.disconnect(self._follow)
         self._project.layersRemoved.disconnect(self._forget)
         self.remove()
+        self._pool.shutdown(wait=True, cancel_futures=True)
+
+    # --- from a view to features
+
+    def _follow(self, *_: object) -> None:
+        """Look again once the map has come to rest."""
+        if self._plan is not None:
+            self._pause.start(_PAUSE_MS)
+
+    def _look(self) -> None:
+        """Have drawn what the map shows now, unless it is there."""
+        self._pause.stop()
+        if self._plan is None:
+            self._scene = None
+            return
+        view = view_of(self._canvas)
+        if self._drawing is not None and view is not None and self._drawing.is_right_for(view):
+            if self._running is not None:
+                # On its way is another view, which has been left meanwhile.
+                self._latest += 1
+            return
+        self._latest += 1
+        if self._running is None:
+            self._running = self._pool.submit(self._work, self._latest, self._plan, self._scene, view)
+            number = self._latest
+            self._running.add_done_callback(lambda future: self._finished.emit(number, future))
+
+    def _work(self, number: int, plan: Plan, scene: Scene | None, view: View | None) -> tuple[Scene, Drawing]:
+        """Make features, ending early when overtaken. Runs on the preview's thread."""
+        from .preview_scene import Scene
+
+        def check() -> None:
+            if number != self._latest:
+                raise _Overtaken
+
+        def check_plan() -> None:
+            if self._plan is not plan:
+                raise _Overtaken
+
+        if scene is None or scene.plan is not plan:
+            # It serves all views of its plan, so that only another plan overtakes it.
+            scene = self._scene = Scene(plan, check_plan)
+        return scene, scene.draw(view, check)
+
+    def _deliver(self, number: int, future: Future[tuple[Scene, Drawing]]) -> None:
+        self._running = None
+        if number != self._latest:
+            if not self._pause.isActive():
+                self._look()
+            return
+        error = future.exception()
+        if isinstance(error, Exception):
+            self.failed.emit(error)
+        elif self._plan is not None:
+            self._drawing = future.result()[1]
+            # Layers that are still being made are filled after that.
+            if self._pieces is None or self._filling:
+                self._pieces = self._fill(self._drawing)
+                self._fill_on()
 
     def _fill_on(self) -> None:
-        """Add one piece and let the application breathe before the next."""
+        """Fill one layer and let the application breathe before the next."""
         if self._pieces is None:
             return
-        if next(self._pieces, _ALL_DONE) is _ALL_DONE:
+        if next(self._pieces, self) is self:
             self._pieces = None
         else:
             self._turn.start(0)
 
-    def _fill(self, features: PreviewFeatures) -> Iterator[None]:
-        """Fill the layers piece by piece; one that the user removes meanwhile is left out."""
-        for kind in _KINDS:
-            wanted = getattr(features, kind.role)
-            for start in range(0, max(len(wanted), 1), _PIECE):
-                layer = self.layer(kind.role)
-                if layer is None:
-                    break
-                if start == 0:
-                    layer.dataProvider().truncate()
-                layer.dataProvider().addFeatures(wanted[start : start + _PIECE])
-                yield None
-            layer = self.layer(kind.role)
-            if layer is not None:
+    def _make_layers(self, mission: Mission) -> Iterator[None]:
+        """Bring the layers that are not there, one by one: reading their styles takes a while."""
+        for index, kind in enumerate(KINDS):
+            if self.layer(kind.role) is not None or self._adopt(kind.role) is not None:
+                continue
+            kind.add_styles(self._add(kind, index))
+            yield None
+        self._group.remember_mission(mission.to_json())
+        if self._drawing is not None:
+            yield from self._fill(self._drawing)
+
+    def _fill(self, drawing: Drawing) -> Iterator[None]:
+        """Fill the layers one by one; one that the user removes meanwhile is left out."""
+        self._filling = True
+        bounds = QgsRectangle(*drawing.bounds)
+        if bounds.xMaximum() > HALF_WORLD_M:
+            bounds.setXMinimum(-HALF_WORLD_M)
+            bounds.setXMaximum(HALF_WORLD_M)
+        for kind in KINDS:
+            layer, wanted = self.layer(kind.role), drawing.layers[kind.role]
+            held = self._held.get(kind.role)
+            if layer is None or held is wanted or (held == [] and not wanted):
+                continue
+            provider = layer.dataProvider()
+            provider.truncate()
+            if wanted:
+                provider.addFeatures(wanted)
+            self._held[kind.role] = wanted
+            if kind.role != "area":
+                # "Zoom to layer" goes to the whole mission, whatever part of it is drawn.
+                layer.setExtent(bounds)
+            else:
                 layer.updateExtents()
-                layer.triggerRepaint()
+            layer.triggerRepaint()
+            yield None
+
+    # --- layers
 
     def _move_to(self, group: MissionGroup) -> None:
         """A mission with another folder has a group of its own."""
@@ -170,12 +252,14 @@ class Preview(QObject):
             self._project.removeMapLayer(layer.id())
             return None
         self._ids[role] = layer.id()
+        self._held.pop(role, None)
         return layer
 
-    def _add(self, kind: _Kind, title: str, index: int) -> QgsVectorLayer:
-        layer = kind.new_layer(title)
+    def _add(self, kind: Kind, index: int) -> QgsVectorLayer:
+        layer = kind.new_layer()
         self._group.add(layer, kind.role, index).setExpanded(False)
         self._ids[kind.role] = layer.id()
+        self._held[kind.role] = []
         return layer
 
     def _forget(self, layer_ids: list[str]) -> None:
@@ -188,3 +272,10 @@ class Preview(QObject):
         if over:
             self.remove()
             self.closed.emit()
+
+
+def _timer(parent: QObject, act: object) -> QTimer:
+    timer = QTimer(parent)
+    timer.setSingleShot(True)
+    timer.timeout.connect(act)
+    return timer

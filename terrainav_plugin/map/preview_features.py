@@ -1,237 +1,173 @@
-"""A plan as map features. Runs in the background: plain values in, features out."""
+"""Captures of a plan as map features. Runs in the background: plain values in, features out."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
-from qgis.core import (
-    QgsFeature,
-    QgsGeometry,
-    QgsLineString,
-    QgsMultiLineString,
-    QgsMultiPolygon,
-    QgsPointXY,
-    QgsRectangle,
-)
+import numpy as np
+from qgis.core import QgsFeature, QgsGeometry, QgsMultiPolygon, QgsPointXY, QgsRectangle
+from qgis.PyQt.QtCore import QDateTime, QTimeZone
+
+from ...core.geodesy.mercator import HALF_WORLD_M, wrap_lon_deg
+from ...core.mission.area import Polygon
+from .camera_outlines import camera_outlines, metres, ring_polygon, surface
+from .preview_view import WORLD_M
 
 if TYPE_CHECKING:
-    import numpy as np
     from numpy.typing import NDArray
 
-    from ...core.mission.area import Box, Polygon
+    from ...core.mission.area import Box
+    from ...core.mission.mission import Mission
     from ...core.mission.plan import Plan
 
     Floats = NDArray[np.float64]
+    Numbers = NDArray[np.int64]
 
-#: Of all layers: that of the pictures' pixels, in which their edges are exact.
-CRS = "EPSG:3857"
-#: Beyond this many captures only the outline of each row is drawn.
-MOST_FOOTPRINTS = 20_000
 #: Pieces an edge of the area is drawn in: parallels and meridians, which other CRSs bend.
 _EDGE_PIECES = 64
 
-FIELDS = {
-    "area": "field=north:double&field=west:double&field=south:double&field=east:double",
-    "footprints": (
-        "field=name:string&field=column:integer&field=row:integer&field=lat:double&field=lon:double"
-        "&field=agl_m:double&field=gsd_m:double&field=images:integer"
-        "&field=yaw:double&field=tilt:double&field=roll:double&field=horizon:bool"
-    ),
-    "centres": (
-        "field=name:string&field=column:integer&field=row:integer&field=lat:double&field=lon:double"
-        "&field=agl_m:double"
-    ),
-    "flight": "field=length_m:double&field=images:integer",
-}
+
+class Clock:
+    """When each capture is exposed, and the next one."""
+
+    def __init__(self, plan: Plan) -> None:
+        self.start_ms = utc_ms(plan.mission)
+        self.at_ms = self.start_ms + np.round(1000.0 * plan.times_s)
+        last = self.at_ms[-1] - self.at_ms[-2] if len(self.at_ms) > 1 else 0.0
+        #: A picture is the latest one until the next; of a single one there is no next, so it is for a second.
+        self.until_ms = np.append(self.at_ms[1:], self.at_ms[-1] + (last or 1000.0))
+
+    def during(self, times_ms: tuple[float, float]) -> tuple[int, int]:
+        """First capture shown in a range of time, and the one after the last."""
+        begin, end = times_ms
+        first = int(np.searchsorted(self.until_ms, begin))
+        return first, max(int(np.searchsorted(self.at_ms, end, "right")), first)
 
 
-def field_names(role: str) -> list[str]:
-    """Names of the attributes of a layer."""
-    return [part.partition("=")[2].partition(":")[0] for part in FIELDS[role].split("&")]
+def utc_ms(mission: Mission) -> float:
+    """Start of a mission in milliseconds of Unix time."""
+    from ...core.mission.mission import utc_time
+
+    return utc_time(mission.start).timestamp() * 1000.0
 
 
-class PreviewFeatures(NamedTuple):
-    """What the preview layers hold; ``outlined`` when rows stand for their footprints."""
-
-    area: list[QgsFeature]
-    footprints: list[QgsFeature]
-    centres: list[QgsFeature]
-    flight: list[QgsFeature]
-    outlined: bool
+def moment(unix_ms: float) -> QDateTime:
+    """Time in UTC."""
+    return QDateTime.fromMSecsSinceEpoch(int(unix_ms), QTimeZone.utc())
 
 
-def preview_features(plan: Plan) -> PreviewFeatures:
-    """Area, footprints, capture centres and flight line of a plan."""
-    outlined = len(plan) > MOST_FOOTPRINTS
-    return PreviewFeatures(
-        area=[_area(plan.mission.area)] if plan.mission.kind == "raster" else [],
-        footprints=_rows(plan) if outlined else _footprints(plan),
-        centres=[] if outlined else _centres(plan),
-        flight=[_flight(plan)],
-        outlined=outlined,
-    )
+def feature(geometry: QgsGeometry, *attributes: object) -> QgsFeature:
+    """Feature of a geometry and its attributes."""
+    made = QgsFeature()
+    made.setGeometry(geometry)
+    made.setAttributes(list(attributes))
+    return made
 
 
-def _feature(geometry: QgsGeometry, *attributes: object) -> QgsFeature:
-    feature = QgsFeature()
-    feature.setGeometry(geometry)
-    feature.setAttributes(list(attributes))
-    return feature
+def area_features(plan: Plan) -> list[QgsFeature]:
+    """Outline of the area; none of points.
 
-
-def _area(area: Box | Polygon) -> QgsFeature:
-    """Outline of the area: edges that are straight in longitude and latitude, in pieces as other CRSs bend them."""
-    import numpy as np
-
-    from ...core.mission.area import Polygon
-    from .camera_outlines import ring_polygon
-
-    if isinstance(area, Polygon):
-        rings = area.arrays()
-    else:
-        west, east = area.west_deg, area.continuous_east_deg
-        north, south = area.north_deg, area.south_deg
-        rings = [(np.array([west, east, east, west]), np.array([north, north, south, south]))]
+    Its edges are straight in longitude and latitude, in pieces as other CRSs bend them.
+    """
+    if plan.mission.kind != "raster":
+        return []
+    area = plan.mission.area
     share = np.arange(_EDGE_PIECES) / _EDGE_PIECES
     outer, *holes = (
         ring_polygon(*((at[:, None] + share * (np.roll(at, -1) - at)[:, None]).ravel() for at in ring))
-        for ring in rings
+        for ring in _rings(area)
     )
     for hole in holes:
         outer = outer.difference(hole)
     box = area.bounds
-    return _feature(outer, box.north_deg, box.west_deg, box.south_deg, box.east_deg)
+    return [feature(outer, box.north_deg, box.west_deg, box.south_deg, box.east_deg)]
 
 
-def _rectangle(west: float, south: float, east: float, north: float, half_world_m: float) -> QgsGeometry:
-    """Rectangle in EPSG:3857, in two parts where it crosses the antimeridian."""
-    turn = 2.0 * half_world_m
-    shift = turn * ((west + half_world_m) // turn)
-    west, east = west - shift, east - shift
-    if east <= half_world_m:
-        return QgsGeometry.fromRect(QgsRectangle(west, south, east, north))
-    from .camera_outlines import surface
-
-    parts = QgsMultiPolygon()
-    for left, right in ((west, half_world_m), (-half_world_m, east - turn)):
-        parts.addGeometry(surface([left, left, right, right], [south, north, north, south]))
-    return QgsGeometry(parts)
+def _rings(area: Box | Polygon) -> list[tuple[Floats, Floats]]:
+    if isinstance(area, Polygon):
+        return area.arrays()
+    west, east = area.west_deg, area.continuous_east_deg
+    north, south = area.north_deg, area.south_deg
+    return [(np.array([west, east, east, west]), np.array([north, north, south, south]))]
 
 
-def _footprints(plan: Plan) -> list[QgsFeature]:
+class Picked(NamedTuple):
+    """Some captures of a plan, as a plan of their own, and what the whole plan knows of them.
+
+    ``overlap`` is how many of all planned images show the middle of each.
+    """
+
+    plan: Plan
+    at_ms: Floats
+    until_ms: Floats
+    overlap: Numbers
+
+
+def part_of(plan: Plan, ids: Numbers) -> Plan:
+    """Plan of some of a plan's captures."""
+    windows, corners = plan.windows, plan.corners
+    return replace(
+        plan,
+        column=plan.column[ids],
+        row=plan.row[ids],
+        poses=plan.poses.take(ids),
+        windows=type(windows)(*(values[ids] for values in windows)),
+        corners=type(corners)(*(values[ids] for values in corners)),
+        nominal=None,
+    )
+
+
+def footprint_features(picked: Picked) -> list[QgsFeature]:
     """What each picture shows: the frame its file will state, or the ground the camera sees."""
-    gsd = plan.grid.ground_m_per_px(plan.lat_deg, plan.zoom)
-    where = (plan.column, plan.row, plan.lat_deg, _wrapped(plan.lon_deg), plan.agl_m, gsd)
-    sight = (*plan.poses.attitude, ~plan.corners.hit.all(axis=1))
+    plan = picked.plan
+    where = (plan.column, plan.row, plan.lat_deg, wrap_lon_deg(plan.lon_deg), plan.agl_m, _gsd(plan))
+    sight = (picked.overlap, *plan.poses.attitude, ~plan.corners.hit.all(axis=1))
+    columns = (values.tolist() for values in (*where, *sight))
     return [
-        _feature(shape, name, *values[: len(where)], 1, *values[len(where) :])
-        for shape, name, *values in zip(
-            _shapes(plan), plan.names, *(values.tolist() for values in (*where, *sight))
-        )
+        feature(shape, name, *values, *times)
+        for shape, name, times, *values in zip(_shapes(plan), plan.names, _times(picked), *columns)
     ]
 
 
-def _shapes(plan: Plan) -> Iterator[QgsGeometry]:
-    from ...core.geodesy.mercator import HALF_WORLD_M
-    from .camera_outlines import camera_outlines
+def centre_features(picked: Picked) -> list[QgsFeature]:
+    """Where the camera is at each capture."""
+    plan = picked.plan
+    lon = wrap_lon_deg(plan.lon_deg)
+    places = (values.tolist() for values in metres(lon, plan.lat_deg))
+    where = (plan.column, plan.row, plan.lat_deg, lon, plan.agl_m, _gsd(plan), plan.poses.yaw_deg)
+    columns = (values.tolist() for values in where)
+    return [
+        feature(QgsGeometry.fromPointXY(QgsPointXY(east, north)), name, *values, *times)
+        for east, north, name, times, *values in zip(*places, plan.names, _times(picked), *columns)
+    ]
 
+
+def _gsd(plan: Plan) -> Floats:
+    return plan.grid.ground_m_per_px(plan.lat_deg, plan.zoom)
+
+
+def _times(picked: Picked) -> Iterator[tuple[QDateTime, QDateTime]]:
+    for at, until in zip(picked.at_ms.tolist(), picked.until_ms.tolist()):
+        yield moment(at), moment(until)
+
+
+def _shapes(plan: Plan) -> Iterator[QgsGeometry]:
     if plan.size_px is not None:
         yield from camera_outlines(plan)
         return
     for edges in zip(*(edge.tolist() for edge in plan.edges_m)):
-        yield _rectangle(*edges, HALF_WORLD_M)
+        yield _rectangle(*edges)
 
 
-def _rows(plan: Plan) -> list[QgsFeature]:
-    """One rectangle for each run of touching frames in a row."""
-    import numpy as np
-
-    from ...core.geodesy.mercator import HALF_WORLD_M
-
-    west, south, east, north = plan.edges_m
-    order = np.lexsort((west, plan.row))
-    row, west, south, east, north = (values[order] for values in (plan.row, west, south, east, north))
-    starts = np.flatnonzero(np.r_[True, (row[1:] != row[:-1]) | (west[1:] > east[:-1])])
-    counts = np.diff(np.r_[starts, len(row)])
-    edges = (
-        west[starts],
-        np.minimum.reduceat(south, starts),
-        np.maximum.reduceat(east, starts),
-        np.maximum.reduceat(north, starts),
-    )
-    gsd = plan.grid.ground_m_per_px(plan.lat_deg, plan.zoom)[order][starts]
-    lat, agl = plan.lat_deg[order][starts], plan.agl_m[order][starts]
-    # A row is no picture: it has no attitude and no horizon.
-    none = (None,) * 4
-    return [
-        _feature(
-            _rectangle(*box, HALF_WORLD_M), f"row {number}", None, number, lat, None, agl, gsd, count, *none
-        )
-        for number, count, lat, agl, gsd, *box in zip(
-            *(values.tolist() for values in (row[starts], counts, lat, agl, gsd, *edges))
-        )
-    ]
-
-
-def _centres(plan: Plan) -> list[QgsFeature]:
-    lon = _wrapped(plan.lon_deg)
-    x, y = _metres(lon, plan.lat_deg)
-    columns = (plan.column, plan.row, plan.lat_deg, lon, plan.agl_m)
-    return [
-        _feature(QgsGeometry.fromPointXY(QgsPointXY(east, north)), name, *pose)
-        for east, north, name, *pose in zip(x, y, plan.names, *(values.tolist() for values in columns))
-    ]
-
-
-def _flight(plan: Plan) -> QgsFeature:
-    """Way from the first capture to the last; of a mission too large to draw, from row end to row end."""
-    import numpy as np
-
-    keep = np.ones(len(plan), bool)
-    if len(plan) > MOST_FOOTPRINTS:
-        turns = plan.row[1:] != plan.row[:-1]
-        keep = np.r_[True, turns] | np.r_[turns, True]
-    lon, lat = plan.lon_deg[keep], plan.lat_deg[keep]
-    lines = QgsMultiLineString()
-    for part_lon, part_lat in _split_at_antimeridian(lon, lat):
-        lines.addGeometry(QgsLineString(*_metres(part_lon, part_lat)))
-    return _feature(QgsGeometry(lines), plan.flight_distance_m, len(plan))
-
-
-def _split_at_antimeridian(lon: Floats, lat: Floats) -> list[tuple[Floats, Floats]]:
-    """Parts of a line of continuous longitudes, each within one turn of the Earth."""
-    import numpy as np
-
-    turn = np.floor((lon + 180.0) / 360.0)
-    at = np.flatnonzero(turn[1:] != turn[:-1])
-    if not len(at):
-        return [(lon - 360.0 * turn[0], lat)]
-    border = 360.0 * np.maximum(turn[at], turn[at + 1]) - 180.0
-    share = (border - lon[at]) / (lon[at + 1] - lon[at])
-    crossing_lat = lat[at] + share * (lat[at + 1] - lat[at])
-    parts = []
-    for begin, end in zip([0, *(at + 1)], [*(at + 1), len(lon)]):
-        part_lon, part_lat = lon[begin:end], lat[begin:end]
-        if begin > 0:
-            index = int(np.searchsorted(at + 1, begin))
-            part_lon, part_lat = np.r_[border[index], part_lon], np.r_[crossing_lat[index], part_lat]
-        if end < len(lon):
-            index = int(np.searchsorted(at + 1, end))
-            part_lon, part_lat = np.r_[part_lon, border[index]], np.r_[part_lat, crossing_lat[index]]
-        parts.append((part_lon - 360.0 * turn[begin], part_lat))
-    return parts
-
-
-def _wrapped(lon_deg: Floats) -> Floats:
-    from ...core.geodesy.mercator import wrap_lon_deg
-
-    return wrap_lon_deg(lon_deg)
-
-
-def _metres(lon_deg: Floats | list[float], lat_deg: Floats | list[float]) -> tuple[list[float], list[float]]:
-    """Easting and northing in EPSG:3857 of longitudes (not wrapped) and latitudes."""
-    from .camera_outlines import metres
-
-    east, north = metres(lon_deg, lat_deg)
-    return east.tolist(), north.tolist()
+def _rectangle(west: float, south: float, east: float, north: float) -> QgsGeometry:
+    """Rectangle in EPSG:3857, in two parts where it crosses the antimeridian."""
+    shift = WORLD_M * ((west + HALF_WORLD_M) // WORLD_M)
+    west, east = west - shift, east - shift
+    if east <= HALF_WORLD_M:
+        return QgsGeometry.fromRect(QgsRectangle(west, south, east, north))
+    parts = QgsMultiPolygon()
+    for left, right in ((west, HALF_WORLD_M), (-HALF_WORLD_M, east - WORLD_M)):
+        parts.addGeometry(surface([left, left, right, right], [south, north, north, south]))
+    return QgsGeometry(parts)

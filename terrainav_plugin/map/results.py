@@ -1,4 +1,4 @@
-"""The result of a run on the map: one mosaic of map frames for each map type, and the footprints."""
+"""Results on the map: a mosaic of map frames for each map type, the footprints, and what has failed."""
 
 from __future__ import annotations
 
@@ -7,19 +7,19 @@ from typing import TYPE_CHECKING
 
 from qgis.core import (
     QgsAction,
-    QgsBilinearRasterResampler,
-    QgsField,
+    QgsDataProvider,
     QgsMapLayer,
+    QgsMapLayerStyle,
     QgsRasterLayer,
     QgsVectorLayer,
 )
-from qgis.PyQt.QtCore import QVariant
 
-from ...core.errors import OutputError
+from ..compat import field
 from ..i18n import tr
 from ..paths import style
-from .mission_group import CAPTURED, MissionGroup
+from .mission_group import CAPTURED, FAILED, MissionGroup
 from .mosaic import Mosaic
+from .opened_results import OpenedResults, open_raster
 
 if TYPE_CHECKING:
     from ...core.mission.mission import Mission
@@ -27,64 +27,78 @@ if TYPE_CHECKING:
 #: Formats that map tips can show.
 _SHOWN_IN_TIPS = ("jpg", "png")
 _TIP_PX = 320
+#: Bytes of a virtual raster that QGIS reads in a few milliseconds.
+_QUICKLY_READ = 200_000
 
 
-def load_results(
-    group: MissionGroup, folder: Path, mosaics: list[Mosaic], mission: Mission
-) -> list[QgsMapLayer]:
-    """Add a run's layers to its mission's group; those that are there already read their files anew.
+def show_results(group: MissionGroup, opened: OpenedResults, changed: bool = True) -> list[QgsMapLayer]:
+    """Add a run's layers to its mission's group; those that are there already show their files anew.
 
-    Raises
-    ------
-    OutputError
-        Where QGIS cannot open what was written.
+    Parameters
+    ----------
+    changed : bool
+        Whether pictures have been written since the group's layers were opened.
     """
-    from ...core.capture.folder import FOOTPRINTS_FILE
+    footprints = _show_footprints(group, opened)
+    mosaics = [_show_mosaic(group, mosaic, layer, changed) for mosaic, layer in opened.mosaics]
+    group.remember_mission(opened.mission.to_json())
+    return [footprints, *mosaics]
 
-    layers: list[QgsMapLayer] = [_mosaic_layer(group, mosaic) for mosaic in mosaics]
-    layers.insert(0, _footprints_layer(group, folder / FOOTPRINTS_FILE, mission))
-    return layers
+
+def show_failed(group: MissionGroup, layer: QgsVectorLayer | None) -> None:
+    """Show the images that have failed, in place of those that had before; none, where nothing has."""
+    if layer is None:
+        group.remove(FAILED)
+        return
+    layer.loadNamedStyle(style("failed"))
+    layer.setMapTipTemplate('<b>[% "name" %]</b> ([% "map_type" %])<br/>[% "reason" %]')
+    layer.setDisplayExpression('"name" || \': \' || "reason"')
+    old = group.layer(FAILED)
+    if old is None:
+        group.add(layer, FAILED, 0).setExpanded(False)
+    else:
+        group.replace(old, layer, FAILED)
 
 
 def load_test_shot(group: MissionGroup, picture: Path, title: str) -> QgsRasterLayer:
     """Add the picture of a test shot to the group; raises OutputError where QGIS cannot open it."""
-    layer = _raster_layer(picture, title)
+    layer = open_raster(picture, title)
     group.add(layer, "test-shot", 0).setExpanded(False)
     return layer
 
 
-def _mosaic_layer(group: MissionGroup, mosaic: Mosaic) -> QgsMapLayer:
+def _show_mosaic(group: MissionGroup, mosaic: Mosaic, layer: QgsRasterLayer, changed: bool) -> QgsMapLayer:
     role = f"mosaic/{mosaic.path.name}"
-    layer = group.layer(role)
-    if layer is None:
-        layer = _raster_layer(mosaic.path, mosaic.title)
+    old = group.layer(role)
+    if old is None:
         group.add(layer, role, -1).setExpanded(False)
-    else:
-        _read_again(layer, mosaic.path)
+        return layer
+    if not changed and old.isValid():
+        return old
+    if mosaic.path.stat().st_size <= _QUICKLY_READ:
+        _read_again(old, mosaic.path)
+        return old
+    # Read on another thread already; the user's style goes over to it.
+    keeper = QgsMapLayerStyle()
+    keeper.readFromLayer(old)
+    keeper.writeToLayer(layer)
+    group.replace(old, layer, role)
     return layer
 
 
-def _raster_layer(path: Path, title: str) -> QgsRasterLayer:
-    layer = QgsRasterLayer(str(path), title, "gdal")
-    if not layer.isValid():
-        raise OutputError(f"picture {path}: QGIS cannot open it")
-    # Smooth where several pixels of the picture share one of the screen; pixels stay pixels when enlarged.
-    layer.resampleFilter().setZoomedOutResampler(QgsBilinearRasterResampler())
-    return layer
-
-
-def _footprints_layer(group: MissionGroup, path: Path, mission: Mission) -> QgsMapLayer:
+def _show_footprints(group: MissionGroup, opened: OpenedResults) -> QgsMapLayer:
+    """Footprints of a mission do not change from one run to the next: a layer that shows them goes on doing so."""
     layer = group.layer(CAPTURED)
-    if layer is None:
-        layer = QgsVectorLayer(str(path), tr("Captured images"), "ogr")
-        if not layer.isValid():
-            raise OutputError(f"footprints {path}: QGIS cannot open them")
-        layer.loadNamedStyle(style("captured"))
-        _name_pictures(layer, mission)
-        group.add(layer, CAPTURED, _above_rasters(group)).setExpanded(False)
+    if layer is not None and layer.isValid():
+        layer.triggerRepaint()
+        return layer
+    opened.footprints.loadNamedStyle(style("captured"))
+    _name_pictures(opened.footprints, opened.mission)
+    if layer is not None:
+        group.replace(layer, opened.footprints, CAPTURED)
     else:
-        _read_again(layer, path)
-    return layer
+        group.add(opened.footprints, CAPTURED, _above_rasters(group)).setExpanded(False)
+    return opened.footprints
 
 
 def _name_pictures(layer: QgsVectorLayer, mission: Mission) -> None:
@@ -95,17 +109,17 @@ def _name_pictures(layer: QgsVectorLayer, mission: Mission) -> None:
     tips = []
     for map_type in mission.map_types:
         path = f"file_path(decode_uri(@layer_id, 'path')) || '/{map_type}/' || \"name\" || '.{mission.image_format}'"
-        field = f"{map_type}_file"
-        layer.addExpressionField(path, QgsField(field, QVariant.String))
+        name = f"{map_type}_file"
+        layer.addExpressionField(path, field(name, "text"))
         layer.actions().addAction(
             QgsAction(
                 QgsAction.ActionType.OpenUrl,
                 tr("Open the picture ({map_type})").format(map_type=map_type),
-                f'[% "{field}" %]',
+                f'[% "{name}" %]',
                 False,
             )
         )
-        tip = f'[% "{field}" %]'
+        tip = f'[% "{name}" %]'
         if mission.image_format in _SHOWN_IN_TIPS:
             tip = f'<img src="file:///{tip}" width="{_TIP_PX}"/><br/>{tip}'
         tips.append(f"<p>{tip}</p>")
@@ -125,5 +139,5 @@ def _above_rasters(group: MissionGroup) -> int:
 
 
 def _read_again(layer: QgsMapLayer, path: Path) -> None:
-    layer.setDataSource(str(path), layer.name(), layer.providerType(), layer.dataProvider().ProviderOptions())
+    layer.setDataSource(str(path), layer.name(), "gdal", QgsDataProvider.ProviderOptions())
     layer.triggerRepaint()

@@ -34,6 +34,8 @@ class QgisTransport:
     authcfg : str
         Id of a configuration of QGIS's authentication database to be applied to every request; empty for none.
         The database has to be unlocked: no dialog opens from here.
+    headers : mapping of str or None
+        To be sent along with every request.
     """
 
     def __init__(
@@ -43,14 +45,16 @@ class QgisTransport:
         max_body_bytes: int = MAX_BODY_BYTES,
         *,
         authcfg: str = "",
+        headers: Mapping[str, str] | None = None,
     ) -> None:
         # Pictures do not compress further, so their Content-Length may as well be that of the picture.
-        headers = {
+        usual = {
             "User-Agent": user_agent(),
             "Accept": "image/*,*/*;q=0.1",
             "Accept-Encoding": "identity",
+            **(headers or {}),
         }
-        self._worker = NetworkWorker(Terms(connections, timeouts, headers, max_body_bytes, authcfg))
+        self._worker = NetworkWorker(Terms(connections, timeouts, usual, max_body_bytes, authcfg))
         self._lock = threading.Lock()
         self._closed = False
         self._waiting: set[Exchange] = set()

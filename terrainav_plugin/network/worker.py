@@ -172,6 +172,8 @@ class NetworkWorker(QObject):
     def _judge_tls(self, errors: list[Any]) -> None:
         """Let pass what the user has told QGIS, for good, to let pass of this server's certificate."""
         reply = self.sender()
+        if not isinstance(reply, QNetworkReply):
+            return
         certificate = reply.sslConfiguration().peerCertificate()
         known = QgsApplication.authManager().sslCertCustomConfig(
             QgsAuthCertUtils.shaHexForCert(certificate), _host_and_port(reply.url())

@@ -161,5 +161,7 @@ def desk(
     desk.workflow.runs.cancel()
     desk.wait_for_tasks()
     desk.wait_for_run()
+    for run in list(desk.workflow.runs.runs):
+        desk.workflow.runs.dismiss(run)
     desk.workflow.set_preview(False)
     desk.form.set_state(FormState())

@@ -16,9 +16,9 @@ from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 from terrainav.core.mission.rungs import bound_text
 from terrainav.core.mission.wind import Wind
-from terrainav.terrainav_plugin.dock.estimates import details_html, estimate_lines
+from terrainav.terrainav_plugin.dock.estimates import readout
 from terrainav.terrainav_plugin.dock.form_state import FormState
-from terrainav.terrainav_plugin.dock.mission_form import beyond_text, mission, state_of
+from terrainav.terrainav_plugin.dock.mission_form import mission, state_of
 from terrainav.terrainav_plugin.dock.refusals import refused_fields
 from terrainav.terrainav_plugin.sources import grid_of
 
@@ -30,7 +30,7 @@ HIGH_M = 1200.0
 
 def shown(desk):
     """The figures' text, without its marks."""
-    text = desk.dock.estimates.text()
+    text = desk.dock.estimates.text() + desk.dock.figures.details.text()
     return html.unescape(text).replace("\N{NO-BREAK SPACE}", " ")
 
 
@@ -62,7 +62,7 @@ def test_smaller_budget_turns_map_frames_into_camera_frames(high):
     assert "of a budget of 0.02 px" in shown(high)
     assert planned.plan.accuracy.bound_px <= 0.02
     # Why not a map frame stands in the tooltip.
-    why = html.unescape(high.dock.estimates.toolTip())
+    why = html.unescape(high.dock.figures.details.toolTip())
     assert f"not map: its bound of {bound} px" in why
     assert "Condition number" in why
     budget.setValue(0.1)
@@ -79,15 +79,16 @@ def test_figures_hold_every_part_of_the_accuracy(high):
 
 def test_cost_is_said_to_come_until_it_is_there():
     planned = plan(Mission(area=AREA, agl_m=HIGH_M), grid_of(Mission(area=AREA, agl_m=HIGH_M)))
-    assert dict(estimate_lines(estimate(planned)))["Cost"] == "being timed…"
-    assert dict(estimate_lines(estimate(planned), "nothing"))["Cost"] == "nothing"
+    assert dict(readout(planned, estimate(planned)).details)["Cost"] == "being timed…"
+    assert dict(readout(planned, estimate(planned), cost="nothing").details)["Cost"] == "nothing"
 
 
 def test_horizon_is_said_without_numbers_that_are_none():
     there = Mission(area=Points(((35.0, -90.0, 120.0),)), agl_m=120.0, tilt_deg=85.0)
     planned = plan(there, grid_of(there))
-    assert "without limit at the horizon" in dict(estimate_lines(estimate(planned)))["Terrain"]
-    text = details_html(planned.accuracy)
+    shown = readout(planned, estimate(planned))
+    assert "without limit at the horizon" in dict(shown.details)["Terrain"]
+    text = shown.why
     assert "infinite (horizon)" in text
     assert " inf " not in text
     assert "nan" not in text
@@ -144,7 +145,8 @@ def test_refusals_of_the_core_belong_to_an_entry(entries, field):
 
 
 def test_other_refusals_belong_to_none():
-    assert refused_fields(InvalidInput("zoom 30: the source has 0 to 22")) == {}
+    assert refused_fields(InvalidInput("mission of 9 images: the limit is 8", "max_images")) == {}
+    assert refused_fields(InvalidInput("error budget 3 px: but about no field")) == {}
 
 
 # --- sections
@@ -167,11 +169,11 @@ def test_sections_open_where_there_is_something_to_see(desk):
 
 
 def test_every_entry_says_what_it_is(desk):
-    for section in desk.form.sections:
-        for name, widget in section.entries.items():
+    for group in desk.form.groups:
+        for name, widget in group.entries.items():
             assert widget.toolTip(), name
     units = {"yaw_deg": "degrees", "ground_height_m": "metres", "airspeed_m_per_s": "metres a second"}
-    entries = {name: w for section in desk.form.sections for name, w in section.entries.items()}
+    entries = {name: w for group in desk.form.groups for name, w in group.entries.items()}
     assert all(unit in entries[name].toolTip() for name, unit in units.items())
 
 
@@ -224,7 +226,12 @@ EVERYTHING = Mission(
     frame="camera",
     mesh="rays",
     resampling="lanczos",
-    wind=Wind(3.21, 123.4567, 0.15, 99, 17.5),
+    wind=Wind(3.21, 123.4567, 0.15, 99),
+    airspeed_m_per_s=17.5,
+    grid_angle_deg=-12.345678901,
+    crosshatch=True,
+    order="one-way",
+    start="2024-06-21T10:30:00.25Z",
 )
 POLYGON = Polygon((((-89.9, 35.1), (-89.8, 35.1), (-89.85, 35.2)),))
 
@@ -260,20 +267,19 @@ def test_one_changed_entry_changes_nothing_else(desk):
 
 def test_what_the_panel_has_no_entry_for_is_shown_and_can_be_forgotten(desk):
     desk.form.set_state(state_of(EVERYTHING, ""))
-    assert "zoom: 17" in desk.form.accuracy.more.text()
-    assert "img size: 64 × 48 × 1" in desk.form.accuracy.more.text()
+    assert "max images: 1000" in desk.form.accuracy.more.text()
+    assert "mesh: rays" in desk.form.accuracy.more.text()
     desk.form.accuracy.more.linkActivated.emit("forget")
     assert desk.form.accuracy.more.text() == ""
     forgotten = mission(desk.workflow.state())
-    assert (forgotten.zoom, forgotten.img_size, forgotten.mesh) == (None, None, "auto")
+    assert (forgotten.max_images, forgotten.mesh) == (Mission.max_images, "auto")
     assert forgotten.tilt_deg == EVERYTHING.tilt_deg
 
 
 def test_another_box_takes_the_place_of_a_polygon():
     state = state_of(Mission(area=POLYGON, agl_m=120.0), "")
-    assert beyond_text(state) == "area: polygon"
+    assert mission(state).area == POLYGON
     state = replace(state, north="35.3")
-    assert beyond_text(state) == ""
     assert mission(state).area == Box(35.3, -89.9, 35.1, -89.8)
 
 

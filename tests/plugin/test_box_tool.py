@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import pytest
-from pyproj import Transformer
+from pyproj import Geod, Transformer
 from qgis.core import QgsCoordinateReferenceSystem, QgsProject
 from qgis.gui import QgsRubberBand
 from qgis.PyQt.QtCore import QPoint, Qt
 from qgis.PyQt.QtTest import QTest
+from qgis.PyQt.QtWidgets import QLabel
 from terrainav.core.errors import InvalidInput
 from terrainav.terrainav_plugin.map.box_geometry import box_of, box_of_outline, canvas_rectangle
 
@@ -45,6 +46,9 @@ def test_dragged_box_fills_the_fields(desk, crs, extent):
     shown = {name: float(edit.text()) for name, edit in desk.form.edges.items()}
     expected = {"north": north, "west": west, "south": south, "east": east}
     assert shown == pytest.approx(expected, abs=LAST_DECIMAL_DEG)
+    # The box can be moved at once; Esc gives the map back.
+    assert desk.canvas.mapTool() is desk.workflow.areas.tool
+    QTest.keyClick(desk.canvas, Qt.Key.Key_Escape)
     assert desk.canvas.mapTool() is before
     assert desk.wait_planned().plan.mission.area.north_deg == shown["north"]
 
@@ -89,6 +93,28 @@ def test_escape_while_dragging_gives_up_and_restores_the_tool(desk):
     assert desk.canvas.mapTool() is before
     assert desk.workflow.state() == state
     assert desk.canvas.extent() == extent
+
+
+def test_size_is_told_beside_the_pointer_while_drawing(desk, screenshot):
+    """By another program's geodesics."""
+    desk.look_at("EPSG:3857", (-10_010_000, 4_178_000, -9_998_000, 4_187_000))
+    desk.click(desk.form.draw_box)
+    viewport, start, end = desk.canvas.viewport(), desk.at(0.3, 0.3), desk.at(0.6, 0.7)
+    QTest.mousePress(viewport, Qt.MouseButton.LeftButton, Qt.KeyboardModifier.NoModifier, start)
+    QTest.mouseMove(viewport, end)
+    desk.wait(lambda: viewport.findChild(QLabel, "terrainav_readout") is not None)
+    label = viewport.findChild(QLabel, "terrainav_readout")
+    (west, north), (east, south) = corners_by_pyproj(desk, "EPSG:3857", start, end)
+    geod = Geod(ellps="WGS84")
+    middle = (north + south) / 2.0
+    width = geod.inv(west, middle, east, middle)[2] / 1000.0
+    height = geod.inv(west, south, west, north)[2] / 1000.0
+    ground = width * height
+    assert label.text() == f"{width:.2f} km × {height:.2f} km, {ground:.3g} km²"
+    assert viewport.rect().contains(label.geometry())
+    screenshot("draw-box")
+    QTest.mouseRelease(viewport, Qt.MouseButton.LeftButton, Qt.KeyboardModifier.NoModifier, end)
+    desk.wait(lambda: viewport.findChild(QLabel, "terrainav_readout") is None)
 
 
 def test_escape_before_dragging_restores_the_tool(desk):

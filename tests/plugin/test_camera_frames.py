@@ -20,7 +20,8 @@ from terrainav.core.mission.plan import plan
 from terrainav.core.mission.wind import Wind
 from terrainav.terrainav_plugin.map.camera_outlines import metres
 from terrainav.terrainav_plugin.map.on_map import lay_on_map
-from terrainav.terrainav_plugin.map.preview_features import field_names, preview_features
+from terrainav.terrainav_plugin.map.preview_layers import field_names
+from terrainav.terrainav_plugin.map.preview_scene import Scene
 from terrainav.terrainav_plugin.sources import grid_of
 
 from tests.plugin.test_capture import capture
@@ -31,7 +32,7 @@ SMALL = Box(35.14, -89.87, 35.131, -89.856)
 def features_of(area, agl_m, **changes):
     there = Mission(area=area, agl_m=agl_m, **changes)
     planned = plan(there, grid_of(there))
-    drawn = preview_features(planned).footprints
+    drawn = Scene(planned).draw(None).layers["footprints"]
     names = field_names("footprints")
     return planned, [(f.geometry(), dict(zip(names, f.attributes()))) for f in drawn]
 
@@ -70,7 +71,7 @@ def test_outline_is_the_ground_that_the_camera_sees():
         assert not any(contains(geometry, outside[border]))
         assert (values["yaw"], values["tilt"], values["roll"]) == (30.0, 60.0, 0.0)
         assert values["horizon"] is False
-        assert (values["name"], values["images"]) == (planned.names[index], 1)
+        assert values["name"] == planned.names[index]
 
 
 @pytest.mark.parametrize(
@@ -167,6 +168,7 @@ def test_tilted_mission_from_preview_to_footprints(tilted):
         "Capture centres",
         "Flight line",
         "Planned images",
+        "Images per place",
         "Captured images",
     ]
     assert not list(tilted.folder.glob("*.vrt"))

@@ -21,6 +21,7 @@ RESULT_LAYERS = [
     "Capture centres",
     "Flight line",
     "Planned images",
+    "Images per place",
     "Captured images",
     "Satellite images",
 ]
@@ -179,15 +180,16 @@ def test_cancelled_run_is_resumed(prepared, server):
     planned = prepared.workflow.planned.plan
     prepared.click(prepared.dock.capture)
     prepared.wait(lambda: len(images(prepared)) >= 5)
-    assert prepared.dock.cancel.isVisibleTo(prepared.dock)
-    assert not prepared.plugin.actions["capture"].isEnabled()
-    prepared.click(prepared.dock.cancel)
+    (row,) = prepared.dock.run_list.rows
+    assert not prepared.dock.test_shot.isEnabled()
+    prepared.click(row.buttons["cancel"])
     prepared.wait_for_run()
     kept = {path: path.stat().st_mtime_ns for path in images(prepared)}
     assert 5 <= len(kept) < len(planned)
     assert any("Press Capture to go on" in text for text in prepared.messages())
+    assert f"Stopped: {len(kept)} of {len(planned)} images are there" in row.text.text()
     assert prepared.group() is None
-    assert prepared.plugin.actions["capture"].isEnabled()
+    assert prepared.dock.test_shot.isEnabled()
 
     server.latency_s = 0.0
     capture(prepared)
@@ -219,23 +221,35 @@ def test_failed_images_are_named_and_the_others_written(prepared, server):
     server.fail("404", (planned.zoom, x, y))
     capture(prepared)
     there = {path.stem for path in images(prepared)}
-    assert planned.names[0] not in there
-    assert 0 < len(planned) - len(there) < 8
-    assert any(
-        f"{len(planned) - len(there)} of {len(planned)} images could not be made" in t
-        for t in prepared.messages()
-    )
-    assert {"Details", "Try again"} <= set(prepared.buttons_in_message_bar())
+    failed = set(planned.names) - there
+    assert planned.names[0] in failed
+    assert 0 < len(failed) < 8
+    assert any(f"{len(failed)} of {len(planned)} images could not be made" in t for t in prepared.messages())
+    assert {"Details", "Capture only the failed ones"} <= set(prepared.buttons_in_message_bar())
     # What is there is on the map; where the failed image would be one sees through.
     mosaic = gdal.Open(str(prepared.folder / "satellite.vrt"))
     assert mosaic.GetRasterBand(4).ReadAsArray(0, 0, 10, 10).max() == 0
+    # Failed ones are red footprints with their reasons.
+    layer = prepared.layer("Failed images")
+    assert {feature["name"] for feature in layer.getFeatures()} == failed
+    assert all("404" in feature["reason"] for feature in layer.getFeatures())
+    assert {feature["map_type"] for feature in layer.getFeatures()} == {"satellite"}
+    assert layer.renderer().symbol().color().red() > 200
+    index = planned.names.index(planned.names[0])
+    (outline,) = (f.geometry() for f in layer.getFeatures() if f["name"] == planned.names[0])
+    assert outline.boundingBox().yMaximum() == pytest.approx(planned.corners.lat_deg[index].max())
 
     server.heal()
-    prepared.click(prepared.buttons_in_message_bar()["Try again"])
+    asked = sum(server.requests.values())
+    prepared.click(prepared.buttons_in_message_bar()["Capture only the failed ones"])
     prepared.wait(lambda: len(images(prepared)) == len(planned))
     prepared.wait_for_run()
+    # Nothing but the tiles that the failed ones need.
+    assert sum(server.requests.values()) - asked < planned.requests // 2
     mosaic = gdal.Open(str(prepared.folder / "satellite.vrt"))
     assert mosaic.GetRasterBand(4).ReadAsArray(0, 0, 10, 10).min() == 255
+    assert "Failed images" not in prepared.layer_names()
+    assert not (prepared.folder / "failed.geojson").exists()
 
 
 def test_folder_of_another_mission_is_left_alone(prepared):
@@ -293,6 +307,7 @@ def test_capture_without_an_area_or_folder_says_so(desk):
 
 def test_terms_are_asked_for_and_a_no_captures_nothing(desk, monkeypatch):
     """Google's terms let no more than a few pictures pass without agreeing."""
+    monkeypatch.setenv("TERRAINAV_GOOGLE_KEY", "any")
     desk.enter_box("35.16", "-89.90", "35.115", "-89.823")
     desk.choose(desk.form.source, "google-static")
     desk.wait_planned()

@@ -2,27 +2,51 @@
 
 from __future__ import annotations
 
+import html
+import math
+import re
+from pathlib import Path
+
 import pytest
+import terrainav.core.mission
 from terrainav.core.mission.area import Box, Points
 from terrainav.core.mission.estimate import OFFLINE, ONLINE, estimate
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
-from terrainav.terrainav_plugin.dock.estimates import duration_text, estimate_html, estimate_lines
+from terrainav.terrainav_plugin.dock.estimates import duration_text, readout
+from terrainav.terrainav_plugin.dock.refusals import in_words_of_the_dock
 from terrainav.terrainav_plugin.sources import grid_of
 
 AREA = Box(35.16, -89.90, 35.115, -89.823)
+# Tiles with pixels of their own up to zoom 17, which are served to 19.
+COARSE = "esri-world-imagery"
+# What says something about a mission that is planned.
+ROOMS = ("choosing", "estimate", "framing", "layout", "mission", "plan")
 
 
-def lines_of(mission, costs=OFFLINE):
-    summary = estimate(plan(mission, grid_of(mission)), costs)
-    return summary, dict(estimate_lines(summary))
+def options_in_messages():
+    """Options of the command that are named to whom plans a mission."""
+    folder = Path(terrainav.core.mission.__file__).parent
+    texts = ((folder / f"{room}.py").read_text(encoding="utf-8") for room in ROOMS)
+    return {option for text in texts for option in re.findall(r"--[a-z][a-z-]+[a-z]", text)}
+
+
+def readout_of(mission, costs=OFFLINE, unit="m"):
+    planned = plan(mission, grid_of(mission))
+    summary = estimate(planned, costs)
+    return summary, readout(planned, summary, unit)
+
+
+def lines_of(mission, costs=OFFLINE, unit="m"):
+    summary, shown = readout_of(mission, costs, unit)
+    return summary, dict((*shown.figures, *shown.details))
 
 
 def test_figures_of_a_covered_area():
     summary, lines = lines_of(Mission(area=AREA, agl_m=120.0))
     assert lines["Images"] == f"{summary.images:,} in {summary.rows} rows"
     assert lines["Coverage"].startswith("100 % of 35.03 km²")
-    assert lines["Tiles"] == f"{summary.unique_tiles:,}, computed here"
+    assert lines["Download"] == f"nothing ({summary.unique_tiles:,} tiles computed here)"
 
 
 def test_what_is_left_out_is_said_and_never_reads_as_everything():
@@ -37,8 +61,8 @@ def test_several_map_types_count_together():
     one, single = lines_of(Mission(area=AREA, agl_m=120.0), ONLINE)
     _, double = lines_of(Mission(area=AREA, agl_m=120.0, map_types=("satellite", "terrain")), ONLINE)
     assert "for each of 2 map types" in double["Images"]
-    assert single["Tiles"].startswith(f"{one.unique_tiles:,}, about ")
-    assert double["Tiles"].startswith(f"{2 * one.unique_tiles:,}, about ")
+    assert single["Download"].endswith(f" in {one.unique_tiles:,} tiles")
+    assert double["Download"].endswith(f" in {2 * one.unique_tiles:,} tiles")
 
 
 def test_points_have_neither_coverage_nor_overlap():
@@ -47,10 +71,69 @@ def test_points_have_neither_coverage_nor_overlap():
     assert "Overlap" not in lines
 
 
-def test_every_figure_is_in_the_table():
-    summary, lines = lines_of(Mission(area=AREA, agl_m=300.0))
-    table = estimate_html(summary)
-    assert all(label in table and value in table for label, value in lines.items())
+def test_what_matters_comes_first_and_the_rest_is_behind_the_fold():
+    _, shown = readout_of(Mission(area=AREA, agl_m=300.0, overlap_along=0.6))
+    assert [label for label, _ in shown.figures] == [
+        *("Images", "Coverage", "Overlap", "Ground per px", "Flight", "Download", "Time")
+    ]
+    assert {"Picture", "Tiles", "On disk", "Methods", "Error", "Terrain", "Cost"} <= dict(
+        shown.details
+    ).keys()
+    for table, lines in ((shown.figures_html(), shown.figures), (shown.details_html(), shown.details)):
+        assert all(html.escape(label) in table and html.escape(value) in table for label, value in lines)
+
+
+def test_ground_per_px_is_that_of_the_camera_against_the_source():
+    summary, lines = lines_of(Mission(area=AREA, agl_m=120.0))
+    # By the formula, from the diagonal of 640 x 480 px.
+    camera_cm = 100.0 * 2.0 * 120.0 * math.tan(math.radians(78.8 / 2.0)) / 800.0
+    source_cm = 100.0 * summary.source_gsd_m_per_px
+    assert lines["Ground per px"] == f"camera {camera_cm:.4g} cm, source {source_cm:.4g} cm"
+
+
+def test_source_that_is_coarser_than_the_camera_is_said_to_be():
+    near = Mission(area=Box(35.14, -89.87, 35.1395, -89.8695), agl_m=20.0, source=COARSE)
+    summary, lines = lines_of(near)
+    own = f"{100.0 * summary.source_gsd_m_per_px:.4g} cm"
+    hint = f"(the source's own pixels are {own}: the picture has no more detail than that)"
+    assert lines["Ground per px"].endswith(hint)
+    assert "detail" not in lines_of(near.with_(agl_m=2000.0))[1]["Ground per px"]
+
+
+def test_feet_come_with_inches_miles_and_acres():
+    there = Mission(area=AREA, agl_m=120.0, layout="paper")
+    summary, lines = lines_of(there, unit="ft")
+    assert lines["Flight"].startswith(f"{summary.flight_distance_m / 1609.344:.4g} mi, ")
+    inches = summary.source_gsd_m_per_px / 0.0254
+    assert f"source {inches:.4g} in" in lines["Ground per px"]
+    assert f"of {summary.area_m2 / 2589988.110336:.4g} sq mi" in lines["Coverage"]
+    assert f"{summary.uncovered_m2 / 4046.8564224:.4g} acres left out" in lines["Coverage"]
+    assert " m," not in lines["Flight"]
+    assert "km" not in "".join(value for label, value in lines.items() if label != "Terrain")
+
+
+def test_warnings_speak_of_entries_not_of_options():
+    large = Mission(area=AREA, agl_m=120.0, img_size=(4000, 3000, 3), source=COARSE)
+    summary, shown = readout_of(large, ONLINE)
+    assert any("--img-size" in text for text in summary.warnings)
+    assert any("“Resize pictures”" in text for text in shown.warnings)
+    assert not any("--" in text for text in shown.warnings)
+
+
+def test_enlarged_pixels_are_offered_where_the_source_is_what_limits_a_picture():
+    near = Mission(area=Box(35.14, -89.87, 35.1395, -89.8695), agl_m=20.0, source=COARSE)
+    assert readout_of(near)[1].offers_enlarging
+    assert not readout_of(near.with_(upsample=True))[1].offers_enlarging
+    # From high up the longest side is the limit.
+    assert not readout_of(near.with_(agl_m=2000.0))[1].offers_enlarging
+
+
+@pytest.mark.parametrize("option", sorted(options_in_messages()))
+def test_no_advice_of_the_core_names_an_option_in_the_dock(option):
+    said = in_words_of_the_dock(f"larger pictures ({option}), or smaller ones")
+    assert "--" not in said
+    # The limit of images is the one that the dock has no entry for.
+    assert ("“" in said) == (option != "--max-images")
 
 
 @pytest.mark.parametrize(

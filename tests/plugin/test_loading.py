@@ -3,18 +3,26 @@
 from __future__ import annotations
 
 import gc
+import importlib
 import sys
+import threading
 from collections import Counter
+from pathlib import Path
+from types import ModuleType
 
 import pytest
 import qgis.utils
 from qgis.core import QgsApplication, QgsProject
-from qgis.gui import QgsMapCanvasItem
-from qgis.PyQt.QtCore import QCoreApplication, QEvent, QMetaMethod, QObject, pyqtBoundSignal
-from qgis.PyQt.QtWidgets import QAction, QDockWidget, QMenu, QToolBar
+from qgis.gui import QgsGui, QgsMapCanvasItem
+from qgis.PyQt.QtCore import QCoreApplication, QEvent, QMetaMethod, QObject, Qt, QTimer, QUrl, pyqtBoundSignal
+from qgis.PyQt.QtGui import QDesktopServices
+from qgis.PyQt.QtTest import QTest
+from qgis.PyQt.QtWidgets import QAction, QApplication, QDockWidget, QMenu, QPushButton, QTabWidget, QToolBar
+
+from tests.plugin.steps import PATIENCE_MS, SMALL_BOX
 
 PLUGIN = "terrainav"
-ROUNDS = 10
+ROUNDS = 25
 
 
 def settle():
@@ -58,8 +66,15 @@ def names_of_the_plugin(iface):
     ]
 
 
-# Qt's style animates QGIS's own progress bars while they move, whoever's task it is.
-OF_THE_STYLE = {"QProgressStyleAnimation", "QScrollbarStyleAnimation"}
+# Qt's style animates QGIS's own widgets, whoever's they show; QGIS itself keeps indicators and legend entries of layers
+# that go away with a project, without any plugin.
+NOT_OURS = {
+    "QProgressStyleAnimation",
+    "QScrollbarStyleAnimation",
+    "QPropertyAnimation",
+    "QgsLayerTreeViewIndicator",
+    "QgsSymbolLegendNode",
+}
 
 
 def census(iface):
@@ -81,7 +96,7 @@ def census(iface):
         "all objects below the main window": Counter(
             item.metaObject().className()
             for item in window.findChildren(QObject)
-            if item.metaObject().className() not in OF_THE_STYLE
+            if item.metaObject().className() not in NOT_OURS
         ),
         "layer tree groups": Counter(group.name() for group in project.layerTreeRoot().findGroups(True)),
         "layers": Counter(layer.name() for layer in project.mapLayers().values()),
@@ -156,3 +171,175 @@ def test_nothing_is_left_behind(unloaded, iface):
         assert qgis.utils.unloadPlugin(PLUGIN)
     assert differences(before, census(iface)) == {}
     assert names_of_the_plugin(iface) == []
+
+
+def close_dialog():
+    """Close the dialog that comes next."""
+    dialog = QApplication.activeModalWidget()
+    if dialog is None:
+        QTimer.singleShot(20, close_dialog)
+    else:
+        dialog.reject()
+
+
+def use_everything(iface, qtbot, folder):
+    """Use what a person may have used before unloading: panel, tools, preview, options, a run, the guide."""
+    plugin = qgis.utils.plugins[PLUGIN]
+    for name in ("dock", "draw_box", "test_shot", "preview"):
+        plugin.actions[name].trigger()
+    workflow = plugin.workflow
+    form_state = sys.modules["terrainav.terrainav_plugin.dock.form_state"].FormState
+    workflow.dock.form.set_state(form_state(**SMALL_BOX, folder=str(folder)))
+    qtbot.waitUntil(lambda: not workflow.planner.busy, timeout=PATIENCE_MS)
+    plugin.actions["capture"].trigger()
+    close_dialog()
+    plugin.actions["settings"].trigger()
+    plugin.actions["help"].trigger()
+    plugin.messages.error("for this test", "details")
+    qtbot.waitUntil(lambda: any(folder.rglob("*.tif")), timeout=PATIENCE_MS)
+
+
+def running():
+    """Threads of Python, open files, timers and top windows, of which a plugin may leave some."""
+    return {
+        "threads": Counter(
+            thread.name
+            for thread in threading.enumerate()
+            if thread.name.startswith(("terrainav", "planner"))
+        ),
+        "files": Counter(
+            str(path)
+            for path in (_target(link) for link in Path("/proc/self/fd").iterdir())
+            if path is not None and ("TerrAInav" in path or "mission" in path or "terrainav" in path.lower())
+        ),
+        "windows": Counter(
+            f"{widget.metaObject().className()} {widget.objectName()}"
+            for widget in QApplication.topLevelWidgets()
+            if PLUGIN in widget.objectName().lower()
+        ),
+        "shortcuts": Counter(
+            action.objectName()
+            for action in QgsGui.shortcutsManager().listActions()
+            if PLUGIN in action.objectName()
+        ),
+    }
+
+
+def _target(link):
+    try:
+        return str(link.readlink())
+    except OSError:
+        return None  # closed meanwhile: the one that lists
+
+
+def test_nothing_is_left_behind_by_what_was_used(unloaded, iface, qtbot, tmp_path, monkeypatch):
+    """Loaded, used in full and unloaded while it works, again and again."""
+    monkeypatch.setenv("TERRAINAV_CACHE_DIR", str(tmp_path / "cache"))
+    monkeypatch.setenv("TERRAINAV_CONFIG_DIR", str(tmp_path / "config"))
+    # No homepage is opened where the guide is not there.
+    monkeypatch.setattr(QDesktopServices, "openUrl", lambda _url: True)
+    before = None
+    for number in range(ROUNDS):
+        load()
+        use_everything(iface, qtbot, tmp_path / f"mission-{number}")
+        assert qgis.utils.unloadPlugin(PLUGIN)
+        iface.newProject(False)
+        iface.messageBar().clearWidgets()
+        qtbot.waitUntil(lambda: QgsApplication.taskManager().countActiveTasks() == 0, timeout=PATIENCE_MS)
+        # What QGIS itself makes at first use, such as panels and options, is there after the first round.
+        if number == 0:
+            before = census(iface), running()
+    assert differences(before[0], census(iface)) == {}
+    assert differences(before[1], running()) == {}
+    assert not any(running().values())
+    assert names_of_the_plugin(iface) == []
+
+
+#: What takes long to load, and is of no use before the plugin is.
+HEAVY = {"numpy", "pyproj", "PIL", "requests", "urllib3", "matplotlib", "osgeo", "rasterio", "owslib"}
+
+
+def test_loading_imports_nothing_heavy(unloaded):
+    """Measured where QGIS has not loaded such modules itself: benchmarks/startup.py."""
+    before = set(sys.modules)
+    load()
+    gained = set(sys.modules) - before
+    own = {name for name in gained if name.partition(".")[0] == PLUGIN}
+    assert gained - own == set()
+    # The rest of the plugin, and the core, are loaded when they are first used; so are the algorithms.
+    assert own <= {
+        "terrainav",
+        "terrainav.terrainav_plugin",
+        *(
+            f"terrainav.terrainav_plugin.{name}"
+            for name in ("plugin", "compat", "i18n", "messages", "options", "packages", "paths")
+        ),
+    }
+
+
+def test_what_is_loaded_at_the_start_names_nothing_heavy(unloaded):
+    """Nor would it in a QGIS that has loaded less: the modules loaded at the start import none of it."""
+    before = set(sys.modules)
+    load()
+    own = [sys.modules[name] for name in set(sys.modules) - before if name.partition(".")[0] == PLUGIN]
+    assert len(own) > 5
+    found = {
+        (module.__name__, value.__name__)
+        for module in own
+        for value in vars(module).values()
+        if isinstance(value, ModuleType) and value.__name__.partition(".")[0] in HEAVY
+    }
+    assert found == set()
+
+
+def test_details_open_the_log_at_the_plugin_s_tab(plugin, iface, qtbot):
+    plugin.messages.error("Something failed", "and this is why")
+    item = next(item for item in iface.messageBar().items() if item.text() == "Something failed")
+    (button,) = [button for button in item.findChildren(QPushButton) if button.text() == "Details"]
+    panel = iface.mainWindow().findChild(QDockWidget, "MessageLog")
+    tabs = panel.findChild(QTabWidget)
+    tabs.setCurrentIndex(0)
+    QTest.mouseClick(button, Qt.MouseButton.LeftButton)
+    qtbot.waitUntil(panel.isVisible)
+    assert tabs.tabText(tabs.currentIndex()) == "TerrAInav"
+    assert "and this is why" in tabs.currentWidget().toPlainText()
+    panel.close()
+
+
+def test_help_is_the_guide_or_the_homepage(plugin, tmp_path, monkeypatch, qtbot):
+    # The one that the plugin's own import finds, however often it was loaded before.
+    help_module = importlib.import_module("terrainav.terrainav_plugin.help")
+    opened = []
+    monkeypatch.setattr(QDesktopServices, "openUrl", lambda url: opened.append(url.toString()))
+    monkeypatch.setattr(help_module, "_PLUGIN", tmp_path)
+    (tmp_path / "metadata.txt").write_text("[general]\nhomepage=https://home.example/\n", encoding="utf-8")
+    plugin.actions["help"].trigger()
+    assert opened == ["https://home.example/"]
+    (tmp_path / "docs").mkdir()
+    lines = [
+        "# Guide",
+        "",
+        *("text\n" for _ in range(200)),
+        "## Sources and keys",
+        "",
+        "[out](https://o.example/)",
+    ]
+    (tmp_path / "docs" / "guide.md").write_text(
+        "\n".join([*lines, *("text\n" for _ in range(200))]), encoding="utf-8"
+    )
+    help_module.show_help("sources-and-keys")
+    (window,) = [
+        widget for widget in QApplication.topLevelWidgets() if widget.objectName() == "terrainav_guide"
+    ]
+    qtbot.waitUntil(window.isVisible)
+    assert "Sources and keys" in window.toPlainText()
+    there_px = window.verticalScrollBar().value()
+    assert there_px > 1000
+    window.anchorClicked.emit(QUrl("https://o.example/"))
+    assert opened[-1] == "https://o.example/"
+    window.anchorClicked.emit(QUrl("#guide"))
+    # The page's margin is above the first heading.
+    assert window.verticalScrollBar().value() < 20
+    help_module.close_help()
+    settle()
+    assert not [w for w in QApplication.topLevelWidgets() if w.objectName() == "terrainav_guide"]

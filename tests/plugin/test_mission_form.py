@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import replace
 
 import pytest
@@ -91,6 +92,36 @@ def test_test_shot_is_one_picture_of_the_first_map_type():
 def test_state_survives_its_settings_text():
     state = with_box(replace(GOOD, map_types=("terrain",), agl_unit="ft"), Box(1.0, 2.0, 0.5, 3.0))
     assert FormState.from_json(state.to_json()) == state
+
+
+def test_form_saved_before_there_were_entries_for_pixels():
+    more = {"zoom": 17, "max_px": 1024, "upsample": True, "img_size": [64, 48, 1], "mesh": "rays"}
+    saved = {
+        "north": "35.16",
+        "west": "-89.9",
+        "south": "35.115",
+        "east": "-89.823",
+        "more": json.dumps(more),
+    }
+    there = mission(FormState.from_json(json.dumps(saved)))
+    assert (there.zoom, there.max_px, there.upsample, there.img_size) == (17, 1024, True, (64, 48, 1))
+    assert there.mesh == "rays"
+    by_gsd = FormState.from_json(json.dumps({**saved, "more": '{"gsd_m_per_px": 0.3}'}))
+    assert (mission(by_gsd).zoom, mission(by_gsd).gsd_m_per_px) == (None, 0.3)
+
+
+def test_entries_that_do_not_count_are_not_in_the_mission():
+    idle = replace(GOOD, zoom=3, gsd_m_per_px=9.0, resize_width_px=7, focal_length_mm=1.0, camera_gsd=1.0)
+    assert mission(idle) == mission(GOOD)
+
+
+def test_mission_opens_in_the_terms_a_person_uses():
+    there = mission(GOOD)
+    like = replace(GOOD, agl_unit="ft", fov_mode="vertical")
+    state = state_of(there, "", like)
+    assert (state.agl_unit, state.fov_mode) == ("ft", "vertical")
+    assert state.fov_typed_deg == there.camera.vertical_fov_deg
+    assert mission(state) == there
 
 
 @pytest.mark.parametrize("text", ["", "{", "[]", '{"agl": "high", "unknown": 1}', "null"])

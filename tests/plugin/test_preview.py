@@ -10,11 +10,10 @@ from qgis.PyQt.QtCore import QCoreApplication
 from terrainav.core.mission.area import Box, Points, Polygon
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
-from terrainav.terrainav_plugin.map import preview_features as features_module
-from terrainav.terrainav_plugin.map.preview_features import preview_features
+from terrainav.terrainav_plugin.map.preview_scene import Scene
 from terrainav.terrainav_plugin.sources import grid_of
 
-LAYERS = ["Area", "Capture centres", "Flight line", "Planned images"]
+LAYERS = ["Area", "Capture centres", "Flight line", "Planned images", "Images per place"]
 
 
 def rectangles(layer):
@@ -31,7 +30,7 @@ def previewed(desk):
     return desk
 
 
-def test_preview_is_one_group_of_four_layers(previewed):
+def test_preview_is_one_group_of_layers(previewed):
     assert previewed.layer_names() == LAYERS
     assert previewed.group().name() == "TerrAInav: mission"
     assert previewed.plugin.actions["preview"].isChecked()
@@ -131,6 +130,7 @@ def test_preview_survives_a_new_project(previewed):
 def test_another_folder_names_the_group_anew(previewed):
     previewed.form.folder.setFilePath(str(previewed.folder.with_name("other")))
     previewed.wait(lambda: previewed.group() is not None and previewed.group().name() == "TerrAInav: other")
+    previewed.wait_previewed()
     assert previewed.layer_names() == LAYERS
 
 
@@ -196,50 +196,29 @@ def test_first_layer_gives_an_empty_project_the_crs_of_web_maps(previewed, clean
 def features_of(area, **changes):
     mission = Mission(area=area, agl_m=changes.pop("agl_m", 120.0), **changes)
     planned = plan(mission, grid_of(mission))
-    return planned, preview_features(planned)
+    return planned, Scene(planned).draw(None).layers
 
 
 def test_images_across_the_antimeridian_stay_on_the_map():
     planned, drawn = features_of(Box(0.004, 179.996, -0.004, -179.996))
     half_world = 20_037_508.342789244
-    boxes = [feature.geometry().boundingBox() for feature in drawn.footprints]
+    boxes = [feature.geometry().boundingBox() for feature in drawn["footprints"]]
     assert all(-half_world <= b.xMinimum() and b.xMaximum() <= half_world for b in boxes)
-    shares = sum(feature.geometry().area() for feature in drawn.footprints)
+    shares = sum(feature.geometry().area() for feature in drawn["footprints"])
     west, south, east, north = planned.edges_m
     assert shares == pytest.approx(float(((east - west) * (north - south)).sum()), rel=1e-9)
-    lines = drawn.flight[0].geometry().asMultiPolyline()
+    lines = drawn["flight"][0].geometry().asMultiPolyline()
     assert all(-half_world <= point.x() <= half_world for line in lines for point in line)
     # Each row crosses once.
     assert len(lines) == planned.rows + 1
-    assert drawn.area[0].geometry().asGeometryCollection()[0].boundingBox().xMaximum() == half_world
-
-
-def test_rows_stand_for_too_many_images(monkeypatch):
-    area = Box(35.14, -89.87, 35.131, -89.856)
-    planned, single = features_of(area)
-    monkeypatch.setattr(features_module, "MOST_FOOTPRINTS", 10)
-    _, drawn = features_of(area)
-    assert drawn.outlined
-    assert not drawn.centres
-    assert len(drawn.footprints) == planned.rows
-    assert sum(feature["images"] for feature in map(with_names, drawn.footprints)) == len(planned)
-    outline = drawn.footprints[0].geometry()
-    for feature in drawn.footprints[1:]:
-        outline = outline.combine(feature.geometry())
-    for feature in single.footprints:
-        assert outline.buffer(0.01, 1).contains(feature.geometry())
-
-
-def with_names(feature):
-    names = [part.split("=")[1].split(":")[0] for part in features_module.FIELDS["footprints"].split("&")]
-    return dict(zip(names, feature.attributes()))
+    assert drawn["area"][0].geometry().asGeometryCollection()[0].boundingBox().xMaximum() == half_world
 
 
 def test_polygon_is_drawn_with_its_holes_and_on_either_side_of_the_antimeridian():
     outer = ((179.98, 0.0), (180.02, 0.0), (180.02, 0.02), (179.98, 0.02))
     hole = ((179.99, 0.005), (180.01, 0.005), (180.0, 0.015))
     _, drawn = features_of(Polygon((outer, hole)), agl_m=500.0)
-    (area,) = drawn.area
+    (area,) = drawn["area"]
     assert area.geometry().isGeosValid()
     # Near the equator degrees are the same everywhere.
     metres = 20_037_508.342789244 / 180.0
@@ -249,5 +228,5 @@ def test_polygon_is_drawn_with_its_holes_and_on_either_side_of_the_antimeridian(
 
 def test_points_have_no_area():
     planned, drawn = features_of(Points(((10.0, 20.0, 100.0), (10.01, 20.0, 200.0))))
-    assert drawn.area == []
-    assert len(drawn.footprints) == len(drawn.centres) == len(planned) == 2
+    assert drawn["area"] == []
+    assert len(drawn["footprints"]) == len(drawn["centres"]) == len(planned) == 2

@@ -3,10 +3,15 @@
 from __future__ import annotations
 
 import shutil
+from contextlib import closing
+from pathlib import Path
 
 import pytest
 import qgis.utils
 from qgis.core import QgsApplication, QgsProject
+from qgis.PyQt.QtCore import Qt, QTimer
+from qgis.PyQt.QtTest import QTest
+from terrainav.core.mission.mission import Mission
 
 from tests.plugin.test_loading import PLUGIN, census, differences, names_of_the_plugin, settle, unloaded
 from tests.support.tileserver import TileServer
@@ -77,6 +82,195 @@ def test_project_moved_with_its_dataset_knows_where_it_is(captured, tmp_path):
     # Going on there finds every image.
     captured.click(captured.dock.capture)
     captured.wait(lambda: any("were there already" in text for text in captured.messages()))
+
+
+@pytest.fixture
+def answers(monkeypatch):
+    """What the user chooses in dialogs for files; set by the test."""
+    from qgis.PyQt.QtWidgets import QFileDialog
+
+    chosen = {}
+    monkeypatch.setattr(QFileDialog, "getOpenFileName", lambda *_: (str(chosen["file"]), ""))
+    monkeypatch.setattr(QFileDialog, "getSaveFileName", lambda *_: (str(chosen["save"]), ""))
+    monkeypatch.setattr(QFileDialog, "getExistingDirectory", lambda *_: str(chosen["folder"]))
+    return chosen
+
+
+def choose_in_menu(desk, text):
+    """Open the menu of missions with the mouse and choose an entry with it."""
+    menu = desk.workflow.missions.menu
+    picked = []
+
+    def pick():
+        actions = {action.text().replace("&", ""): action for action in menu.actions()}
+        place = menu.actionGeometry(actions[text]).center()
+        picked.append(actions[text].isEnabled())
+        QTest.mouseClick(menu, Qt.MouseButton.LeftButton, Qt.KeyboardModifier.NoModifier, place)
+        menu.hide()
+
+    QTimer.singleShot(50, pick)
+    # Comes back when the menu is closed.
+    QTest.mouseClick(desk.dock.missions, Qt.MouseButton.LeftButton)
+    desk.wait(lambda: bool(picked))
+    return picked[0]
+
+
+def menu_texts(desk):
+    desk.workflow.missions.menu.aboutToShow.emit()
+    return [
+        action.text().replace("&", "") for action in desk.workflow.missions.menu.actions() if action.text()
+    ]
+
+
+def capture_into(desk, folder):
+    desk.form.folder.setFilePath(str(folder))
+    desk.wait_planned()
+    desk.click(desk.dock.capture)
+    desk.wait(lambda: not desk.workflow.runs.idle)
+    desk.wait_for_run()
+
+
+def test_project_holds_several_missions_and_opens_the_one_that_was_in_the_panel(desk, tmp_path):
+    desk.enter_small_mission()
+    capture_into(desk, tmp_path / "first")
+    first = desk.workflow.state()
+    desk.form.agl.setValue(200.0)
+    capture_into(desk, tmp_path / "second")
+    desk.click(desk.dock.preview)
+    desk.wait_previewed()
+    second = desk.workflow.state()
+    assert QgsProject.instance().write(str(tmp_path / "project.qgz"))
+    desk.iface.newProject(False)
+    desk.form.agl.setValue(33.0)
+    desk.iface.addProject(str(tmp_path / "project.qgz"))
+    desk.wait_previewed()
+    assert desk.workflow.state() == second
+    titles = {"TerrAInav: first", "TerrAInav: second"}
+    assert titles <= set(menu_texts(desk))
+    checked = {a.text(): a.isChecked() for a in desk.workflow.missions.menu.actions() if a.isCheckable()}
+    assert checked == {"TerrAInav: first": False, "TerrAInav: second": True}
+    # Another one of the list, with the mouse: entries and preview are its own.
+    choose_in_menu(desk, "TerrAInav: first")
+    assert desk.workflow.state() == first
+    desk.wait_planned()
+    desk.wait_previewed()
+    groups = {group.name(): group for group in QgsProject.instance().layerTreeRoot().findGroups(True)}
+    assert set(groups) == titles
+    names = {title: [node.name() for node in group.findLayers()] for title, group in groups.items()}
+    assert "Planned images" in names["TerrAInav: first"]
+    assert names["TerrAInav: second"] == ["Captured images", "Satellite images"]
+
+
+def test_mission_is_saved_as_a_file_and_opened_again(desk, tmp_path, answers):
+    desk.enter_small_mission()
+    desk.form.agl.setValue(150.0)
+    state, mission = desk.workflow.state(), desk.wait_planned().mission
+    answers["save"] = tmp_path / "survey"
+    choose_in_menu(desk, "Save mission as file…")
+    file = tmp_path / "survey.json"
+    assert Mission.load(file) == mission
+    choose_in_menu(desk, "New mission")
+    assert not desk.workflow.state().has_box
+    assert desk.workflow.state().folder != state.folder
+    answers["file"] = file
+    choose_in_menu(desk, "Open mission file…")
+    assert desk.wait_planned().mission == mission
+    assert Path(desk.workflow.state().folder).name == "survey"
+    desk.wait_previewed()
+    # And again from the recent ones.
+    desk.form.agl.setValue(99.0)
+    menu_texts(desk)
+    (recent,) = (a.menu() for a in desk.workflow.missions.menu.actions() if a.menu() is not None)
+    assert recent.actions()[0].text() == str(file)
+    recent.actions()[0].trigger()
+    assert desk.wait_planned().mission == mission
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["", "{", "[]", '{"schema": 99}', '{"schema": 1, "area": {"type": "box"}, "agl_m": -4}', "\x00\x01"],
+)
+def test_broken_mission_file_is_one_line_and_changes_nothing(desk, tmp_path, answers, text):
+    desk.enter_small_mission()
+    before = desk.workflow.state()
+    answers["file"] = tmp_path / "broken.json"
+    answers["file"].write_text(text)
+    choose_in_menu(desk, "Open mission file…")
+    ours = [item.text() for item in desk.iface.messageBar().items() if item.title() == "TerrAInav"]
+    assert len(ours) == 1
+    assert "broken.json was not opened: " in ours[0]
+    assert "\n" not in ours[0]
+    assert desk.workflow.state() == before
+
+
+def test_folder_that_is_no_dataset_is_one_line(desk, tmp_path, answers):
+    before = desk.workflow.state()
+    answers["folder"] = tmp_path
+    choose_in_menu(desk, "Open dataset folder…")
+    assert any("so it is no dataset" in text for text in desk.messages())
+    assert desk.workflow.state() == before
+    assert QgsProject.instance().mapLayers() == {}
+
+
+def test_dataset_of_the_command_comes_with_mosaic_footprints_and_failures(desk, tmp_path, answers):
+    """Captured by the core alone; one image has failed."""
+    from terrainav.core.capture.runner import capture
+    from terrainav.core.imagery.opening import open_source
+
+    folder = tmp_path / "by-command"
+    with TileServer() as server:
+        desk.enter_small_mission()
+        desk.use_template(server.url_template)
+        planned = desk.wait_planned()
+        plan = planned.plan
+        x, y = int(plan.windows.left_px[0]) // 256, int(plan.windows.top_px[0]) // 256
+        server.fail("404", (plan.zoom, x, y))
+        with closing(open_source(server.url_template)) as source:
+            result = capture(plan, source, folder)
+    assert result.failed
+    desk.form.set_state(type(desk.workflow.state())(folder=str(desk.folder)))
+    answers["folder"] = folder
+    choose_in_menu(desk, "Open dataset folder…")
+    desk.wait(lambda: not desk.workflow.missions.busy)
+    assert desk.layer_names() == ["Failed images", "Captured images", "Satellite images"]
+    assert desk.layer("Captured images").featureCount() == len(plan)
+    assert desk.layer("Satellite images").isValid()
+    assert {f["name"] for f in desk.layer("Failed images").getFeatures()} == {f.name for f in result.failed}
+    assert desk.workflow.state().folder == str(folder)
+    assert desk.wait_planned().mission == planned.mission
+    # Once more changes nothing: the layers are there.
+    ids = {
+        layer.id() for layer in QgsProject.instance().mapLayers().values() if layer.name() != "Failed images"
+    }
+    choose_in_menu(desk, "Open dataset folder…")
+    desk.wait(lambda: not desk.workflow.missions.busy)
+    assert ids <= set(QgsProject.instance().mapLayers())
+
+
+def test_failed_images_of_an_opened_mission_are_captured_from_the_menu(desk, tmp_path):
+    with TileServer() as server:
+        desk.enter_small_mission()
+        desk.use_template(server.url_template)
+        plan = desk.wait_planned().plan
+        x, y = int(plan.windows.left_px[0]) // 256, int(plan.windows.top_px[0]) // 256
+        assert not choose_in_menu(desk, "Capture only the failed images")
+        server.fail("404", (plan.zoom, x, y))
+        capture_into(desk, desk.folder)
+        assert "Failed images" in desk.layer_names()
+        assert QgsProject.instance().write(str(tmp_path / "project.qgz"))
+        for run in list(desk.workflow.runs.runs):
+            desk.workflow.runs.dismiss(run)
+        desk.iface.newProject(False)
+        desk.form.set_state(type(desk.workflow.state())())
+        desk.iface.addProject(str(tmp_path / "project.qgz"))
+        desk.wait_planned()
+        assert "Failed images" in desk.layer_names()
+        server.heal()
+        assert choose_in_menu(desk, "Capture only the failed images")
+        desk.wait(lambda: not desk.workflow.runs.idle)
+        desk.wait_for_run()
+    assert len(list((desk.folder / "satellite").glob("*.tif"))) == len(plan)
+    assert "Failed images" not in desk.layer_names()
 
 
 def test_unloading_in_the_middle_of_everything_leaves_nothing(unloaded, iface, qtbot, tmp_path):

@@ -2,21 +2,40 @@
 
 from __future__ import annotations
 
+from qgis.gui import QgsGui
+from qgis.PyQt.QtGui import QKeySequence
 from qgis.PyQt.QtWidgets import QToolBar
 from terrainav.terrainav_plugin import plugin as plugin_module
 
-BUTTONS = ["dock", "draw_box", "preview", "test_shot", "capture"]
+BUTTONS = ["dock", "draw_box", "preview", "test_shot", "capture", "view_images"]
 
 
 def test_toolbar_and_menu_hold_all_actions(plugin, iface):
     toolbar = iface.mainWindow().findChild(QToolBar, "terrainav_toolbar")
     assert [action.objectName() for action in toolbar.actions()] == [f"terrainav_{name}" for name in BUTTONS]
-    (menu,) = (action.menu() for action in iface.rasterMenu().actions() if action.text() == "TerrAInav")
-    assert menu.actions() == toolbar.actions()
-    for action in toolbar.actions():
+    (menu,) = (action.menu() for action in iface.rasterMenu().actions() if action.text() == "&TerrAInav")
+    entries = [action.objectName() for action in menu.actions() if not action.isSeparator()]
+    assert set(entries) == {action.objectName() for action in plugin.actions.values()}
+    assert {f"terrainav_{name}" for name in (*BUTTONS, "settings", "help")} <= set(entries)
+    for action in plugin.actions.values():
         assert not action.icon().isNull()
         assert action.icon().availableSizes() or not action.icon().pixmap(24).isNull()
-        assert f"TerrAInav: {action.text()}" in action.toolTip()
+        assert f"TerrAInav: {action.text().replace('&', '')}" in action.toolTip()
+
+
+def test_menu_is_used_by_keyboard(plugin):
+    """Every entry has a letter of its own, and users can give each a shortcut; it has none by itself."""
+    letters = [text[text.index("&") + 1].lower() for text in (a.text() for a in plugin.actions.values())]
+    assert sorted(letters) == sorted(set(letters))
+    known = QgsGui.shortcutsManager()
+    for action in plugin.actions.values():
+        assert action in known.listActions()
+        assert known.defaultKeySequence(action) == ""
+    assert known.setKeySequence(plugin.actions["dock"], "Ctrl+Alt+Shift+F11")
+    try:
+        assert known.actionForSequence(QKeySequence("Ctrl+Alt+Shift+F11")) is plugin.actions["dock"]
+    finally:
+        known.setKeySequence(plugin.actions["dock"], "")
 
 
 def test_dock_button_shows_and_hides_the_panel(desk):
@@ -74,8 +93,8 @@ def test_missing_package_is_one_line(plugin, iface, monkeypatch):
     needed = {**plugin_module._NEEDED, "no_such_module_anywhere": "Imaginary"}
     monkeypatch.setattr(plugin_module, "_NEEDED", needed)
     monkeypatch.setattr(plugin, "_workflow", None)
-    for action in plugin.actions.values():
-        action.trigger()
+    for name in BUTTONS:
+        plugin.actions[name].trigger()
     texts = {item.text() for item in iface.messageBar().items()}
     assert texts == {"TerrAInav needs Python packages that this QGIS lacks: Imaginary."}
     assert plugin._workflow is None

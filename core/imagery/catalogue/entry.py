@@ -30,7 +30,7 @@ _LIST = ((list, tuple), "a list")
 _OBJECT = ((Mapping,), "an object")
 #: Types of what an entry states, and words for them.
 _KINDS_OF: dict[str, tuple[tuple[type, ...], str]] = {
-    **dict.fromkeys(("title", "kind", "area", "attribution", "key_env", "secret_env"), _TEXT),
+    **dict.fromkeys(("title", "kind", "area", "attribution", "key_env", "signing_env"), _TEXT),
     **dict.fromkeys(("bulk_allowed", "licence", "terms", "terms_url"), _TEXT),
     **dict.fromkeys(("min_zoom", "max_zoom", "native_zoom", "max_tiles", "max_connections"), _WHOLE),
     "requests_per_s": ((int, float), "a number"),
@@ -64,7 +64,7 @@ class CatalogueEntry:
     dates : Dates or None
     policy : Policy
     placeholder : Placeholder
-    key_env, secret_env : str or None
+    key_env, signing_env : str or None
         Environment variables of the key, where one is needed, and of the signing secret.
     bounds_deg : tuple of float
         West, south, east, north of the ground it is named as an alternative for.
@@ -90,7 +90,7 @@ class CatalogueEntry:
     policy: Policy
     placeholder: Placeholder
     key_env: str | None = None
-    secret_env: str | None = None
+    signing_env: str | None = None
     bounds_deg: tuple[float, float, float, float] = WORLD_DEG
     levels: tuple[tuple[int, str], ...] = ()
     user: bool = field(default=False)
@@ -147,7 +147,7 @@ class CatalogueEntry:
             if size > _WIDEST_TILE_PX:
                 raise InvalidInput(f"tile size {size} px: must be {_WIDEST_TILE_PX} or less")
             self.grid(size)
-        for variable in (self.key_env, self.secret_env):
+        for variable in (self.key_env, self.signing_env):
             if variable is not None and not _VARIABLE.fullmatch(variable):
                 raise InvalidInput(
                     f"environment variable {variable!r}: must be letters, digits and underscores, such as {KEY_ENV}"

@@ -7,7 +7,7 @@ import difflib
 from ...errors import InvalidInput
 from ..source import Source
 from .entry import CatalogueEntry, shipped
-from .user_sources import user_sources
+from .user_sources import shelf, user_sources
 
 __all__ = ["CatalogueEntry", "alternatives", "check_policy", "entry_named", "sources"]
 
@@ -28,7 +28,10 @@ def entry_named(name: str) -> CatalogueEntry:
     # The user's file, which may be broken, is read only for what is not in the catalogue.
     entries = {entry.name: entry for entry in shipped()}
     if name.lower() not in entries:
-        entries = {**{entry.name: entry for entry in user_sources()}, **entries}
+        own = shelf()
+        if name.lower() in own.problems:
+            raise InvalidInput(own.problems[name.lower()])
+        entries.update((entry.name, entry) for entry in own.entries)
     if name.lower() in entries:
         return entries[name.lower()]
     close = difflib.get_close_matches(name.lower(), entries, n=3, cutoff=0.5)

@@ -2,21 +2,16 @@
 
 from __future__ import annotations
 
-import json
 import os
 import re
-import sys
-from collections.abc import Mapping
-from pathlib import Path
-from typing import Any
+from collections.abc import Container, Mapping
+from typing import Any, NamedTuple
 
-from ...errors import InvalidInput, OutputError
-from ...files import make_folder, write_whole
+from ...config import config_file, read_named, write_named
+from ...errors import InvalidInput
 from ..template import Template
 from .entry import KEY_ENV, CatalogueEntry, shipped, under_provider
 
-#: Environment variable with the folder, for one elsewhere than where the platform keeps configuration.
-FOLDER_ENV = "TERRAINAV_CONFIG_DIR"
 FILE = "sources.json"
 #: Zooms of a template of which nothing is said.
 DEFAULT_MAX_ZOOM = 22
@@ -24,33 +19,45 @@ DEFAULT_MAX_ZOOM = 22
 NAME = re.compile(r"[a-z0-9][a-z0-9_-]{0,63}")
 
 
-def default_folder() -> Path:
-    """Return the folder of a user's configuration, which may not be there yet."""
-    if os.environ.get(FOLDER_ENV):
-        return Path(os.environ[FOLDER_ENV])
-    if sys.platform == "win32":
-        above = Path(os.environ.get("APPDATA") or Path.home() / "AppData" / "Roaming")
-    elif sys.platform == "darwin":
-        above = Path.home() / "Library" / "Application Support"
-    else:
-        above = Path(os.environ.get("XDG_CONFIG_HOME") or Path.home() / ".config")
-    return above / "terrainav"
+class Shelf(NamedTuple):
+    """A user's own sources, and what is wrong with those that are left out.
+
+    Parameters
+    ----------
+    entries : tuple of CatalogueEntry
+        Each under the terms of its provider where that is known.
+    problems : mapping of str to str
+        Name of a source to what is wrong with it; names the file.
+    """
+
+    entries: tuple[CatalogueEntry, ...]
+    problems: Mapping[str, str]
 
 
-def user_sources(folder: str | os.PathLike[str] | None = None) -> tuple[CatalogueEntry, ...]:
-    """Return the user's entries, each under the terms of its provider where that is known.
+def shelf(folder: str | os.PathLike[str] | None = None) -> Shelf:
+    """Return the user's entries that are right, and what is wrong with the others: one does not hide another.
 
     Raises
     ------
     InvalidInput
-        The file cannot be read, or an entry is not right; names the file.
+        The file cannot be read; names it.
     """
-    path = _path(folder)
-    known = _read(path)
-    try:
-        return tuple(_entry(name, data) for name, data in known.items())
-    except InvalidInput as wrong:
-        raise InvalidInput(f"{path}: {wrong}") from wrong
+    path = config_file(FILE, folder)
+    taken = {entry.name for entry in shipped()}
+    entries: list[CatalogueEntry] = []
+    problems: dict[str, str] = {}
+    for name, data in read_named(path, "sources").items():
+        entry = _entry_or_problem(name, data, taken)
+        if isinstance(entry, CatalogueEntry):
+            entries.append(entry)
+        else:
+            problems[name] = f"{path}: {entry}"
+    return Shelf(tuple(entries), problems)
+
+
+def user_sources(folder: str | os.PathLike[str] | None = None) -> tuple[CatalogueEntry, ...]:
+    """Return the user's entries that are right; raises as `shelf`, which also tells what is wrong with the others."""
+    return shelf(folder).entries
 
 
 def described(
@@ -139,14 +146,14 @@ def add(name: str, data: Mapping[str, Any], folder: str | os.PathLike[str] | Non
     _check_name(name)
     if any(entry.name == name for entry in shipped()):
         raise InvalidInput(f"source name {name!r}: is one of the catalogue's; choose another")
-    path = _path(folder)
-    known = _read(path)
+    path = config_file(FILE, folder)
+    known = read_named(path, "sources")
     if name in known:
         raise InvalidInput(
             f"source name {name!r}: is taken; choose another, or `terrainav sources remove` it"
         )
     entry = _entry(name, data)
-    _write(path, {**known, name: dict(data)})
+    write_named(path, {**known, name: dict(data)})
     return entry
 
 
@@ -158,17 +165,13 @@ def remove(name: str, folder: str | os.PathLike[str] | None = None) -> None:
     InvalidInput
         There is no such source, or it is one of the catalogue's.
     """
-    path = _path(folder)
-    known = _read(path)
+    path = config_file(FILE, folder)
+    known = read_named(path, "sources")
     if name not in known:
         if any(entry.name == name for entry in shipped()):
             raise InvalidInput(f"source {name!r}: is part of the catalogue, which stays as it is")
         raise InvalidInput(f"source {name!r}: is none of your own, which are {', '.join(known) or 'none'}")
-    _write(path, {other: data for other, data in known.items() if other != name})
-
-
-def _path(folder: str | os.PathLike[str] | None) -> Path:
-    return (default_folder() if folder is None else Path(folder)) / FILE
+    write_named(path, {other: data for other, data in known.items() if other != name})
 
 
 def _check_name(name: str) -> None:
@@ -188,23 +191,10 @@ def _entry(name: str, data: Any) -> CatalogueEntry:
     return under_provider(entry)
 
 
-def _read(path: Path) -> dict[str, Any]:
+def _entry_or_problem(name: str, data: Any, taken: Container[str]) -> CatalogueEntry | str:
+    if name in taken:
+        return f"source name {name!r}: is one of the catalogue's; choose another"
     try:
-        data = json.loads(path.read_text(encoding="utf-8"))
-    except FileNotFoundError:
-        return {}
-    except OSError as wrong:
-        raise InvalidInput(f"{path}: cannot be read ({wrong.strerror}); mend it, or move it away") from wrong
-    except (ValueError, RecursionError) as wrong:
-        raise InvalidInput(f"{path}: cannot be read as JSON ({wrong}); mend it, or move it away") from wrong
-    if not isinstance(data, dict):
-        raise InvalidInput(f"{path}: must hold a JSON object of sources")
-    return data
-
-
-def _write(path: Path, data: Mapping[str, Any]) -> None:
-    try:
-        make_folder(path.parent)
-        write_whole(path, (json.dumps(data, indent=1, ensure_ascii=False) + "\n").encode())
-    except OutputError as wrong:
-        raise OutputError(f"{wrong}; {FOLDER_ENV} names another folder") from wrong
+        return _entry(name, data)
+    except InvalidInput as wrong:
+        return str(wrong)

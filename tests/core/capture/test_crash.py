@@ -11,10 +11,10 @@ from pathlib import Path
 
 import pytest
 from terrainav.core.capture.journal import Journal, Outcome
-from terrainav.core.capture.lock import open_locked
 from terrainav.core.capture.runner import capture
 from terrainav.core.dataset.table import Table
 from terrainav.core.errors import OutputError
+from terrainav.core.lock import open_locked
 from terrainav.core.mission.area import Box, Points
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
@@ -232,7 +232,7 @@ def test_a_second_capture_into_the_folder_is_refused(driver, tmp_path):
     try:
         assert first.asked.wait(60.0)
         refused = (
-            f"folder {tmp_path / 'out'}: another capture is running in it; wait until it has ended or choose "
+            f"folder {tmp_path / 'out'}: another run is at work in it; wait until it has ended or choose "
             "another folder"
         )
         # In this process and in another.
@@ -250,14 +250,14 @@ def test_a_second_capture_into_the_folder_is_refused(driver, tmp_path):
 
 
 def test_the_lock_of_a_killed_process_is_free(tmp_path):
-    held = "from terrainav.core.capture.lock import open_locked; from pathlib import Path; import sys, time;"
+    held = "from terrainav.core.lock import open_locked; from pathlib import Path; import sys, time;"
     held += "file = open_locked(Path(sys.argv[1])); print('held', flush=True); time.sleep(60)"
     path = tmp_path / "journal.jsonl"
     with subprocess.Popen(
         [sys.executable, "-c", held, str(path)], cwd=ROOT, stdout=subprocess.PIPE, text=True
     ) as holder:
         assert holder.stdout.readline() == "held\n"
-        with pytest.raises(OutputError, match="another capture is running in it"):
+        with pytest.raises(OutputError, match="another run is at work in it"):
             open_locked(path)
         holder.kill()
     open_locked(path).close()
@@ -310,4 +310,4 @@ def test_of_two_missions_that_begin_in_one_folder_at_once_one_gets_it(tmp_path):
         assert {path.stem for path in folder.glob("*/*.tif")} == {worked_out[first].names[0]}
         for number, outcome in outcomes.items():
             if number != first:
-                assert "holds another mission" in str(outcome) or "another capture is running" in str(outcome)
+                assert "holds another mission" in str(outcome) or "another run is at work" in str(outcome)

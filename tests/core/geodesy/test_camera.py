@@ -88,3 +88,85 @@ def test_fields_of_view_outside_zero_to_180_are_refused(fov):
 def test_ratios_that_are_not_positive_are_refused(ratio):
     with pytest.raises(InvalidInput, match="aspect ratio"):
         Camera(60.0, ratio)
+
+
+# Fields of view whose diagonal stays clear of 180 degrees at ratios from 1 : 10 to 10 : 1.
+side_fovs = st.floats(0.01, 170.0)
+plain_ratios = st.floats(0.1, 10.0)
+
+
+@given(side_fovs, plain_ratios)
+def test_a_camera_by_a_side_has_that_side(fov, ratio):
+    wide, tall = Camera.from_horizontal_fov(fov, ratio), Camera.from_vertical_fov(fov, ratio)
+    # The complement of the diagonal, which the degrees hold to 3e-14, is 0.6 degrees at the least.
+    assert wide.horizontal_fov_deg == pytest.approx(fov, rel=1e-12)
+    assert tall.vertical_fov_deg == pytest.approx(fov, rel=1e-12)
+    assert wide.aspect_ratio == tall.aspect_ratio == ratio
+
+
+@given(fovs, plain_ratios)
+def test_sides_and_diagonal_lead_to_each_other(fov, ratio):
+    camera = Camera(fov, ratio)
+    # As an angle: near 180 degrees its complement has but the digits that the sides' complements leave it.
+    assert Camera.from_horizontal_fov(camera.horizontal_fov_deg, ratio).fov_deg == pytest.approx(
+        fov, abs=1e-11
+    )
+    assert Camera.from_vertical_fov(camera.vertical_fov_deg, ratio).fov_deg == pytest.approx(fov, abs=1e-11)
+
+
+@given(st.floats(1.0, 60.0), st.floats(1.0, 60.0), st.floats(1.0, 500.0))
+def test_a_camera_by_its_sensor_is_the_pinhole_of_the_sensor(width_mm, height_mm, focal_length_mm):
+    camera = Camera.from_sensor((width_mm, height_mm), focal_length_mm)
+    # Half the picture is half the sensor, at the focal length.
+    assert camera.half_tangents == pytest.approx(
+        (width_mm / 2 / focal_length_mm, height_mm / 2 / focal_length_mm), rel=1e-12
+    )
+    assert camera.focal_length_px(4000) == pytest.approx(4000 * focal_length_mm / width_mm, rel=1e-12)
+
+
+def test_full_frame_lenses_see_what_photographers_know():
+    # 36 x 24 mm behind 50 mm: 46.8 degrees across, 39.6 along, 27.0 up.
+    camera = Camera.from_sensor((36.0, 24.0), 50.0)
+    assert camera.fov_deg == pytest.approx(46.8, abs=0.05)
+    assert camera.horizontal_fov_deg == pytest.approx(39.6, abs=0.05)
+    assert camera.vertical_fov_deg == pytest.approx(27.0, abs=0.05)
+
+
+def test_the_picture_s_own_ratio_goes_before_the_rounded_sensor_s():
+    camera = Camera.from_sensor((6.3, 4.7), 4.49, 4 / 3)
+    assert camera.aspect_ratio == 4 / 3
+    assert camera.fov_deg == Camera.from_sensor((6.3, 4.7), 4.49).fov_deg
+    with pytest.raises(InvalidInput, match=r"sensor 36 by 24 mm .* 1\.778 to 1: pixels would not be square"):
+        Camera.from_sensor((36.0, 24.0), 50.0, 16 / 9)
+
+
+@given(fovs, plain_ratios, st.floats(0.01, 1e7), st.integers(1, 100_000))
+def test_height_and_ground_sample_distance_lead_to_each_other(fov, ratio, agl_m, longer_side_px):
+    camera = Camera(fov, ratio)
+    gsd = camera.gsd_m_per_px(agl_m, longer_side_px)
+    assert camera.agl_m(gsd, longer_side_px) == pytest.approx(agl_m, rel=1e-14)
+    assert gsd * longer_side_px == pytest.approx(max(camera.ground_size_m(agl_m)), rel=1e-14)
+    # Square pixels: the same along the shorter side.
+    assert gsd * longer_side_px * min(ratio, 1 / ratio) == pytest.approx(
+        min(camera.ground_size_m(agl_m)), rel=1e-13
+    )
+
+
+@pytest.mark.parametrize(
+    ("make", "says"),
+    [
+        (lambda: Camera.from_horizontal_fov(180.0), "horizontal field of view 180.0 deg: must be between"),
+        (lambda: Camera.from_vertical_fov(math.nan), "vertical field of view nan deg"),
+        (lambda: Camera.from_vertical_fov(0.0), "vertical field of view 0.0 deg"),
+        (lambda: Camera.from_horizontal_fov(60.0, 0.0), "aspect ratio 0.0"),
+        (lambda: Camera.from_horizontal_fov(60.0, math.inf), "aspect ratio inf"),
+        (lambda: Camera.from_vertical_fov(179.9999999, 1e9), "across the diagonal 180 deg"),
+        (lambda: Camera.from_sensor((0.0, 4.0), 5.0), "sensor 0.0 by 4.0 mm"),
+        (lambda: Camera.from_sensor((6.0, math.inf), 5.0), "sensor 6.0 by inf mm"),
+        (lambda: Camera.from_sensor((6.0, 4.0), 0.0), "focal length 0.0 mm"),
+        (lambda: Camera.from_sensor((6.0, 4.0), 5.0, math.nan), "aspect ratio nan"),
+    ],
+)
+def test_what_makes_no_camera_is_named(make, says):
+    with pytest.raises(InvalidInput, match=says):
+        make()

@@ -59,7 +59,7 @@ OPTIONAL = {
     "urls": dict,
     "tile_px": list,
     "key_env": str,
-    "secret_env": str,
+    "signing_env": str,
     "max_tiles": int,
     "dates": dict,
     "placeholder": dict,

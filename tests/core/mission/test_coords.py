@@ -7,7 +7,7 @@ import json
 import pytest
 from terrainav.core.errors import InvalidInput
 from terrainav.core.mission.area import Box, Points, Polygon
-from terrainav.core.mission.coords import load_polygon, parse_coords
+from terrainav.core.mission.coords import load_polygon, parse_coords, parse_points
 
 BOX = Box(35.22, -90.07, 35.06, -89.73)
 
@@ -47,6 +47,36 @@ def test_a_file_is_a_list(tmp_path):
     assert area == Points(((35.1, -89.8, 126.0), (35.2, -89.9, 80.0)))
     assert agl_m == 126.0
     assert parse_coords(str(file), kind="single")[0] == Points(((35.1, -89.8, 126.0),))
+
+
+def test_lines_may_have_a_yaw(tmp_path):
+    file = tmp_path / "points.txt"
+    file.write_text("# lat lon agl yaw\n35.1 -89.8 126 -45.5\n35.2,-89.9,80,\u221290\n")
+    area, agl_m = parse_coords(str(file), agl_unit="ft")
+    assert agl_m == 126 * 0.3048
+    assert area == Points(((35.1, -89.8, 126 * 0.3048), (35.2, -89.9, 80 * 0.3048)), (-45.5, -90.0))
+    assert parse_coords(str(file), kind="single")[0] == Points(((35.1, -89.8, 126.0),), (-45.5,))
+
+
+@pytest.mark.parametrize(
+    ("lines", "says"),
+    [
+        ("1 2 3\n4 5 6 7\n", r"line 2: '4 5 6 7' has 4 numbers and the lines before 3: give every point"),
+        ("1 2 3 4\n\n4 5 6\n", r"line 3: '4 5 6' has 3 numbers and the lines before 4"),
+        ("1 2 3 361\n", r"line 1: yaw 361.0 deg: must be from -360 to 360"),
+        ("1 2 3 4 5\n", r"has 5 numbers; expected lat lon agl \[yaw\]"),
+    ],
+)
+def test_yaws_that_cannot_be_are_named_with_their_line(tmp_path, lines, says):
+    file = tmp_path / "points.txt"
+    file.write_text(lines)
+    with pytest.raises(InvalidInput, match=says):
+        parse_coords(str(file))
+
+
+def test_one_place_is_three_numbers():
+    with pytest.raises(InvalidInput, match="4 numbers"):
+        parse_coords("35.1_-89.8_126_45")
 
 
 @pytest.mark.parametrize(
@@ -128,3 +158,13 @@ def test_geojson_without_a_polygon_is_refused(tmp_path, content):
     file.write_text(content)
     with pytest.raises(InvalidInput, match=r"area\.geojson"):
         load_polygon(str(file))
+
+
+def test_pasted_lines_are_read_as_a_files_are():
+    lines = ["# two", "", "35.1 -89.8 100 5", "35.2 -89.9 200 -5"]
+    points = parse_points(lines, agl_unit="ft")
+    assert points == Points(((35.1, -89.8, 30.48), (35.2, -89.9, 60.96)), (5.0, -5.0))
+    with pytest.raises(InvalidInput, match=r"^coordinates, line 2: 'x': could not convert"):
+        parse_points(["1 2 3", "x"])
+    with pytest.raises(InvalidInput, match=r"^list: holds no coordinates; expected lines of lat lon agl"):
+        parse_points(["# nothing"], "list")

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from terrainav.core.errors import InvalidInput
 from terrainav.core.geodesy.camera import Camera
 from terrainav.core.mission.area import Box, Points, Polygon
-from terrainav.core.mission.mission import MAP_TYPES, Mission
+from terrainav.core.mission.mission import MAP_TYPES, Mission, utc_time
 from terrainav.core.mission.wind import Wind
 
 BOX = Box(35.16, -89.90, 35.115, -89.823)
@@ -26,7 +26,14 @@ areas = st.one_of(
     st.just(TRIANGLE),
     st.lists(
         st.tuples(st.floats(-90, 90), st.floats(-180, 180), st.floats(0.01, 1e6)), min_size=1, max_size=3
-    ).map(lambda v: Points(tuple(v))),
+    ).flatmap(
+        lambda v: st.one_of(
+            st.just(Points(tuple(v))),
+            st.lists(st.floats(-360, 360), min_size=len(v), max_size=len(v)).map(
+                lambda yaws: Points(tuple(v), tuple(yaws))
+            ),
+        )
+    ),
 )
 missions = st.builds(
     Mission,
@@ -51,6 +58,11 @@ missions = st.builds(
     mesh=st.sampled_from(["auto", "mesh-0.1px", "rays"]),
     resampling=st.sampled_from(["nearest", "bilinear", "bicubic", "lanczos"]),
     wind=st.one_of(st.none(), st.builds(Wind, st.floats(0, 10), st.floats(0, 359), st.floats(0, 0.5))),
+    grid_angle_deg=st.floats(-180, 180),
+    crosshatch=st.booleans(),
+    order=st.sampled_from(["serpentine", "one-way"]),
+    airspeed_m_per_s=st.floats(11, 340),
+    start=st.sampled_from(["2024-06-21T12:00:00Z", "1999-12-31T23:59:59.25Z"]),
     date=st.sampled_from(["", "2024-06-21", "1950-1965", "2024-06-21T12:00:00Z"]),
 )
 
@@ -148,6 +160,15 @@ def test_a_missing_mission_file_is_named(tmp_path):
         ({"frame": "round"}, "frame 'round'"),
         ({"mesh": "mesh"}, "mesh 'mesh'"),
         ({"resampling": "cubic"}, "resampling 'cubic'"),
+        ({"grid_angle_deg": 181.0}, "grid angle 181.0 deg: must be from -180 to 180"),
+        ({"grid_angle_deg": math.nan}, "grid angle nan deg"),
+        ({"order": "zigzag"}, "order of flight 'zigzag': must be one of serpentine, one-way"),
+        ({"airspeed_m_per_s": 0.0}, "airspeed 0.0 m/s: must be 0.1 to 340.0"),
+        ({"start": "2024-06-21"}, "start '2024-06-21': must be UTC as 2024-06-21T10:30:00Z"),
+        ({"start": "2024-06-21T10:30:00+01:00"}, "must be UTC as"),
+        ({"start": "2024-06-21 10:30:00Z"}, "must be UTC as"),
+        ({"start": "2024-02-30T10:30:00Z"}, "start '2024-02-30T10:30:00Z': no such time"),
+        ({"start": "2024-06-21T10:30:00.1234567Z"}, "must be UTC as"),
     ],
 )
 def test_values_outside_their_domain_are_named(change, says):
@@ -165,6 +186,8 @@ def test_values_outside_their_domain_are_named(change, says):
         (lambda: Polygon(()), "without a ring"),
         (lambda: Polygon((((0, 0), (1, 1), (0, 0)),)), "2 corners"),
         (lambda: Points(()), "empty"),
+        (lambda: Points(((1, 2, 3), (1, 2, 4)), (10.0,)), "1 yaws of 2 points: give one for each, or none"),
+        (lambda: Points(((1, 2, 3),), (math.nan,)), "yaw nan deg"),
     ],
 )
 def test_areas_outside_their_domain_are_named(make, says):
@@ -178,6 +201,36 @@ def test_a_box_across_the_antimeridian():
     assert box.continuous_east_deg == 181
     assert Box(1, -180, -1, 180).span_deg == 360
     assert box.area_m2() == pytest.approx(Box(1, 9, -1, 11).area_m2())
+
+
+@pytest.mark.parametrize(
+    ("lons", "west", "east"),
+    [
+        ((10.0,), 10.0, 10.0),
+        ((10.0, -20.0, 5.0), -20.0, 10.0),
+        ((179.5, -179.9), 179.5, -179.9),
+        ((179.5, -179.9, 0.0), 0.0, -179.9),
+        ((170.0, 190.5), 170.0, -169.5),
+        ((-120.0, 0.0, 120.0), -120.0, 120.0),
+        ((-180.0, 180.0), 180.0, -180.0),
+    ],
+)
+def test_the_smallest_box_around_points(lons, west, east):
+    bounds = Points(tuple((float(index), lon, 1.0) for index, lon in enumerate(lons))).bounds
+    assert bounds == Box(len(lons) - 1.0, west, 0.0, east)
+
+
+@given(st.lists(st.floats(-180, 180), min_size=1, max_size=5))
+def test_the_box_around_points_holds_them_and_none_is_smaller(lons):
+    bounds = Points(tuple((0.0, lon, 1.0) for lon in lons)).bounds
+    away = [(lon - bounds.west_deg) % 360.0 for lon in lons]
+    assert max(away) <= bounds.span_deg + 1e-9 or min(away) > 360.0 - 1e-9
+    assert bounds.span_deg <= min(max((lon - west) % 360.0 for lon in lons) for west in lons) + 1e-9
+
+
+def test_the_start_is_a_time_in_utc():
+    assert utc_time("2024-06-21T10:30:00Z").isoformat() == "2024-06-21T10:30:00+00:00"
+    assert utc_time("2024-06-21T10:30:00.25Z").isoformat() == "2024-06-21T10:30:00.250000+00:00"
 
 
 def test_a_polygon_is_the_same_however_it_is_written():

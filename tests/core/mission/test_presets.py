@@ -1,3 +1,5 @@
+"""Cameras that ship: their published facts, and how they are found."""
+
 from __future__ import annotations
 
 import math
@@ -5,7 +7,7 @@ import math
 import pytest
 from terrainav.core.errors import InvalidInput
 from terrainav.core.geodesy.camera import Camera
-from terrainav.core.mission.presets import CameraPreset, camera_named, cameras
+from terrainav.core.mission.presets import CameraPreset, camera_named, cameras, shipped_cameras
 from terrainav.core.resources import read_json
 
 # Diagonal fields of view in degrees, to a tenth, as published beside the facts.
@@ -29,12 +31,18 @@ PUBLISHED_FOV_DEG = {
     "Sony a6000 16 mm": 82.8,
 }
 FACTS = read_json("cameras.json")
-PRESETS = {preset.name: preset for preset in cameras()}
+PRESETS = {preset.name: preset for preset in shipped_cameras()}
+
+
+@pytest.fixture(autouse=True)
+def folder(monkeypatch, tmp_path):
+    monkeypatch.setenv("TERRAINAV_CONFIG_DIR", str(tmp_path / "config"))
 
 
 def test_presets_are_the_published_ones_and_the_paper_s_come_with_them():
     assert set(PRESETS) == {*PUBLISHED_FOV_DEG, "NVIG"}
     assert cameras()[0].camera == Camera()
+    assert cameras() == shipped_cameras()
 
 
 @pytest.mark.parametrize(("name", "fov_deg"), PUBLISHED_FOV_DEG.items())
@@ -66,26 +74,38 @@ def test_pixels_are_square(facts):
 @pytest.mark.parametrize("facts", FACTS, ids=lambda facts: facts["name"])
 def test_every_preset_names_its_source(facts):
     assert facts["source"]
-    assert PRESETS[facts["name"]].source == facts["source"]
+    preset = PRESETS[facts["name"]]
+    assert preset.source == facts["source"]
+    assert not preset.user
+    sensor = facts.get("sensor_mm")
+    assert preset.sensor_mm == (None if sensor is None else tuple(sensor))
+    assert preset.focal_length_mm == facts.get("focal_length_mm")
 
 
 def test_a_sensor_of_another_shape_than_its_pixels_is_refused():
     data = {
-        "name": "X",
         "source": "s",
         "sensor_mm": [6.16, 4.62],
         "focal_length_mm": 4.5,
         "size_px": [3840, 2160],
     }
     with pytest.raises(InvalidInput, match=r"camera X: .*not be square"):
-        CameraPreset.from_dict(data)
+        CameraPreset.from_dict("X", data)
 
 
 def test_a_horizontal_field_of_view_becomes_the_diagonal_one():
-    data = {"name": "X", "source": "s", "horizontal_fov_deg": 60.0, "aspect_ratio": [16, 9]}
-    camera = CameraPreset.from_dict(data).camera
+    data = {"source": "s", "horizontal_fov_deg": 60.0, "aspect_ratio": [16, 9]}
+    camera = CameraPreset.from_dict("X", data).camera
     assert camera.horizontal_fov_deg == pytest.approx(60.0, abs=1e-12)
     assert camera.aspect_ratio == 16 / 9
+
+
+def test_a_vertical_field_of_view_and_a_size_in_pixels():
+    data = {"vertical_fov_deg": 40.0, "size_px": [3000, 2000]}
+    preset = CameraPreset.from_dict("X", data, user=True)
+    assert preset.camera.vertical_fov_deg == pytest.approx(40.0, abs=1e-12)
+    assert (preset.camera.aspect_ratio, preset.width_px, preset.height_px) == (1.5, 3000, 2000)
+    assert (preset.source, preset.user, preset.sensor_mm) == ("", True, None)
 
 
 @pytest.mark.parametrize("name", ["DJI Mavic 3E", "dji mavic 3e", "  DJI  MAVIC 3e ", "mavic 3e"])

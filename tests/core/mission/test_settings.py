@@ -6,7 +6,9 @@ import json
 
 import pytest
 from terrainav.core.errors import InvalidInput
+from terrainav.core.geodesy.camera import Camera
 from terrainav.core.mission.area import Box, Points
+from terrainav.core.mission.presets import add_camera
 from terrainav.core.mission.settings import OPTIONS, RUN_OPTIONS, mission_from, resolve
 from terrainav.core.mission.wind import Wind
 
@@ -117,12 +119,47 @@ def test_a_camera_by_name():
 
 
 @pytest.mark.parametrize(
+    ("given", "camera"),
+    [
+        ({"hfov": "66.6", "aspect_ratio": ["16", "9"]}, Camera.from_horizontal_fov(66.6, 16 / 9)),
+        ({"hfov": "66.6"}, Camera.from_horizontal_fov(66.6, 4 / 3)),
+        ({"vfov": "40"}, Camera.from_vertical_fov(40.0, 4 / 3)),
+        ({"sensor": ["13.2", "8.8"], "focal_length": "8.8"}, Camera.from_sensor((13.2, 8.8), 8.8)),
+        (
+            {"sensor": ["17.3", "13"], "focal_length": "12.29", "aspect_ratio": ["4", "3"]},
+            Camera.from_sensor((17.3, 13.0), 12.29, 4 / 3),
+        ),
+    ],
+)
+def test_a_camera_by_other_terms(given, camera):
+    assert make(coords="35.1_-89.8_120", **given).camera == camera
+
+
+def test_a_camera_of_the_user_s_own(tmp_path, monkeypatch):
+    monkeypatch.setenv("TERRAINAV_CONFIG_DIR", str(tmp_path))
+    add_camera("Mine", {"fov_deg": 91.0, "aspect_ratio": [3, 2]})
+    assert make(coords="35.1_-89.8_120", camera="mine").camera == Camera(91.0, 1.5)
+
+
+@pytest.mark.parametrize(
     ("given", "says"),
     [
         ({}, "no coordinates"),
         ({"coords": "1_2_3", "area": "a.geojson"}, "give one of the two"),
         ({"area": "a.geojson"}, "needs a height"),
         ({"coords": "1_2_3", "camera": "DJI Mini 2", "fov": "70"}, "give one of the two"),
+        ({"coords": "1_2_3", "camera": "DJI Mini 2", "aspect_ratio": ["4", "3"]}, "give one of the two"),
+        ({"coords": "1_2_3", "fov": "70", "hfov": "60"}, "fov 70.0 and hfov 60.0: give one of the two"),
+        ({"coords": "1_2_3", "vfov": "70", "hfov": "60"}, "hfov 60.0 and vfov 70.0: give one of the two"),
+        (
+            {"coords": "1_2_3", "vfov": "70", "sensor": ["36", "24"], "focal_length": "50"},
+            "vfov 70.0 and sensor 36 24: give one of the two",
+        ),
+        ({"coords": "1_2_3", "sensor": ["36", "24"]}, "sensor 36 24: needs focal_length as well"),
+        ({"coords": "1_2_3", "focal_length": "50"}, "focal_length 50.0: needs sensor as well"),
+        ({"coords": "1_2_3", "focal_length": "50", "fov": "60"}, "focal_length 50.0: needs sensor as well"),
+        ({"coords": "1_2_3", "sensor": ["36"], "focal_length": "50"}, "takes 2 values"),
+        ({"coords": "1_2_3", "hfov": "180"}, "horizontal field of view 180"),
         ({"coords": "1_2_3", "camera": "DJI Mini"}, "DJI Mini"),
         ({"coords": "1_2_3", "camera": ""}, "camera '' is unknown"),
         ({"coords": "1_2_3", "aspect_ratio": ["0", "3"]}, "aspect ratio 0 3"),
@@ -153,10 +190,34 @@ def test_attitude_budget_and_wind():
     )
     assert (mission.yaw_deg, mission.tilt_deg, mission.roll_deg, mission.ground_height_m) == (30, 60, -2, 80)
     assert (mission.error_budget_px, mission.resampling) == (0.5, "bicubic")
-    assert mission.wind == Wind(8.0, 270.0, 0.2, 7, 12.0)
+    assert mission.wind == Wind(8.0, 270.0, 0.2, 7)
+    assert mission.airspeed_m_per_s == 12.0
     assert make(coords="35.1_-89.8_120").wind is None
     with pytest.raises(InvalidInput, match="takes 3 values"):
         make(coords="35.1_-89.8_120", wind=["8"])
+
+
+def test_the_flight():
+    mission = make(
+        coords="35.22_-90.07_35.06_-89.73_400",
+        grid_angle="37",
+        crosshatch=True,
+        order="one-way",
+        airspeed="12",
+        start="2024-06-21T10:30:00Z",
+    )
+    assert (mission.grid_angle_deg, mission.crosshatch, mission.order) == (37.0, True, "one-way")
+    assert (mission.airspeed_m_per_s, mission.start) == (12.0, "2024-06-21T10:30:00Z")
+    assert mission.wind is None
+    with pytest.raises(InvalidInput, match=r"option order 'zigzag': must be one of serpentine, one-way"):
+        make(coords="35.1_-89.8_120", order="zigzag")
+
+
+def test_a_height_of_its_own_leaves_the_yaws_of_points(tmp_path):
+    file = tmp_path / "p.txt"
+    file.write_text("35.1 -89.8 126 10\n35.2 -89.9 80 -20\n")
+    area = make(coords=str(file), agl="50").area
+    assert area == Points(((35.1, -89.8, 50.0), (35.2, -89.9, 50.0)), (10.0, -20.0))
 
 
 def test_the_date_is_the_mission_s_and_the_cache_the_run_s():

@@ -15,6 +15,8 @@ from hypothesis import strategies as st
 from terrainav.core.errors import InvalidInput
 from terrainav.core.geodesy.camera import Camera
 from terrainav.core.mission import gusts, wind
+from terrainav.core.mission.area import Points
+from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.sde import LinearSystem, factor
 from terrainav.core.mission.wind import Wind, fly
 from terrainav.core.report import wind_methods
@@ -278,7 +280,7 @@ def test_sampled_moments_are_those_of_the_process():
     interval_s = np.full(2 * pairs - 1, 1e4)  # pairs that know nothing of each other
     interval_s[::2] = 1.0
     north = np.zeros(2 * pairs)
-    flown = fly(Wind(8.0, 0.0, 0.175), interval_s, north, np.full(2 * pairs, AGL_M))
+    flown = fly(Wind(8.0, 0.0, 0.175), AIRSPEED, interval_s, north, np.full(2 * pairs, AGL_M))
     sampled = np.array(
         [flown.north_m, flown.east_m, flown.up_m]
         + [np.radians(angle) for angle in (flown.tilt_deg, flown.roll_deg, flown.yaw_deg)]
@@ -303,10 +305,10 @@ def test_sampled_moments_are_those_of_the_process():
 def test_the_seed_decides_and_a_flight_does_not_depend_on_what_follows():
     count = wind.CHUNK + 100
     interval_s, heading_deg, agl_m = steady(count)
-    whole = fly(BREEZE, interval_s, heading_deg, agl_m)
-    again = fly(BREEZE, interval_s, heading_deg, agl_m)
-    start = fly(BREEZE, interval_s[:50], heading_deg[:51], agl_m[:51])
-    other = fly(dataclasses.replace(BREEZE, seed=7), interval_s[:50], heading_deg[:51], agl_m[:51])
+    whole = fly(BREEZE, AIRSPEED, interval_s, heading_deg, agl_m)
+    again = fly(BREEZE, AIRSPEED, interval_s, heading_deg, agl_m)
+    start = fly(BREEZE, AIRSPEED, interval_s[:50], heading_deg[:51], agl_m[:51])
+    other = fly(dataclasses.replace(BREEZE, seed=7), AIRSPEED, interval_s[:50], heading_deg[:51], agl_m[:51])
     for name, values in vars(whole).items():
         assert values.shape == (count,)
         assert np.all(np.isfinite(values))
@@ -316,7 +318,7 @@ def test_the_seed_decides_and_a_flight_does_not_depend_on_what_follows():
 
 
 def test_a_flight_is_the_same_everywhere():
-    flown = fly(BREEZE, np.array([4.0, 0.01]), np.full(3, 90.0), np.full(3, AGL_M))
+    flown = fly(BREEZE, AIRSPEED, np.array([4.0, 0.01]), np.full(3, 90.0), np.full(3, AGL_M))
     for name, values in {
         "east_m": [1.39581186, 1.4262416, 1.42514039],
         "north_m": [-2.38409568, -2.69604898, -2.69460602],
@@ -329,16 +331,16 @@ def test_a_flight_is_the_same_everywhere():
 
 
 def test_a_flight_does_not_depend_on_how_it_is_cut_up(monkeypatch):
-    whole = fly(BREEZE, *steady(50, interval_s=0.3))
+    whole = fly(BREEZE, AIRSPEED, *steady(50, interval_s=0.3))
     monkeypatch.setattr(wind, "CHUNK", 7)
-    parts = fly(BREEZE, *steady(50, interval_s=0.3))
+    parts = fly(BREEZE, AIRSPEED, *steady(50, interval_s=0.3))
     for name, values in vars(whole).items():
         assert getattr(parts, name) == pytest.approx(values, rel=1e-12, abs=1e-12)
 
 
 def test_a_flight_goes_to_each_exposure_at_its_height():
     agl_m = np.array([30.0, 120.0, 30.0])
-    steps_taken, which = wind._steps(BREEZE, np.array([2.0, 5.0]), agl_m)
+    steps_taken, which = wind._steps(BREEZE.sigma_m_per_s, AIRSPEED, np.array([2.0, 5.0]), agl_m)
     start = gusts.flight_system(BREEZE.sigma_m_per_s, AIRSPEED, 30.0).stationary_covariance()
     root = steps_taken[which[0], :, SIZE:]
     assert not steps_taken[which[0], :, :SIZE].any()
@@ -353,7 +355,7 @@ def test_a_flight_goes_to_each_exposure_at_its_height():
 
 def test_equal_intervals_but_for_rounding_are_one_step():
     interval_s = 4.0 * (1.0 + 1e-14 * np.arange(1000))
-    steps_taken, which = wind._steps(BREEZE, interval_s, np.full(1001, AGL_M))
+    steps_taken, which = wind._steps(BREEZE.sigma_m_per_s, AIRSPEED, interval_s, np.full(1001, AGL_M))
     assert len(steps_taken) == 2
     assert which[0] == 0
     assert np.all(which[1:] == 1)
@@ -376,17 +378,17 @@ def test_a_flight_of_many_heights_and_intervals():
     count = 6000
     draw = np.random.default_rng(1)
     interval_s, agl_m = 10.0 ** draw.uniform(-4, 2, count - 1), 10.0 ** draw.uniform(0, 4, count)
-    steps_taken, which = wind._steps(BREEZE, interval_s, agl_m)
+    steps_taken, which = wind._steps(BREEZE.sigma_m_per_s, AIRSPEED, interval_s, agl_m)
     assert len(steps_taken) <= wind.MOST_STEPS + 1
     assert which.max() == len(steps_taken) - 1
-    flown = fly(BREEZE, interval_s, draw.uniform(-360, 360, count), agl_m)
+    flown = fly(BREEZE, AIRSPEED, interval_s, draw.uniform(-360, 360, count), agl_m)
     for values in vars(flown).values():
         assert np.all(np.isfinite(values))
         assert 0.1 < values.std() < 4.0
 
 
 def test_no_time_between_exposures_is_no_change():
-    flown = fly(BREEZE, *steady(5, interval_s=0.0))
+    flown = fly(BREEZE, AIRSPEED, *steady(5, interval_s=0.0))
     for values in vars(flown).values():
         assert np.all(values == values[0])
 
@@ -395,7 +397,7 @@ def test_without_gusts_nothing_is_drawn(monkeypatch):
     monkeypatch.setattr(wind, "_sampled", None)
     for calm in (Wind(), Wind(speed_m_per_s=8.0), Wind(turbulence=0.3)):
         for count in (0, 1, 10):
-            for values in vars(fly(calm, *steady(count))).values():
+            for values in vars(fly(calm, AIRSPEED, *steady(count))).values():
                 assert values.shape == (count,)
                 assert not values.any()
 
@@ -403,8 +405,8 @@ def test_without_gusts_nothing_is_drawn(monkeypatch):
 @given(st.floats(0.0, 14.9), st.floats(-360.0, 360.0), st.floats(-360.0, 360.0))
 def test_the_wind_triangle_closes(speed, from_deg, heading_deg):
     flight = Wind(speed, from_deg)
-    ground = flight.ground_speed_m_per_s(heading_deg)
-    air_deg = heading_deg + flight.crab_deg(heading_deg)
+    ground = flight.ground_speed_m_per_s(heading_deg, AIRSPEED)
+    air_deg = heading_deg + flight.crab_deg(heading_deg, AIRSPEED)
     for function in (np.sin, np.cos):
         through_air = 15.0 * function(np.radians(air_deg)) - speed * function(np.radians(from_deg))
         assert through_air == pytest.approx(ground * function(np.radians(heading_deg)), abs=1e-12)
@@ -416,13 +418,13 @@ def test_the_aircraft_looks_the_same_way_whatever_the_top_of_the_image_is():
     light = dataclasses.replace(BREEZE, turbulence=1e-6)
     count = 40
     heading_deg = np.linspace(0.0, 360.0, count)
-    flight = (light, np.full(count - 1, 3.0), heading_deg, np.full(count, AGL_M))
-    own = fly(*flight, yaw_deg=heading_deg + light.crab_deg(heading_deg))
+    flight = (light, AIRSPEED, np.full(count - 1, 3.0), heading_deg, np.full(count, AGL_M))
+    own = fly(*flight, yaw_deg=heading_deg + light.crab_deg(heading_deg, AIRSPEED))
     centre = ((0.0, 0.0), (1.0, 0.0))
     for yaw_deg in (0.0, 77.0):
         seen = fly(*flight, yaw_deg=yaw_deg)
         aircraft = Camera().rays_enu(
-            centre, heading_deg + light.crab_deg(heading_deg), own.tilt_deg, own.roll_deg
+            centre, heading_deg + light.crab_deg(heading_deg, AIRSPEED), own.tilt_deg, own.roll_deg
         )
         camera = Camera().rays_enu(centre, yaw_deg, seen.tilt_deg, seen.roll_deg)
         lean = np.abs(aircraft[:, 0, :2]).max()
@@ -436,8 +438,8 @@ def test_position_errors_turn_with_the_flight():
     count = 30
     interval_s, heading_deg, agl_m = steady(count)
     calm_air = Wind(1e-3, 0.0, 300.0)  # gusts without a wind to speak of: no crab
-    east = fly(calm_air, interval_s, heading_deg, agl_m)
-    north = fly(calm_air, interval_s, 0.0 * heading_deg, agl_m)
+    east = fly(calm_air, AIRSPEED, interval_s, heading_deg, agl_m)
+    north = fly(calm_air, AIRSPEED, interval_s, 0.0 * heading_deg, agl_m)
     assert east.east_m == pytest.approx(north.north_m, abs=1e-3)
     assert east.north_m == pytest.approx(-north.east_m, abs=1e-3)
     assert np.array_equal(east.up_m, north.up_m)
@@ -452,22 +454,40 @@ def test_wind_is_ready_for_json():
     [
         ({"speed_m_per_s": -1.0}, "wind speed -1.0 m/s"),
         ({"speed_m_per_s": math.nan}, "wind speed nan"),
-        ({"speed_m_per_s": 15.0}, "below the airspeed, 15.0"),
         ({"from_deg": math.inf}, "wind from inf deg"),
         ({"turbulence": -0.1}, "turbulence intensity -0.1"),
         ({"turbulence": math.nan}, "turbulence intensity nan"),
-        ({"turbulence": 2.0}, "gusts of 16 m/s"),
         ({"seed": -1}, "seed -1"),
         ({"seed": 1.5}, "seed 1.5"),
-        ({"airspeed_m_per_s": 0.0}, "airspeed 0.0 m/s"),
-        ({"airspeed_m_per_s": math.inf}, "airspeed inf"),
-        ({"airspeed_m_per_s": math.nan}, "airspeed nan"),
     ],
 )
 def test_a_wind_that_cannot_be(changes, says):
     with pytest.raises(InvalidInput, match=says) as refused:
         dataclasses.replace(BREEZE, **changes)
     assert "\n" not in str(refused.value)
+
+
+@pytest.mark.parametrize(
+    ("changes", "airspeed_m_per_s", "says"),
+    [
+        ({"speed_m_per_s": 15.0}, 15.0, "below the airspeed, 15.0"),
+        ({"turbulence": 2.0}, 15.0, "gusts of 16 m/s"),
+        ({}, 0.0, "airspeed 0.0 m/s"),
+        ({}, math.inf, "airspeed inf"),
+        ({}, math.nan, "airspeed nan"),
+    ],
+)
+def test_a_wind_that_cannot_be_flown_in(changes, airspeed_m_per_s, says):
+    there = dataclasses.replace(BREEZE, **changes)
+    refusals = (
+        lambda: fly(there, airspeed_m_per_s, *steady(3)),
+        lambda: Mission(Points(((1.0, 2.0, 3.0),)), 3.0, wind=there, airspeed_m_per_s=airspeed_m_per_s),
+    )
+    for refusal in refusals:
+        with pytest.raises(InvalidInput, match=says) as refused:
+            refusal()
+        assert "\n" not in str(refused.value)
+    assert BREEZE.flown_at(15.0) is BREEZE
 
 
 @pytest.mark.parametrize(
@@ -490,7 +510,7 @@ def test_a_flight_that_cannot_be(flight, place, value, says):
     given_values = [*steady(3), 0.0]
     given_values[place] = value
     with pytest.raises(InvalidInput, match=says):
-        fly(flight, *given_values)
+        fly(flight, AIRSPEED, *given_values)
 
 
 # ----------------------------------------------------------------------------------------------- methods

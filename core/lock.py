@@ -11,7 +11,7 @@ import sys
 from pathlib import Path
 from typing import IO
 
-from ..errors import OutputError
+from .errors import OutputError
 
 if sys.platform == "win32":
     import msvcrt
@@ -60,7 +60,7 @@ def open_locked(path: Path) -> IO[bytes]:
         if wrong.errno in _HELD:
             file.close()
             raise OutputError(
-                f"folder {path.parent}: another capture is running in it; wait until it has ended or choose "
+                f"folder {path.parent}: another run is at work in it; wait until it has ended or choose "
                 "another folder"
             ) from wrong
     return file

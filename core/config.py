@@ -1,0 +1,76 @@
+"""The folder of a user's configuration, and the JSON files of named things in it."""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from .errors import InvalidInput, OutputError
+from .files import make_folder, write_whole
+
+#: Environment variable with the folder, for one elsewhere than where the platform keeps configuration.
+FOLDER_ENV = "TERRAINAV_CONFIG_DIR"
+
+
+def default_folder() -> Path:
+    """Return the folder of a user's configuration, which may not be there yet."""
+    if os.environ.get(FOLDER_ENV):
+        return Path(os.environ[FOLDER_ENV])
+    if sys.platform == "win32":
+        above = Path(os.environ.get("APPDATA") or Path.home() / "AppData" / "Roaming")
+    elif sys.platform == "darwin":
+        above = Path.home() / "Library" / "Application Support"
+    else:
+        above = Path(os.environ.get("XDG_CONFIG_HOME") or Path.home() / ".config")
+    return above / "terrainav"
+
+
+def config_file(name: str, folder: str | os.PathLike[str] | None = None) -> Path:
+    """Path of a file of the configuration; ``folder`` is None for `default_folder`."""
+    return (default_folder() if folder is None else Path(folder)) / name
+
+
+def read_named(path: Path, what: str) -> dict[str, Any]:
+    """Things by name, of a JSON file; none where there is no file.
+
+    Parameters
+    ----------
+    path : Path
+    what : str
+        Plural of what they are, for messages.
+
+    Raises
+    ------
+    InvalidInput
+        The file cannot be read, or holds no JSON object; names it.
+    """
+    try:
+        data = json.loads(path.read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        return {}
+    except OSError as wrong:
+        raise InvalidInput(f"{path}: cannot be read ({wrong.strerror}); mend it, or move it away") from wrong
+    except (ValueError, RecursionError) as wrong:
+        raise InvalidInput(f"{path}: cannot be read as JSON ({wrong}); mend it, or move it away") from wrong
+    if not isinstance(data, dict):
+        raise InvalidInput(f"{path}: must hold a JSON object of {what}")
+    return data
+
+
+def write_named(path: Path, data: Mapping[str, Any]) -> None:
+    """Write things by name, whole or not at all; makes the folder.
+
+    Raises
+    ------
+    OutputError
+        Where it cannot be written.
+    """
+    try:
+        make_folder(path.parent)
+        write_whole(path, (json.dumps(data, indent=1, ensure_ascii=False) + "\n").encode())
+    except OutputError as wrong:
+        raise OutputError(f"{wrong}; {FOLDER_ENV} names another folder") from wrong

@@ -1,0 +1,171 @@
+"""The image files of a map type, with what belongs to each, in their own folder or among the rejected ones."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import re
+from collections import Counter
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+from PIL import Image
+
+from ..errors import InvalidInput, OutputError
+from .entropy import entropy
+from .folder import REJECTED_FOLDER
+
+#: Images' names without ending, of captures and of the published dataset: column, row, latitude, longitude, zoom.
+_NAME = re.compile(r"\d+_\d+_-?\d+(\.\d+)?_-?\d+(\.\d+)?_\d+")
+
+
+@dataclass(frozen=True)
+class Move:
+    """A file of the image ``stem``, from one place to another on the same file system."""
+
+    stem: str
+    origin: Path
+    target: Path
+
+    def carry_out(self) -> None:
+        """Move it; raises OutputError."""
+        try:
+            self.target.parent.mkdir(exist_ok=True)
+            os.replace(self.origin, self.target)
+        except OSError as wrong:
+            raise OutputError(
+                f"file {self.origin}: cannot be moved to {self.target.parent} ({wrong.strerror}); run it again to "
+                "finish, or undo to put all back"
+            ) from wrong
+
+
+class Images:
+    """What lies in a map type's folder and in its folder of rejected images, as it is now.
+
+    Raises
+    ------
+    InvalidInput
+        Where a folder cannot be read, or a file is in both.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder
+        self._kept = _files(folder)
+        self._rejected = _files(folder / REJECTED_FOLDER) if (folder / REJECTED_FOLDER).is_dir() else set()
+        twice = sorted(self._kept & self._rejected)
+        if twice:
+            raise InvalidInput(
+                f"folder {folder}: {_some(twice)} lies in it and in {REJECTED_FOLDER} as well; remove one of the two"
+            )
+
+    def check(self, names: Sequence[str], there: NDArray[np.bool_]) -> None:
+        """Raise InvalidInput where a table says otherwise than the files.
+
+        Parameters
+        ----------
+        names : sequence of str
+            Images, of all rows of the table.
+        there : array of bool
+            Those that have been made.
+        """
+        foreign = [
+            name for name in names if not name or name in (".", "..") or re.search(r"[/\\:\x00]", name)
+        ]
+        if foreign:
+            raise InvalidInput(
+                f"folder {self._folder}: {foreign[0]!r} in the table is no name of a file in it"
+            )
+        stems = Counter(Path(name).stem for name in names)
+        twice = [stem for stem, count in stems.items() if count > 1]
+        if twice:
+            raise InvalidInput(f"folder {self._folder}: the table has {_some(twice)} in more than one row")
+        files = self._kept | self._rejected
+        lost = [name for name, made in zip(names, there.tolist()) if made and name not in files]
+        if lost:
+            raise InvalidInput(
+                f"folder {self._folder}: {_some(lost)} of the table is not there; put it back, or capture it again "
+                "(--resume)"
+            )
+        endings = {Path(name).suffix for name in names}
+        unknown = sorted(
+            name
+            for name in files
+            if Path(name).suffix in endings
+            and _NAME.fullmatch(Path(name).stem)
+            and Path(name).stem not in stems
+        )
+        if unknown:
+            raise InvalidInput(
+                f"folder {self._folder}: {_some(unknown)} is not in the table; finish the capture (--resume)"
+            )
+
+    def entropy_of(self, name: str) -> float:
+        """Entropy of an image that the table has none of; raises InvalidInput where it cannot be read."""
+        path = self._folder / (REJECTED_FOLDER if name in self._rejected else "") / name
+        try:
+            with Image.open(path) as image:
+                return entropy(np.asarray(image.convert("L" if image.mode == "L" else "RGB")))
+        except (OSError, ValueError, SyntaxError, Image.DecompressionBombError) as wrong:
+            raise InvalidInput(f"image {path}: cannot be read ({wrong})") from wrong
+
+    def moves(self, out: Iterable[str], back: Iterable[str]) -> tuple[list[Move], list[Move]]:
+        """Moves of images, by name, to the rejected ones and from there, with every file that belongs to them.
+
+        Those of a file that is there already are left out. Of one image, the image itself is the last that returns and
+        the first that leaves: what lies in the folder is whole.
+        """
+        leaving, returning = set(out), set(back)
+        return (
+            self._moves(self._kept, leaving, self._folder, self._folder / REJECTED_FOLDER),
+            self._moves(self._rejected, returning, self._folder / REJECTED_FOLDER, self._folder)[::-1],
+        )
+
+    def all_back(self) -> list[Move]:
+        """Moves of all that lies among the rejected images."""
+        origin = self._folder / REJECTED_FOLDER
+        return [
+            Move(_stem(name, _NAME.fullmatch), origin / name, self._folder / name)
+            for name in sorted(self._rejected)
+        ]
+
+    @staticmethod
+    def _moves(files: set[str], images: set[str], origin: Path, target: Path) -> list[Move]:
+        stems = {Path(name).stem: name for name in images}
+        found = []
+        for name in files:
+            stem = _stem(name, stems.__contains__)
+            if stem in stems:
+                found.append((stem, name != stems[stem], name))
+        return [Move(stem, origin / name, target / name) for stem, _, name in sorted(found)]
+
+    @staticmethod
+    def remove_if_empty(folder: Path) -> None:
+        """Remove the folder of rejected images of a map type where nothing lies in it."""
+        with contextlib.suppress(OSError):
+            (folder / REJECTED_FOLDER).rmdir()
+
+
+def _stem(name: str, known: Callable[[str], object]) -> str:
+    """Name of the image that a file belongs to: ``a.b`` of ``a.b.tif`` and of ``a.b.tif.aux.xml``."""
+    end = name.rfind(".")
+    while end > 0:
+        if known(name[:end]):
+            return name[:end]
+        end = name.rfind(".", 0, end)
+    return Path(name).stem
+
+
+def _files(folder: Path) -> set[str]:
+    try:
+        with os.scandir(folder) as entries:
+            return {entry.name for entry in entries if entry.is_file()}
+    except OSError as wrong:
+        raise InvalidInput(f"folder {folder}: cannot be read ({wrong.strerror})") from wrong
+
+
+def _some(names: Sequence[str]) -> str:
+    """The first name, and how many there are beside it."""
+    return names[0] + (f" (and {len(names) - 1:,} more)" if len(names) > 1 else "")

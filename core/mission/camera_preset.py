@@ -1,0 +1,131 @@
+"""A camera by name, from the facts of its data sheet."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from ..errors import InvalidInput
+from ..geodesy.camera import Camera
+from ..resources import read_json
+
+#: Facts that a field of view follows from, each a way of its own to state it.
+_VIEWS = ("fov_deg", "horizontal_fov_deg", "vertical_fov_deg", "sensor_mm")
+_KNOWN = (*_VIEWS, "focal_length_mm", "aspect_ratio", "size_px", "source")
+
+
+@dataclass(frozen=True)
+class CameraPreset:
+    """A camera by name.
+
+    Parameters
+    ----------
+    name : str
+    camera : Camera
+    width_px, height_px : int or None
+        Size of its pictures, where the source states it.
+    source : str
+        Where the facts are from; may be empty of a user's own.
+    sensor_mm : (width, height) or None
+        Of the sensor, where that is what is known.
+    focal_length_mm : float or None
+        Of the lens, likewise.
+    user : bool
+        Whether it is a user's own.
+    """
+
+    name: str
+    camera: Camera
+    width_px: int | None
+    height_px: int | None
+    source: str
+    sensor_mm: tuple[float, float] | None = None
+    focal_length_mm: float | None = None
+    user: bool = False
+
+    @classmethod
+    def from_dict(cls, name: str, data: Mapping[str, Any], *, user: bool = False) -> CameraPreset:
+        """Preset from the facts of ``resources/cameras.json``, or of a user's own ``cameras.json``.
+
+        They are a ``sensor_mm`` and its ``focal_length_mm``, or one field of view: ``fov_deg`` (the diagonal one),
+        ``horizontal_fov_deg`` or ``vertical_fov_deg``. The shape of the picture is that of ``size_px`` or
+        ``aspect_ratio``, or of the sensor; each of those is a list of width and height. ``source`` says where the
+        facts are from.
+
+        Raises
+        ------
+        InvalidInput
+            What is unknown, missing or of another kind, and a sensor of another shape than its pixels.
+        """
+        try:
+            return cls._from_facts(name, data, user)
+        except InvalidInput as wrong:
+            raise InvalidInput(f"camera {name}: {wrong}") from wrong
+
+    @classmethod
+    def _from_facts(cls, name: str, data: Mapping[str, Any], user: bool) -> CameraPreset:
+        data = {fact: value for fact, value in data.items() if value is not None}
+        way = _check_facts(data)
+        source = data.get("source", "")
+        if not (isinstance(source, str) and source.isprintable() and (source or user)):
+            raise InvalidInput(f"source {source!r}: must be text of one line")
+        size_px = _pair(data, "size_px") if "size_px" in data else None
+        if size_px is not None and not all(side.is_integer() for side in size_px):
+            raise InvalidInput(f"size_px {data['size_px']!r}: must be whole numbers")
+        shape = size_px or (_pair(data, "aspect_ratio") if "aspect_ratio" in data else None)
+        ratio = None if shape is None else shape[0] / shape[1]
+        sensor_mm, focal_length_mm = None, None
+        if way == "sensor_mm":
+            sensor_mm, focal_length_mm = _pair(data, way), _number(data, "focal_length_mm")
+            camera = Camera.from_sensor(sensor_mm, focal_length_mm, ratio)
+        elif ratio is None:
+            raise InvalidInput(f"{way} {data[way]!r}: needs aspect_ratio or size_px beside it")
+        else:
+            make = {"fov_deg": Camera, "horizontal_fov_deg": Camera.from_horizontal_fov}
+            camera = make.get(way, Camera.from_vertical_fov)(_number(data, way), ratio)
+        width_px, height_px = (None, None) if size_px is None else map(int, size_px)
+        return cls(name, camera, width_px, height_px, source, sensor_mm, focal_length_mm, user)
+
+
+def _check_facts(data: Mapping[str, Any]) -> str:
+    """Return the one fact of `_VIEWS`; refuse none, two, and what does not go together."""
+    for fact in data:
+        if fact not in _KNOWN:
+            raise InvalidInput(f"{fact!r} is unknown; known are {', '.join(_KNOWN)}")
+    given = [fact for fact in _VIEWS if fact in data]
+    if len(given) != 1:
+        raise InvalidInput(f"{' and '.join(given) or 'no field of view'}: give one of {', '.join(_VIEWS)}")
+    if (given[0] == "sensor_mm") != ("focal_length_mm" in data):
+        raise InvalidInput("sensor_mm and focal_length_mm: one needs the other")
+    if "size_px" in data and "aspect_ratio" in data:
+        raise InvalidInput("size_px and aspect_ratio: give one of the two")
+    return given[0]
+
+
+def _number(data: Mapping[str, Any], fact: str) -> float:
+    return _real(data[fact], f"{fact} {data[fact]!r}: must be a number above 0")
+
+
+def _pair(data: Mapping[str, Any], fact: str) -> tuple[float, float]:
+    pair, wanted = data[fact], f"{fact} {data[fact]!r}: must be a list of width and height, each above 0"
+    if not isinstance(pair, (list, tuple)) or len(pair) != 2:
+        raise InvalidInput(wanted)
+    return _real(pair[0], wanted), _real(pair[1], wanted)
+
+
+def _real(value: Any, wanted: str) -> float:
+    # What is true or false counts as a number in Python.
+    if isinstance(value, bool) or not isinstance(value, (int, float)) or not 0.0 < value < math.inf:
+        raise InvalidInput(wanted)
+    return float(value)
+
+
+def shipped_cameras() -> tuple[CameraPreset, ...]:
+    """Return the cameras of ``resources/cameras.json``, the paper's first."""
+    facts = ((dict(data), data["name"]) for data in read_json("cameras.json"))
+    return tuple(
+        CameraPreset.from_dict(name, {fact: value for fact, value in data.items() if fact != "name"})
+        for data, name in facts
+    )

@@ -1,0 +1,194 @@
+"""A plan as a GeoPackage: footprints, captures and flight line as layers, written by GDAL."""
+
+from __future__ import annotations
+
+import contextlib
+import struct
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from itertools import chain
+from pathlib import Path
+from typing import Any
+
+from ...errors import OutputError
+from ..plan import Plan
+from .rings import Ring, closed_rings
+from .rows import POSE_COLUMNS, batches, clock, parts
+from .waypoints import flight_line
+
+#: Ending of the file while it is written: GDAL wants its own at the very end.
+PARTIAL_ENDING = ".part.gpkg"
+_TIME = "time"
+#: Codes of well-known binary: little-endian; the kinds of geometry.
+_LITTLE, _POINT, _LINE, _POLYGON, _MULTI_LINE, _MULTI_POLYGON = 1, 1, 2, 3, 5, 6
+#: Added to the codes of geometries with heights (ISO).
+_WITH_Z = 1000
+
+
+def geopackage_notes(plan: Plan) -> tuple[str, ...]:
+    """What the layers do not show, one line each."""
+    if plan.nominal is None:
+        return ()
+    return (
+        "footprints and captures are those of the flight in wind, the flight line is the one that was meant",
+    )
+
+
+def write_geopackage(plan: Plan, path: Path) -> None:
+    """Write the layers ``footprints``, ``captures`` and ``flight_line``, whole or not at all.
+
+    Raises
+    ------
+    OutputError
+        Where GDAL's Python module is missing, or the file cannot be written.
+    """
+    try:
+        from osgeo import ogr
+    except ImportError as missing:
+        raise OutputError(
+            f"{path}: GeoPackages need GDAL's Python module (osgeo), which QGIS brings along; install it, or choose "
+            ".geojson"
+        ) from missing
+    partial = path.with_name(path.name + PARTIAL_ENDING)
+    try:
+        _clear(partial)
+        with _heard(path) as failed:
+            _write(ogr, plan, partial, failed)
+        partial.replace(path)
+    except OSError as wrong:
+        raise OutputError(f"folder {path.parent}: cannot write {path.name} ({wrong.strerror})") from wrong
+    finally:
+        with contextlib.suppress(OSError):
+            _clear(partial)
+
+
+def _clear(partial: Path) -> None:
+    for ending in ("", "-journal", "-wal", "-shm"):
+        partial.with_name(partial.name + ending).unlink(missing_ok=True)
+
+
+@contextmanager
+def _heard(path: Path) -> Iterator[Callable[[], None]]:
+    """Errors of GDAL in this thread: collected instead of printed; what it yields raises where there are any.
+
+    Whether the bindings raise is a choice of the whole process (of QGIS, of another plugin), so both ways are met.
+    """
+    from osgeo import gdal
+
+    said: list[str] = []
+
+    def hear(severity: int, _number: int, words: str) -> None:
+        if severity >= gdal.CE_Failure:
+            said.append(" ".join(words.split()))
+
+    def failed() -> None:
+        if said:
+            raise OutputError(f"{path}: cannot be written ({said[0]})")
+
+    gdal.PushErrorHandler(hear)
+    try:
+        yield failed
+        failed()
+    except RuntimeError as wrong:
+        raise OutputError(f"{path}: cannot be written ({said[0] if said else wrong})") from wrong
+    finally:
+        gdal.PopErrorHandler()
+
+
+def _write(ogr: Any, plan: Plan, partial: Path, failed: Callable[[], None]) -> None:
+    data = ogr.GetDriverByName("GPKG").CreateDataSource(str(partial))
+    failed()
+    try:
+        for name, kind, shapes in (
+            ("footprints", ogr.wkbMultiPolygon, _footprints(plan)),
+            ("captures", ogr.wkbPoint25D, _captures(plan)),
+        ):
+            layer = data.CreateLayer(name, _wgs84(), kind)
+            failed()
+            _add_fields(ogr, layer)
+            # One transaction for all of them: else each feature is one, and waits for the disk.
+            data.StartTransaction()
+            _fill(ogr, layer, plan, shapes, failed)
+            data.CommitTransaction()
+            failed()
+        line = data.CreateLayer("flight_line", _wgs84(), ogr.wkbMultiLineString25D)
+        failed()
+        _draw(ogr, line, plan)
+    finally:
+        # Before the file is renamed or removed. Newer bindings have a better word for it.
+        (data.Close if hasattr(data, "Close") else data.Destroy)()
+
+
+def _wgs84() -> Any:
+    from osgeo import osr
+
+    wgs84 = osr.SpatialReference()
+    wgs84.ImportFromEPSG(4326)
+    wgs84.SetAxisMappingStrategy(osr.OAMS_TRADITIONAL_GIS_ORDER)
+    return wgs84
+
+
+def _draw(ogr: Any, layer: Any, plan: Plan) -> None:
+    """Make the one feature of the flight line, where there is one."""
+    for name in ("length_m", "flight_s"):
+        layer.CreateField(ogr.FieldDefn(name, ogr.OFTReal))
+    if len(plan) < 2:
+        return
+    feature = ogr.Feature(layer.GetLayerDefn())
+    feature.SetField(0, plan.flight_distance_m)
+    feature.SetField(1, plan.flight_s)
+    feature.SetGeometryDirectly(ogr.CreateGeometryFromWkb(_flight_line(plan)))
+    layer.CreateFeature(feature)
+
+
+def _add_fields(ogr: Any, layer: Any) -> None:
+    kinds = {"name": ogr.OFTString, "column": ogr.OFTInteger64, "row": ogr.OFTInteger64}
+    for name in POSE_COLUMNS:
+        layer.CreateField(ogr.FieldDefn(name, kinds.get(name, ogr.OFTReal)))
+    layer.CreateField(ogr.FieldDefn(_TIME, ogr.OFTDateTime))
+
+
+def _fill(ogr: Any, layer: Any, plan: Plan, shapes: Iterator[bytes], failed: Callable[[], None]) -> None:
+    """Make a feature of each capture, with its geometry in well-known binary."""
+    definition = layer.GetLayerDefn()
+    columns = list(enumerate(POSE_COLUMNS))
+    at_time = len(columns)
+    for part, batch in zip(parts(len(plan)), batches(plan)):
+        rows = zip(*(batch[name] for name in POSE_COLUMNS), clock(plan.mission.start, plan.times_s[part]))
+        for row, shape in zip(rows, shapes):
+            feature = ogr.Feature(definition)
+            for index, _ in columns:
+                feature.SetField(index, row[index])
+            feature.SetField(at_time, row[at_time])
+            feature.SetGeometryDirectly(ogr.CreateGeometryFromWkb(shape))
+            layer.CreateFeature(feature)
+        failed()
+
+
+def _footprints(plan: Plan) -> Iterator[bytes]:
+    return map(_multi_polygon, chain.from_iterable(closed_rings(plan, part) for part in parts(len(plan))))
+
+
+def _multi_polygon(rings: list[Ring]) -> bytes:
+    polygons = (
+        struct.pack("<BIII", _LITTLE, _POLYGON, 1, len(ring))
+        + struct.pack(f"<{2 * len(ring)}d", *chain.from_iterable(ring))
+        for ring in rings
+    )
+    return struct.pack("<BII", _LITTLE, _MULTI_POLYGON, len(rings)) + b"".join(polygons)
+
+
+def _captures(plan: Plan) -> Iterator[bytes]:
+    for batch in batches(plan):
+        places = zip(batch["lon_deg"], batch["lat_deg"], batch["agl_m"])
+        yield from (struct.pack("<BI3d", _LITTLE, _POINT + _WITH_Z, *place) for place in places)
+
+
+def _flight_line(plan: Plan) -> bytes:
+    lines = [line for line in flight_line(plan) if len(line[0]) > 1]
+    head = struct.pack("<BII", _LITTLE, _MULTI_LINE + _WITH_Z, len(lines))
+    for lon, lat, agl in lines:
+        places = chain.from_iterable(zip(lon.tolist(), lat.tolist(), agl.tolist()))
+        head += struct.pack("<BII", _LITTLE, _LINE + _WITH_Z, len(lon))
+        head += struct.pack(f"<{3 * len(lon)}d", *places)
+    return head

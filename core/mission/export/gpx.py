@@ -1,0 +1,65 @@
+"""A plan as a route for navigation devices: GPX 1.1 (https://www.topografix.com/GPX/1/1/).
+
+A route point's ``ele`` would be a height above sea level, which a height above ground is not; it is left out, and the
+height above ground stands in the description and, for programs, in the extensions.
+"""
+
+from __future__ import annotations
+
+import html
+from collections.abc import Iterator
+
+from ..plan import Plan
+from .rows import parts
+from .waypoints import Waypoint, not_flown, waypoints
+
+#: Name of our extensions; nothing is fetched from it.
+NAMESPACE = "https://github.com/terrainav/terrainav/gpx/1"
+
+
+def gpx_text(plan: Plan) -> Iterator[str]:
+    """Text of the route, in blocks."""
+    yield (
+        '<?xml version="1.0" encoding="UTF-8"?>\n'
+        '<gpx version="1.1" creator="TerrAInav" xmlns="http://www.topografix.com/GPX/1/1" '
+        f'xmlns:terrainav="{NAMESPACE}">\n'
+        f"<metadata><name>TerrAInav plan</name><time>{plan.mission.start}</time></metadata>\n"
+        "<rte><name>TerrAInav flight</name><desc>Heights are metres above ground</desc>\n"
+    )
+    flown = waypoints(plan)
+    for part in parts(len(plan)):
+        yield "".join(_point(next(flown)) for _ in range(part.stop - part.start))
+    yield "</rte>\n</gpx>\n"
+
+
+def gpx_notes(plan: Plan) -> tuple[str, ...]:
+    """What the route leaves out, one line each."""
+    return (
+        *not_flown(plan),
+        "heights are above ground, in each point's description; GPX's own are above the sea",
+    )
+
+
+def _point(one: Waypoint) -> str:
+    about = "".join(
+        f"<terrainav:{name}>{value}</terrainav:{name}>"
+        for name, value in (
+            ("column", one.column),
+            ("row", one.row),
+            ("agl_m", one.agl_m),
+            ("heading_deg", one.heading_deg),
+            ("gimbal_pitch_deg", one.gimbal_pitch_deg),
+        )
+    )
+    # XML Schema's decimals have no exponent; nine digits of a degree are a tenth of a millimetre.
+    return (
+        f'<rtept lat="{one.lat_deg:.9f}" lon="{_lon(one.lon_deg)}"><time>{one.time}</time>'
+        f"<name>{html.escape(one.name)}</name><desc>{one.agl_m:.2f} m above ground, heading {one.heading_deg:.2f} deg, "
+        f"gimbal {one.gimbal_pitch_deg:.2f} deg</desc><extensions>{about}</extensions></rtept>\n"
+    )
+
+
+def _lon(lon_deg: float) -> str:
+    # Its longitudes end below 180, to which one a hair's breadth west of the antimeridian may be rounded.
+    text = f"{lon_deg:.9f}"
+    return "-180.000000000" if text == "180.000000000" else text

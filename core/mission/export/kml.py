@@ -1,0 +1,100 @@
+"""A plan for Google Earth: KML 2.2."""
+
+from __future__ import annotations
+
+import html
+from collections.abc import Iterator
+
+from ..plan import Plan
+from .rings import Ring, closed_rings
+from .rows import parts
+from .waypoints import Waypoint, flight_line, waypoints
+
+#: Captures up to which each has its footprint and its mark: some 40 MB, about what Google Earth still opens. Of more
+#: of them the file has the flight line alone.
+MOST_MARKED = 50_000
+
+_HEAD = (
+    '<?xml version="1.0" encoding="UTF-8"?>\n<kml xmlns="http://www.opengis.net/kml/2.2"><Document>\n'
+    "<name>TerrAInav plan</name>\n"
+    '<Style id="footprint"><LineStyle><color>ff00a5ff</color><width>1</width></LineStyle>'
+    "<PolyStyle><color>3300a5ff</color></PolyStyle></Style>\n"
+    '<Style id="flight"><LineStyle><color>ffffffff</color><width>2</width></LineStyle></Style>\n'
+)
+
+
+def kml_text(plan: Plan) -> Iterator[str]:
+    """Text of footprints, waypoints and flight line, in blocks."""
+    yield _HEAD
+    if len(plan) <= MOST_MARKED:
+        yield "<Folder><name>Footprints</name>\n"
+        for part in parts(len(plan)):
+            marks = zip(plan.names[part], closed_rings(plan, part))
+            yield "".join(_footprint(name, rings) for name, rings in marks)
+        yield "</Folder>\n<Folder><name>Waypoints</name>\n"
+        yield from map(_waypoint, waypoints(plan))
+        yield "</Folder>\n"
+    yield "<Folder><name>Flight line</name>\n"
+    yield _line(plan)
+    yield "</Folder>\n</Document></kml>\n"
+
+
+def kml_notes(plan: Plan) -> tuple[str, ...]:
+    """What the file leaves out or mixes, one line each."""
+    notes = []
+    if plan.nominal is not None:
+        notes.append(
+            "footprints are those of the flight in wind, waypoints and flight line are those that were meant"
+        )
+    if len(plan) > MOST_MARKED:
+        notes.append(
+            f"{len(plan):,} captures are more than Google Earth opens: the file has the flight line alone; footprints "
+            f"and waypoints come with up to {MOST_MARKED:,}"
+        )
+    return tuple(notes)
+
+
+def _footprint(name: str, rings: list[Ring]) -> str:
+    polygons = "".join(
+        "<Polygon><tessellate>1</tessellate><outerBoundaryIs><LinearRing><coordinates>"
+        + " ".join(f"{lon},{lat}" for lon, lat in ring)
+        + "</coordinates></LinearRing></outerBoundaryIs></Polygon>"
+        for ring in rings
+    )
+    shape = polygons if len(rings) == 1 else f"<MultiGeometry>{polygons}</MultiGeometry>"
+    return f"<Placemark><name>{html.escape(name)}</name><styleUrl>#footprint</styleUrl>{shape}</Placemark>\n"
+
+
+def _waypoint(one: Waypoint) -> str:
+    about = "".join(
+        f'<Data name="{name}"><value>{value}</value></Data>'
+        for name, value in (
+            ("column", one.column),
+            ("row", one.row),
+            ("agl_m", one.agl_m),
+            ("heading_deg", one.heading_deg),
+            ("gimbal_pitch_deg", one.gimbal_pitch_deg),
+            ("time", one.time),
+        )
+    )
+    return (
+        f"<Placemark><name>{html.escape(one.name)}</name><ExtendedData>{about}</ExtendedData>"
+        "<Point><altitudeMode>relativeToGround</altitudeMode>"
+        f"<coordinates>{one.lon_deg},{one.lat_deg},{one.agl_m}</coordinates></Point></Placemark>\n"
+    )
+
+
+def _line(plan: Plan) -> str:
+    lines = "".join(
+        "<LineString><altitudeMode>relativeToGround</altitudeMode><coordinates>"
+        + " ".join(f"{x},{y},{z}" for x, y, z in zip(lon.tolist(), lat.tolist(), agl.tolist()))
+        + "</coordinates></LineString>"
+        for lon, lat, agl in flight_line(plan)
+        if len(lon) > 1
+    )
+    if not lines:
+        return ""
+    return (
+        "<Placemark><name>Flight line</name><styleUrl>#flight</styleUrl>"
+        f"<MultiGeometry>{lines}</MultiGeometry></Placemark>\n"
+    )

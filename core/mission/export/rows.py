@@ -1,0 +1,72 @@
+"""A plan's captures as rows of plain values, some at a time, so that a million never stand in memory as text."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...geodesy.mercator import wrap_lon_deg
+from ..plan import Plan
+
+POSE_COLUMNS = ("name", "column", "row", "lat_deg", "lon_deg", "agl_m", "yaw_deg", "tilt_deg", "roll_deg")
+WINDOW_COLUMNS = ("zoom", "left_px", "top_px", "width_px", "height_px")
+CORNER_COLUMNS = tuple(
+    f"{corner}_{axis}_deg" for corner in ("nw", "ne", "se", "sw") for axis in ("lat", "lon")
+)
+COLUMNS = POSE_COLUMNS + WINDOW_COLUMNS + CORNER_COLUMNS
+#: Captures turned to values in one go.
+BATCH = 10_000
+
+
+def parts(count: int) -> Iterator[slice]:
+    """Slices of `BATCH` that make up ``count``."""
+    for start in range(0, count, BATCH):
+        yield slice(start, min(start + BATCH, count))
+
+
+def batches(plan: Plan) -> Iterator[dict[str, list[Any]]]:
+    """Columns of the table for one batch of captures after the other, as Python values."""
+    left = np.mod(plan.windows.left_px, plan.grid.world_px(plan.zoom))
+    lon = wrap_lon_deg(plan.lon_deg)
+    corner_lon = wrap_lon_deg(plan.corners.lon_deg)
+    for part in parts(len(plan)):
+        count = len(plan.column[part])
+        batch: dict[str, list[Any]] = {
+            "name": plan.names[part],
+            "column": plan.column[part].tolist(),
+            "row": plan.row[part].tolist(),
+            "lat_deg": plan.lat_deg[part].tolist(),
+            "lon_deg": lon[part].tolist(),
+            "agl_m": plan.agl_m[part].tolist(),
+            "yaw_deg": plan.poses.yaw_deg[part].tolist(),
+            "tilt_deg": plan.poses.tilt_deg[part].tolist(),
+            "roll_deg": plan.poses.roll_deg[part].tolist(),
+            "zoom": [plan.zoom] * count,
+            "left_px": left[part].tolist(),
+            "top_px": plan.windows.top_px[part].tolist(),
+            "width_px": plan.windows.width_px[part].tolist(),
+            "height_px": plan.windows.height_px[part].tolist(),
+        }
+        for index, corner in enumerate(("nw", "ne", "se", "sw")):
+            hit = plan.corners.hit[part, index].tolist()
+            for axis, values in (
+                ("lat", plan.corners.lat_deg[part, index]),
+                ("lon", corner_lon[part, index]),
+            ):
+                # A corner that looks past the Earth has no place on it.
+                cells = values.tolist()
+                batch[f"{corner}_{axis}_deg"] = (
+                    cells if all(hit) else [c if h else "" for c, h in zip(cells, hit)]
+                )
+        yield batch
+
+
+def clock(start: str, times_s: NDArray[np.float64]) -> list[str]:
+    """UTC of seconds after the start of a mission, as ISO 8601 to the millisecond, such as 2024-06-21T10:30:00.000Z."""
+    first = np.datetime64(start.rstrip("Z"), "us")
+    milliseconds = np.round((first - np.datetime64(0, "us")).astype(np.int64) / 1000.0 + times_s * 1000.0)
+    texts = np.datetime_as_string(milliseconds.astype("datetime64[ms]"), unit="ms")
+    return [f"{text}Z" for text in texts.tolist()]

@@ -1,0 +1,110 @@
+"""The captures as waypoints for an autopilot: where to fly, how to point aircraft and gimbal, and when."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...geodesy.mercator import wrap_lon_deg
+from ..plan import Plan
+from .rings import line_parts
+from .rows import clock, parts
+
+Floats = NDArray[np.float64]
+
+#: Points of a flight line, about; a longer one is drawn through the ends of its rows and some places between.
+LINE_POINTS = 50_000
+
+
+class Waypoint(NamedTuple):
+    """One capture as it is asked of an aircraft.
+
+    Parameters
+    ----------
+    name : str
+    column, row : int
+    lat_deg, lon_deg : float
+        Longitude in [-180, 180).
+    agl_m : float
+    heading_deg : float
+        Of the aircraft, which is where the top of the picture points, in [0, 360).
+    gimbal_pitch_deg : float
+        -90 straight down, 0 to the horizon.
+    time : str
+        UTC, ISO 8601 to the millisecond.
+    """
+
+    name: str
+    column: int
+    row: int
+    lat_deg: float
+    lon_deg: float
+    agl_m: float
+    heading_deg: float
+    gimbal_pitch_deg: float
+    time: str
+
+
+def waypoints(plan: Plan) -> Iterator[Waypoint]:
+    """Captures in flight order, where they were meant to be: what wind does to a flight is not asked of an aircraft.
+
+    A gimbal does not look backwards: a view that is lifted to the rear becomes one to the front of an aircraft that
+    is turned around. It sees the same ground, upside down.
+    """
+    meant = plan.poses if plan.nominal is None else plan.nominal
+    lon = wrap_lon_deg(meant.lon_deg)
+    for part in parts(len(plan)):
+        backwards = meant.tilt_deg[part] < 0.0
+        heading = np.mod(meant.yaw_deg[part] + 180.0 * backwards, 360.0)
+        # The remainder of a tiny negative angle is rounded to 360.
+        heading = np.where(heading >= 360.0, 0.0, heading)
+        yield from map(
+            Waypoint._make,
+            zip(
+                plan.names[part],
+                plan.column[part].tolist(),
+                plan.row[part].tolist(),
+                meant.lat_deg[part].tolist(),
+                lon[part].tolist(),
+                meant.agl_m[part].tolist(),
+                heading.tolist(),
+                (np.abs(meant.tilt_deg[part]) - 90.0).tolist(),
+                clock(plan.mission.start, plan.times_s[part]),
+            ),
+        )
+
+
+def flight_line(plan: Plan) -> list[tuple[Floats, Floats, Floats]]:
+    """Way from waypoint to waypoint as longitudes, latitudes and heights above ground, cut at the antimeridian.
+
+    Of more than `LINE_POINTS` waypoints it goes through every k-th and through the ends of the rows, and where even
+    those are too many, through every k-th.
+    """
+    meant = plan.poses if plan.nominal is None else plan.nominal
+    count = len(plan)
+    stride = -(-count // LINE_POINTS)
+    places = np.arange(0, count, stride)
+    if stride > 1:
+        turns = np.flatnonzero(np.diff(plan.row))
+        if 2 * len(turns) <= LINE_POINTS:
+            places = np.union1d(places, np.concatenate([turns, turns + 1]))
+        places = np.union1d(places, [count - 1])
+    return line_parts(meant.lon_deg[places], meant.lat_deg[places], meant.agl_m[places])
+
+
+def not_flown(plan: Plan) -> tuple[str, ...]:
+    """What of a mission an autopilot's mission of waypoints cannot say, one line each."""
+    notes = []
+    if plan.mission.roll_deg:
+        notes.append(f"the roll of {plan.mission.roll_deg:g} deg is left out: waypoints have none")
+    if plan.mission.tilt_deg < 0.0:
+        notes.append(
+            f"the tilt of {plan.mission.tilt_deg:g} deg is flown with the aircraft turned around: same ground, "
+            "pictures upside down"
+        )
+    if plan.nominal is not None:
+        notes.append("the wind is left out: the places are those that were meant")
+    return tuple(notes)

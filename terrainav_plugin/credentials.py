@@ -1,0 +1,74 @@
+"""Keys and passwords, which are in QGIS's authentication database and nowhere else."""
+
+from __future__ import annotations
+
+from qgis.core import QgsApplication, QgsAuthMethodConfig
+
+from .i18n import tr
+
+#: Methods of authentication whose configurations hold something that can be a key.
+_BASIC, _HEADER = "Basic", "APIHeader"
+
+
+def key_in(authcfg: str) -> str | None:
+    """API key: the password of a Basic configuration, or the value of an API header; None where there is none.
+
+    Asks for the master password where QGIS has not been given it; on the main thread.
+    """
+    if not authcfg:
+        return None
+    config = QgsAuthMethodConfig()
+    loaded, config = QgsApplication.authManager().loadAuthenticationConfig(authcfg, config, True)
+    if not loaded:
+        return None
+    if config.method() == _HEADER:
+        return next((value for value in config.configMap().values() if value), None)
+    return config.config("password") or None
+
+
+def problem_with(authcfg: str, is_key: bool) -> str:
+    """What keeps a run from using a configuration, in words; empty for nothing. On the main thread.
+
+    Parameters
+    ----------
+    authcfg : str
+        Empty where none is chosen.
+    is_key : bool
+        Whether a key is to be had of it; otherwise requests are authenticated by it.
+    """
+    manager = QgsApplication.authManager()
+    if not authcfg:
+        return tr("API key: choose a configuration, or press “+” and enter it as password") if is_key else ""
+    if manager.isDisabled():
+        return tr("QGIS's authentication database cannot be used: {reason}").format(
+            reason=manager.disabledMessage()
+        )
+    if authcfg not in manager.configIds():
+        return tr("authentication configuration {id} is not there (any more): choose another").format(
+            id=authcfg
+        )
+    # Where QGIS has to ask for it, this is the moment: once the run goes on nobody may be there.
+    if not manager.setMasterPassword(True):
+        return tr(
+            "QGIS's authentication database is locked: press Capture again and enter its master password"
+        )
+    if is_key and key_in(authcfg) is None:
+        return tr(
+            "authentication configuration {id} holds no key: choose a Basic one with the key as password"
+        ).format(id=authcfg)
+    return ""
+
+
+def store_key(title: str, key: str) -> str:
+    """Keep a key in QGIS's authentication database; returns the id of its configuration, empty where it is not let.
+
+    Asks for the master password where QGIS has not been given it; on the main thread.
+    """
+    manager = QgsApplication.authManager()
+    if manager.isDisabled() or not manager.setMasterPassword(True):
+        return ""
+    config = QgsAuthMethodConfig(_BASIC)
+    config.setName(tr("TerrAInav: {title}").format(title=title))
+    config.setConfig("username", "key")
+    config.setConfig("password", key)
+    return config.id() if manager.storeAuthenticationConfig(config) else ""

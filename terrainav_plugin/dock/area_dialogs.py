@@ -1,0 +1,197 @@
+"""Questions about the layer that an area is taken from."""
+
+from __future__ import annotations
+
+from qgis.core import QgsFieldProxyModel, QgsMapLayer, QgsVectorLayer
+from qgis.gui import QgsFieldComboBox, QgsMapLayerComboBox
+from qgis.PyQt.QtWidgets import (
+    QButtonGroup,
+    QComboBox,
+    QDialog,
+    QDialogButtonBox,
+    QFormLayout,
+    QLabel,
+    QRadioButton,
+    QWidget,
+)
+
+from ..compat import POINT_LAYERS, POLYGON_LAYERS
+from ..i18n import tr
+from ..map.area_layers import PointFields
+from .form_state import M_PER_FT
+from .form_widgets import NumberBox, row, spin
+
+_MOST_AGL = 1e9
+
+
+class LayerDialog(QDialog):
+    """Asks for a layer.
+
+    Parameters
+    ----------
+    active : QgsMapLayer or None
+        Chosen at first, where it is one of those to choose from.
+    """
+
+    def __init__(self, parent: QWidget, title: str, active: QgsMapLayer | None, kind: object = None) -> None:
+        super().__init__(parent)
+        self.setObjectName("area_layer_dialog")
+        self.setWindowTitle(title)
+        self.layer = QgsMapLayerComboBox()
+        self.layer.setObjectName("layer")
+        self.layer.setToolTip(tr("Layer of this project, in any CRS"))
+        if kind is not None:
+            self.layer.setFilters(kind)
+        if active is not None:
+            self.layer.setLayer(active)
+        if self.layer.currentLayer() is None and self.layer.count():
+            # The active layer is none of those to choose from.
+            self.layer.setCurrentIndex(0)
+        self.words = QLabel()
+        self.words.setObjectName("words")
+        self.words.setWordWrap(True)
+        self.buttons = QDialogButtonBox(
+            QDialogButtonBox.StandardButton.Ok | QDialogButtonBox.StandardButton.Cancel
+        )
+        self.buttons.accepted.connect(self.accept)
+        self.buttons.rejected.connect(self.reject)
+        self.form = QFormLayout(self)
+        self.form.addRow(tr("&Layer"), self.layer)
+        self.form.addRow(self.words)
+        self._add_entries()
+        self.form.addRow(self.buttons)
+        self.layer.layerChanged.connect(self.show_layer)
+        self.show_layer(self.layer.currentLayer())
+
+    def chosen(self) -> QgsMapLayer | None:
+        """Return the layer."""
+        return self.layer.currentLayer()
+
+    def show_layer(self, layer: QgsMapLayer | None) -> None:
+        """Show what can be taken from a layer."""
+        ok = self.buttons.button(QDialogButtonBox.StandardButton.Ok)
+        ok.setEnabled(layer is not None)
+        self.words.setText(self._words(layer) if layer is not None else tr("The project has no such layer."))
+
+    def _add_entries(self) -> None:
+        """Add what else is asked for."""
+
+    def _words(self, layer: QgsMapLayer) -> str:
+        return tr("The smallest box of longitudes and latitudes around it ({crs}).").format(
+            crs=layer.crs().authid() or tr("no CRS")
+        )
+
+
+class PolygonDialog(LayerDialog):
+    """Asks for the layer of the selected polygon."""
+
+    def __init__(self, parent: QWidget, active: QgsMapLayer | None) -> None:
+        super().__init__(parent, tr("Area from a selected polygon"), active, POLYGON_LAYERS)
+
+    def show_layer(self, layer: QgsVectorLayer | None) -> None:
+        """Offer only layers with a selection."""
+        super().show_layer(layer)
+        ok = self.buttons.button(QDialogButtonBox.StandardButton.Ok)
+        ok.setEnabled(layer is not None and layer.selectedFeatureCount() > 0)
+
+    def _words(self, layer: QgsVectorLayer) -> str:
+        count = layer.selectedFeatureCount()
+        if count == 0:
+            return tr("Nothing is selected in it: select one polygon on the map first.")
+        return (
+            tr("1 polygon is selected.") if count == 1 else tr("{n} polygons are selected.").format(n=count)
+        )
+
+
+class PointsDialog(LayerDialog):
+    """Asks for a layer of points, and where their heights and yaws come from."""
+
+    def __init__(self, parent: QWidget, active: QgsMapLayer | None, agl: float, agl_unit: str) -> None:
+        self._agl, self._agl_unit = agl, agl_unit
+        super().__init__(parent, tr("Points of a layer"), active, POINT_LAYERS)
+
+    def fields(self) -> PointFields:
+        """Return where heights and yaws come from."""
+        m_per_unit = M_PER_FT if self.unit.currentData() == "ft" else 1.0
+        return PointFields(
+            self.agl.value() * m_per_unit,
+            self.agl_field.currentField() if self.by_field.isChecked() else "",
+            self.yaw_field.currentField(),
+            m_per_unit,
+        )
+
+    def only_selected(self) -> bool:
+        """Return whether features that are not selected are left out."""
+        return self.selected.isChecked()
+
+    def show_layer(self, layer: QgsVectorLayer | None) -> None:
+        """Show the fields of a layer, and how many points are selected."""
+        count = 0 if layer is None else layer.selectedFeatureCount()
+        self.selected.setText(tr("&Selected ({n})").format(n=f"{count:,}"))
+        self.selected.setEnabled(count > 0)
+        (self.selected if count else self.all).setChecked(True)
+        for fields in (self.agl_field, self.yaw_field):
+            fields.setLayer(layer)
+        self.by_field.setEnabled(self.agl_field.count() > 0)
+        if not self.by_field.isEnabled():
+            self.by_value.setChecked(True)
+        super().show_layer(layer)
+
+    def _add_entries(self) -> None:
+        self.all = QRadioButton(tr("&All"))
+        self.all.setObjectName("all")
+        self.selected = QRadioButton()
+        self.selected.setObjectName("selected")
+        for button in (self.all, self.selected):
+            button.setToolTip(tr("Features that become pictures"))
+        self.form.addRow(tr("Features"), row(self.all, self.selected, stretch=1))
+        self.by_value, self.by_field = (
+            QRadioButton(tr("&Height of all")),
+            QRadioButton(tr("Height from &field")),
+        )
+        self.by_value.setObjectName("by_value")
+        self.by_field.setObjectName("by_field")
+        self.by_value.setToolTip(tr("The same height above ground (AGL) for all points"))
+        self.by_field.setToolTip(
+            tr("An attribute holds each point's height above ground (AGL), in the unit below")
+        )
+        self.agl: NumberBox = spin(
+            "agl", 0.0, _MOST_AGL, 4, "", tr("Height above the ground (AGL) in the unit below")
+        )
+        self.agl.setValue(self._agl)
+        self.agl_field = _fields("agl_field", tr("Numbers above 0, in the unit below"))
+        self.unit = QComboBox()
+        self.unit.setObjectName("unit")
+        self.unit.setToolTip(tr("Metres or international feet"))
+        self.unit.addItem(tr("m"), "m")
+        self.unit.addItem(tr("ft"), "ft")
+        self.unit.setCurrentIndex(self.unit.findData(self._agl_unit))
+        self.form.addRow(self.by_value, self.agl)
+        self.form.addRow(self.by_field, self.agl_field)
+        self.form.addRow(tr("&Unit of heights"), self.unit)
+        self.yaw_field = _fields(
+            "yaw_field", tr("Degrees clockwise from north; empty: the mission's own yaw")
+        )
+        self.yaw_field.setAllowEmptyFieldName(True)
+        self.form.addRow(tr("&Yaw from field"), self.yaw_field)
+        # Buttons of one parent are one choice unless they are told apart.
+        for pair in ((self.all, self.selected), (self.by_value, self.by_field)):
+            choice = QButtonGroup(self)
+            for button in pair:
+                choice.addButton(button)
+        self.by_value.toggled.connect(self.agl.setEnabled)
+        self.by_field.toggled.connect(self.agl_field.setEnabled)
+        self.agl_field.setEnabled(False)
+        self.by_value.setChecked(True)
+
+    def _words(self, layer: QgsVectorLayer) -> str:
+        return tr("One picture above each point ({crs}).").format(crs=layer.crs().authid() or tr("no CRS"))
+
+
+def _fields(name: str, tip: str) -> QgsFieldComboBox:
+    fields = QgsFieldComboBox()
+    fields.setObjectName(name)
+    fields.setToolTip(tip)
+    # Numbers may stand in fields of text.
+    fields.setFilters(QgsFieldProxyModel.Filter.Numeric | QgsFieldProxyModel.Filter.String)
+    return fields

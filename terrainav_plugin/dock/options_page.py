@@ -1,0 +1,240 @@
+"""The plugin's settings, among QGIS's own."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from pathlib import Path
+
+from qgis.gui import QgsFileWidget, QgsOptionsPageWidget, QgsSpinBox
+from qgis.PyQt.QtCore import Qt
+from qgis.PyQt.QtWidgets import (
+    QDialogButtonBox,
+    QFormLayout,
+    QFrame,
+    QGroupBox,
+    QLabel,
+    QPushButton,
+    QScrollArea,
+    QVBoxLayout,
+    QWidget,
+)
+
+from ..help import add_help_button
+from ..i18n import tr
+from ..messages import log
+from ..options import PAGE
+from ..settings import Settings
+from .cache_dialog import CacheDialog
+from .field_marks import STYLE_SHEET, FieldMarks
+from .form_widgets import choose, combo, row
+from .keys_table import KeysTable
+
+#: Folders that can be chosen, by the names of their settings.
+_FOLDERS = ("missions_folder", "backgrounds_folder", "cache_folder")
+
+
+class OptionsPage(QgsOptionsPageWidget):
+    """Shows the settings, marks those that cannot be kept, and keeps the others when QGIS's options are accepted.
+
+    Parameters
+    ----------
+    parent : QWidget or None
+    applied : callable
+        Called after settings were kept.
+
+    Attributes
+    ----------
+    folders : dict of str to QgsFileWidget
+        By the names of their settings.
+    """
+
+    def __init__(self, parent: QWidget | None, applied: Callable[[], None]) -> None:
+        super().__init__(parent)
+        self.setObjectName(PAGE)
+        self.setStyleSheet(STYLE_SHEET)
+        self._settings, self._applied = Settings(), applied
+        self.marks = FieldMarks()
+        self.folders: dict[str, QgsFileWidget] = {}
+        self._lay_out()
+        self.show_settings()
+        for widget in self.folders.values():
+            widget.fileChanged.connect(self._check)
+
+    def show_settings(self) -> None:
+        """Show what is set."""
+        settings = self._settings
+        for name, widget in self.folders.items():
+            widget.setFilePath(getattr(settings, name))
+        self.connections.setValue(settings.connections)
+        self.cache_limit.setValue(settings.cache_limit_mb)
+        choose(self.units, settings.units)
+        self.keys.fill()
+        self._check()
+
+    def show_defaults(self) -> None:
+        """Show what would be set after a new installation; keys stay as they are."""
+        for widget in self.folders.values():
+            widget.setFilePath("")
+        self.connections.setValue(Settings.connections.default)
+        self.cache_limit.setValue(Settings.cache_limit_mb.default)
+        choose(self.units, "m")
+
+    def apply(self) -> None:
+        """Keep what is right; what is not stays as it was, and is told in the log."""
+        problems = self._check()
+        for name, widget in self.folders.items():
+            if name in problems:
+                log(tr("Not kept: {problem}").format(problem=problems[name]))
+            else:
+                setattr(self._settings, name, widget.filePath().strip())
+        self._settings.connections = self.connections.value()
+        self._settings.cache_limit_mb = self.cache_limit.value()
+        self._settings.units = self.units.currentData()
+        self.keys.keep()
+        self._applied()
+
+    def isValid(self) -> bool:
+        """Whether all of it can be kept."""
+        return not self._check()
+
+    def show_cache(self) -> None:
+        """Show what is kept of earlier captures."""
+        dialog = CacheDialog(self.window())
+        dialog.exec()
+        dialog.deleteLater()
+
+    # --- the page
+
+    def _lay_out(self) -> None:
+        inside = QWidget()
+        layout = QVBoxLayout(inside)
+        for box in (self._missions(), self._cache(), self._keys()):
+            layout.addWidget(box)
+        buttons = QDialogButtonBox()
+        self.reset = buttons.addButton(tr("Reset to defaults"), QDialogButtonBox.ButtonRole.ResetRole)
+        self.reset.setObjectName("reset")
+        self.reset.setToolTip(tr("Everything but the keys, which stay as they are"))
+        self.reset.clicked.connect(self.show_defaults)
+        add_help_button(buttons, "settings")
+        layout.addWidget(buttons)
+        layout.addStretch(1)
+        scroll = QScrollArea()
+        scroll.setWidgetResizable(True)
+        scroll.setFrameShape(QFrame.Shape.NoFrame)
+        scroll.setWidget(inside)
+        outside = QVBoxLayout(self)
+        outside.setContentsMargins(0, 0, 0, 0)
+        outside.addWidget(scroll)
+
+    def _missions(self) -> QGroupBox:
+        box, form = _box(tr("Missions"))
+        tip = tr("New missions are captured into folders below this one")
+        self._folder(form, tr("Folder for missions"), "missions_folder", str(self._settings.home), tip)
+        units = (("m", tr("Metres")), ("ft", tr("Feet (international)")))
+        self.units = combo("units", units, tr("Unit of heights above ground: m or ft"))
+        form.addRow(tr("Heights in"), self.units)
+        limits = Settings.connections
+        self.connections = _whole(
+            "connections",
+            limits.least,
+            limits.most,
+            tr("Requests under way at once; fewer where a provider says so"),
+        )
+        form.addRow(tr("Connections at once"), self.connections)
+        tip = tr("Pictures of the synthetic landscape that are shown as background")
+        place = str(self._settings.profile)
+        self._folder(form, tr("Folder for backgrounds"), "backgrounds_folder", place, tip)
+        return box
+
+    def _cache(self) -> QGroupBox:
+        from ...core.imagery.cache.tile_cache import default_folder
+
+        box, form = _box(tr("Cache of tiles"))
+        tip = tr("Tiles that providers let keep: what is there is not asked for again")
+        self._folder(form, tr("Folder of the cache"), "cache_folder", str(default_folder()), tip)
+        limits = Settings.cache_limit_mb
+        self.cache_limit = _whole(
+            "cache_limit",
+            limits.least,
+            limits.most,
+            tr("Beyond it the tiles that were used longest ago go, in MB"),
+        )
+        self.cache_limit.setSuffix(" MB")
+        self.cache_limit.setSingleStep(500)
+        self.cache_button = QPushButton(tr("Look at it or clear it…"))
+        self.cache_button.setObjectName("cache")
+        self.cache_button.setToolTip(tr("Shows what is in the cache, and clears some or all of it"))
+        self.cache_button.clicked.connect(self.show_cache)
+        form.addRow(tr("At most"), row(self.cache_limit, self.cache_button, stretch=0))
+        return box
+
+    def _keys(self) -> QGroupBox:
+        box = QGroupBox(tr("Keys and authentication"))
+        layout = QVBoxLayout(box)
+        told = QLabel(
+            tr(
+                "A key is the password of a Basic configuration in QGIS's authentication database, which is encrypted. "
+                "Only the id of the configuration is kept here; no project, mission or layer holds a key."
+            )
+        )
+        told.setWordWrap(True)
+        layout.addWidget(told)
+        self.keys = KeysTable(self._settings)
+        layout.addWidget(self.keys)
+        return box
+
+    def _folder(self, form: QFormLayout, label: str, name: str, usual: str, tip: str) -> None:
+        widget = QgsFileWidget()
+        widget.setObjectName(name)
+        widget.setStorageMode(QgsFileWidget.StorageMode.GetDirectory)
+        widget.setDialogTitle(label)
+        widget.setToolTip(tip)
+        widget.lineEdit().setPlaceholderText(usual)
+        self.folders[name] = widget
+        form.addRow(label, self.marks.field(name, widget.lineEdit(), widget))
+
+    def _check(self) -> dict[str, str]:
+        """Mark what cannot be kept; returns what is wrong by the names of the settings."""
+        problems = {name: folder_problem(widget.filePath()) for name, widget in self.folders.items()}
+        problems = {name: problem for name, problem in problems.items() if problem}
+        self.marks.show(problems)
+        return problems
+
+
+def folder_problem(text: str) -> str:
+    """What is wrong with a folder to write to, in words; empty for nothing, and for no folder."""
+    text = text.strip()
+    if not text:
+        return ""
+    try:
+        folder = Path(text).expanduser()
+        if not folder.is_absolute():
+            return tr("{folder}: must be a whole path, such as {example}").format(
+                folder=text, example=Path.home() / "TerrAInav"
+            )
+        there = next(place for place in (folder, *folder.parents) if place.exists())
+    except (OSError, RuntimeError, StopIteration, ValueError) as wrong:
+        return tr("{folder}: cannot be a folder ({reason})").format(folder=text, reason=wrong)
+    if not there.is_dir():
+        return tr("{folder}: {file} is a file; choose a folder").format(folder=text, file=there)
+    if not os.access(there, os.W_OK):
+        return tr("{folder}: cannot be written to; choose another").format(folder=text)
+    return ""
+
+
+def _box(title: str) -> tuple[QGroupBox, QFormLayout]:
+    box = QGroupBox(title)
+    form = QFormLayout(box)
+    form.setFieldGrowthPolicy(QFormLayout.FieldGrowthPolicy.AllNonFixedFieldsGrow)
+    return box, form
+
+
+def _whole(name: str, least: int, most: int, tip: str) -> QgsSpinBox:
+    spin = QgsSpinBox()
+    spin.setObjectName(name)
+    spin.setRange(least, most)
+    spin.setShowClearButton(False)
+    spin.setToolTip(tip)
+    spin.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
+    return spin

@@ -1,0 +1,115 @@
+"""An area drawn over the canvas, and what is said at the pointer."""
+
+from __future__ import annotations
+
+from qgis.gui import QgsMapCanvas, QgsRubberBand
+from qgis.PyQt.QtCore import QPoint, Qt
+from qgis.PyQt.QtGui import QColor
+from qgis.PyQt.QtWidgets import QLabel
+
+from ..compat import POINT, POLYGON
+from .area_outline import Outline
+
+#: Vermillion and its tint of the Okabe-Ito palette, which colour-blind people tell apart.
+LINE, FILL = QColor(213, 94, 0), QColor(213, 94, 0, 40)
+_HANDLE_PX = 9
+_POINT_PX = 8
+#: The readout stands this far from the pointer, so that it hides nothing of what is aimed at.
+_ASIDE_PX = 16
+#: Over maps of any colour, in themes that paint no background of labels: the readout brings its own.
+_READOUT_STYLE = "QLabel { background-color: #202020; color: #ffffff; border-radius: 3px; padding: 3px; }"
+
+
+class AreaBands:
+    """Outline and handles of one area."""
+
+    def __init__(self, canvas: QgsMapCanvas) -> None:
+        self._canvas = canvas
+        self._bands: list[QgsRubberBand] = []
+
+    def show(self, outline: Outline, with_handles: bool) -> None:
+        """Draw an outline in place of the one before."""
+        if not self._bands:
+            self._bands = [area_band(self._canvas), _point_band(self._canvas), _handle_band(self._canvas)]
+        area, points, handles = self._bands
+        area.reset(POLYGON)
+        points.reset(POINT)
+        handles.reset(POINT)
+        shape = outline.shape
+        if not shape.isEmpty():
+            band = points if shape.type() == POINT else area
+            # The canvas's own coordinates: nothing is to be transformed.
+            band.setToGeometry(shape, None)
+        if with_handles:
+            for place in outline.handles.values():
+                handles.addPoint(place)
+
+    def clear(self) -> None:
+        """Take it away."""
+        for band in self._bands:
+            self._canvas.scene().removeItem(band)
+        self._bands = []
+
+
+class Readout:
+    """A line of text beside the pointer."""
+
+    def __init__(self, canvas: QgsMapCanvas) -> None:
+        self._canvas = canvas
+        self._label: QLabel | None = None
+
+    def say(self, text: str, at: QPoint) -> None:
+        """Show a text beside a pixel, inside the canvas."""
+        if self._label is None:
+            self._label = QLabel(self._canvas.viewport())
+            self._label.setObjectName("terrainav_readout")
+            self._label.setAttribute(Qt.WidgetAttribute.WA_TransparentForMouseEvents)
+            self._label.setStyleSheet(_READOUT_STYLE)
+        label = self._label
+        label.setText(text)
+        label.adjustSize()
+        viewport = self._canvas.viewport()
+        x = min(at.x() + _ASIDE_PX, viewport.width() - label.width())
+        y = at.y() + _ASIDE_PX
+        if y + label.height() > viewport.height():
+            y = at.y() - _ASIDE_PX - label.height()
+        label.move(max(x, 0), max(y, 0))
+        label.setVisible(bool(text))
+
+    def clear(self) -> None:
+        """Take it away."""
+        if self._label is not None:
+            self._label.hide()
+            self._label.setParent(None)
+            self._label.deleteLater()
+            self._label = None
+
+
+def area_band(canvas: QgsMapCanvas) -> QgsRubberBand:
+    """Make a band for an area."""
+    band = QgsRubberBand(canvas, POLYGON)
+    band.setStrokeColor(LINE)
+    band.setFillColor(FILL)
+    band.setWidth(2)
+    return band
+
+
+def _point_band(canvas: QgsMapCanvas) -> QgsRubberBand:
+    band = QgsRubberBand(canvas, POINT)
+    band.setIcon(QgsRubberBand.IconType.ICON_CIRCLE)
+    band.setIconSize(_POINT_PX)
+    band.setStrokeColor(LINE)
+    band.setFillColor(FILL)
+    band.setWidth(2)
+    return band
+
+
+def _handle_band(canvas: QgsMapCanvas) -> QgsRubberBand:
+    band = QgsRubberBand(canvas, POINT)
+    band.setIcon(QgsRubberBand.IconType.ICON_FULL_BOX)
+    band.setIconSize(_HANDLE_PX)
+    band.setStrokeColor(LINE)
+    # White inside tells handles from the line they lie on.
+    band.setFillColor(QColor(255, 255, 255))
+    band.setWidth(2)
+    return band

@@ -1,0 +1,243 @@
+"""Where areas come from and go to: the menu, the map's tools, and the form."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from qgis.core import QgsApplication, QgsCsException, QgsMapLayer, QgsProject
+from qgis.gui import QgisInterface
+from qgis.PyQt.QtCore import QObject
+from qgis.PyQt.QtWidgets import QApplication, QFileDialog
+
+from ...core.errors import InvalidInput, TerrAInavError
+from ...core.mission.area import Area, Box, Points
+from ..compat import POLYGON, VECTOR
+from ..dock import area_menu
+from ..dock.area_dialogs import LayerDialog, PointsDialog, PolygonDialog
+from ..dock.area_form import FormError, entered_area, unit_of, with_area
+from ..dock.dock import Dock
+from ..i18n import tr
+from ..messages import Messages
+from . import area_reading
+from .area_reading import Reading, ReadTask
+from .area_tool import AreaTool
+from .area_words import area_words
+from .box_geometry import box_of, canvas_rectangle
+from .box_tool import BoxTool
+from .point_tool import PointTool
+
+#: Room left around an area that is zoomed to, as a share of it.
+_MARGIN = 1.5
+
+
+class AreaControl(QObject):
+    """Takes areas from wherever a person has them into the form, one undoable step each.
+
+    Attributes
+    ----------
+    tool : AreaTool
+        Moves the area on the map.
+    single_tool : PointTool
+        Takes the place of a single capture.
+    """
+
+    def __init__(self, iface: QgisInterface, dock: Dock, messages: Messages, box_tool: BoxTool) -> None:
+        super().__init__()
+        self._iface, self._dock, self._messages = iface, dock, messages
+        self._form, self._editing = dock.form, dock.form.area_editing
+        self._canvas, self._project = iface.mapCanvas(), QgsProject.instance()
+        self._box_tool = box_tool
+        self._task: ReadTask | None = None
+        keys = self._editing.undo_keys
+        self.tool = AreaTool(self._canvas, keys)
+        self.single_tool = PointTool(self._canvas)
+        dock.installEventFilter(keys)
+        entries = self._form.area
+        self.tool.setButton(entries.edit)
+        entries.edit.clicked.connect(self._switch_tool)
+        entries.area_from.chosen.connect(self._take)
+        self._form.changed.connect(self._follow)
+        self.tool.dragging.connect(self._show_dragged)
+        self.tool.changed.connect(self._take_moved)
+        box_tool.drawn.connect(self._take_drawn)
+        self.single_tool.clicked.connect(self._take_single)
+        self.single_tool.refused.connect(messages.warning)
+        self._ways: dict[str, Callable[[], None]] = {
+            area_menu.DRAW: box_tool.start,
+            area_menu.CANVAS: self.take_canvas,
+            area_menu.SINGLE: self.single_tool.start,
+            area_menu.LAYER: self._ask_for_layer,
+            area_menu.POLYGON: self._take_polygon,
+            area_menu.POINTS: self._ask_for_points,
+            area_menu.FILE: self._ask_for_file,
+            area_menu.PASTE: self.paste,
+            area_menu.TO_BOX: self._editing.make_box,
+        }
+
+    def close(self) -> None:
+        """Leave nothing behind."""
+        if self._task is not None:
+            self._task.ended.disconnect()
+            self._task.cancel()
+            self._task = None
+        for tool in (self.tool, self.single_tool):
+            tool.stop()
+            tool.deleteLater()
+
+    # --- ways to an area
+
+    def take_canvas(self) -> None:
+        """Take the box of what the map shows."""
+        settings = self._canvas.mapSettings()
+        self._enter(
+            lambda: box_of(settings.visibleExtent(), settings.destinationCrs(), self._project),
+            tr("map canvas extent"),
+        )
+
+    def paste(self) -> None:
+        """Take the coordinates on the clipboard."""
+        text = QApplication.clipboard().text()
+        if not text.strip():
+            self._refuse(tr("the clipboard holds no text; copy coordinates first"))
+            return
+        try:
+            self._editing.set_coordinates(text)
+        except FormError as wrong:
+            self._refuse(str(wrong))
+
+    def read(self, step: str, reading: Callable[[], Reading]) -> None:
+        """Read an area on a thread, and enter it when it is there; a reading under way is dropped."""
+        try:
+            task = ReadTask(step, reading())
+        except TerrAInavError as wrong:
+            self._refuse(str(wrong))
+            return
+        if self._task is not None:
+            self._task.cancel()
+        self._task = task
+        task.ended.connect(self._take_read)
+        QgsApplication.taskManager().addTask(task)
+
+    def _ask_for_layer(self) -> None:
+        dialog = LayerDialog(self._iface.mainWindow(), tr("Extent of a layer"), self._iface.activeLayer())
+        self._open(dialog, lambda: self._take_extent(dialog.chosen()))
+
+    def _take_extent(self, layer: QgsMapLayer) -> None:
+        step = tr("extent of {layer}").format(layer=layer.name())
+        self._enter(lambda: area_reading.extent_of(layer, self._project), step)
+
+    def _take_polygon(self) -> None:
+        layer = self._iface.activeLayer()
+        is_polygons = layer is not None and layer.type() == VECTOR and layer.geometryType() == POLYGON
+        if is_polygons and layer.selectedFeatureCount():
+            self._read_polygon(layer)
+            return
+        dialog = PolygonDialog(self._iface.mainWindow(), layer)
+        self._open(dialog, lambda: self._read_polygon(dialog.chosen()))
+
+    def _read_polygon(self, layer: QgsMapLayer) -> None:
+        step = tr("polygon of {layer}").format(layer=layer.name())
+        self.read(step, lambda: area_reading.selected_polygon(layer, self._project))
+
+    def _ask_for_points(self) -> None:
+        state = self._form.state()
+        dialog = PointsDialog(self._iface.mainWindow(), self._iface.activeLayer(), state.agl, state.agl_unit)
+
+        def take() -> None:
+            layer, only, fields = dialog.chosen(), dialog.only_selected(), dialog.fields()
+            step = tr("points of {layer}").format(layer=layer.name())
+            self.read(step, lambda: area_reading.points(layer, only, fields, self._project))
+
+        self._open(dialog, take)
+
+    def _ask_for_file(self) -> None:
+        path, _ = QFileDialog.getOpenFileName(
+            self._iface.mainWindow(),
+            tr("Text file of points: lat lon agl [yaw]"),
+            "",
+            tr("Text files (*.txt *.csv *.dat);;All files (*)"),
+        )
+        if path:
+            unit = self._form.state().agl_unit
+            self.read(tr("text file"), lambda: area_reading.text_file(path, unit))
+
+    @staticmethod
+    def _open(dialog: LayerDialog, take: Callable[[], None]) -> None:
+        dialog.accepted.connect(take)
+        dialog.finished.connect(dialog.deleteLater)
+        dialog.open()
+
+    # --- into the form
+
+    def _take(self, name: str) -> None:
+        self._ways[name]()
+
+    def _enter(self, area: Callable[[], Area], step: str, agl_m: float | None = None) -> bool:
+        try:
+            self._editing.set_area(area(), step, agl_m)
+        except (TerrAInavError, QgsCsException) as wrong:
+            self._refuse(str(wrong))
+            return False
+        return True
+
+    def _take_read(self, task: ReadTask) -> None:
+        if task is not self._task:
+            return
+        self._task = None
+        if task.trace:
+            self._messages.error(tr("No area: {reason}").format(reason=task.error), task.trace)
+        elif task.error:
+            self._refuse(task.error)
+        elif task.found is not None:
+            area, agl_m = task.found
+            if self._enter(lambda: area, task.step, agl_m):
+                self._show_on_canvas()
+
+    def _take_drawn(self, box: Area) -> None:
+        self._enter(lambda: box, tr("draw box"))
+        self.tool.start()
+
+    def _take_single(self, lat_deg: float, lon_deg: float) -> None:
+        state = self._form.state()
+        if self._enter(lambda: Points(((lat_deg, lon_deg, state.agl_m),)), tr("single capture")):
+            self.tool.start()
+
+    def _take_moved(self, area: Area, step: str, joined: bool) -> None:
+        self._editing.set_area(area, step, joined=joined)
+
+    def _refuse(self, reason: str) -> None:
+        self._messages.warning(tr("No area: {reason}").format(reason=reason))
+
+    # --- on the map
+
+    def _switch_tool(self, on: bool) -> None:
+        if not on:
+            self.tool.stop()
+            return
+        self._show_on_canvas()
+        self.tool.start()
+
+    def _follow(self) -> None:
+        self.tool.set_area(entered_area(self._form.state()))
+
+    def _show_dragged(self, area: Area) -> None:
+        """Show the numbers of what is still being dragged."""
+        state = self._form.state()
+        self._form.area.show_edges(with_area(state, area))
+        self._form.area.show_words(area_words(area, *unit_of(state)), not isinstance(area, Box))
+
+    def _show_on_canvas(self) -> None:
+        """Move the map only where the area could not be seen."""
+        area = entered_area(self._form.state())
+        if area is None:
+            return
+        try:
+            crs = self._canvas.mapSettings().destinationCrs()
+            rectangle = canvas_rectangle(area.bounds, crs, self._project)
+        except InvalidInput as wrong:
+            self._messages.warning(str(wrong))
+            return
+        if not self._canvas.extent().intersects(rectangle):
+            rectangle.scale(_MARGIN)
+            self._canvas.setExtent(rectangle)
+            self._canvas.refresh()

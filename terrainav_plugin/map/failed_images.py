@@ -1,0 +1,113 @@
+"""The captures of a dataset that have failed, as footprints with their reasons. Knows no widget."""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path
+from typing import Any
+
+from ...core.capture.journal import FAILED, Outcome
+from ...core.dataset.folder import FOOTPRINTS_FILE, JOURNAL_FILE
+from ...core.errors import OutputError
+from ...core.files import write_whole
+from ..i18n import told
+
+#: Beside the dataset's own footprints, while there is something in it.
+FAILED_FILE = "failed.geojson"
+#: Bytes of the journal read in one go.
+_CHUNK_BYTES = 1 << 20
+_NAME = re.compile(r'"name": "([^"]*)"')
+
+
+class FailedImages:
+    """The failed captures of a folder, followed along its journal while that grows.
+
+    Files only, so that it works on any thread, beside a run in this or another process.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder
+        self._read_bytes = 0
+        self._reasons: dict[tuple[str, str], str] = {}
+        self._footprints: dict[str, dict[str, Any]] = {}
+        self._written: dict[tuple[str, str], str] | None = None
+
+    @property
+    def path(self) -> Path:
+        """Where they are written."""
+        return self._folder / FAILED_FILE
+
+    def __len__(self) -> int:
+        return len(self._reasons)
+
+    def update(self) -> bool:
+        """Write what the journal says now; whether that is something new.
+
+        Where nothing has failed there is no file.
+
+        Raises
+        ------
+        OutputError
+            Where the journal or the footprints cannot be read, or the file not be written or removed.
+        """
+        try:
+            self._follow_journal()
+            if self._reasons == self._written:
+                return False
+            self._find_footprints()
+            if not self._reasons:
+                self.path.unlink(missing_ok=True)
+        except OSError as wrong:
+            raise OutputError(
+                f"failed images of {self._folder}: cannot be written ({wrong.strerror})"
+            ) from wrong
+        if self._reasons:
+            write_whole(self.path, self._lines())
+        self._written = dict(self._reasons)
+        return True
+
+    def _follow_journal(self) -> None:
+        path = self._folder / JOURNAL_FILE
+        if not path.is_file():
+            return
+        with path.open("rb") as file:
+            file.seek(self._read_bytes)
+            rest = b""
+            while chunk := file.read(_CHUNK_BYTES):
+                # What follows the last line's end is still being written.
+                whole, _, rest = (rest + chunk).rpartition(b"\n")
+                self._note(whole)
+                self._read_bytes = file.tell() - len(rest)
+
+    def _note(self, lines: bytes) -> None:
+        for line in lines.split(b"\n"):
+            outcome = Outcome.from_line(line)
+            if outcome is None:
+                continue
+            if outcome.status == FAILED:
+                self._reasons[outcome.map_type, outcome.name] = outcome.reason
+            else:
+                self._reasons.pop((outcome.map_type, outcome.name), None)
+
+    def _find_footprints(self) -> None:
+        """Take the footprints of those that are new from the dataset's, a line each."""
+        wanted = {name for _, name in self._reasons} - set(self._footprints)
+        if not wanted:
+            return
+        with (self._folder / FOOTPRINTS_FILE).open(encoding="utf-8") as file:
+            for line in file:
+                found = _NAME.search(line)
+                if found and found[1] in wanted:
+                    self._footprints[found[1]] = json.loads(line.rstrip().rstrip(","))
+
+    def _lines(self) -> list[bytes]:
+        features = []
+        for (map_type, name), reason in self._reasons.items():
+            footprint = self._footprints.get(name)
+            if footprint is None:
+                continue
+            more = {"map_type": map_type, "reason": told(reason)}
+            feature = {**footprint, "properties": {**footprint["properties"], **more}}
+            features.append(json.dumps(feature, ensure_ascii=False).encode("utf-8"))
+        return [b'{"type": "FeatureCollection", "features": [\n', b",\n".join(features), b"\n]}\n"]

@@ -1,0 +1,1 @@
+"""Missions and datasets: opened, saved, and taken up again."""

@@ -1,0 +1,269 @@
+"""Missions opened and saved: of the project, of files, and of datasets."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from qgis.core import QgsApplication
+from qgis.PyQt.QtCore import QObject
+from qgis.PyQt.QtWidgets import QFileDialog, QMenu
+
+from ...core.dataset.folder import JOURNAL_FILE, MISSION_FILE
+from ...core.errors import InvalidInput, TerrAInavError
+from ..dock import mission_form
+from ..dock.area_form import FormError
+from ..i18n import told, tr
+from ..map.failed_images import FAILED_FILE
+from ..map.mission_group import SavedMission, saved_missions
+from ..map.results import show_failed, show_results
+from ..runs.before import next_folder
+from ..sources import grid_finder
+from .dataset_task import DatasetTask
+from .recent import recent, remember
+
+if TYPE_CHECKING:
+    from ...core.mission.mission import Mission
+    from ..workflow import Workflow
+
+
+class Missions(QObject):
+    """The menu of missions, and what it does."""
+
+    def __init__(self, workflow: Workflow) -> None:
+        super().__init__()
+        self._workflow, self._messages = workflow, workflow.messages
+        self._task: DatasetTask | None = None
+        self._projects_closed = 0
+        self.menu = QMenu(workflow.dock.missions)
+        self.menu.setObjectName("missions_menu")
+        self.menu.setToolTipsVisible(True)
+        self.menu.aboutToShow.connect(self._fill)
+        workflow.dock.missions.setMenu(self.menu)
+        workflow.project.cleared.connect(self._project_closed)
+
+    @property
+    def busy(self) -> bool:
+        """Whether a dataset is being opened."""
+        return self._task is not None
+
+    def close(self) -> None:
+        """End for good."""
+        self._workflow.project.cleared.disconnect(self._project_closed)
+        if self._task is not None:
+            self._task.ended.disconnect()
+            self._task.cancel()
+            self._task.waitForFinished()
+            self._task = None
+
+    # --- what the menu holds
+
+    def _fill(self) -> None:
+        menu = self.menu
+        menu.clear()
+        saved = saved_missions(self._workflow.project)
+        if saved:
+            menu.addSection(tr("In this project"))
+        current = str(self._folder())
+        for mission in saved:
+            action = menu.addAction(_plain(mission.title), partial(self.open_saved, mission))
+            action.setToolTip(mission.folder)
+            action.setCheckable(True)
+            action.setChecked(mission.folder == current)
+        menu.addSeparator()
+        menu.addAction(tr("&New mission"), self.begin_new)
+        menu.addAction(tr("&Open mission file…"), self.ask_for_file)
+        menu.addAction(tr("Open &dataset folder…"), self.ask_for_dataset)
+        last = menu.addMenu(tr("Open &recent"))
+        for path in recent():
+            last.addAction(_plain(str(path)), partial(self.open_path, path))
+        last.setEnabled(not last.isEmpty())
+        menu.addAction(tr("&Save mission as file…"), self.save_as)
+        menu.addSeparator()
+        failed = menu.addAction(tr("Capture only the &failed images"), self.capture_failed)
+        failed.setToolTip(tr("Of the mission in the panel: those that could not be made earlier"))
+        failed.setEnabled((self._folder() / FAILED_FILE).is_file())
+
+    # --- opening
+
+    def restore(self) -> None:
+        """Take up the mission that was in the panel when the project that has been opened was saved."""
+        saved = saved_missions(self._workflow.project)
+        if saved:
+            self._open_saved(next((mission for mission in saved if mission.current), saved[0]), zoom=False)
+
+    def open_saved(self, saved: SavedMission) -> None:
+        """Make a mission of the project the one in the panel."""
+        self._open_saved(saved, zoom=True)
+
+    def ask_for_file(self) -> None:
+        """Let the user choose a mission file, and open it."""
+        path, _ = QFileDialog.getOpenFileName(
+            self._workflow.iface.mainWindow(),
+            tr("TerrAInav: open mission"),
+            str(self._workflow.settings.missions),
+            tr("Mission files (*.json);;All files (*)"),
+        )
+        if path:
+            self.open_path(Path(path))
+
+    def ask_for_dataset(self) -> None:
+        """Let the user choose the folder of a dataset, and open it."""
+        path = QFileDialog.getExistingDirectory(
+            self._workflow.iface.mainWindow(),
+            tr("TerrAInav: open dataset"),
+            str(self._workflow.settings.missions),
+        )
+        if path:
+            self.open_path(Path(path))
+
+    def open_path(self, path: Path) -> None:
+        """Open a dataset's folder, its mission file, or any other mission file."""
+        if path.is_dir():
+            self.open_dataset(path)
+        elif path.name == MISSION_FILE and (path.parent / JOURNAL_FILE).is_file():
+            self.open_dataset(path.parent)
+        else:
+            self.open_file(path)
+
+    def open_file(self, path: Path) -> None:
+        """Take a mission file's mission into the panel; it is captured into a folder of its own."""
+        from ...core.mission.mission import Mission
+
+        folder = self._workflow.settings.missions / path.stem
+        try:
+            self._take_up(Mission.load(path), folder if not folder.exists() else next_folder(folder))
+        except TerrAInavError as wrong:
+            self._tell_broken(path.name, wrong)
+            return
+        remember(path)
+        self._workflow.set_preview(True)
+
+    def open_dataset(self, folder: Path) -> None:
+        """Take a dataset's mission into the panel, and its results onto the map."""
+        from ...core.mission.mission import Mission
+
+        if self._task is not None:
+            return
+        try:
+            if not (folder / MISSION_FILE).is_file():
+                raise InvalidInput(
+                    tr(
+                        "folder {folder}: has no {name}, so it is no dataset of a capture; choose its folder"
+                    ).format(folder=folder, name=MISSION_FILE)
+                )
+            mission = Mission.load(folder / MISSION_FILE)
+            state = self._state_of(mission, folder)
+            task = DatasetTask(folder, mission, grid_finder(mission))
+        except TerrAInavError as wrong:
+            self._tell_broken(folder.name, wrong)
+            return
+        begun_in = self._projects_closed
+        task.ended.connect(lambda task: self._dataset_opened(task, state, begun_in))
+        self._task = task
+        QgsApplication.taskManager().addTask(task)
+
+    # --- other entries of the menu
+
+    def begin_new(self) -> None:
+        """Empty the area and take a folder that is free; camera, height and source stay as they are."""
+        state = self._workflow.state()
+        folder = self._folder() if state.folder.strip() else self._workflow.settings.missions / "mission-1"
+        taken = {Path(saved.folder) for saved in saved_missions(self._workflow.project)}
+        taken |= {run.folder for run in self._workflow.runs.runs}
+        folder = next_folder(folder, taken | {folder})
+        self._workflow.set_preview(False)
+        empty = dict.fromkeys(("north", "west", "south", "east", "shape"), "")
+        self._workflow.dock.form.set_state(replace(state, folder=str(folder), **empty))
+
+    def save_as(self) -> None:
+        """Let the user choose where the mission in the panel is saved."""
+        try:
+            mission = mission_form.mission(self._workflow.state())
+        except FormError as wrong:
+            self._workflow.dock.form.show_messages(wrong.messages)
+            reason = next(iter(wrong.messages.values()), "")
+            self._messages.warning(tr("Nothing to save yet: {reason}").format(reason=reason))
+            return
+        chosen, _ = QFileDialog.getSaveFileName(
+            self._workflow.iface.mainWindow(),
+            tr("TerrAInav: save mission"),
+            str(self._workflow.settings.missions / f"{self._folder().name}.json"),
+            tr("Mission files (*.json)"),
+        )
+        if not chosen:
+            return
+        path = Path(chosen)
+        path = path if path.suffix else path.with_suffix(".json")
+        try:
+            mission.save(path)
+        except TerrAInavError as wrong:
+            self._messages.warning(told(wrong))
+            return
+        remember(path)
+        self._messages.success(tr("Mission saved as {name}.").format(name=path.name))
+
+    def capture_failed(self) -> None:
+        """Capture only those images of the mission in the panel that have failed."""
+        self._workflow.capture(only_failed=True)
+
+    # --- how
+
+    def _folder(self) -> Path:
+        return Path(self._workflow.state().folder.strip()).expanduser()
+
+    def _project_closed(self) -> None:
+        self._projects_closed += 1
+
+    def _state_of(self, mission: Mission, folder: Path) -> mission_form.FormState:
+        return mission_form.state_of(mission, str(folder), like=self._workflow.state())
+
+    def _take_up(self, mission: Mission, folder: Path) -> None:
+        self._workflow.dock.form.set_state(self._state_of(mission, folder))
+
+    def _open_saved(self, saved: SavedMission, zoom: bool) -> None:
+        from ...core.mission.mission import Mission
+
+        try:
+            mission = Mission.from_json(saved.text)
+            self._take_up(mission, Path(saved.folder))
+        except TerrAInavError as wrong:
+            self._messages.warning(
+                tr("The project's mission cannot be read: {error}").format(error=told(wrong))
+            )
+            return
+        self._workflow.show_preview_again()
+        if zoom:
+            self._workflow.zoom_to(mission.area.bounds)
+
+    def _dataset_opened(self, task: DatasetTask, state: mission_form.FormState, begun_in: int) -> None:
+        self._task = None
+        if task.error:
+            tell = self._messages.error if task.trace else self._messages.warning
+            tell(told(task.error), task.trace)
+            return
+        if task.opened is None or begun_in != self._projects_closed:
+            return
+        remember(task.folder)
+        group = self._workflow.group_of(task.folder)
+        show_results(group, task.opened)
+        show_failed(group, task.failed)
+        self._workflow.dock.form.set_state(state)
+        group.make_current()
+        self._workflow.zoom_to(task.mission.area.bounds)
+        if task.left_out:
+            self._messages.warning(
+                tr("{name}: opened without mosaic: {reason}").format(
+                    name=task.folder.name, reason=task.left_out
+                )
+            )
+
+    def _tell_broken(self, name: str, wrong: TerrAInavError) -> None:
+        self._messages.warning(tr("{name} was not opened: {reason}").format(name=name, reason=told(wrong)))
+
+
+def _plain(text: str) -> str:
+    """Text of a menu entry as it is, without mnemonics."""
+    return text.replace("&", "&&")

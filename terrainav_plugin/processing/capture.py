@@ -1,0 +1,279 @@
+"""Algorithms: a mission captured into a dataset folder, and what has failed of one captured again."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from qgis.core import (
+    QgsProcessingContext,
+    QgsProcessingFeedback,
+    QgsProcessingOutputFile,
+    QgsProcessingOutputFolder,
+    QgsProcessingOutputNumber,
+    QgsProcessingOutputRasterLayer,
+    QgsProcessingParameterAuthConfig,
+    QgsProcessingParameterBoolean,
+    QgsProcessingParameterFile,
+    QgsProcessingParameterFolderDestination,
+)
+
+from ...core.dataset.folder import FOOTPRINTS_FILE, MISSION_FILE
+from ...core.errors import InvalidInput
+from ..i18n import tr
+from .algorithm import paragraphs, run_beside
+from .beside import Watch
+from .imagery import WithImagery, check_terms
+from .mission_parameters import add_mission_parameters, mission_of
+
+if TYPE_CHECKING:
+    from ...core.capture.result import CaptureResult, Progress
+    from ...core.mission.mission import Mission
+    from ...core.mission.plan import Plan
+
+#: Share of the progress that capturing is; the mosaic takes the rest.
+_CAPTURE_SHARE = 0.9
+#: Failed pictures that the log names; all are in the journal and the tables.
+_NAMED_FAILURES = 20
+
+
+class _Capturing(WithImagery):
+    """What both have in common: parameters of a run, the run, its outputs."""
+
+    def _add_run(self) -> None:
+        self.add(
+            QgsProcessingParameterAuthConfig("AUTHCFG", tr("Key or authentication"), optional=True),
+            tr(
+                "Configuration of QGIS's authentication database: a Basic one with the key as its password for sources "
+                "that take a key, any other for the requests. Without one, that of the mission panel, or the "
+                "environment's TERRAINAV_KEY."
+            ),
+            advanced=True,
+        )
+        self.add(
+            QgsProcessingParameterBoolean("ACCEPT_TERMS", tr("I agree to the source's terms"), False),
+            tr("Sources that ask for consent refuse larger missions without it."),
+            advanced=True,
+        )
+        self.add(
+            QgsProcessingParameterBoolean("MAKE_MOSAIC", tr("Make a mosaic"), True),
+            tr("One virtual raster a map type, of map frames that are there."),
+            advanced=True,
+        )
+
+    def _add_results(self) -> None:
+        self.addOutput(QgsProcessingOutputFile("FOOTPRINTS", tr("Footprints")))
+        self.addOutput(QgsProcessingOutputRasterLayer("MOSAIC", tr("Mosaic of the first map type")))
+        for name, title in (
+            ("TOTAL", tr("Images asked for")),
+            ("WRITTEN", tr("Images written")),
+            ("SKIPPED", tr("Images that were there")),
+            ("FAILED", tr("Images that could not be made")),
+            ("REQUESTS", tr("Requests")),
+        ):
+            self.addOutput(QgsProcessingOutputNumber(name, title))
+
+    def _take_run(self, mission: Mission, parameters: dict[str, Any], context: QgsProcessingContext) -> None:
+        self.take_imagery(mission, parameters, context)
+        self._accepted = self.parameterAsBool(parameters, "ACCEPT_TERMS", context)
+        self._with_mosaic = self.parameterAsBool(parameters, "MAKE_MOSAIC", context)
+
+    def _run(self, folder: Path, feedback: QgsProcessingFeedback, **options: bool) -> dict[str, Any]:
+        """Capture, make the mosaics, return the outputs."""
+        from ...core.capture.runner import capture
+
+        def work(watch: Watch) -> tuple[CaptureResult, str]:
+            def report(progress: Progress) -> None:
+                finished = progress.done + progress.failed + progress.skipped
+                watch.progress(_CAPTURE_SHARE * finished / max(progress.total, 1))
+
+            with self._imagery.opened() as source:
+                worked_out = self._imagery.planned()
+                requests = worked_out.requests * len(worked_out.mission.map_types)
+                check_terms(worked_out, source, requests, accepted=self._accepted)
+                result = capture(
+                    worked_out,
+                    source,
+                    folder,
+                    connections=self._imagery.connections,
+                    progress=report,
+                    cancelled=watch.cancelled,
+                    **options,
+                )
+            _tell(result, watch)
+            return result, self._mosaic(worked_out, result, watch)
+
+        result, mosaic = run_beside(work, feedback)
+        return {
+            "FOLDER": str(folder),
+            "FOOTPRINTS": str(folder / FOOTPRINTS_FILE),
+            **({"MOSAIC": mosaic} if mosaic else {}),
+            "TOTAL": result.total,
+            "WRITTEN": result.written,
+            "SKIPPED": result.skipped,
+            "FAILED": len(result.failed),
+            "REQUESTS": result.requests,
+        }
+
+    def _mosaic(self, worked_out: Plan, result: CaptureResult, watch: Watch) -> str:
+        """Path of the first map type's mosaic; empty where there is none."""
+        from ..map.mosaic import MOST_PICTURES, build_mosaics
+
+        # Camera frames are no pieces of the map.
+        if worked_out.size_px is not None or len(worked_out) > MOST_PICTURES:
+            return ""
+        if result.cancelled or not self._with_mosaic:
+            return ""
+        mosaics = build_mosaics(
+            worked_out,
+            result.folder,
+            lambda share: watch.progress(_CAPTURE_SHARE + (1.0 - _CAPTURE_SHARE) * share),
+        )
+        return str(mosaics[0].path) if mosaics else ""
+
+
+class Capture(_Capturing):
+    """A mission captured into a folder."""
+
+    NAME = "capture"
+
+    def displayName(self) -> str:
+        """Title."""
+        return tr("Capture a mission")
+
+    def shortDescription(self) -> str:
+        """Tooltip."""
+        return tr("Georeferenced images with their poses, as a simulated UAV takes them.")
+
+    def tags(self) -> list[str]:
+        """Words that it is found by."""
+        return tr(
+            "uav,drone,capture,images,dataset,tiles,download,georeferenced,photogrammetry,training"
+        ).split(",")
+
+    def shortHelpString(self) -> str:
+        """Help."""
+        return paragraphs(
+            tr(
+                "Captures the images of a mission into a folder: georeferenced pictures, a table with the pose of "
+                "each, the footprints, and a journal. Each tile is fetched once."
+            ),
+            tr(
+                "An image is whole or it is not written; what could not be fetched is named in the log, the journal "
+                "and the table with its reason. Run it again into the same folder to go on with an interrupted capture."
+            ),
+            tr(
+                "The mission is that of the parameters or, in advanced parameters, of a file that the plan has written."
+            ),
+        )
+
+    def initAlgorithm(self, configuration: dict[str, Any] | None = None) -> None:  # noqa: ARG002  QGIS passes it
+        """Add parameters and outputs."""
+        add_mission_parameters(self, listed=self._listed)
+        self._add_run()
+        self.add(
+            QgsProcessingParameterFolderDestination("FOLDER", tr("Dataset folder")),
+            tr("A new folder, or one that holds this mission, to go on with it."),
+        )
+        self._add_results()
+
+    def prepared(
+        self, parameters: dict[str, Any], context: QgsProcessingContext, feedback: QgsProcessingFeedback
+    ) -> None:
+        """Take what belongs to the main thread."""
+        self._take_run(mission_of(self, parameters, context, feedback), parameters, context)
+
+    def processed(
+        self, parameters: dict[str, Any], context: QgsProcessingContext, feedback: QgsProcessingFeedback
+    ) -> dict[str, Any]:
+        """Capture."""
+        folder = Path(self.parameterAsString(parameters, "FOLDER", context))
+        return self._run(folder, feedback, resume=True)
+
+
+class CaptureFailed(_Capturing):
+    """What has failed of a capture, again."""
+
+    NAME = "capturefailed"
+
+    def displayName(self) -> str:
+        """Title."""
+        return tr("Capture failed images again")
+
+    def shortDescription(self) -> str:
+        """Tooltip."""
+        return tr("Only those that an earlier capture could not make.")
+
+    def tags(self) -> list[str]:
+        """Words that it is found by."""
+        return tr("uav,drone,capture,failed,retry,resume,dataset").split(",")
+
+    def shortHelpString(self) -> str:
+        """Help."""
+        return paragraphs(
+            tr(
+                "Captures those images of a dataset folder again that an earlier run has noted as failed, and nothing "
+                "else. Where nothing has failed there is nothing to do."
+            )
+        )
+
+    def initAlgorithm(self, configuration: dict[str, Any] | None = None) -> None:  # noqa: ARG002  QGIS passes it
+        """Add parameters and outputs."""
+        self.add(
+            QgsProcessingParameterFile(
+                "DATASET", tr("Dataset folder"), QgsProcessingParameterFile.Behavior.Folder
+            ),
+            tr("Of an earlier capture."),
+        )
+        self._add_run()
+        self.addOutput(QgsProcessingOutputFolder("FOLDER", tr("Dataset folder")))
+        self._add_results()
+
+    def prepared(
+        self,
+        parameters: dict[str, Any],
+        context: QgsProcessingContext,
+        feedback: QgsProcessingFeedback,  # noqa: ARG002  as all algorithms have it
+    ) -> None:
+        """Take what belongs to the main thread."""
+        from ...core.mission.mission import Mission
+
+        self._folder = Path(self.parameterAsString(parameters, "DATASET", context))
+        mark = self._folder / MISSION_FILE
+        if not mark.is_file():
+            raise InvalidInput(
+                tr("folder {folder}: holds no capture, as it has no {file}").format(
+                    folder=self._folder, file=MISSION_FILE
+                )
+            )
+        self._take_run(Mission.load(str(mark)), parameters, context)
+
+    def processed(
+        self,
+        parameters: dict[str, Any],  # noqa: ARG002  QGIS passes it
+        context: QgsProcessingContext,  # noqa: ARG002  QGIS passes it
+        feedback: QgsProcessingFeedback,
+    ) -> dict[str, Any]:
+        """Capture."""
+        return self._run(self._folder, feedback, only_failed=True)
+
+
+def _tell(result: CaptureResult, watch: Watch) -> None:
+    watch.say(
+        tr("{written} images written, {skipped} were there, {failed} failed, in {seconds:.1f} s.").format(
+            written=f"{result.written:,}",
+            skipped=f"{result.skipped:,}",
+            failed=f"{len(result.failed):,}",
+            seconds=result.seconds,
+        )
+    )
+    for failure in result.failed[:_NAMED_FAILURES]:
+        watch.warn(f"{failure.map_type}/{failure.name}: {failure.reason}")
+    if len(result.failed) > _NAMED_FAILURES:
+        watch.warn(
+            tr("{count} more, named in the folder's journal and tables.").format(
+                count=f"{len(result.failed) - _NAMED_FAILURES:,}"
+            )
+        )
+    if result.cancelled:
+        watch.warn(tr("Stopped: what is finished is kept; run it again to go on."))

@@ -1,0 +1,142 @@
+"""The imagery of a mission, for algorithms: what belongs to the main thread is taken there, before they run."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import closing, contextmanager
+from functools import lru_cache
+from typing import TYPE_CHECKING, Any
+
+from qgis.core import QgsProcessingContext
+from qgis.PyQt.QtCore import QObject, Qt, pyqtSignal, pyqtSlot
+
+from ...core.errors import InvalidInput
+from .algorithm import Algorithm
+
+if TYPE_CHECKING:
+    from ...core.geodesy.mercator import PixelGrid
+    from ...core.imagery.source import Source
+    from ...core.mission.mission import Mission
+    from ...core.mission.plan import Plan
+    from ..layers.snapshot import Snapshot
+
+
+class Imagery:
+    """A mission's source as it is when an algorithm is prepared; made on the main thread.
+
+    Parameters
+    ----------
+    mission : Mission
+    authcfg : str
+        Configuration of QGIS's authentication database for the source's key or its requests; empty for the one that
+        the user has chosen for the source in the panel.
+
+    Raises
+    ------
+    InvalidInput
+        The configuration or the layer is not there.
+    """
+
+    def __init__(self, mission: Mission, authcfg: str = "") -> None:
+        from ..credentials import key_in, problem_with
+        from ..network.transport import QgisTransport
+        from ..settings import Settings
+        from ..sources import grid_finder, key_of, needs_key, snapshot_for, transport_for
+
+        self._mission = mission
+        self.connections = Settings().connections
+        is_key = needs_key(mission.source)
+        if authcfg:
+            problem = problem_with(authcfg, is_key)
+            if problem:
+                raise InvalidInput(problem)
+        self._key = key_in(authcfg) if authcfg and is_key else key_of(mission.source)
+        self._grid: Callable[[], PixelGrid] = grid_finder(mission)
+        self._snapshot: Snapshot | None = snapshot_for(mission)
+        self._transport = (
+            QgisTransport(self.connections, authcfg=authcfg)
+            if authcfg and not is_key
+            else transport_for(mission.source, self.connections)
+        )
+
+    def planned(self) -> Plan:
+        """Work the mission out; raises InvalidInput or SourceError."""
+        from ...core.mission.plan import plan
+
+        return plan(self._mission, self._grid())
+
+    @contextmanager
+    def opened(self) -> Iterator[Source]:
+        """Source ready to fetch, once; closed afterwards with its connections."""
+        from ..sources import open_for_capture
+
+        with closing(self._transport) as transport:
+            source = open_for_capture(self._mission, self._key, transport=transport, snapshot=self._snapshot)
+            with closing(source):
+                yield source
+
+
+class _Keeper(QObject):
+    """Holds what belongs to the main thread until that lets go of it: algorithms end on any."""
+
+    over = pyqtSignal(object)
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._kept: dict[int, Imagery] = {}
+        self.over.connect(self._drop, Qt.ConnectionType.QueuedConnection)
+
+    def keep(self, imagery: Imagery) -> None:
+        """Hold it."""
+        self._kept[id(imagery)] = imagery
+
+    def done_with(self, key: int) -> None:
+        """Let go, in the main thread, of what has this identity; called in any, by the last that used it."""
+        from ..network.worker import in_main_thread
+
+        if in_main_thread():
+            self._drop(key)
+        else:
+            self.over.emit(key)
+
+    @pyqtSlot(object)
+    def _drop(self, key: int) -> None:
+        self._kept.pop(key, None)
+
+
+@lru_cache(None)
+def _keeper() -> _Keeper:
+    return _Keeper()
+
+
+class WithImagery(Algorithm):
+    """An algorithm that fetches, and holds its imagery while it runs."""
+
+    _imagery: Imagery | None = None
+
+    def take_imagery(
+        self, mission: Mission, parameters: dict[str, Any], context: QgsProcessingContext
+    ) -> None:
+        """Take a mission's imagery; on the main thread."""
+        self._imagery = Imagery(mission, self.parameterAsString(parameters, "AUTHCFG", context))
+        _keeper().keep(self._imagery)
+
+    def released(self) -> None:
+        """Let go of the imagery."""
+        if self._imagery is not None:
+            key, self._imagery = id(self._imagery), None
+            _keeper().done_with(key)
+
+
+def check_terms(worked_out: Plan, source: Source, requests: int, *, accepted: bool) -> None:
+    """Raise SourceError where the source's terms do not let a run pass."""
+    from ...core.imagery.catalogue.listing import check_policy
+
+    box = worked_out.mission.area.bounds
+    check_policy(
+        source,
+        requests,
+        accept_terms=accepted,
+        map_types=worked_out.mission.map_types,
+        bounds_deg=(box.west_deg, box.south_deg, box.continuous_east_deg, box.north_deg),
+    )

@@ -1,0 +1,40 @@
+"""The provider: what QGIS lists under TerrAInav in its toolbox."""
+
+from __future__ import annotations
+
+from qgis.core import QgsProcessingProvider
+from qgis.PyQt.QtGui import QIcon
+
+from ..paths import RESOURCES, icon
+
+PROVIDER = "terrainav"
+
+
+class Provider(QgsProcessingProvider):
+    """The plugin's algorithms. What they compute with is loaded when one of them runs."""
+
+    def id(self) -> str:
+        """Name in ``terrainav:plan``."""
+        return PROVIDER
+
+    def name(self) -> str:
+        """Title in the toolbox."""
+        return "TerrAInav"
+
+    def icon(self) -> QIcon:
+        """Icon in the toolbox."""
+        return icon("icon")
+
+    def svgIconPath(self) -> str:
+        """Icon where QGIS draws it itself."""
+        return str(RESOURCES / "icon.svg")
+
+    def loadAlgorithms(self) -> None:
+        """Add the algorithms."""
+        from .capture import Capture, CaptureFailed
+        from .clean import Clean
+        from .plan import Plan
+        from .report import AccuracyReport
+
+        for algorithm in (Plan, Capture, CaptureFailed, Clean, AccuracyReport):
+            self.addAlgorithm(algorithm(listed=True))

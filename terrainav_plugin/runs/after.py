@@ -1,0 +1,135 @@
+"""What follows a run: its results on the map, and a message that says how it ended."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from qgis.core import QgsVectorLayer
+from qgis.PyQt.QtCore import QUrl
+from qgis.PyQt.QtGui import QDesktopServices
+
+from ...core.errors import TerrAInavError
+from ..i18n import told, tr
+from ..map.results import load_test_shot, show_failed, show_results
+from .run import Run, Stage
+from .words import done_text, with_kept
+
+if TYPE_CHECKING:
+    from ..workflow import Workflow
+    from .line import Runs
+
+
+class Endings:
+    """Brings runs to the map and to the message bar.
+
+    A run goes on when its project is closed. Its results are put on the map only where that project is still open,
+    or another is that has a group for the same folder.
+    """
+
+    def __init__(self, workflow: Workflow, runs: Runs) -> None:
+        self._workflow, self._runs = workflow, runs
+        self._messages = workflow.messages
+        self._projects_closed = 0
+        self._begun_in: dict[Run, int] = {}
+        workflow.project.cleared.connect(self._project_closed)
+
+    def close(self) -> None:
+        """End for good."""
+        self._workflow.project.cleared.disconnect(self._project_closed)
+        self._begun_in.clear()
+
+    def remember(self, run: Run) -> None:
+        """Note which project a run belongs to."""
+        self._begun_in[run] = self._projects_closed
+
+    def show_failed(self, run: Run, layer: QgsVectorLayer | None) -> None:
+        """Show what has failed so far."""
+        if self._is_open(run) and not run.test_shot:
+            show_failed(self._workflow.group_of(run.folder), layer)
+            if layer is not None:
+                self._workflow.group_of(run.folder).remember_mission(run.mission.to_json())
+
+    def tell(self, run: Run) -> None:
+        """Show what a run has made, and say how it ended."""
+        is_open = self._is_open(run)
+        self._begun_in.pop(run, None)
+        if run.test_shot:
+            if run.task.picture is not None and is_open:
+                self._show(lambda: self._load_test_shot(run))
+                return
+        elif run.task.opened is not None and is_open:
+            self._show(lambda: self._load_results(run))
+        self._say(run, is_open)
+
+    def _project_closed(self) -> None:
+        self._projects_closed += 1
+
+    def _is_open(self, run: Run) -> bool:
+        return (
+            self._begun_in.get(run) == self._projects_closed
+            or self._workflow.group_of(run.folder).find() is not None
+        )
+
+    def _show(self, load: Callable[[], None]) -> None:
+        try:
+            load()
+        except TerrAInavError as wrong:
+            self._messages.error(told(wrong))
+
+    def _load_results(self, run: Run) -> None:
+        written = run.result is None or run.result.written > 0
+        group = self._workflow.group_of(run.folder)
+        show_results(group, run.task.opened, changed=written)
+        # The pictures themselves are there now; plans on top would only hide them.
+        if self._workflow.group().is_same(group):
+            self._workflow.preview.set_footprints_visible(False)
+
+    def _load_test_shot(self, run: Run) -> None:
+        lat, lon, _ = run.mission.area.poses[0]
+        title = tr("Test shot {lat:.5f} {lon:.5f}").format(lat=lat, lon=lon)
+        layer = load_test_shot(self._workflow.group(), run.task.picture, title)
+        self._workflow.background.zoom_to_layer(layer)
+
+    def _say(self, run: Run, is_open: bool) -> None:
+        result, name = run.result, run.folder.name
+        if run.task.error:
+            tell = self._messages.error if run.task.trace else self._messages.warning
+            tell(with_kept(told(run.task.error), result), run.task.trace)
+        elif run.stage is Stage.STOPPED and result is None:
+            self._messages.info(tr("{name}: stopped before the first image.").format(name=name))
+        elif run.stage is Stage.STOPPED:
+            self._messages.info(
+                tr("{name}: stopped, {there} of {total} images are there. Press Capture to go on.").format(
+                    name=name, there=f"{result.written + result.skipped:,}", total=f"{result.total:,}"
+                )
+            )
+        elif run.task.failed or result.failed:
+            self._tell_failed(run)
+        else:
+            text = done_text(result)
+            if run.plan.size_px is not None:
+                text += " " + tr("Camera frames make no mosaic: “View images” shows them one by one.")
+            if not is_open:
+                text += " " + tr("Its project is closed: open the dataset by “Missions” to see it.")
+            open_folder = (tr("Open folder"), lambda: open_in_system(run.folder))
+            self._messages.success(f"{name}: {text}", open_folder)
+
+    def _tell_failed(self, run: Run) -> None:
+        failed = run.result.failed
+        reason = told(failed[0].reason) if failed else tr("in an earlier run")
+        text = tr("{name}: {failed} of {total} images could not be made ({reason}).").format(
+            name=run.folder.name,
+            failed=f"{run.task.failed or len(failed):,}",
+            total=f"{len(run.plan) * len(run.mission.map_types):,}",
+            reason=reason,
+        )
+        lines = (f"{failure.map_type}/{failure.name}: {failure.reason}" for failure in failed)
+        again = (tr("Capture only the failed ones"), lambda: self._runs.capture_failed(run))
+        self._messages.warning(text, "\n".join(lines), again)
+
+
+def open_in_system(path: Path) -> None:
+    """Open a folder or file with the program that the system has for it."""
+    QDesktopServices.openUrl(QUrl.fromLocalFile(str(path)))

@@ -1,0 +1,116 @@
+"""What is asked before a run: is there a folder, is it free, is there a key, do the source's terms allow it."""
+
+from __future__ import annotations
+
+import html
+import os
+import re
+from collections.abc import Collection
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from qgis.PyQt.QtWidgets import QMessageBox
+
+from ...core.errors import TerrAInavError
+from ..dock import mission_form
+from ..i18n import told, tr
+from ..sources import credentials_problem, terms_problem
+
+if TYPE_CHECKING:
+    from ...core.mission.mission import Mission
+    from ..dock.form_state import FormState
+    from ..workflow import Workflow
+
+
+class Questions:
+    """Asks and tells; what keeps a run from being made is said where it can be mended."""
+
+    def __init__(self, workflow: Workflow) -> None:
+        self._workflow = workflow
+        self._messages = workflow.messages
+
+    def folder_is_given(self, state: FormState) -> bool:
+        """Whether there is a folder to write to; says so at the field where there is none."""
+        if state.folder.strip():
+            return True
+        message = tr("folder is empty: choose where the pictures go")
+        self._workflow.dock.form.show_messages({"folder": message})
+        self._messages.warning(tr("Nothing to capture yet: {reason}").format(reason=message))
+        return False
+
+    def key_is_there(self, source: str) -> bool:
+        """Whether the key or the authentication of a source can be used; says so at the field where it cannot."""
+        try:
+            problem = credentials_problem(source)
+        except TerrAInavError as wrong:
+            problem = told(wrong)
+        if problem:
+            self._workflow.dock.form.show_messages({"key": problem})
+            self._messages.warning(tr("Nothing to capture yet: {reason}").format(reason=problem))
+        return not problem
+
+    def belongs_to_another(self, mission: Mission, folder: Path) -> bool:
+        """Whether the folder holds another mission; offers one beside it."""
+        from ...core.dataset.folder import MISSION_FILE
+
+        mark = folder / MISSION_FILE
+        try:
+            if not mark.is_file() or mark.read_bytes() == mission.to_json().encode():
+                return False
+        except OSError:
+            # The run itself says what is wrong with the folder.
+            return False
+        other = next_folder(folder)
+        self._messages.warning(
+            tr("{folder} holds another mission; nothing was changed there.").format(folder=folder),
+            action=(tr("Capture into {name}").format(name=other.name), lambda: self._capture_into(other)),
+        )
+        return True
+
+    def is_in_line(self, folder: Path, others: list[Path]) -> bool:
+        """Whether one of the runs that are not over captures into the folder already; says so."""
+        if place_of(folder) not in {place_of(other) for other in others}:
+            return False
+        other = next_folder(folder)
+        self._messages.warning(
+            tr("{folder} is being captured already; a second mission needs a folder of its own.").format(
+                folder=folder
+            ),
+            action=(tr("Capture into {name}").format(name=other.name), lambda: self._capture_into(other)),
+        )
+        return True
+
+    def terms_allow(self, mission: Mission, requests: int) -> bool:
+        """Whether the source's terms allow a run; asks the user where agreeing to them is enough."""
+        problem = terms_problem(mission, requests)
+        if problem is None:
+            return True
+        text, can_agree = problem
+        window, title = self._workflow.iface.mainWindow(), tr("TerrAInav: terms of the source")
+        if not can_agree:
+            # The message bar shows its first lines only.
+            self._messages.warning(
+                text, action=(tr("Terms and alternatives"), lambda: QMessageBox.warning(window, title, text))
+            )
+            return False
+        asked = tr("Do you agree to these terms, and are you allowed to download?")
+        answer = QMessageBox.question(window, title, f"{text}<p>{html.escape(asked)}</p>")
+        return answer == QMessageBox.StandardButton.Yes
+
+    def _capture_into(self, folder: Path) -> None:
+        self._workflow.dock.form.set_state(mission_form.with_folder(self._workflow.state(), str(folder)))
+        self._workflow.capture()
+
+
+def place_of(folder: Path) -> str:
+    """What two ways of writing the same folder have in common."""
+    return os.path.normcase(os.path.realpath(folder))
+
+
+def next_folder(folder: Path, taken: Collection[Path] = ()) -> Path:
+    """Folder beside ``folder`` that does not exist yet and is not ``taken``: mission, mission-2, mission-3."""
+    stem = re.sub(r"-\d+$", "", folder.name)
+    number = 2
+    while (candidate := folder.with_name(f"{stem}-{number}")).exists() or candidate in taken:
+        number += 1
+    return candidate

@@ -1,0 +1,169 @@
+"""The line of captures: one works, the others wait for it; those that are over stay until they are dismissed."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from qgis.core import QgsProcessingUtils
+from qgis.PyQt.QtCore import QObject, pyqtSignal
+
+from ...core.errors import TerrAInavError
+from ..dock import mission_form
+from ..dock.mission_form import FormError
+from ..i18n import told, tr
+from ..sources import grid_of, key_of
+from .after import Endings
+from .before import Questions
+from .run import Run
+
+if TYPE_CHECKING:
+    from ...core.mission.plan import Plan
+    from ..capture_task import CaptureTask
+    from ..planner import Planned
+    from ..workflow import Workflow
+
+
+class Runs(QObject):
+    """Captures in the order they were asked for.
+
+    One that is paused keeps its place, and the others wait behind it.
+
+    Signals
+    -------
+    listed(object)
+        A run has come into the list.
+    dismissed(object)
+        A run has left the list.
+    moved()
+        The line has moved on.
+    """
+
+    listed = pyqtSignal(object)
+    dismissed = pyqtSignal(object)
+    moved = pyqtSignal()
+
+    def __init__(self, workflow: Workflow) -> None:
+        super().__init__()
+        self._workflow = workflow
+        self._messages = workflow.messages
+        self.questions = Questions(workflow)
+        self.runs: list[Run] = []
+        self._endings = Endings(workflow, self)
+        self._was_idle = True
+
+    @property
+    def waiting(self) -> list[Run]:
+        """Those that are not over, in their order; the first of them is at work."""
+        return [run for run in self.runs if not run.over]
+
+    @property
+    def idle(self) -> bool:
+        """Whether nothing is to be done."""
+        return not self.waiting
+
+    @property
+    def task(self) -> CaptureTask | None:
+        """Task of the run at work; None when idle."""
+        return next((run.task for run in self.waiting), None)
+
+    def start(self, planned: Planned, folder: Path, only_failed: bool = False) -> None:
+        """Put the capture of a plan into the line, after what has to be asked has been asked."""
+        if self.questions.belongs_to_another(planned.mission, folder):
+            return
+        self._enqueue(planned.plan, folder, only_failed, self._requests(planned.plan))
+
+    def capture_failed(self, run: Run) -> None:
+        """Capture the images again that have failed in a run that is over, and nothing else."""
+        share = run.task.failed / max(len(run.plan) * len(run.mission.map_types), 1)
+        if not self.questions.key_is_there(run.mission.source):
+            return
+        if self._enqueue(run.plan, run.folder, True, math.ceil(share * self._requests(run.plan))):
+            self.dismiss(run)
+
+    def start_test_shot(self, lat_deg: float, lon_deg: float) -> None:
+        """Capture one picture above a point, with camera, height and source as entered."""
+        from ...core.mission.plan import plan
+
+        if not self.idle:
+            return
+        try:
+            mission = mission_form.test_shot(self._workflow.state(), lat_deg, lon_deg)
+            steps = plan(mission, grid_of(mission))
+        except FormError as wrong:
+            self._workflow.dock.form.show_messages(wrong.messages)
+            self._messages.warning(tr("No test shot: {reason}").format(reason=told(wrong)))
+            return
+        except TerrAInavError as wrong:
+            self._messages.warning(tr("No test shot: {reason}").format(reason=told(wrong)))
+            return
+        questions = self.questions
+        if questions.key_is_there(mission.source) and questions.terms_allow(mission, steps.requests):
+            # QGIS removes its temporary folder when it ends.
+            folder = Path(QgsProcessingUtils.generateTempFilename("test-shot"))
+            self._add(Run(steps, folder, key_of(mission.source), test_shot=True))
+
+    def dismiss(self, run: Run) -> None:
+        """Take a run that is over off the list."""
+        if run in self.runs and run.over:
+            self.runs.remove(run)
+            self.dismissed.emit(run)
+            run.deleteLater()
+
+    def cancel(self) -> None:
+        """Stop all that is under way or waiting; what is finished is kept."""
+        for run in reversed(self.waiting):
+            run.cancel()
+
+    def close(self) -> None:
+        """Stop everything and wait for its end, without a word."""
+        self._endings.close()
+        for run in reversed(self.runs):
+            run.close()
+        self.runs.clear()
+
+    @staticmethod
+    def _requests(plan: Plan) -> int:
+        return plan.requests * len(plan.mission.map_types)
+
+    def _enqueue(self, plan: Plan, folder: Path, only_failed: bool, requests: int) -> bool:
+        others = [run.folder for run in self.waiting]
+        mission = plan.mission
+        if self.questions.is_in_line(folder, others) or not self.questions.terms_allow(mission, requests):
+            return False
+        try:
+            # A copy: what a plan keeps of its views belongs to whoever captures it.
+            run = Run(replace(plan), folder, key_of(mission.source), only_failed=only_failed)
+        except TerrAInavError as wrong:
+            self._messages.warning(tr("Nothing captured: {reason}").format(reason=told(wrong)))
+            return False
+        self._add(run)
+        return True
+
+    def _add(self, run: Run) -> None:
+        self._endings.remember(run)
+        run.failed_changed.connect(self._endings.show_failed)
+        run.ended.connect(self._ended)
+        # What was made of the same folder before is told by the new run.
+        for old in [old for old in self.runs if old.over and old.folder == run.folder]:
+            self.dismiss(old)
+        self.runs.append(run)
+        self.listed.emit(run)
+        self._move_on()
+
+    def _ended(self, run: Run) -> None:
+        self._endings.tell(run)
+        if run.test_shot:
+            self.dismiss(run)
+        self._move_on()
+
+    def _move_on(self) -> None:
+        line = self.waiting
+        if line and not line[0].under_way:
+            line[0].begin()
+        self.moved.emit()
+        if self._was_idle != self.idle:
+            self._was_idle = self.idle
+            self._workflow.running.emit(not self.idle)

@@ -1,0 +1,1 @@
+"""Captured images, looked at one by one."""

@@ -1,0 +1,188 @@
+"""The window that shows one captured image after the other."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from qgis.core import QgsApplication
+from qgis.gui import QgsDockWidget
+from qgis.PyQt.QtCore import Qt, pyqtSignal
+from qgis.PyQt.QtGui import QIcon
+from qgis.PyQt.QtWidgets import (
+    QComboBox,
+    QFrame,
+    QHBoxLayout,
+    QLabel,
+    QPushButton,
+    QScrollArea,
+    QSplitter,
+    QVBoxLayout,
+    QWidget,
+)
+
+from ..i18n import tr
+from .details import details_html
+from .picture_view import PictureView
+from .shots import Seen, Shot
+
+#: Of picture and details, at first and as the window grows.
+_HEIGHTS_PX = (300, 220)
+_SHARES = (1, 1)
+
+
+class Viewer(QgsDockWidget):
+    """Shows an image with its details, and asks for others.
+
+    Signals
+    -------
+    chosen(int)
+        Index of one of the images under the click.
+    step_wanted(int)
+        1 for the next image of the flight, -1 for the one before.
+    map_type_wanted(str)
+    open_wanted(), zoom_wanted()
+    """
+
+    chosen = pyqtSignal(int)
+    step_wanted = pyqtSignal(int)
+    map_type_wanted = pyqtSignal(str)
+    open_wanted = pyqtSignal()
+    zoom_wanted = pyqtSignal()
+
+    def __init__(self) -> None:
+        super().__init__(tr("TerrAInav images"))
+        self.setObjectName("terrainav_viewer")
+        self.view = PictureView()
+        self.under_click = QComboBox()
+        self.under_click.setObjectName("under_click")
+        self.under_click.setToolTip(tr("Images that show the place of the click"))
+        self.under_click.activated.connect(self.chosen)
+        self.map_type = QComboBox()
+        self.map_type.setObjectName("shown_map_type")
+        self.map_type.setToolTip(tr("Kind of map that is shown"))
+        self.map_type.activated.connect(
+            lambda index: self.map_type_wanted.emit(self.map_type.itemData(index))
+        )
+        self.details = QLabel()
+        self.details.setObjectName("details")
+        self.details.setWordWrap(True)
+        self.details.setAlignment(Qt.AlignmentFlag.AlignTop)
+        self.details.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
+        self.place = QLabel()
+        self.place.setObjectName("place")
+        self.place.setAlignment(Qt.AlignmentFlag.AlignCenter)
+        self._make_buttons()
+        self.setWidget(self._contents())
+        self.show_hint(tr("Click a captured footprint on the map."))
+
+    def show_hint(self, text: str) -> None:
+        """Show a text in place of an image."""
+        self.view.show_image(None, text)
+        self.details.setText("")
+        self.place.setText("")
+        self.under_click.hide()
+        self.map_type.hide()
+        for button in (self.previous, self.following, self.open, self.zoom):
+            button.setEnabled(False)
+
+    def offer(self, shots: Sequence[Shot], index: int) -> None:
+        """Offer the images under a click."""
+        self.under_click.clear()
+        count = len(shots)
+        for number, shot in enumerate(shots):
+            text = tr("{number} of {count} here: {name}").format(
+                number=number + 1, count=count, name=shot.name
+            )
+            self.under_click.addItem(text)
+        self.under_click.setCurrentIndex(index)
+        self.under_click.setVisible(count > 1)
+
+    def leave_click(self) -> None:
+        """The image that is shown is no longer one of those under the click."""
+        self.under_click.setCurrentIndex(-1)
+
+    def show_seen(self, seen: Seen) -> None:
+        """Show an image."""
+        self.view.show_image(seen.picture.image, seen.picture.problem)
+        self.details.setText(details_html(seen))
+        count = seen.shot.count
+        self.place.setText(
+            tr("{number} of {count}").format(number=f"{seen.shot.number + 1:,}", count=f"{count:,}")
+        )
+        self.previous.setEnabled(seen.shot.number > 0)
+        self.following.setEnabled(seen.shot.number + 1 < count)
+        self.open.setEnabled(seen.picture.image is not None)
+        self.zoom.setEnabled(True)
+        self.map_type.clear()
+        for map_type in seen.map_types:
+            self.map_type.addItem(_title(map_type), map_type)
+        self.map_type.setCurrentIndex(seen.map_types.index(seen.map_type))
+        self.map_type.setVisible(len(seen.map_types) > 1)
+
+    def _make_buttons(self) -> None:
+        of_qgis = QgsApplication.getThemeIcon
+        self.previous = _button(
+            "previous",
+            of_qgis("/mActionArrowLeft.svg"),
+            tr("&Previous"),
+            tr("Image before this one in the flight"),
+        )
+        self.previous.clicked.connect(lambda: self.step_wanted.emit(-1))
+        self.following = _button(
+            "next", of_qgis("/mActionArrowRight.svg"), tr("&Next"), tr("Image after this one in the flight")
+        )
+        self.following.clicked.connect(lambda: self.step_wanted.emit(1))
+        self.open = _button(
+            "open",
+            of_qgis("/mActionFileOpen.svg"),
+            tr("&Open"),
+            tr("Open the image in the program for such files"),
+        )
+        self.open.clicked.connect(lambda _checked: self.open_wanted.emit())
+        self.zoom = _button(
+            "zoom", of_qgis("/mActionZoomTo.svg"), tr("&Zoom to"), tr("Show the image's footprint on the map")
+        )
+        self.zoom.clicked.connect(lambda _checked: self.zoom_wanted.emit())
+
+    def _contents(self) -> QWidget:
+        scroll = QScrollArea()
+        scroll.setFrameShape(QFrame.Shape.NoFrame)
+        scroll.setWidgetResizable(True)
+        scroll.setWidget(self.details)
+        both = QSplitter(Qt.Orientation.Vertical)
+        both.addWidget(self.view)
+        both.addWidget(scroll)
+        for index, share in enumerate(_SHARES):
+            both.setStretchFactor(index, share)
+        both.setSizes(list(_HEIGHTS_PX))
+        both.setCollapsible(0, False)
+        steps = QHBoxLayout()
+        steps.addWidget(self.previous)
+        steps.addWidget(self.place, 1)
+        steps.addWidget(self.following)
+        more = QHBoxLayout()
+        more.addWidget(self.map_type, 1)
+        more.addStretch(1)
+        more.addWidget(self.zoom)
+        more.addWidget(self.open)
+        contents = QWidget()
+        layout = QVBoxLayout(contents)
+        layout.setContentsMargins(4, 4, 4, 4)
+        layout.addWidget(self.under_click)
+        layout.addWidget(both, 1)
+        layout.addLayout(steps)
+        layout.addLayout(more)
+        return contents
+
+
+def _title(map_type: str) -> str:
+    return {"satellite": tr("Satellite"), "roadmap": tr("Roadmap"), "terrain": tr("Terrain")}.get(
+        map_type, map_type
+    )
+
+
+def _button(name: str, image: QIcon, text: str, tip: str) -> QPushButton:
+    button = QPushButton(image, text)
+    button.setObjectName(name)
+    button.setToolTip(tip)
+    return button

@@ -1,0 +1,415 @@
+"""Areas from layers: polygons and points in any CRS, and what is said where there is none."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from pyproj import Transformer
+from qgis.core import (
+    QgsCoordinateReferenceSystem,
+    QgsCoordinateTransformContext,
+    QgsFeature,
+    QgsGeometry,
+    QgsPointXY,
+    QgsProject,
+    QgsRectangle,
+    QgsVectorLayer,
+)
+from qgis.PyQt.QtCore import QPoint, Qt
+from qgis.PyQt.QtTest import QTest
+from qgis.PyQt.QtWidgets import QApplication, QDialogButtonBox, QFileDialog
+from terrainav.core.errors import Cancelled, InvalidInput
+from terrainav.core.mission.area import Box
+from terrainav.terrainav_plugin.dock.area_dialogs import LayerDialog
+from terrainav.terrainav_plugin.map.area_layers import EDGE_TOLERANCE_M, PointFields, points_of, polygon_of
+
+CONTEXT = QgsCoordinateTransformContext()
+CONCAVE = (
+    "((239000 3890000, 247000 3890000, 247000 3896000, 243000 3892000, 239000 3896000, 239000 3890000),"
+    "(241000 3890500, 242500 3890500, 242500 3891800, 241000 3891800, 241000 3890500))"
+)
+
+
+def layer_of(kind, crs, wkts, fields="", values=()):
+    """Memory layer in the project; rows of values for its fields."""
+    layer = QgsVectorLayer(f"{kind}?crs={crs}{fields}", "mine", "memory")
+    features = []
+    for index, wkt in enumerate(wkts):
+        feature = QgsFeature(layer.fields())
+        if wkt:
+            feature.setGeometry(QgsGeometry.fromWkt(wkt))
+        if values:
+            feature.setAttributes(list(values[index]))
+        features.append(feature)
+    layer.dataProvider().addFeatures(features)
+    layer.updateExtents()
+    QgsProject.instance().addMapLayer(layer)
+    return layer
+
+
+def polygon(wkt, crs):
+    feature = QgsFeature(7)
+    feature.setGeometry(QgsGeometry.fromWkt(wkt))
+    return polygon_of([feature], QgsCoordinateReferenceSystem(crs), CONTEXT)
+
+
+def dialog_of(desk):
+    found = []
+
+    def there():
+        found[:] = [d for d in desk.iface.mainWindow().findChildren(LayerDialog) if d.isVisible()]
+        return bool(found)
+
+    desk.wait(there)
+    return found[0]
+
+
+def accept(desk, dialog):
+    desk.click(dialog.buttons.button(QDialogButtonBox.StandardButton.Ok))
+    desk.wait_for_tasks()
+    QApplication.processEvents()
+
+
+def choose_way(desk, name):
+    desk.form.area.area_from.actions_by_name[name].trigger()
+
+
+# --- polygons
+
+
+@pytest.mark.parametrize(
+    ("crs", "wkt"),
+    [
+        ("EPSG:32616", f"Polygon {CONCAVE}"),
+        ("EPSG:32616", "Polygon ((100000 3800000, 900000 3800000, 900000 4400000, 100000 3800000))"),
+        ("EPSG:3857", "Polygon ((-10000000 4000000, -8000000 6000000, -7500000 4100000, -10000000 4000000))"),
+        ("EPSG:3031", "Polygon ((500000 500000, 1500000 600000, 900000 1700000, 500000 500000))"),
+        ("EPSG:2274", "Polygon ((700000 200000, 1900000 210000, 1800000 900000, 700000 200000))"),
+    ],
+)
+def test_edges_stay_where_they_are_in_the_layer(crs, wkt):
+    """Every place along every edge, by pyproj, is within the tolerance of the polygon's outline in degrees."""
+    found = polygon(wkt, crs)
+    to_degrees = Transformer.from_crs(crs, "EPSG:4326", always_xy=True)
+    rings = QgsGeometry.fromWkt(wkt).asPolygon()
+    assert len(found.rings) == len(rings)
+    worst = 0.0
+    for ring, corners in zip(rings, found.rings):
+        closed = np.array([*corners, corners[0]])
+        for start, end in zip(ring, ring[1:]):
+            for step in range(200):
+                share = step / 200.0
+                x, y = (a + share * (b - a) for a, b in ((start.x(), end.x()), (start.y(), end.y())))
+                worst = max(worst, metres_to_outline(closed, *to_degrees.transform(x, y)))
+    assert worst <= EDGE_TOLERANCE_M
+
+
+def metres_to_outline(closed, lon, lat):
+    """Metres from a place to a line of straight pieces in degrees, on the plane that touches the Earth there."""
+    plane = (closed - [lon, lat]) * [math.cos(math.radians(lat)), 1.0] * 111_319.49
+    start, along = plane[:-1], np.diff(plane, axis=0)
+    share = np.clip(-(start * along).sum(axis=1) / (along**2).sum(axis=1), 0.0, 1.0)
+    return float(np.hypot(*(start + share[:, np.newaxis] * along).T).min())
+
+
+def test_corners_are_kept_and_no_more_are_made_than_needed():
+    found = polygon("Polygon ((-90 35, -89 35, -89 36, -89.5 35.2, -90 36, -90 35))", "EPSG:4326")
+    assert found.rings == (((-90.0, 35.0), (-89.0, 35.0), (-89.0, 36.0), (-89.5, 35.2), (-90.0, 36.0)),)
+
+
+def test_curves_become_edges_within_the_tolerance():
+    """A circle of a kilometre in UTM: its corners are on it, its edges' middles within the tolerance of it."""
+    arcs = "500000 3900000, 501000 3901000, 502000 3900000, 501000 3899000, 500000 3900000"
+    ring = polygon(f"CurvePolygon (CircularString ({arcs}))", "EPSG:32616").rings[0]
+    to_utm = Transformer.from_crs("EPSG:4326", "EPSG:32616", always_xy=True)
+    places = [to_utm.transform(*corner) for corner in ring]
+    for (x0, y0), (x1, y1) in zip(places, places[1:] + places[:1]):
+        for x, y in ((x0, y0), ((x0 + x1) / 2.0, (y0 + y1) / 2.0)):
+            assert abs(math.hypot(x - 501_000, y - 3_900_000) - 1_000.0) <= EDGE_TOLERANCE_M
+
+
+def test_polygon_across_the_antimeridian_runs_on():
+    found = polygon("Polygon ((19900000 0, 20200000 0, 20200000 300000, 19900000 0))", "EPSG:3857")
+    west, east = found.bounds.west_deg, found.bounds.east_deg
+    assert west == pytest.approx(178.765, abs=1e-3)
+    assert east == pytest.approx(-178.540, abs=1e-3)
+    assert found.area_m2() < 1e11
+
+
+@pytest.mark.parametrize(
+    ("crs", "wkt", "words"),
+    [
+        (
+            "EPSG:32616",
+            "Polygon ((0 0, 10 10, 0 10, 10 0, 0 0))",
+            r"feature 7 is no sound polygon, .*intersection.* \(5, 5\): repair it first",
+        ),
+        (
+            "EPSG:32616",
+            "MultiPolygon (((0 0, 1 0, 1 1, 0 0)), ((5 5, 6 5, 6 6, 5 5)))",
+            "feature 7 has 2 parts, .*Multipart to Singleparts",
+        ),
+        ("EPSG:32616", "Polygon EMPTY", "feature 7 has no geometry"),
+        ("EPSG:32616", "Point (1 1)", "feature 7 is no polygon"),
+        (
+            "EPSG:3031",
+            "Polygon ((-900000 -900000, 900000 -900000, 900000 900000, -900000 900000, -900000 -900000))",
+            "feature 7 goes around a pole",
+        ),
+        (
+            "EPSG:32616",
+            "Polygon ((1e9 1e9, 2e9 1e9, 2e9 2e9, 1e9 1e9))",
+            "feature 7: .* is outside the domain of EPSG:32616",
+        ),
+    ],
+)
+def test_what_makes_no_polygon_is_named(crs, wkt, words):
+    with pytest.raises(InvalidInput, match=words):
+        polygon(wkt, crs)
+
+
+def test_multipolygon_of_one_part_is_one():
+    assert len(polygon("MultiPolygon (((0 0, 1 0, 1 1, 0 0)))", "EPSG:4326").rings[0]) == 3
+
+
+def test_selected_polygon_of_the_active_layer_is_planned_without_what_does_not_touch_it(desk, screenshot):
+    """Through the whole dock: of all pictures of the box, those kept are those QGIS's own geometry finds to touch."""
+    layer = layer_of("Polygon", "EPSG:32616", [f"Polygon {CONCAVE}", "Polygon ((0 0, 1 0, 1 1, 0 0))"])
+    # QGIS takes a first layer's CRS, and zooms to it, once its events are worked through.
+    QApplication.processEvents()
+    desk.look_at("EPSG:3857", (-10_010_000, 4_178_000, -9_990_000, 4_192_000))
+    desk.iface.setActiveLayer(layer)
+    layer.selectByIds([1])
+    desk.form.agl.setValue(400.0)
+    choose_way(desk, "polygon")
+    desk.wait_for_tasks()
+    desk.wait(lambda: "Polygon" in desk.form.area.words.text())
+    words = desk.form.area.words.text()
+    assert words.startswith("Polygon, ")
+    assert "1 hole" in words
+    planned = desk.wait_planned()
+    area = planned.mission.area
+    kept = footprints(planned.plan)
+    desk.click(desk.form.area.edit)
+    desk.click(desk.dock.preview)
+    desk.wait_previewed()
+    desk.canvas.waitWhileRendering()
+    screenshot("polygon-preview")
+
+    degrees = QgsGeometry.fromPolygonXY(
+        [[QgsPointXY(*corner) for corner in (*ring, ring[0])] for ring in area.rings]
+    )
+    assert len(kept) > 20
+    assert all(degrees.intersects(frame) for frame in kept)
+    # The plan of the box around it has more, and none of those left out touches the polygon.
+    choose_way(desk, "box")
+    all_of_box = footprints(desk.wait_planned().plan)
+    assert len(all_of_box) > len(kept)
+    middles = {key(frame) for frame in kept}
+    left_out = [frame for frame in all_of_box if key(frame) not in middles]
+    assert len(left_out) >= len(all_of_box) - len(kept)
+    # Rows are centred on what each holds of the area, so frames of the box may lie between those of the polygon.
+    covered = QgsGeometry.unaryUnion(kept)
+    assert degrees.difference(covered.buffer(1e-9, 2)).area() < 1e-9 * degrees.area()
+
+
+def footprints(plan):
+    """Rectangles of degrees of a plan's pictures, a pixel wider all around: their edges are rounded to pixels."""
+    to_degrees = Transformer.from_crs("EPSG:3857", "EPSG:4326", always_xy=True)
+    pixel = 2.0 * 20_037_508.342789244 / 256.0 / 2.0**plan.zoom
+    rectangles = []
+    for west, south, east, north in zip(*plan.edges_m):
+        left, bottom = to_degrees.transform(west - pixel, south - pixel)
+        right, top = to_degrees.transform(east + pixel, north + pixel)
+        rectangles.append(QgsGeometry.fromRect(QgsRectangle(left, bottom, right, top)))
+    return rectangles
+
+
+def key(frame):
+    middle = frame.boundingBox().center()
+    return round(middle.x(), 7), round(middle.y(), 7)
+
+
+def test_several_selected_polygons_are_counted(desk):
+    layer = layer_of("Polygon", "EPSG:4326", ["Polygon ((0 0, 1 0, 1 1, 0 0))"] * 3)
+    desk.iface.setActiveLayer(layer)
+    layer.selectAll()
+    state = desk.workflow.state()
+    choose_way(desk, "polygon")
+    desk.wait(lambda: any("3 polygons are selected" in text for text in desk.messages()))
+    assert desk.workflow.state() == state
+
+
+def test_layer_of_the_polygon_is_asked_for_where_the_active_one_has_none(desk, screenshot):
+    layer = layer_of("Polygon", "EPSG:4326", ["Polygon ((0 0, 0.01 0, 0.01 0.01, 0 0))"])
+    layer_of("Point", "EPSG:4326", ["Point (0 0)"])
+    choose_way(desk, "polygon")
+    dialog = dialog_of(desk)
+    assert "Nothing is selected" in dialog.words.text()
+    assert not dialog.buttons.button(QDialogButtonBox.StandardButton.Ok).isEnabled()
+    assert dialog.layer.count() == 1
+    layer.selectAll()
+    dialog.show_layer(layer)
+    screenshot("polygon-dialog", dialog)
+    accept(desk, dialog)
+    desk.wait(lambda: "Polygon, 3 corners" in desk.form.area.words.text())
+
+
+# --- extents
+
+
+def test_extent_of_a_layer_in_another_crs(desk, screenshot):
+    layer = layer_of("Polygon", "EPSG:32616", [f"Polygon {CONCAVE}"])
+    desk.iface.setActiveLayer(layer)
+    choose_way(desk, "layer")
+    dialog = dialog_of(desk)
+    assert dialog.chosen() == layer
+    screenshot("layer-dialog", dialog)
+    accept(desk, dialog)
+    to_degrees = Transformer.from_crs("EPSG:32616", "EPSG:4326", always_xy=True)
+    west, south, east, north = to_degrees.transform_bounds(
+        239_000, 3_890_000, 247_000, 3_896_000, densify_pts=999
+    )
+    expected = {"north": north, "west": west, "south": south, "east": east}
+    shown = {name: float(edit.text()) for name, edit in desk.form.edges.items()}
+    assert shown == pytest.approx(expected, abs=2e-7)
+    assert desk.form.area.undo.toolTip() == "Undo: extent of mine (Ctrl+Z)"
+
+
+def test_layer_without_an_extent_is_refused(desk):
+    layer = layer_of("Polygon", "EPSG:4326", [])
+    desk.iface.setActiveLayer(layer)
+    choose_way(desk, "layer")
+    accept(desk, dialog_of(desk))
+    assert any("layer “mine” is empty" in text for text in desk.messages())
+
+
+def test_extent_of_a_rotated_canvas_holds_its_corners(desk):
+    desk.look_at("EPSG:32616", (239_000, 3_890_000, 247_000, 3_896_000))
+    desk.canvas.setRotation(30.0)
+    try:
+        choose_way(desk, "canvas")
+        to_map = desk.canvas.getCoordinateTransform().toMapCoordinates
+        to_degrees = Transformer.from_crs("EPSG:32616", "EPSG:4326", always_xy=True)
+        box = Box(*(float(edit.text()) for edit in desk.form.edges.values()))
+        for x_px in (0, desk.canvas.width() - 1):
+            for y_px in (0, desk.canvas.height() - 1):
+                at = to_map(x_px, y_px)
+                lon, lat = to_degrees.transform(at.x(), at.y())
+                assert box.west_deg - 1e-4 < lon < box.east_deg + 1e-4
+                assert box.south_deg - 1e-4 < lat < box.north_deg + 1e-4
+    finally:
+        desk.canvas.setRotation(0.0)
+
+
+# --- points
+
+FIELDS = "&field=height:double&field=heading:double&field=words:string(20)"
+
+
+def test_points_with_heights_and_yaws_from_fields(desk, screenshot):
+    values = [(100.0, 10.0, "400"), (150.0, 20.0, "500"), (200.0, 30.0, "600")]
+    wkts = ["Point (240000 3891000)", "Point (241000 3892000)", "Point (242000 3893000)"]
+    layer = layer_of("Point", "EPSG:32616", wkts, FIELDS, values)
+    desk.iface.setActiveLayer(layer)
+    layer.selectByIds([2, 3])
+    choose_way(desk, "points")
+    dialog = dialog_of(desk)
+    assert dialog.selected.isChecked()
+    assert dialog.selected.text() == "&Selected (2)"
+    for button in (dialog.all, dialog.by_field):
+        at = QPoint(8, button.height() // 2)
+        QTest.mouseClick(button, Qt.MouseButton.LeftButton, Qt.KeyboardModifier.NoModifier, at)
+    assert dialog.all.isChecked()
+    assert dialog.by_field.isChecked()
+    dialog.agl_field.setField("words")
+    dialog.unit.setCurrentIndex(dialog.unit.findData("ft"))
+    dialog.yaw_field.setField("heading")
+    screenshot("points-dialog", dialog)
+    accept(desk, dialog)
+    desk.wait(lambda: "3 points" in desk.form.area.words.text())
+    area = desk.wait_planned().mission.area
+    to_degrees = Transformer.from_crs("EPSG:32616", "EPSG:4326", always_xy=True)
+    for (lat, lon, agl), (x, y), feet in zip(
+        area.poses, ((240_000, 3_891_000), (241_000, 3_892_000), (242_000, 3_893_000)), (400, 500, 600)
+    ):
+        assert (lon, lat) == pytest.approx(to_degrees.transform(x, y), abs=1e-9)
+        assert agl == pytest.approx(feet * 0.3048)
+    assert area.yaws_deg == (10.0, 20.0, 30.0)
+    assert "3 points, 121.9–182.9 m AGL, each with its yaw" in desk.form.area.words.text()
+    screenshot("points")
+
+
+def test_points_with_one_height_for_all(desk):
+    layer = layer_of("MultiPoint", "EPSG:4326", ["MultiPoint ((0 0), (0.001 0))", "MultiPoint ((0 0.001))"])
+    desk.iface.setActiveLayer(layer)
+    desk.form.agl.setValue(80.0)
+    choose_way(desk, "points")
+    dialog = dialog_of(desk)
+    assert not dialog.by_field.isEnabled()
+    accept(desk, dialog)
+    desk.wait(lambda: "3 points, 80 m AGL" in desk.form.area.words.text())
+    assert desk.wait_planned().mission.area.yaws_deg == ()
+
+
+@pytest.mark.parametrize(
+    ("wkt", "values", "words"),
+    [
+        ("Point (1 1)", (None, 1.0, ""), "feature 2: height in “height” is empty"),
+        ("Point (1 1)", (-5.0, 1.0, ""), "feature 2: height in “height” is -5 m: must be above 0"),
+        ("Point (1 1)", (5.0, None, ""), "feature 2: yaw in “heading” is empty"),
+        ("Point (1 1)", (5.0, 400.0, ""), "feature 2: yaw in “heading” is 400°: must be from -360 to 360"),
+        ("Point (1 1)", (float("nan"), 1.0, ""), "feature 2: height in “height” is “nan”: must be a number"),
+        ("", (5.0, 1.0, ""), "feature 2 has no geometry"),
+    ],
+)
+def test_bad_points_are_named_by_feature(wkt, values, words):
+    layer = layer_of("Point", "EPSG:4326", ["Point (0 0)", wkt], FIELDS, [(9.0, 1.0, "x"), values])
+    fields = PointFields(100.0, "height", "heading")
+    with pytest.raises(InvalidInput, match=words):
+        points_of(layer.getFeatures(), layer.crs(), CONTEXT, fields)
+
+
+def test_words_in_a_field_are_no_height():
+    layer = layer_of("Point", "EPSG:4326", ["Point (0 0)"], FIELDS, [(9.0, 1.0, "tall")])
+    with pytest.raises(InvalidInput, match="feature 1: height in “words” is “tall”: must be a number"):
+        points_of(layer.getFeatures(), layer.crs(), CONTEXT, PointFields(1.0, "words"))
+
+
+def test_reading_points_can_be_cancelled():
+    layer = layer_of("Point", "EPSG:4326", ["Point (0 0)"] * 300)
+    asked = []
+    with pytest.raises(Cancelled):
+        points_of(
+            layer.getFeatures(),
+            layer.crs(),
+            CONTEXT,
+            PointFields(1.0),
+            lambda: bool(asked.append(1) or len(asked) > 1),
+        )
+
+
+# --- files
+
+
+def test_text_file_of_points(desk, tmp_path, monkeypatch):
+    path = tmp_path / "points.txt"
+    path.write_text("# lat lon agl yaw\n35.1 -89.9 100 5\n35.2 -89.8 120 6\n", encoding="utf-8")
+    monkeypatch.setattr(QFileDialog, "getOpenFileName", lambda *_: (str(path), ""))
+    choose_way(desk, "file")
+    desk.wait_for_tasks()
+    desk.wait(lambda: "2 points, 100–120 m AGL" in desk.form.area.words.text())
+    area = desk.wait_planned().mission.area
+    assert area.poses == ((35.1, -89.9, 100.0), (35.2, -89.8, 120.0))
+    assert area.yaws_deg == (5.0, 6.0)
+    assert desk.form.agl.value() == 100.0
+
+
+def test_text_file_that_cannot_be_read_is_named_with_its_line(desk, tmp_path, monkeypatch):
+    path = tmp_path / "points.txt"
+    path.write_text("35.1 -89.9 100\n35.2 -89.8\n", encoding="utf-8")
+    monkeypatch.setattr(QFileDialog, "getOpenFileName", lambda *_: (str(path), ""))
+    choose_way(desk, "file")
+    desk.wait(lambda: any("line 2" in text for text in desk.messages()))

@@ -1,0 +1,496 @@
+"""The preview at any size: what is drawn follows the view, in bounded steps, and the layers stay the user's."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from qgis.core import (
+    QgsCoordinateReferenceSystem,
+    QgsCoordinateTransform,
+    QgsDateTimeRange,
+    QgsPointXY,
+    QgsProject,
+    QgsRectangle,
+    QgsSingleSymbolRenderer,
+    QgsTemporalNavigationObject,
+    QgsTemporalUtils,
+    QgsVectorLayerTemporalContext,
+)
+from qgis.gui import QgsMapToolPan
+from qgis.PyQt.QtCore import QDateTime, QPoint, QPointF, Qt
+from qgis.PyQt.QtGui import QColor, QWheelEvent
+from qgis.PyQt.QtTest import QTest
+from qgis.PyQt.QtWidgets import QApplication
+from terrainav.core.mission.area import Box, Points
+from terrainav.core.mission.mission import Mission
+from terrainav.core.mission.plan import plan
+from terrainav.terrainav_plugin.map.mission_group import MissionGroup
+from terrainav.terrainav_plugin.map.preview import Preview
+from terrainav.terrainav_plugin.map.preview_scene import FEW, MOST_DRAWN
+from terrainav.terrainav_plugin.map.preview_view import view_of
+from terrainav.terrainav_plugin.sources import grid_of
+
+PATIENCE_MS = 60_000
+# 8 by 9 images, some 20,000, and a million.
+SMALL = Box(35.14, -89.87, 35.131, -89.856)
+MIDDLE = Box(35.25, -90.0, 35.1, -89.75)
+LARGE = Box(35.6, -90.5, 34.55, -88.75)
+ALWAYS = QgsDateTimeRange(QDateTime(), QDateTime())
+ROLES = ("area", "centres", "flight", "footprints", "density")
+
+
+class Map:
+    """A preview on the map, and what a person does with the map."""
+
+    def __init__(self, canvas, qtbot, folder):
+        self.canvas, self.qtbot = canvas, qtbot
+        self.project = QgsProject.instance()
+        self.group = MissionGroup(self.project, "mission", str(folder))
+        self.preview = Preview(self.project, canvas)
+        self.failures = []
+        self.preview.failed.connect(self.failures.append)
+        canvas.setCanvasColor(QColor("white"))
+
+    def show(self, area, crs="EPSG:3857", rectangle=None, agl_m=120.0, **changes):
+        mission = Mission(area=area, agl_m=agl_m, **changes)
+        self.plan = plan(mission, grid_of(mission))
+        self.preview.show(self.group, mission, self.plan)
+        # The first layer gives the project its CRS, in the next turn of the event loop.
+        self.qtbot.waitUntil(lambda: self.project.crs().isValid(), timeout=PATIENCE_MS)
+        self.wait()
+        self.project.setCrs(QgsCoordinateReferenceSystem(crs))
+        if rectangle is None:
+            rectangle = self.whole()
+        self.look_at(rectangle)
+        return self.plan
+
+    def whole(self):
+        """The mission in the project's CRS."""
+        there = QgsCoordinateTransform(self.layer("footprints").crs(), self.project.crs(), self.project)
+        west, south, east, north = self.plan.edges_m
+        return there.transformBoundingBox(QgsRectangle(west.min(), south.min(), east.max(), north.max()))
+
+    def look_at(self, rectangle):
+        self.canvas.setExtent(rectangle)
+        self.wait()
+
+    def wait(self):
+        self.qtbot.waitUntil(lambda: not self.preview.busy, timeout=PATIENCE_MS)
+        assert not self.failures
+
+    def wheel(self, clicks):
+        """Turn the wheel over the middle of the map; towards it zooms in."""
+        viewport = self.canvas.viewport()
+        at = QPointF(viewport.rect().center())
+        for _ in range(abs(clicks)):
+            turn = QPoint(0, 120 if clicks > 0 else -120)
+            event = QWheelEvent(
+                at,
+                viewport.mapToGlobal(at.toPoint()),
+                QPoint(),
+                turn,
+                Qt.MouseButton.NoButton,
+                Qt.KeyboardModifier.NoModifier,
+                Qt.ScrollPhase.NoScrollPhase,
+                False,
+            )
+            QApplication.sendEvent(viewport, event)
+        self.wait()
+
+    def pan(self, share):
+        """Drag the map by a share of its width with the hand."""
+        viewport = self.canvas.viewport()
+        tool = QgsMapToolPan(self.canvas)
+        self.canvas.setMapTool(tool)
+        start = viewport.rect().center()
+        end = start + QPoint(int(share * viewport.width()), 0)
+        QTest.mousePress(viewport, Qt.MouseButton.LeftButton, Qt.KeyboardModifier.NoModifier, start)
+        for part in (0.3, 0.6, 1.0):
+            at = QPointF(start + (end - start) * part)
+            QTest.mouseMove(viewport, at.toPoint())
+        QTest.mouseRelease(viewport, Qt.MouseButton.LeftButton, Qt.KeyboardModifier.NoModifier, end)
+        self.canvas.unsetMapTool(tool)
+        self.wait()
+
+    def layer(self, role):
+        return self.preview.layer(role)
+
+    def counts(self):
+        return {role: self.layer(role).featureCount() for role in ROLES}
+
+    def names(self, role="footprints"):
+        return {feature["name"] for feature in self.layer(role).getFeatures()}
+
+    def in_view(self):
+        """Captures whose centre the map shows, by QGIS's own transformation."""
+        back = QgsCoordinateTransform(
+            QgsCoordinateReferenceSystem("EPSG:4326"), self.project.crs(), self.project
+        )
+        extent = self.canvas.mapSettings().visibleExtent()
+        lon = np.mod(self.plan.lon_deg + 180.0, 360.0) - 180.0
+        found = []
+        for index, place in enumerate(zip(lon.tolist(), self.plan.lat_deg.tolist())):
+            if extent.contains(back.transform(QgsPointXY(*place))):
+                found.append(index)
+        return found
+
+
+@pytest.fixture
+def map_(canvas, qtbot, tmp_path, clean_project):
+    found = Map(canvas, qtbot, tmp_path)
+    yield found
+    canvas.setTemporalRange(ALWAYS)
+    canvas.setRotation(0.0)
+    canvas.setCanvasColor(QColor("white"))
+    found.preview.close()
+
+
+@pytest.fixture(scope="module")
+def large():
+    """A plan of a million captures, made once."""
+    mission = Mission(area=LARGE, agl_m=120.0)
+    return plan(mission, grid_of(mission))
+
+
+def squeeze(rectangle, share):
+    """The middle of a rectangle."""
+    part = QgsRectangle(rectangle)
+    part.scale(share)
+    return part
+
+
+# --- at any size
+
+
+def test_small_mission_is_drawn_whole_at_every_scale(map_, screenshot):
+    planned = map_.show(SMALL)
+    assert len(planned) <= FEW
+    for clicks in (0, 2, -3, -8):
+        map_.wheel(clicks)
+        counts = map_.counts()
+        assert counts["footprints"] == counts["centres"] == len(planned)
+        assert counts["density"] == 0
+    map_.look_at(map_.whole())
+    map_.canvas.waitWhileRendering()
+    screenshot("72")
+
+
+def test_middle_mission_from_afar_is_density_and_near_is_images(map_, screenshot):
+    planned = map_.show(MIDDLE)
+    assert len(planned) > 10_000
+    counts = map_.counts()
+    assert counts["footprints"] == counts["centres"] == 0
+    assert 0 < counts["density"] < 20
+    map_.canvas.waitWhileRendering()
+    screenshot("20000")
+    map_.wheel(4)
+    assert 0 < map_.counts()["footprints"] <= MOST_DRAWN
+    assert map_.counts()["density"] == 0
+    assert map_.names() >= {planned.names[index] for index in map_.in_view()}
+    assert map_.names("centres") == map_.names()
+    map_.canvas.waitWhileRendering()
+    screenshot("20000-near")
+    map_.wheel(-4)
+    assert map_.counts() == counts
+
+
+def test_million_captures_are_seen_in_steps_of_bounded_size(map_, large, screenshot):
+    assert len(large) > 900_000
+    map_.plan = large
+    map_.preview.show(map_.group, large.mission, large)
+    map_.wait()
+    map_.look_at(map_.whole())
+    most, corners = 0, 0
+    seen_images = False
+    for step in range(14):
+        if step in (0, 7, 12):
+            map_.canvas.waitWhileRendering()
+            screenshot(f"million-{step}")
+        layers = map_.preview.drawing.layers
+        most = max(most, *(len(features) for features in layers.values()))
+        corners = max(corners, sum(f.geometry().constGet().nCoordinates() for f in layers["flight"]))
+        if map_.counts()["footprints"]:
+            seen_images = True
+            west, south, east, north = large.edges_m
+            view = map_.preview.drawing.covers
+            inside = (west < view.east) & (east > view.west) & (south < view.north) & (north > view.south)
+            assert map_.counts()["footprints"] == inside.sum()
+        else:
+            assert map_.counts()["density"] > 0
+        map_.wheel(1)
+    assert seen_images
+    assert most <= MOST_DRAWN
+    assert corners <= 4000
+
+
+def test_view_of_a_million_captures_looks_at_few(map_, large):
+    """What a view in their midst costs does not grow with the mission."""
+    map_.plan = large
+    map_.preview.show(map_.group, large.mission, large)
+    map_.wait()
+    index = map_.preview._scene.index
+    touched = []
+
+    class Watched(type(index.boxes)):
+        def take(self, ids):
+            touched.append(len(ids))
+            return super().take(ids)
+
+    index.boxes = Watched(*index.boxes)
+    map_.look_at(squeeze(map_.whole(), 0.02))
+    assert map_.counts()["footprints"] > 0
+    assert touched
+    assert max(touched) <= 3 * MOST_DRAWN
+    assert len(touched) <= 10
+
+
+def test_small_moves_draw_nothing_anew(map_):
+    map_.show(MIDDLE)
+    map_.wheel(4)
+    before = map_.preview.drawing
+    map_.pan(0.1)
+    assert map_.preview.drawing is before
+    extent = map_.canvas.extent()
+    map_.pan(0.9)
+    map_.pan(0.9)
+    assert map_.canvas.extent() != extent
+    assert map_.preview.drawing is not before
+    assert map_.names() >= {map_.plan.names[index] for index in map_.in_view()}
+
+
+def test_last_of_many_views_wins(map_):
+    map_.show(MIDDLE)
+    whole = map_.whole()
+    for share in (0.5, 0.3, 0.01, 0.6, 0.05):
+        map_.canvas.setExtent(squeeze(whole, share))
+    map_.wait()
+    assert map_.preview.drawing.covers.contains(view_of(map_.canvas).rect)
+    assert map_.names() >= {map_.plan.names[index] for index in map_.in_view()}
+
+
+def test_far_points_are_drawn_where_they_are_large_enough(map_):
+    """High captures are drawn from afar, the low ones among them are density."""
+    low = [(10.0 + 0.001 * i, 20.0 + 0.001 * (i % 37), 50.0) for i in range(150)]
+    planned = map_.show(Points((*low, (10.1, 20.1, 60_000.0))), layout="cover")
+    map_.look_at(QgsRectangle(2_100_000, 1_000_000, 2_400_000, 1_250_000))
+    assert map_.names() == {planned.names[-1]}
+    assert not map_.preview.drawing.all_drawn
+    assert map_.counts()["flight"] == 1
+    map_.look_at(QgsRectangle(2_226_000, 1_118_000, 2_230_500, 1_121_000))
+    assert planned.names[0] in map_.names()
+
+
+# --- any CRS
+
+
+@pytest.mark.parametrize(
+    ("crs", "area"),
+    [
+        ("EPSG:32616", MIDDLE),
+        ("EPSG:4326", MIDDLE),
+        ("EPSG:3832", Box(-17.0, 179.9, -17.15, -179.9)),
+        ("EPSG:3995", Box(80.02, -100.0, 79.9, -99.2)),
+        ("EPSG:3031", Box(-79.9, 179.6, -80.02, -179.6)),
+    ],
+)
+def test_images_in_view_are_drawn_in_any_crs(map_, crs, area):
+    target = QgsCoordinateReferenceSystem(crs)
+    there = QgsCoordinateTransform(QgsCoordinateReferenceSystem("EPSG:4326"), target, map_.project)
+    middle = there.transform(
+        QgsPointXY((area.west_deg + area.continuous_east_deg) / 2.0, area.north_deg - 0.05)
+    )
+    size = 2000.0
+    if target.isGeographic():
+        size /= 111_000.0
+    map_.show(area, crs, QgsRectangle.fromCenterAndSize(middle, size, size))
+    expected = {map_.plan.names[index] for index in map_.in_view()}
+    assert len(expected) > 20
+    assert map_.names() >= expected
+    assert map_.counts()["footprints"] <= MOST_DRAWN
+
+
+@pytest.mark.parametrize(
+    "crs", ["EPSG:3857", "EPSG:4326", "EPSG:3832", "EPSG:3995", "EPSG:8857", "EPSG:32616"]
+)
+def test_views_larger_than_the_world_show_the_mission(map_, crs):
+    map_.show(MIDDLE, crs)
+    map_.wheel(-30)
+    assert map_.counts()["area"] == map_.counts()["flight"] == 1
+    map_.look_at(map_.whole())
+    assert map_.counts()["density"] > 0
+
+
+def test_rotated_map_is_filled_to_its_corners(map_):
+    map_.show(MIDDLE)
+    map_.wheel(4)
+    map_.canvas.setRotation(45.0)
+    map_.wait()
+    assert map_.names() >= {map_.plan.names[index] for index in map_.in_view()}
+
+
+# --- the layers stay the user's
+
+
+def test_layers_names_and_styles_survive_every_view(map_):
+    map_.show(MIDDLE)
+    layers = {role: map_.layer(role).id() for role in ROLES}
+    footprints = map_.layer("footprints")
+    footprints.setName("mine")
+    renderer = footprints.renderer().clone()
+    renderer.symbol().setColor(QColor("magenta"))
+    footprints.setRenderer(renderer)
+    map_.wheel(4)
+    map_.wheel(-6)
+    map_.preview.show(map_.group, map_.plan.mission, map_.plan)
+    map_.wait()
+    assert {role: map_.layer(role).id() for role in ROLES} == layers
+    assert [node.layerId() for node in map_.group.find().findLayers()] == list(layers.values())
+    assert footprints.name() == "mine"
+    assert footprints.renderer().symbol().color() == QColor("magenta")
+
+
+def test_images_can_be_coloured_by_overlap(map_, screenshot):
+    planned = map_.show(SMALL, overlap_along=0.6, overlap_across=0.4)
+    layer = map_.layer("footprints")
+    west, south, east, north = planned.edges_m
+    x, y = (west + east) / 2.0, (south + north) / 2.0
+    shown = (west[:, None] <= x) & (x < east[:, None]) & (south[:, None] < y) & (y <= north[:, None])
+    counts = dict(zip(planned.names, shown.sum(axis=0).tolist()))
+    assert set(counts.values()) == {2, 3}
+    assert {feature["name"]: feature["overlap"] for feature in layer.getFeatures()}.items() <= counts.items()
+    styles = layer.styleManager()
+    assert styles.styles() == ["Footprints", "Overlap count"]
+    assert styles.currentStyle() == "Footprints"
+    assert isinstance(layer.renderer(), QgsSingleSymbolRenderer)
+    assert styles.setCurrentStyle("Overlap count")
+    assert layer.renderer().classAttribute() == "overlap"
+    map_.wheel(1)
+    assert styles.currentStyle() == "Overlap count"
+    # What the layer is to the plugin and to the temporal controller stays.
+    assert map_.group.layer("footprints").id() == layer.id()
+    assert layer.temporalProperties().isActive()
+    assert layer.mapTipTemplate()
+    map_.canvas.refreshAllLayers()
+    map_.canvas.waitWhileRendering()
+    screenshot("overlap")
+
+
+def test_close_up_on_a_dark_map(map_, screenshot):
+    map_.canvas.setCanvasColor(QColor(25, 25, 30))
+    planned = map_.show(SMALL)
+    map_.look_at(squeeze(map_.whole(), 0.3))
+    map_.canvas.waitWhileRendering()
+    assert len(planned) == map_.counts()["footprints"]
+    screenshot("dark-close")
+    map_.look_at(map_.whole())
+    map_.canvas.waitWhileRendering()
+    screenshot("dark")
+
+
+def test_tilted_camera_is_drawn_as_it_sees(map_, screenshot):
+    planned = map_.show(MIDDLE, tilt_deg=60.0, yaw_deg=30.0, agl_m=300.0)
+    map_.wheel(3)
+    assert 0 < map_.counts()["footprints"] <= MOST_DRAWN
+    assert map_.names() >= {planned.names[index] for index in map_.in_view()}
+    map_.canvas.waitWhileRendering()
+    screenshot("tilted")
+
+
+def test_saved_project_holds_no_features_of_the_preview(map_, tmp_path):
+    map_.show(SMALL)
+    assert map_.project.write(str(tmp_path / "project.qgz"))
+    other = QgsProject()
+    assert other.read(str(tmp_path / "project.qgz"))
+    layers = other.mapLayers().values()
+    assert len(layers) == len(ROLES)
+    assert [layer.featureCount() for layer in layers] == [0] * len(ROLES)
+
+
+# --- times
+
+
+def flown(layer, times):
+    """Names of a layer's features that QGIS shows in a range of time."""
+    context = QgsVectorLayerTemporalContext()
+    context.setLayer(layer)
+    text = layer.temporalProperties().createFilterString(context, times)
+    assert text
+    return {feature["name"] for feature in layer.getFeatures(text)}
+
+
+def test_temporal_controller_flies_the_mission(map_):
+    planned = map_.show(SMALL, start="2024-06-21T10:00:00Z")
+    controller = QgsTemporalNavigationObject()
+    whole = QgsTemporalUtils.calculateTemporalRangeForProject(map_.project)
+    assert whole.begin().toString(Qt.DateFormat.ISODate).startswith("2024-06-21T10:00:00")
+    seconds = whole.begin().secsTo(whole.end())
+    assert planned.flight_s <= seconds <= planned.flight_s * 1.1 + 2.0
+    controller.setTemporalExtents(whole)
+    interval = controller.frameDuration()
+    interval.setSeconds(20.0)
+    controller.setFrameDuration(interval)
+    until = np.append(planned.times_s[1:], np.inf)
+    seen = set()
+    for frame in range(controller.totalFrameCount()):
+        times = controller.dateTimeRangeForFrameNumber(frame)
+        begin, end = (whole.begin().msecsTo(at) / 1000.0 for at in (times.begin(), times.end()))
+        shown = flown(map_.layer("footprints"), times)
+        # Those taken in the range, and the last one before it. QGIS cuts moments to whole seconds.
+        surely = (planned.times_s < end - 1.0) & (until > begin + 1.0)
+        at_most = (planned.times_s < end + 1.0) & (until > begin - 1.0)
+        names = np.array(planned.names)
+        assert set(names[surely]) <= shown <= set(names[at_most])
+        assert shown == flown(map_.layer("centres"), times)
+        seen |= shown
+    assert seen == set(planned.names)
+
+
+def test_whole_flight_has_its_times_where_a_part_is_in_view(map_):
+    planned = map_.show(MIDDLE)
+    map_.wheel(6)
+    assert 0 < map_.counts()["footprints"] < len(planned)
+    whole = QgsTemporalUtils.calculateTemporalRangeForProject(map_.project)
+    assert whole.begin().secsTo(whole.end()) >= planned.flight_s - 1.0
+    times = {feature["name"]: feature["time"] for feature in map_.layer("footprints").getFeatures()}
+    expected = dict(zip(planned.names, planned.times_s.tolist()))
+    start = whole.begin()
+    for name, time in times.items():
+        assert start.msecsTo(time) / 1000.0 == pytest.approx(expected[name], abs=1e-3)
+
+
+def test_images_of_the_moment_are_drawn_where_all_are_too_many(map_):
+    planned = map_.show(MIDDLE)
+    assert map_.counts()["footprints"] == 0
+    start = QgsTemporalUtils.calculateTemporalRangeForProject(map_.project).begin()
+    begin, end = planned.times_s[5000], planned.times_s[5100]
+    times = QgsDateTimeRange(start.addMSecs(int(begin * 1000)), start.addMSecs(int(end * 1000)))
+    map_.canvas.setTemporalRange(times)
+    map_.wait()
+    assert map_.names() >= set(planned.names[5001:5100])
+    assert len(map_.names()) <= 110
+    assert map_.counts()["density"] > 0
+    map_.canvas.setTemporalRange(ALWAYS)
+    map_.wait()
+    assert map_.counts()["footprints"] == 0
+
+
+# --- the flight line
+
+
+def test_flight_line_has_every_leg_in_view_and_few_elsewhere(map_):
+    planned = map_.show(MIDDLE)
+    from_afar = next(map_.layer("flight").getFeatures())
+    assert from_afar.geometry().constGet().nCoordinates() <= 4000
+    map_.wheel(6)
+    near = next(map_.layer("flight").getFeatures())
+    assert near["length_m"] == from_afar["length_m"] == planned.flight_distance_m
+    assert (near["images"], near["start"], near["end"]) == (
+        len(planned),
+        from_afar["start"],
+        from_afar["end"],
+    )
+    corners = {(round(p.x(), 3), round(p.y(), 3)) for p in near.geometry().vertices()}
+    places = (feature.geometry().asPoint() for feature in map_.layer("centres").getFeatures())
+    centres = {(round(place.x(), 3), round(place.y(), 3)) for place in places}
+    assert centres <= corners
+    assert len(corners) <= len(centres) + 4 * planned.rows

@@ -1,0 +1,694 @@
+"""The provider's algorithms in the real application: alone, in batches and models, on the main thread and beside it."""
+
+from __future__ import annotations
+
+import json
+import time
+
+import numpy as np
+import pytest
+from PIL import Image
+from qgis.core import (
+    QgsApplication,
+    QgsAuthMethodConfig,
+    QgsFeature,
+    QgsGeometry,
+    QgsProcessingAlgRunnerTask,
+    QgsProcessingContext,
+    QgsProcessingException,
+    QgsProcessingFeedback,
+    QgsProcessingModelAlgorithm,
+    QgsProcessingModelChildAlgorithm,
+    QgsProcessingModelChildParameterSource,
+    QgsProcessingModelOutput,
+    QgsProcessingModelParameter,
+    QgsProcessingParameterExtent,
+    QgsProject,
+    QgsRasterLayer,
+    QgsVectorLayer,
+)
+from qgis.PyQt.QtCore import QDateTime, Qt
+from terrainav.core.dataset.table import Table
+from terrainav.core.geodesy.camera import Camera
+from terrainav.core.geodesy.mercator import HALF_WORLD_M
+from terrainav.core.imagery.opening import open_source
+from terrainav.core.mission.area import Box, Points, Polygon
+from terrainav.core.mission.estimate import OFFLINE, estimate
+from terrainav.core.mission.mission import Mission
+from terrainav.core.mission.plan import plan
+from terrainav.terrainav_plugin import packages
+from terrainav.terrainav_plugin.processing import imagery
+from terrainav.terrainav_plugin.processing.provider import Provider
+
+from tests.plugin.transports import MASTER_PASSWORD
+from tests.support.tileserver import TileServer
+
+BOX = Box(35.16, -89.90, 35.156, -89.895)
+EXTENT = "-89.90,-89.895,35.156,35.16 [EPSG:4326]"
+#: Far longer than anything here takes.
+NEVER_S = 60.0
+NAMES = {"plan", "capture", "capturefailed", "clean", "accuracyreport"}
+
+
+@pytest.fixture(autouse=True)
+def provider(plugin, tmp_path, monkeypatch):
+    monkeypatch.setenv("TERRAINAV_CACHE_DIR", str(tmp_path / "cache"))
+    monkeypatch.setenv("TERRAINAV_CONFIG_DIR", str(tmp_path / "config"))
+    return QgsApplication.processingRegistry().providerById("terrainav")
+
+
+@pytest.fixture
+def server():
+    with TileServer() as running:
+        yield running
+
+
+class Feedback(QgsProcessingFeedback):
+    """Keeps what it is told, and in which thread."""
+
+    def __init__(self):
+        super().__init__(False)
+        self.lines, self.warnings, self.errors = [], [], []
+
+    def pushInfo(self, text):
+        self.lines.append(text)
+
+    def pushWarning(self, text):
+        self.warnings.append(text)
+
+    def reportError(self, text, fatalError=False):  # noqa: N803  as QGIS has it
+        self.errors.append(text)
+
+
+def run(name, feedback=None, **parameters):
+    """Run an algorithm as a script does: on the main thread."""
+    import processing
+
+    return processing.run(f"terrainav:{name}", parameters, feedback=feedback or Feedback())
+
+
+def refusal(name, **parameters):
+    """What is said of parameters that are refused, on one line."""
+    feedback = Feedback()
+    with pytest.raises(QgsProcessingException) as refused:
+        run(name, feedback, **parameters)
+    # What is found out before the algorithm runs is told to the feedback alone.
+    text = feedback.errors[0] if feedback.errors else str(refused.value)
+    assert "\n" not in text
+    return text
+
+
+def run_beside(name, qtbot, feedback=None, **parameters):
+    """Run an algorithm as the toolbox does: on a thread of the task manager."""
+    algorithm = QgsApplication.processingRegistry().createAlgorithmById(f"terrainav:{name}")
+    context, feedback, ended = QgsProcessingContext(), feedback or QgsProcessingFeedback(False), []
+    context.setProject(QgsProject.instance())
+    task = QgsProcessingAlgRunnerTask(algorithm, parameters, context, feedback)
+    task.executed.connect(lambda done, results: ended.append((done, results)))
+    QgsApplication.taskManager().addTask(task)
+    qtbot.waitUntil(lambda: bool(ended), timeout=int(1000 * NEVER_S))
+    return (*ended[0], feedback)
+
+
+def features_of(path_or_layer):
+    layer = path_or_layer if isinstance(path_or_layer, QgsVectorLayer) else QgsVectorLayer(path_or_layer)
+    assert layer.isValid()
+    return list(layer.getFeatures())
+
+
+def planned(mission):
+    return plan(mission, open_source(mission.source, plan_only=True).grid)
+
+
+def memory_layer(kind, crs, geometries, fields="", rows=()):
+    layer = QgsVectorLayer(f"{kind}?crs={crs}{fields}", "area", "memory")
+    for index, wkt in enumerate(geometries):
+        feature = QgsFeature(layer.fields())
+        feature.setGeometry(QgsGeometry.fromWkt(wkt))
+        if rows:
+            feature.setAttributes(list(rows[index]))
+        layer.dataProvider().addFeature(feature)
+    layer.updateExtents()
+    return layer
+
+
+# --- the provider
+
+
+def test_it_is_registered_with_help_for_everything(provider):
+    assert {algorithm.name() for algorithm in provider.algorithms()} == NAMES
+    for algorithm in provider.algorithms():
+        assert algorithm.canExecute() == (True, "")
+        for text in (
+            algorithm.displayName(),
+            algorithm.shortHelpString(),
+            algorithm.shortDescription(),
+            algorithm.group(),
+        ):
+            assert text
+        assert len(algorithm.tags()) > 3
+        assert algorithm.helpUrl().startswith("https://")
+        # Those that Processing itself asks for, layers and files to be written, explain themselves.
+        without = [
+            p.name() for p in algorithm.parameterDefinitions() if not p.help() and not p.isDestination()
+        ]
+        assert without == []
+        assert not algorithm.flags() & algorithm.Flag.FlagNoThreading
+
+
+def test_packages_that_are_missing_are_named(provider, monkeypatch):
+    there = packages.find_spec
+    monkeypatch.setattr(
+        packages, "find_spec", lambda name: None if name in ("PIL", "matplotlib") else there(name)
+    )
+    report, of_plan = (provider.algorithm(name).canExecute() for name in ("accuracyreport", "plan"))
+    assert report == (False, "TerrAInav needs Python packages that this QGIS lacks: Pillow, matplotlib.")
+    assert of_plan == (False, "TerrAInav needs Python packages that this QGIS lacks: Pillow.")
+
+
+def test_own_sources_are_choices_of_the_copy_that_runs(provider):
+    from terrainav.core.imagery.catalogue.user_sources import add, described
+
+    add("my-tiles", described("https://tiles.example.org/{z}/{x}/{y}.png"))
+    listed = provider.algorithm("plan").parameterDefinition("SOURCE").options()
+    copy = provider.algorithm("plan").create()
+    runs = copy.parameterDefinition("SOURCE").options()
+    assert "my-tiles" not in listed
+    assert "my-tiles" in runs
+
+
+def test_a_provider_that_is_taken_away_is_gone(plugin):
+    registry = QgsApplication.processingRegistry()
+    before = len(registry.algorithms())
+    registry.removeProvider("terrainav")
+    try:
+        assert registry.providerById("terrainav") is None
+        assert registry.algorithmById("terrainav:plan") is None
+        assert len(registry.algorithms()) == before - len(NAMES)
+    finally:
+        plugin.initProcessing()
+    assert isinstance(registry.providerById("terrainav"), Provider)
+
+
+# --- plan
+
+
+def test_plan_gives_what_the_core_plans(tmp_path):
+    mission = Mission(BOX, 200.0, overlap_along=0.2, overlap_across=0.1, start="2024-06-21T10:30:00Z")
+    expected = planned(mission)
+    feedback = Feedback()
+    results = run(
+        "plan",
+        feedback,
+        EXTENT=EXTENT,
+        AGL=200,
+        OVERLAP_ALONG=0.2,
+        OVERLAP_ACROSS=0.1,
+        START="2024-06-21T10:30:00Z",
+        FOOTPRINTS="memory:",
+        CAPTURES="memory:",
+        FLIGHT="memory:",
+        MISSION_FILE=str(tmp_path / "m.json"),
+        EXPORT=str(tmp_path / "plan.csv"),
+    )
+    assert Mission.load(str(tmp_path / "m.json")) == mission
+    assert len((tmp_path / "plan.csv").read_text().splitlines()) == len(expected) + 1
+    found = features_of(results["FOOTPRINTS"])
+    assert [feature["name"] for feature in found] == list(expected.names)
+    west, south, east, north = expected.edges_m
+    for index, feature in enumerate(found):
+        box = feature.geometry().boundingBox()
+        edges = (box.xMinimum(), box.yMinimum(), box.xMaximum(), box.yMaximum())
+        np.testing.assert_allclose(edges, [e[index] for e in (west, south, east, north)], rtol=0, atol=1e-6)
+        assert feature.geometry().isGeosValid()
+    for name, values in (
+        ("lat_deg", expected.lat_deg),
+        ("lon_deg", expected.lon_deg),
+        ("column", expected.column),
+        ("row", expected.row),
+        ("left_px", expected.windows.left_px),
+        ("width_px", expected.width_px),
+        ("time_s", expected.times_s),
+    ):
+        assert [feature[name] for feature in found] == np.asarray(values).tolist()
+    start = QDateTime.fromString("2024-06-21T10:30:00Z", Qt.DateFormat.ISODate)
+    assert [start.msecsTo(feature["time"]) for feature in found] == [
+        round(1000.0 * seconds) for seconds in expected.times_s.tolist()
+    ]
+    points = [feature.geometry().asPoint() for feature in features_of(results["CAPTURES"])]
+    np.testing.assert_allclose(
+        [point.x() for point in points], expected.lon_deg / 180.0 * HALF_WORLD_M, rtol=1e-12
+    )
+    (line,) = features_of(results["FLIGHT"])
+    assert line["length_m"] == expected.flight_distance_m
+    assert line.geometry().constGet().vertexCount() == len(expected)
+    summary = estimate(expected, OFFLINE)
+    assert results["IMAGES"] == len(expected)
+    assert results["COVERAGE"] == 100.0 * summary.covered_share
+    assert results["OVERLAP_LEAST_ALONG"] == summary.least_overlap_along
+    assert (results["TILES"], results["CHOSEN_ZOOM"]) == (summary.unique_tiles, expected.zoom)
+    assert (results["FLIGHT_S"], results["ERROR_BOUND"]) == (summary.flight_s, summary.accuracy.bound_px)
+    assert (results["CAMERA_GSD"], results["FILE_BYTES"]) == (
+        summary.camera_gsd_m_per_px,
+        summary.output_bytes,
+    )
+    assert any(line.startswith("images: ") for line in feedback.lines)
+
+
+def test_a_polygon_with_a_hole_in_any_crs_is_the_same_area():
+    ring = ((-89.90, 35.16), (-89.89, 35.16), (-89.89, 35.15), (-89.897, 35.152))
+    hole = ((-89.895, 35.157), (-89.893, 35.157), (-89.893, 35.155))
+    text = ", ".join(
+        "({})".format(", ".join(f"{lon} {lat}" for lon, lat in (*part, part[0]))) for part in (ring, hole)
+    )
+    expected = planned(Mission(Polygon((ring, hole)), 150.0))
+    geographic = memory_layer("Polygon", "EPSG:4326", [f"Polygon ({text})"])
+    results = run("plan", AREA=geographic, AGL=150, FOOTPRINTS="memory:")
+    assert [feature["name"] for feature in features_of(results["FOOTPRINTS"])] == list(expected.names)
+    import processing
+
+    projected = processing.run(
+        "native:reprojectlayer", {"INPUT": geographic, "TARGET_CRS": "EPSG:32616", "OUTPUT": "memory:"}
+    )["OUTPUT"]
+    results = run("plan", AREA=projected, AGL=150, FOOTPRINTS="memory:")
+    found = features_of(results["FOOTPRINTS"])
+    assert len(found) == len(expected)
+    # Corners come back from the other CRS to within nanometres, and edges bend by less than a pixel here.
+    np.testing.assert_allclose([feature["lat_deg"] for feature in found], expected.lat_deg, atol=2e-5)
+
+
+def test_points_with_heights_and_yaws():
+    places = [(35.16, -89.90, 80.0, 10.0), (35.15, -89.89, 150.0, -45.0)]
+    layer = memory_layer(
+        "Point",
+        "EPSG:4326",
+        [f"Point ({lon} {lat})" for lat, lon, _, _ in places],
+        "&field=h:double&field=turn:double",
+        [(agl, yaw) for _, _, agl, yaw in places],
+    )
+    results = run("plan", AREA=layer, AGL_FIELD="h", YAW_FIELD="turn", FOOTPRINTS="memory:")
+    found = features_of(results["FOOTPRINTS"])
+    mission = Mission(Points(tuple(p[:3] for p in places), tuple(p[3] for p in places)), 80.0)
+    expected = planned(mission)
+    assert [feature["name"] for feature in found] == list(expected.names)
+    assert [feature["agl_m"] for feature in found] == [80.0, 150.0]
+    assert [feature["yaw_deg"] for feature in found] == [10.0, -45.0]
+    assert "COVERAGE" not in results
+    results = run("plan", AREA=layer, AGL=99, FOOTPRINTS="memory:")
+    assert {feature["agl_m"] for feature in features_of(results["FOOTPRINTS"])} == {99.0}
+
+
+def test_camera_attitude_and_antimeridian():
+    results = run(
+        "plan",
+        COORDS="-16.5_179.9905_-16.505_-179.993_300",
+        CAMERA="DJI Mini 2",
+        TILT=30,
+        ACCEPT_ERROR=True,
+        FOOTPRINTS="memory:",
+        FLIGHT="memory:",
+    )
+    found = features_of(results["FOOTPRINTS"])
+    assert {feature["tilt_deg"] for feature in found} == {30.0}
+    parts = [feature.geometry().constGet().numGeometries() for feature in found]
+    assert set(parts) == {1, 2}
+    for feature in found:
+        assert feature.geometry().isGeosValid()
+        assert feature.geometry().boundingBox().xMaximum() <= HALF_WORLD_M + 1e-6
+        assert -180.0 <= feature["lon_deg"] <= 180.0
+    (line,) = features_of(results["FLIGHT"])
+    assert line.geometry().boundingBox().xMaximum() <= HALF_WORLD_M + 1e-6
+    assert line.geometry().constGet().numGeometries() > 1
+
+
+def test_every_field_of_a_mission_has_its_parameter(tmp_path):
+    path = tmp_path / "mission.json"
+    run(
+        "plan",
+        EXTENT=EXTENT,
+        AGL=200,
+        FOV=60,
+        ASPECT="16:9",
+        OVERLAP_ALONG=0.3,
+        OVERLAP_ACROSS=0.2,
+        GRID_ANGLE=20,
+        CROSSHATCH=True,
+        ORDER="one-way",
+        MAP_TYPES=["roadmap", "terrain"],
+        FORMAT="png",
+        YAW=5,
+        TILT=4,
+        ROLL=3,
+        GROUND_HEIGHT=80,
+        ERROR_BUDGET=2,
+        ACCEPT_ERROR=True,
+        FRAME="camera",
+        RESAMPLING="lanczos",
+        MAX_PX=800,
+        UPSAMPLE=True,
+        IMG_SIZE="256 192 3",
+        WIND_SPEED=4,
+        WIND_FROM=90,
+        TURBULENCE=0.1,
+        AIRSPEED=20,
+        START="2024-06-21T10:30:00Z",
+        SEED=7,
+        MAX_IMAGES=5000,
+        MISSION_FILE=str(path),
+        FOOTPRINTS="memory:",
+    )
+    from terrainav.core.mission.wind import Wind
+
+    assert Mission.load(str(path)) == Mission(
+        BOX,
+        200.0,
+        Camera(60.0, 16 / 9),
+        0.3,
+        0.2,
+        grid_angle_deg=20.0,
+        crosshatch=True,
+        order="one-way",
+        map_types=("roadmap", "terrain"),
+        image_format="png",
+        yaw_deg=5.0,
+        tilt_deg=4.0,
+        roll_deg=3.0,
+        ground_height_m=80.0,
+        error_budget_px=2.0,
+        accept_error=True,
+        frame="camera",
+        resampling="lanczos",
+        max_px=800,
+        upsample=True,
+        img_size=(256, 192, 3),
+        wind=Wind(4.0, 90.0, 0.1, 7),
+        airspeed_m_per_s=20.0,
+        start="2024-06-21T10:30:00Z",
+        seed=7,
+        max_images=5000,
+    )
+    again = tmp_path / "again.json"
+    run("plan", MISSION=str(path), MISSION_FILE=str(again), FOOTPRINTS="memory:")
+    assert again.read_bytes() == path.read_bytes()
+
+
+@pytest.mark.parametrize(
+    ("parameters", "words"),
+    [
+        ({}, "0 areas given"),
+        ({"EXTENT": EXTENT, "COORDS": "1_2_3"}, "2 areas given"),
+        ({"COORDS": "here"}, "here"),
+        ({"EXTENT": EXTENT, "ASPECT": "wide"}, "aspect ratio 'wide': must be such as 4:3"),
+        ({"EXTENT": EXTENT, "IMG_SIZE": "large"}, "image size 'large'"),
+        ({"EXTENT": EXTENT, "ZOOM": 19, "GSD": 0.3}, "give one of the two"),
+        ({"EXTENT": EXTENT, "OTHER_SOURCE": "nowhere"}, "source 'nowhere' is unknown"),
+        ({"EXTENT": EXTENT, "OTHER_SOURCE": "qgis:layer/gone"}, "layer"),
+        ({"EXTENT": EXTENT, "MAX_IMAGES": 2, "AGL": 50}, "2"),
+        ({"EXTENT": EXTENT, "EXPORT": "/tmp/plan.doc"}, "must end in"),
+        ({"MISSION": "/nowhere/mission.json"}, "/nowhere/mission.json"),
+    ],
+)
+def test_bad_input_gives_one_line(parameters, words):
+    assert words in refusal("plan", FOOTPRINTS="memory:", **parameters)
+
+
+def test_separate_polygons_are_no_area():
+    square = "(({0} 35, {1} 35, {1} 36, {0} 36, {0} 35))"
+    layer = memory_layer(
+        "Polygon", "EPSG:4326", ["Polygon " + square.format(-90, -89), "Polygon " + square.format(-80, -79)]
+    )
+    assert refusal("plan", AREA=layer, FOOTPRINTS="memory:").startswith(
+        "area of 2 separate polygons: must be one"
+    )
+
+
+# --- capture
+
+
+def tables(folder):
+    return {path.parent.name: path.read_bytes() for path in folder.glob("*/meta_data.csv")}
+
+
+def test_a_capture_over_qgis_network_is_the_same_on_the_main_thread_and_beside_it(server, tmp_path, qtbot):
+    common = {"EXTENT": EXTENT, "AGL": 120, "OTHER_SOURCE": server.url_template}
+    here = run("capture", FOLDER=str(tmp_path / "here"), **common)
+    requests = sum(server.tile_requests.values())
+    assert here["WRITTEN"] == here["TOTAL"] > 10
+    assert (here["FAILED"], here["SKIPPED"]) == (0, 0)
+    assert here["REQUESTS"] == requests
+    assert QgsRasterLayer(here["MOSAIC"]).isValid()
+    assert len(features_of(here["FOOTPRINTS"])) == here["TOTAL"]
+
+    # What is in the cache is not asked for again: another folder of tiles.
+    other = server.url_template + "?again"
+    done, beside, _ = run_beside(
+        "capture", qtbot, **{**common, "OTHER_SOURCE": other, "FOLDER": str(tmp_path / "beside")}
+    )
+    assert done
+    assert beside["WRITTEN"] == here["WRITTEN"]
+    for path in (tmp_path / "here" / "satellite").glob("*.tif"):
+        with Image.open(path) as one, Image.open(tmp_path / "beside" / "satellite" / path.name) as other_one:
+            assert np.array_equal(np.asarray(one), np.asarray(other_one))
+    table = Table.load(tmp_path / "here" / "satellite" / "meta_data.csv")
+    assert set(table.status) == {"done"}
+    again = run("capture", FOLDER=str(tmp_path / "here"), **common)
+    assert (again["WRITTEN"], again["SKIPPED"]) == (0, here["WRITTEN"])
+
+
+@pytest.mark.parametrize("beside", [False, True])
+def test_a_capture_is_cancelled_and_goes_on(server, tmp_path, qtbot, beside):
+    server.fail("stall")
+    feedback = QgsProcessingFeedback(False)
+    from qgis.PyQt.QtCore import QTimer
+
+    QTimer.singleShot(700, feedback.cancel)
+    parameters = {
+        "EXTENT": EXTENT,
+        "AGL": 120,
+        "OTHER_SOURCE": server.url_template,
+        "FOLDER": str(tmp_path / "out"),
+    }
+    started = time.monotonic()
+    if beside:
+        run_beside("capture", qtbot, feedback, **parameters)
+    else:
+        result = run("capture", feedback, **parameters)
+        assert result["WRITTEN"] < result["TOTAL"]
+    assert time.monotonic() - started < NEVER_S / 4
+    server.heal()
+    result = run("capture", **parameters)
+    assert result["WRITTEN"] + result["SKIPPED"] == result["TOTAL"]
+    assert result["FAILED"] == 0
+
+
+@pytest.mark.parametrize("beside", [False, True])
+def test_the_project_s_map_as_a_source(tmp_path, qtbot, beside):
+    layer = memory_layer("Polygon", "EPSG:4326", ["Polygon ((-90 35, -89 35, -89 36, -90 36, -90 35))"])
+    QgsProject.instance().addMapLayer(layer)
+    parameters = {
+        "COORDS": "35.158_-89.898_300",
+        "OTHER_SOURCE": "qgis:project",
+        "FOLDER": str(tmp_path / "out"),
+    }
+    if beside:
+        done, result, _ = run_beside("capture", qtbot, **parameters)
+        assert done
+    else:
+        result = run("capture", **parameters)
+    assert result["WRITTEN"] == 1
+    # Copies of the project's layers are let go of, and by the main thread.
+    qtbot.waitUntil(lambda: not imagery._keeper()._kept)
+
+
+def test_failed_ones_are_named_and_captured_again(server, tmp_path, qtbot):
+    server.fail("404", share=0.2)
+    feedback = Feedback()
+    first = run(
+        "capture",
+        feedback,
+        EXTENT=EXTENT,
+        AGL=100,
+        OTHER_SOURCE=server.url_template,
+        FOLDER=str(tmp_path / "out"),
+    )
+    assert 0 < first["FAILED"] < first["TOTAL"]
+    assert any("404" in warning for warning in feedback.warnings)
+    server.heal()
+    again = run("capturefailed", DATASET=str(tmp_path / "out"))
+    assert (again["TOTAL"], again["WRITTEN"], again["FAILED"]) == (first["FAILED"], first["FAILED"], 0)
+    done, nothing, _ = run_beside("capturefailed", qtbot, DATASET=str(tmp_path / "out"))
+    assert done
+    assert nothing["TOTAL"] == 0
+    assert "holds no capture" in refusal("capturefailed", DATASET=str(tmp_path))
+
+
+def test_terms_are_asked_for(tmp_path):
+    with pytest.raises(QgsProcessingException, match="tile"):
+        run(
+            "capture",
+            EXTENT="-90.2,-89.2,35,35.7 [EPSG:4326]",
+            AGL=300,
+            SOURCE="osm",
+            FOLDER=str(tmp_path / "o"),
+        )
+    assert not (tmp_path / "o").exists()
+
+
+def test_a_key_comes_out_of_the_authentication_database(server, tmp_path):
+    manager = QgsApplication.authManager()
+    manager.setMasterPassword(MASTER_PASSWORD, True)
+    config = QgsAuthMethodConfig("Basic")
+    config.setName("terrainav test")
+    config.setConfig("password", "s3cret-key")
+    stored = manager.storeAuthenticationConfig(config)
+    assert stored[0] if isinstance(stored, tuple) else stored
+    feedback = Feedback()
+    try:
+        result = run(
+            "capture",
+            feedback,
+            COORDS="35.158_-89.898_120",
+            OTHER_SOURCE=server.url_template + "?key={key}",
+            AUTHCFG=config.id(),
+            FOLDER=str(tmp_path / "out"),
+        )
+        said = refusal(
+            "capture",
+            COORDS="35.158_-89.898_120",
+            OTHER_SOURCE=server.url_template + "?key={key}",
+            AUTHCFG="1234567",
+            FOLDER=str(tmp_path / "other"),
+        )
+        assert "1234567 is not there" in said
+    finally:
+        manager.removeAuthenticationConfig(config.id())
+    assert result["WRITTEN"] == 1
+    assert any("key=s3cret-key" in path for path in server.requests)
+    for path in (tmp_path / "out").rglob("*"):
+        assert path.is_dir() or b"s3cret-key" not in path.read_bytes()
+    assert not any("s3cret-key" in line for line in [*feedback.lines, *feedback.warnings])
+
+
+# --- clean and report
+
+
+def test_cleaning_marks_moves_and_puts_back(tmp_path):
+    folder = tmp_path / "out"
+    run("capture", EXTENT=EXTENT, AGL=200, MAP_TYPES=["satellite", "roadmap"], FOLDER=str(folder))
+    before = tables(folder)
+    counted = run("clean", DATASET=str(folder), ENTROPY=8, ACTION="move", DRY_RUN=True)
+    assert tables(folder) == before
+    assert 0 < counted["REJECTED"] == counted["MOVED"] == counted["IMAGES"]
+    assert 0.0 < counted["SUGGESTED"] < 8.0
+    moved = run("clean", DATASET=str(folder), ENTROPY=8, ACTION="move")
+    assert moved == counted
+    assert len(list(folder.glob("*/rejected/*.tif"))) == moved["MOVED"]
+    back = run("clean", DATASET=str(folder), ACTION="undo")
+    assert (back["REJECTED"], back["MOVED"]) == (moved["REJECTED"], moved["MOVED"])
+    assert tables(folder) == before
+    assert "is no dataset" in refusal("clean", DATASET=str(tmp_path))
+
+
+def test_the_report_is_a_page(tmp_path):
+    pytest.importorskip("matplotlib")
+    result = run("accuracyreport", COORDS="35.158_-89.898_300", QUICK=True, FOLDER=str(tmp_path / "r"))
+    page = (tmp_path / "r" / "index.html").read_text(encoding="utf-8")
+    assert result["HTML"] == str(tmp_path / "r" / "index.html")
+    assert "error against run time" in page
+
+
+# --- batches and models
+
+
+def test_a_batch(tmp_path):
+    heights = (100, 150, 300)
+    results = [
+        run("plan", EXTENT=EXTENT, AGL=agl, FOOTPRINTS=str(tmp_path / f"{agl}.gpkg")) for agl in heights
+    ]
+    counts = [len(features_of(str(tmp_path / f"{agl}.gpkg"))) for agl in heights]
+    assert counts == [result["IMAGES"] for result in results] == sorted(counts, reverse=True)
+
+
+def test_in_a_model(tmp_path, qtbot):
+    """The plan's mission file is captured, and its footprints are dissolved."""
+    model = QgsProcessingModelAlgorithm("plan, capture and dissolve", "tests")
+    model.addModelParameter(
+        QgsProcessingParameterExtent("where", "Where"), QgsProcessingModelParameter("where")
+    )
+    source = QgsProcessingModelChildParameterSource
+
+    def child(name, algorithm, **sources):
+        one = QgsProcessingModelChildAlgorithm(algorithm)
+        one.setChildId(name)
+        for definition in one.algorithm().parameterDefinitions():
+            # As the model designer fills them in.
+            usual = source.fromStaticValue(definition.defaultValue())
+            if definition.name() in sources or not (
+                definition.isDestination() or definition.defaultValue() is None
+            ):
+                one.addParameterSources(definition.name(), [sources.get(definition.name(), usual)])
+        model.addChildAlgorithm(one)
+
+    child(
+        "plan",
+        "terrainav:plan",
+        EXTENT=source.fromModelParameter("where"),
+        AGL=source.fromStaticValue(200),
+        FOOTPRINTS=source.fromStaticValue("TEMPORARY_OUTPUT"),
+        MISSION_FILE=source.fromStaticValue(str(tmp_path / "mission.json")),
+    )
+    child(
+        "capture",
+        "terrainav:capture",
+        MISSION=source.fromChildOutput("plan", "MISSION_FILE"),
+        FOLDER=source.fromStaticValue(str(tmp_path / "out")),
+    )
+    child("dissolve", "native:dissolve", INPUT=source.fromChildOutput("plan", "FOOTPRINTS"))
+    output = QgsProcessingModelOutput("whole", "Whole")
+    output.setChildId("dissolve")
+    output.setChildOutputName("OUTPUT")
+    dissolve = model.childAlgorithm("dissolve")
+    dissolve.setModelOutputs({"whole": output})
+    model.setChildAlgorithm(dissolve)
+    model.updateDestinationParameters()
+    valid, problems = model.validate()
+    assert valid, problems
+    assert model.canExecute()[0]
+
+    expected = planned(Mission(BOX, 200.0))
+    for beside in (False, True):
+        context, feedback, ended = QgsProcessingContext(), QgsProcessingFeedback(False), []
+        context.setProject(QgsProject.instance())
+        parameters = {"where": EXTENT, "dissolve:whole": str(tmp_path / f"whole-{beside}.gpkg")}
+        if beside:
+            task = QgsProcessingAlgRunnerTask(model.create(), parameters, context, feedback)
+            task.executed.connect(lambda done, _results, ended=ended: ended.append(done))
+            QgsApplication.taskManager().addTask(task)
+            qtbot.waitUntil(lambda ended=ended: bool(ended), timeout=int(1000 * NEVER_S))
+            done = ended[0]
+        else:
+            _, done = model.run(parameters, context, feedback)
+        assert done, feedback.textLog()
+        (whole,) = features_of(str(tmp_path / f"whole-{beside}.gpkg"))
+        west, south, east, north = expected.edges_m
+        box = whole.geometry().boundingBox()
+        np.testing.assert_allclose(
+            (box.xMinimum(), box.yMinimum(), box.xMaximum(), box.yMaximum()),
+            (west.min(), south.min(), east.max(), north.max()),
+            atol=1e-6,
+        )
+        pictures = list((tmp_path / "out" / "satellite").glob("*.tif"))
+        assert len(pictures) == len(expected)
+
+
+def test_the_main_thread_is_never_kept_by_an_algorithm_beside_it(tmp_path, qtbot):
+    from qgis.PyQt.QtCore import QTimer
+
+    turns, timer = [], QTimer()
+    timer.timeout.connect(lambda: turns.append(time.monotonic()))
+    timer.start(10)
+    done, _, _ = run_beside("capture", qtbot, EXTENT=EXTENT, AGL=120, FOLDER=str(tmp_path / "out"))
+    timer.stop()
+    assert done
+    assert len(turns) > 10
+    assert json.loads((tmp_path / "out" / "mission.json").read_text())["agl_m"] == 120.0

@@ -1,0 +1,170 @@
+"""Algorithms from a terminal: ``qgis_process`` with the plugin in a profile of its own."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import shutil
+import subprocess
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+from qgis.core import QgsVectorLayer
+from terrainav.core.capture.runner import capture
+from terrainav.core.dataset.table import Table
+from terrainav.core.imagery.opening import open_source
+from terrainav.core.mission.area import Box
+from terrainav.core.mission.mission import Mission
+from terrainav.core.mission.plan import plan
+
+from tests.support.tileserver import TileServer
+
+ROOT = Path(__file__).resolve().parents[2]
+#: Of a process: it starts in two seconds and works for two more.
+LIMIT_S = 120.0
+#: The program itself: the script around it may be broken by a system's settings of QGIS.
+PROGRAM = shutil.which("qgis_process.bin") or shutil.which("qgis_process")
+BOX = Box(35.16, -89.90, 35.155, -89.89)
+EXTENT = "-89.90,-89.89,35.155,35.16 [EPSG:4326]"
+
+
+@pytest.fixture(scope="module")
+def terminal(tmp_path_factory):
+    """Run ``qgis_process`` with its arguments; the plugin is enabled."""
+    if PROGRAM is None:
+        pytest.skip("qgis_process is not installed")
+    folder = tmp_path_factory.mktemp("terminal")
+    plugins = folder / "profiles" / "default" / "python" / "plugins"
+    plugins.mkdir(parents=True)
+    (plugins / "terrainav").symlink_to(ROOT, target_is_directory=True)
+    environment = {
+        **os.environ,
+        "QGIS_CUSTOM_CONFIG_PATH": str(folder),
+        "QT_QPA_PLATFORM": "offscreen",
+        "TERRAINAV_CACHE_DIR": str(folder / "cache"),
+        "TERRAINAV_CONFIG_DIR": str(folder / "config"),
+    }
+    # What starts this QGIS with its tests is not for that one.
+    environment.pop("PYQGIS_STARTUP", None)
+
+    def run(*arguments):
+        return subprocess.run(
+            [PROGRAM, *arguments],
+            env=environment,
+            cwd=folder,
+            capture_output=True,
+            text=True,
+            timeout=LIMIT_S,
+            check=False,
+        )
+
+    enabled = run("plugins", "enable", "terrainav")
+    assert enabled.returncode == 0, enabled.stderr
+    return run
+
+
+def results(process):
+    """Results that a run has printed."""
+    assert process.returncode == 0, process.stdout + process.stderr
+    assert "Traceback" not in process.stderr
+    _, _, text = process.stdout.partition("Results")
+    return dict(re.findall(r"^(\w+):\t(.*)$", text, re.MULTILINE))
+
+
+def test_the_algorithms_are_listed_and_explained(terminal):
+    listed = terminal("list").stdout
+    for name in ("plan", "capture", "capturefailed", "clean", "accuracyreport"):
+        assert f"terrainav:{name}\t" in listed
+    told = terminal("help", "terrainav:plan").stdout
+    assert "fetches no imagery" in told
+    assert "OVERLAP_ALONG" in told
+
+
+def test_plan(terminal, tmp_path):
+    found = results(
+        terminal(
+            "run",
+            "terrainav:plan",
+            "--COORDS=35.16_-89.90_35.155_-89.89_200",
+            "--OVERLAP_ALONG=0.3",
+            f"--FOOTPRINTS={tmp_path / 'footprints.gpkg'}",
+            f"--MISSION_FILE={tmp_path / 'mission.json'}",
+        )
+    )
+    mission = Mission(BOX, 200.0, overlap_along=0.3)
+    expected = plan(mission, open_source("world").grid)
+    assert found["IMAGES"] == str(len(expected))
+    assert float(found["COVERAGE"]) == 100.0 * expected.coverage.share
+    layer = QgsVectorLayer(str(tmp_path / "footprints.gpkg"))
+    assert [feature["name"] for feature in layer.getFeatures()] == list(expected.names)
+    assert Mission.load(str(tmp_path / "mission.json")) == mission
+
+
+def test_capture_of_the_embedded_world_clean_and_back(terminal, tmp_path):
+    out = tmp_path / "out"
+    mission = tmp_path / "mission.json"
+    Mission(BOX, 200.0, map_types=("satellite", "roadmap")).save(str(mission))
+    found = results(terminal("run", "terrainav:capture", f"--MISSION={mission}", f"--FOLDER={out}"))
+    source = open_source("world")
+    expected = plan(Mission.load(str(mission)), source.grid)
+    assert (found["WRITTEN"], found["FAILED"]) == (str(2 * len(expected)), "0")
+    # The very bytes that the library and the command write.
+    capture(expected, source, tmp_path / "library")
+    for path in (tmp_path / "library").rglob("*"):
+        if path.is_file() and path.name != "journal.jsonl":
+            assert (out / path.relative_to(tmp_path / "library")).read_bytes() == path.read_bytes()
+    found = results(terminal("run", "terrainav:capturefailed", f"--DATASET={out}"))
+    assert found["TOTAL"] == "0"
+    found = results(terminal("run", "terrainav:clean", f"--DATASET={out}", "--ENTROPY=8", "--ACTION=move"))
+    assert found["MOVED"] == str(2 * len(expected))
+    results(terminal("run", "terrainav:clean", f"--DATASET={out}", "--ACTION=undo"))
+    assert len(list(out.glob("*/*.tif"))) == 2 * len(expected)
+
+
+def test_capture_over_the_network_does_not_wait_for_itself(terminal, tmp_path):
+    """Here the main thread runs the algorithm, and QGIS's network stack needs that thread for its events."""
+    with TileServer() as server:
+        found = results(
+            terminal(
+                "run",
+                "terrainav:capture",
+                f"--EXTENT={EXTENT}",
+                "--AGL=200",
+                f"--OTHER_SOURCE={server.url_template}",
+                f"--FOLDER={tmp_path / 'out'}",
+            )
+        )
+        assert found["REQUESTS"] == str(sum(server.tile_requests.values()))
+    assert (found["FAILED"], found["WRITTEN"]) == ("0", found["TOTAL"])
+    table = Table.load(tmp_path / "out" / "satellite" / "meta_data.csv")
+    assert set(table.status) == {"done"}
+    with Image.open(tmp_path / "out" / "satellite" / table.img_names[0]) as image:
+        assert np.asarray(image).any()
+
+
+def test_what_the_server_has_not_is_a_failed_image(terminal, tmp_path):
+    with TileServer() as server:
+        server.fail("404")
+        found = results(
+            terminal(
+                "run",
+                "terrainav:capture",
+                "--COORDS=35.158_-89.898_120",
+                f"--OTHER_SOURCE={server.url_template}",
+                f"--FOLDER={tmp_path / 'out'}",
+            )
+        )
+    assert (found["FAILED"], found["WRITTEN"]) == ("1", "0")
+    assert json.loads((tmp_path / "out" / "journal.jsonl").read_text())["status"] == "failed"
+
+
+def test_bad_input_is_one_line_on_the_terminal(terminal, tmp_path):
+    refused = terminal("run", "terrainav:capture", f"--FOLDER={tmp_path / 'out'}")
+    assert "0 areas given: needs one of extent, polygons or points, and coordinates" in (
+        refused.stdout + refused.stderr
+    )
+    assert "Traceback" not in refused.stdout + refused.stderr
+    assert not (tmp_path / "out").exists()

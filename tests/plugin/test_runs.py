@@ -1,0 +1,231 @@
+"""Several captures in line: paused, cancelled, resumed, with failures on the map, whatever project is open."""
+
+from __future__ import annotations
+
+import pytest
+from qgis.core import QgsApplication, QgsProject
+from qgis.PyQt.QtCore import QPoint, Qt
+from qgis.PyQt.QtTest import QTest
+from terrainav.core.mission.mission import Mission
+from terrainav.terrainav_plugin.runs.run import Stage
+
+from tests.support.tileserver import TileServer
+
+# Slow enough that something can be done in the middle of a run of a few dozen images; no test waits for it to end.
+SLOW_S = 0.15
+
+
+@pytest.fixture
+def server():
+    with TileServer() as running:
+        yield running
+
+
+@pytest.fixture
+def prepared(desk, server):
+    """A small mission over a loopback tile server."""
+    desk.enter_small_mission()
+    desk.use_template(server.url_template)
+    desk.wait_planned()
+    return desk
+
+
+def pictures(folder):
+    return sorted((folder / "satellite").glob("*.tif"))
+
+
+def press_capture(desk, folder=None):
+    """Press Capture, for another folder if one is given; return the run that it makes."""
+    if folder is not None:
+        desk.form.folder.setFilePath(str(folder))
+        desk.wait_planned()
+    count = len(desk.workflow.runs.runs)
+    desk.click(desk.dock.capture)
+    desk.wait(lambda: len(desk.workflow.runs.runs) > count)
+    return desk.workflow.runs.runs[-1]
+
+
+def row_of(desk, run):
+    return desk.workflow.run_panel.row(run)
+
+
+def press(desk, run, deed):
+    """Press a button of a run's row with the mouse."""
+    button = row_of(desk, run).buttons[deed]
+    desk.dock.run_list.ensureWidgetVisible(button)
+    assert button.isVisible(), deed
+    QTest.mouseClick(button, Qt.MouseButton.LeftButton)
+
+
+def test_missions_wait_in_line_and_are_captured_one_after_the_other(prepared, server, screenshot):
+    server.latency_s = SLOW_S
+    folders = [prepared.folder.with_name(f"flight-{number}") for number in (1, 2, 3)]
+    runs = [press_capture(prepared, folder) for folder in folders]
+    assert [run.stage for run in runs] == [Stage.RUNNING, Stage.WAITING, Stage.WAITING]
+    assert "next in line" in row_of(prepared, runs[1]).text.text()
+    assert "2 before it" in row_of(prepared, runs[2]).text.text()
+    # QGIS's own list has the one at work.
+    assert QgsApplication.taskManager().countActiveTasks() == 1
+    prepared.wait(lambda: len(pictures(folders[0])) >= 12)
+    press(prepared, runs[0], "pause")
+    prepared.wait(lambda: runs[0].progress.paused)
+    screenshot("queue")
+    # Cancelled while waiting: it writes nothing.
+    press(prepared, runs[1], "cancel")
+    assert runs[1].stage is Stage.STOPPED
+    press(prepared, runs[0], "resume")
+    server.latency_s = 0.0
+    prepared.wait_for_run()
+    assert [run.stage for run in runs] == [Stage.DONE, Stage.STOPPED, Stage.DONE]
+    assert not folders[1].exists()
+    assert len(pictures(folders[0])) == len(pictures(folders[2])) == len(runs[0].plan)
+    groups = {g.name() for g in QgsProject.instance().layerTreeRoot().findGroups(True)}
+    assert groups == {"TerrAInav: flight-1", "TerrAInav: flight-3"}
+    for run in runs:
+        press(prepared, run, "dismiss")
+    assert prepared.workflow.runs.runs == []
+    assert not prepared.dock.run_list.isVisible()
+
+
+def test_paused_run_asks_for_nothing_and_its_time_stands_still(prepared, server):
+    server.latency_s = SLOW_S
+    run = press_capture(prepared)
+    (task,) = QgsApplication.taskManager().activeTasks()
+    prepared.wait(lambda: run.progress is not None and run.progress.done >= 12)
+    assert "a second" in row_of(prepared, run).text.text()
+    press(prepared, run, "pause")
+    prepared.wait(lambda: run.progress.paused)
+    # What was under way may end.
+    prepared.qtbot.wait(int(SLOW_S * 2000))
+    asked, made, shown = sum(server.requests.values()), len(pictures(run.folder)), task.progress()
+    active_s = run.progress.active_s
+    prepared.qtbot.wait(1000)
+    assert sum(server.requests.values()) == asked
+    assert len(pictures(run.folder)) == made
+    assert run.progress.active_s == pytest.approx(active_s)
+    assert task.progress() == shown > 0.0
+    assert row_of(prepared, run).text.text().startswith("Paused: ")
+    press(prepared, run, "resume")
+    server.latency_s = 0.0
+    prepared.wait_for_run()
+    assert run.stage is Stage.DONE
+    assert len(pictures(run.folder)) == len(run.plan)
+
+
+def test_paused_run_keeps_its_place_and_can_be_cancelled(prepared, server):
+    server.latency_s = SLOW_S
+    first = press_capture(prepared)
+    prepared.wait(lambda: len(pictures(first.folder)) >= 3)
+    press(prepared, first, "pause")
+    second = press_capture(prepared, prepared.folder.with_name("second"))
+    prepared.wait(lambda: first.progress.paused)
+    prepared.qtbot.wait(300)
+    assert second.stage is Stage.WAITING
+    server.latency_s = 0.0
+    press(prepared, first, "cancel")
+    prepared.wait_for_run()
+    assert (first.stage, second.stage) == (Stage.STOPPED, Stage.DONE)
+
+
+def test_same_folder_is_not_queued_twice(prepared, server):
+    server.latency_s = SLOW_S
+    run = press_capture(prepared)
+    prepared.click(prepared.dock.capture)
+    prepared.wait(lambda: any("is being captured already" in text for text in prepared.messages()))
+    assert prepared.workflow.runs.runs == [run]
+    server.latency_s = 0.0
+    prepared.click(prepared.buttons_in_message_bar()["Capture into mission-2"])
+    prepared.wait(lambda: len(prepared.workflow.runs.runs) == 2)
+    prepared.wait_for_run()
+    assert (prepared.folder.with_name("mission-2") / "mission.json").is_file()
+
+
+def test_what_was_pressed_is_captured_whatever_is_entered_later(prepared, server):
+    server.latency_s = SLOW_S
+    mission = prepared.workflow.planned.mission
+    first = press_capture(prepared)
+    second = press_capture(prepared, prepared.folder.with_name("second"))
+    prepared.form.agl.setValue(300.0)
+    prepared.wait_planned()
+    server.latency_s = 0.0
+    prepared.wait_for_run()
+    for run in (first, second):
+        assert Mission.load(run.folder / "mission.json") == mission
+        assert len(pictures(run.folder)) == len(run.plan)
+
+
+def test_failed_images_come_to_the_map_while_the_run_goes_on(prepared, server, screenshot):
+    planned = prepared.workflow.planned.plan
+    server.latency_s = SLOW_S
+    x, y = int(planned.windows.left_px[0]) // 256, int(planned.windows.top_px[0]) // 256
+    server.fail("404", (planned.zoom, x, y))
+    prepared.workflow.zoom_to(planned.mission.area.bounds)
+    run = press_capture(prepared)
+    prepared.wait(lambda: run.progress is not None and run.progress.failed)
+    press(prepared, run, "pause")
+    run.task._next_look_s = 0.0
+    press(prepared, run, "resume")
+    prepared.wait(lambda: "Failed images" in prepared.layer_names())
+    assert run.under_way
+    server.latency_s = 0.0
+    prepared.wait_for_run()
+    assert run.stage is Stage.INCOMPLETE
+    prepared.canvas.waitWhileRendering()
+    screenshot("failed")
+    failed = set(planned.names) - {path.stem for path in pictures(run.folder)}
+    assert {feature["name"] for feature in prepared.layer("Failed images").getFeatures()} == failed
+    assert f"{len(failed)} of {len(planned)} images are missing" in row_of(prepared, run).text.text()
+    # Again from the row, in vain first: the layer stays.
+    press(prepared, run, "capture_failed")
+    prepared.wait_for_run()
+    again = prepared.workflow.runs.runs[-1]
+    assert again is not run
+    assert again.result.total == len(failed)
+    assert "Failed images" in prepared.layer_names()
+    server.heal()
+    press(prepared, again, "capture_failed")
+    prepared.wait_for_run()
+    assert "Failed images" not in prepared.layer_names()
+    assert len(pictures(run.folder)) == len(planned)
+    assert [run.stage for run in prepared.workflow.runs.runs] == [Stage.DONE]
+
+
+def test_run_goes_on_when_its_project_is_closed(prepared, server):
+    server.latency_s = SLOW_S
+    run = press_capture(prepared)
+    prepared.wait(lambda: len(pictures(run.folder)) >= 3)
+    prepared.iface.newProject(False)
+    server.latency_s = 0.0
+    prepared.wait_for_run()
+    assert run.stage is Stage.DONE
+    assert len(pictures(run.folder)) == len(run.plan)
+    # Another project is none of its business.
+    assert QgsProject.instance().mapLayers() == {}
+    assert any("Its project is closed" in text for text in prepared.messages())
+
+
+def test_buttons_are_reached_by_keyboard(prepared, server):
+    server.latency_s = SLOW_S
+    run = press_capture(prepared)
+    prepared.wait(lambda: run.progress is not None)
+    row = row_of(prepared, run)
+    row.buttons["pause"].setFocus()
+    assert prepared.iface.mainWindow().focusWidget() is row.buttons["pause"]
+    QTest.keyClick(row.buttons["pause"], Qt.Key.Key_Space)
+    assert run.stage is Stage.PAUSED
+    for button in row.buttons.values():
+        assert button.toolTip()
+        assert button.accessibleName()
+
+
+def test_list_leaves_room_for_the_entries(prepared, server):
+    """Many runs are scrolled; the panel still fits a small screen."""
+    server.latency_s = SLOW_S
+    for number in range(6):
+        press_capture(prepared, prepared.folder.with_name(f"flight-{number}"))
+    assert len(prepared.dock.run_list.rows) == 6
+    assert prepared.dock.widget().minimumSizeHint().height() < 600
+    row = prepared.dock.run_list.rows[-1]
+    prepared.qtbot.wait(50)
+    top = row.mapTo(prepared.dock.run_list.viewport(), QPoint(0, 0)).y()
+    assert 0 <= top < prepared.dock.run_list.viewport().height()

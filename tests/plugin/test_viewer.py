@@ -1,0 +1,263 @@
+"""Clicks on captured footprints show their images: every format, several images in one place, what is missing."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from osgeo import gdal
+from qgis.core import (
+    QgsCoordinateReferenceSystem,
+    QgsCoordinateTransform,
+    QgsPointXY,
+    QgsProject,
+)
+from qgis.PyQt.QtCore import QPoint, Qt
+from qgis.PyQt.QtGui import QDesktopServices, QImage
+from qgis.PyQt.QtTest import QTest
+
+from tests.support.tileserver import TileServer
+
+
+@pytest.fixture
+def server():
+    with TileServer() as running:
+        yield running
+
+
+@pytest.fixture
+def viewing(desk):
+    """The plugin's part that shows images; its window is closed at the end."""
+    yield desk.workflow.viewing
+    desk.workflow.viewing.stop()
+    if desk.workflow.viewing.viewer is not None:
+        desk.workflow.viewing.viewer.hide()
+
+
+@pytest.fixture
+def captured(desk, server, viewing):
+    """Capture a mission, changed by the caller, and look at it with the tool for viewing."""
+
+    def capture(change=lambda: None):
+        desk.enter_small_mission()
+        desk.use_template(server.url_template)
+        change()
+        planned = desk.wait_planned()
+        seen = []
+        desk.workflow.running.connect(seen.append)
+        desk.click(desk.dock.capture)
+        desk.wait(lambda: seen[-1:] == [False])
+        desk.workflow.running.disconnect(seen.append)
+        desk.look_at("EPSG:3857", (0, 0, 1, 1))
+        desk.workflow.zoom_to(planned.mission.area.bounds)
+        desk.canvas.waitWhileRendering()
+        desk.plugin.actions["view_images"].trigger()
+        return planned.plan
+
+    return capture
+
+
+def pixel_of(desk, lat_deg, lon_deg) -> QPoint:
+    """Pixel of the canvas at a place."""
+    to_map = QgsCoordinateTransform(
+        QgsCoordinateReferenceSystem("EPSG:4326"),
+        desk.canvas.mapSettings().destinationCrs(),
+        QgsProject.instance(),
+    )
+    at = desk.canvas.getCoordinateTransform().transform(to_map.transform(QgsPointXY(lon_deg, lat_deg)))
+    return QPoint(round(at.x()), round(at.y()))
+
+
+def look_at(desk, plan, index):
+    """Click the middle of a footprint and wait for its image."""
+    desk.workflow.viewing.seen = None
+    desk.click_map(pixel_of(desk, plan.lat_deg[index], plan.lon_deg[index]))
+    desk.wait(lambda: desk.workflow.viewing.seen is not None and not desk.workflow.viewing.busy)
+    return desk.workflow.viewing.seen
+
+
+def pixels(image: QImage):
+    """Pixels of an image, (h, w, 4)."""
+    image = image.convertToFormat(QImage.Format.Format_RGBA8888)
+    lines = np.frombuffer(image.constBits().asstring(image.sizeInBytes()), np.uint8)
+    return lines.reshape(image.height(), image.bytesPerLine() // 4, 4)[:, : image.width()]
+
+
+@pytest.mark.parametrize("image_format", ["tif", "png", "jpg"])
+def test_click_shows_the_image_and_what_is_known_of_it(desk, captured, viewing, image_format, screenshot):
+    plan = captured(lambda: desk.choose(desk.form.image_format, image_format))
+    index = len(plan) // 2
+    seen = look_at(desk, plan, index)
+    assert seen.shot.name == plan.names[index]
+    path = desk.folder / "satellite" / f"{plan.names[index]}.{image_format}"
+    assert seen.picture.path == path
+    file = np.moveaxis(gdal.Open(str(path)).ReadAsArray(), 0, -1)
+    assert np.array_equal(pixels(viewing.viewer.view.image)[..., :3], file[..., :3])
+    text = viewing.viewer.details.text()
+    for told in (
+        f"{plan.lat_deg[index]:.7f}",
+        "120.00 m above ground",
+        "Entropy",
+        " bits",
+        " m/px",
+        "127.0.0.1",
+        plan.names[index],
+    ):
+        assert told in text, told
+    screenshot(f"viewer-{image_format}")
+    # No file is kept open: it can be replaced and removed.
+    path.unlink()
+    look_at(desk, plan, index)
+    assert viewing.seen.picture.image is None
+    assert "Missing" in viewing.viewer.details.text()
+
+
+def test_next_and_previous_follow_the_flight(desk, captured, viewing):
+    plan = captured()
+    look_at(desk, plan, 0)
+    viewer = viewing.viewer
+    assert not viewer.previous.isEnabled()
+    for expected in (1, 2):
+        QTest.mouseClick(viewer.following, Qt.MouseButton.LeftButton)
+        desk.wait(lambda expected=expected: viewing.seen.shot.name == plan.names[expected])
+    desk.wait(lambda: not viewing.busy)
+    QTest.mouseClick(viewer.previous, Qt.MouseButton.LeftButton)
+    desk.wait(lambda: viewing.seen.shot.name == plan.names[1])
+    assert viewer.place.text() == f"2 of {len(plan)}"
+    # Outlined on the map, whatever its CRS.
+    to_degrees = QgsCoordinateTransform(
+        desk.canvas.mapSettings().destinationCrs(),
+        QgsCoordinateReferenceSystem("EPSG:4326"),
+        QgsProject.instance(),
+    )
+    outline = to_degrees.transformBoundingBox(viewing._band.asGeometry().boundingBox())
+    lat, lon = plan.corners.lat_deg[1], plan.corners.lon_deg[1]
+    assert (outline.xMinimum(), outline.yMaximum()) == pytest.approx((lon.min(), lat.max()), abs=1e-5)
+    assert (outline.xMaximum(), outline.yMinimum()) == pytest.approx((lon.max(), lat.min()), abs=1e-5)
+
+
+def test_several_images_under_one_click_are_listed(desk, captured, viewing):
+    def overlap():
+        desk.form.overlap_along.setValue(60)
+        desk.form.overlap_across.setValue(60)
+
+    plan = captured(overlap)
+    index = len(plan) // 2 + 3
+    look_at(desk, plan, index)
+    choices = viewing.viewer.under_click
+    assert choices.isVisibleTo(viewing.viewer)
+    assert choices.count() >= 4
+    names = [choices.itemText(number).rpartition(" ")[2] for number in range(choices.count())]
+    assert plan.names[index] in names
+    wanted = choices.count() - 1
+    choices.setCurrentIndex(wanted)
+    choices.activated.emit(wanted)
+    desk.wait(lambda: viewing.seen.shot.name == names[wanted])
+
+
+def test_camera_frames_show_what_has_no_ground_as_transparent(desk, captured, viewing, screenshot):
+    def tilt():
+        desk.enter_box("35.14", "-89.87", "35.1395", "-89.8695")
+        desk.form.set_state(replace(desk.workflow.state(), tilt_deg=75.0, yaw_deg=30.0))
+
+    plan = captured(tilt)
+    assert plan.size_px is not None
+    desk.workflow.zoom_to(plan.mission.area.bounds)
+    # Not below the camera: a tilted one does not see that.
+    footprint = next(desk.layer("Captured images").getFeatures()).geometry().pointOnSurface().asPoint()
+    desk.canvas.setExtent(
+        desk.canvas.mapSettings().layerExtentToOutputExtent(
+            desk.layer("Captured images"), desk.layer("Captured images").extent()
+        )
+    )
+    desk.canvas.waitWhileRendering()
+    viewing.seen = None
+    desk.click_map(pixel_of(desk, footprint.y(), footprint.x()))
+    desk.wait(lambda: viewing.seen is not None and not viewing.busy)
+    file = np.moveaxis(gdal.Open(str(viewing.seen.picture.path)).ReadAsArray(), 0, -1)
+    assert file.shape[2] == 4
+    assert (file[..., 3] == 0).any()
+    assert np.array_equal(pixels(viewing.viewer.view.image)[..., 3], file[..., 3])
+    screenshot("viewer-camera")
+
+
+def test_failed_image_says_why(desk, captured, viewing, server):
+    failed = []
+
+    def fail_first():
+        plan = desk.wait_planned().plan
+        x, y = int(plan.windows.left_px[0]) // 256, int(plan.windows.top_px[0]) // 256
+        server.fail("404", (plan.zoom, x, y))
+        failed.append(plan.names[0])
+
+    plan = captured(fail_first)
+    seen = look_at(desk, plan, 0)
+    assert [seen.shot.name] == failed
+    assert viewing.viewer.view.image is None
+    assert "404" in viewing.viewer.details.text()
+
+
+def test_rejected_image_is_found_and_said_to_be(desk, captured, viewing):
+    plan = captured()
+    folder = desk.folder / "satellite"
+    (folder / "rejected").mkdir()
+    name = f"{plan.names[0]}.tif"
+    (folder / name).rename(folder / "rejected" / name)
+    seen = look_at(desk, plan, 0)
+    assert seen.rejected
+    assert viewing.viewer.view.image is not None
+    assert "cleaning" in viewing.viewer.details.text()
+
+
+def test_without_captured_images_it_says_so(desk, viewing):
+    action = desk.plugin.actions["view_images"]
+    before = desk.canvas.mapTool()
+    action.trigger()
+    assert any("no captured images on the map yet" in text for text in desk.messages())
+    assert not action.isChecked()
+    assert desk.canvas.mapTool() is before
+
+
+def test_click_beside_all_footprints_and_removed_layers(desk, captured, viewing):
+    plan = captured()
+    look_at(desk, plan, 0)
+    desk.click_map(desk.at(0.01, 0.01))
+    desk.wait(lambda: viewing.seen is None and not viewing.busy)
+    assert viewing.viewer.view.image is None
+    look_at(desk, plan, 1)
+    desk.iface.newProject(False)
+    assert viewing.seen is None
+    assert viewing._band is None
+
+
+def test_large_images_are_read_no_larger_than_they_are_shown(tmp_path):
+    from terrainav.terrainav_plugin.viewer.picture import read_picture
+
+    path = tmp_path / "large.tif"
+    raster = gdal.GetDriverByName("GTiff").Create(str(path), 4000, 2000, 1)
+    raster.GetRasterBand(1).Fill(77)
+    del raster
+    picture = read_picture(path, 1000)
+    assert (picture.image.width(), picture.image.height()) == (1000, 500)
+    assert (picture.width_px, picture.height_px) == (4000, 2000)
+    assert (pixels(picture.image)[..., :3] == 77).all()
+
+
+def test_broken_image_is_one_line(tmp_path):
+    from terrainav.terrainav_plugin.viewer.picture import read_picture
+
+    path = tmp_path / "broken.tif"
+    path.write_bytes(b"no picture")
+    picture = read_picture(path, 1000)
+    assert picture.image is None
+    assert "cannot be read" in picture.problem
+
+
+def test_open_hands_the_file_to_the_system(desk, captured, viewing, monkeypatch):
+    opened = []
+    monkeypatch.setattr(QDesktopServices, "openUrl", opened.append)
+    plan = captured()
+    look_at(desk, plan, 2)
+    QTest.mouseClick(viewing.viewer.open, Qt.MouseButton.LeftButton)
+    assert [url.toLocalFile() for url in opened] == [str(viewing.seen.picture.path)]
