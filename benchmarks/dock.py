@@ -1,8 +1,10 @@
 """Longest time for which the mission panel keeps QGIS waiting while somebody types into each of its fields.
 
-Keys are posted to the widgets of the real application while its event loop runs, and a timer that is due every
+Keys come one by one to the widgets of the real application while its event loop runs, and a timer that is due every
 millisecond notes how late it comes: that is how long a click, or a repaint, would have had to wait. Plans are worked
-out beside it, as in use.
+out beside it, as in use. Of each longest wait it is said how long the main thread was at work and how long it stood in
+the queue for a processor, which is long where other programs run; beside it is how long the longest key took, and the
+most work between two beats.
 
 ::
 
@@ -12,9 +14,12 @@ out beside it, as in use.
 
 from __future__ import annotations
 
+import os
 import sys
 import time
+from collections.abc import Callable
 
+from heartbeat import Heartbeat
 from qgis.PyQt.QtCore import QEvent, QEventLoop, Qt, QTimer
 from qgis.PyQt.QtGui import QKeyEvent
 from qgis.PyQt.QtWidgets import QApplication, QComboBox, QLineEdit, QWidget
@@ -26,27 +31,6 @@ SMALL = ("35.14", "-89.87", "35.131", "-89.856")
 LARGE = ("35.14", "-89.87", "34.14", "-88.9")
 
 
-class Heartbeat:
-    """Notes the longest time between two beats of the event loop."""
-
-    def __init__(self) -> None:
-        self.longest_s = 0.0
-        self._last = time.perf_counter()
-        self._timer = QTimer()
-        self._timer.setTimerType(Qt.TimerType.PreciseTimer)
-        self._timer.timeout.connect(self._beat)
-        self._timer.start(1)
-
-    def take_s(self) -> float:
-        """Return the longest time since it was last taken."""
-        longest_s, self.longest_s = self.longest_s, 0.0
-        return longest_s
-
-    def _beat(self) -> None:
-        now = time.perf_counter()
-        self.longest_s, self._last = max(self.longest_s, now - self._last), now
-
-
 def run_for(milliseconds: int) -> None:
     """Let the application run."""
     loop = QEventLoop()
@@ -54,30 +38,33 @@ def run_for(milliseconds: int) -> None:
     loop.exec()
 
 
-def post_key(widget: QWidget, key: int, text: str = "") -> None:
-    """Press and release a key, by way of the event loop."""
+def seconds_of(act: Callable[[], object]) -> float:
+    """Run something and return how long it took."""
+    start = time.perf_counter()
+    act()
+    return time.perf_counter() - start
+
+
+def press_key(widget: QWidget, key: int, text: str = "") -> float:
+    """Press and release a key; return how long it took to be dealt with."""
+    seconds = 0.0
     for kind in (QEvent.Type.KeyPress, QEvent.Type.KeyRelease):
-        QApplication.postEvent(widget, QKeyEvent(kind, key, Qt.KeyboardModifier.NoModifier, text))
+        event = QKeyEvent(kind, key, Qt.KeyboardModifier.NoModifier, text)
+        seconds += seconds_of(lambda event=event: QApplication.sendEvent(widget, event))
+    run_for(KEY_MS)
+    return seconds
 
 
-def type_into(widget: QWidget) -> None:
-    """Type a number into a field, or go down a chooser's list and up again."""
+def type_into(widget: QWidget) -> float:
+    """Type a number into a field, or go down a chooser's list and up again; return the longest time of a key."""
     widget.setFocus()
     if isinstance(widget, QComboBox):
-        for key in (Qt.Key.Key_Down, Qt.Key.Key_Up):
-            post_key(widget, key)
-            run_for(KEY_MS)
-        return
+        return max(press_key(widget, key) for key in (Qt.Key.Key_Down, Qt.Key.Key_Up))
     edit = widget if isinstance(widget, QLineEdit) else widget.findChild(QLineEdit)
     if edit is None:
-        for _ in range(2):
-            post_key(widget, Qt.Key.Key_Space, " ")
-            run_for(KEY_MS)
-        return
+        return max(press_key(widget, Qt.Key.Key_Space, " ") for _ in range(2))
     edit.selectAll()
-    for letter in KEYS:
-        post_key(widget, ord(letter), letter)
-        run_for(KEY_MS)
+    return max(press_key(widget, ord(letter), letter) for letter in KEYS)
 
 
 def main() -> None:
@@ -98,21 +85,34 @@ def main() -> None:
     form.set_state(usual)
     run_for(2000)
     heartbeat = Heartbeat()
-    run_for(500)
-    print(f"nothing typed: {1e3 * heartbeat.take_s():.0f} ms")
-    waits: dict[str, float] = {}
+    run_for(1000)
+    print(f"nothing typed: {heartbeat.longest.text()} ms{load()}")
+    print(f"{'field':20} {'a key, ms':>10} {'longest wait, ms (at work + queued)':>36} {'most work, ms':>14}")
+    lines = []
     for name, widget in fields.items():
         if not widget.isVisible() or name == "folder":
             continue
-        heartbeat.take_s()
-        type_into(widget)
-        # Until the plan of the last key has been shown.
-        run_for(10 * KEY_MS)
-        waits[name] = heartbeat.take_s()
+        heartbeat.reset()
+        key_s = type_into(widget)
+        # Until the plan of the last key has been shown, and the entries written down.
+        run_for(12 * KEY_MS)
+        wait = heartbeat.longest
+        text = f"{name:20} {1e3 * key_s:10.1f} {wait.text():>36} {1e3 * heartbeat.most_work_s:14.0f}"
+        lines.append((wait, text))
         form.set_state(usual)
         run_for(5 * KEY_MS)
-    for name, wait_s in sorted(waits.items(), key=lambda item: -item[1]):
-        print(f"{name:24} {1e3 * wait_s:6.1f} ms")
+    print("\n".join(text for _, text in sorted(lines, reverse=True)))
+    run_for(2000)
+    for what, act in (
+        ("a plan taken up", lambda: workflow.planner.planned.emit(workflow.planned)),
+        ("entries written down", workflow.memory.write),
+    ):
+        print(f"{what}: {1e3 * seconds_of(act):.1f} ms")
+
+
+def load() -> str:
+    """How busy the machine is, where it says so."""
+    return f"; load average {os.getloadavg()[0]:.1f}" if hasattr(os, "getloadavg") else ""
 
 
 main()

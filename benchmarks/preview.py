@@ -3,7 +3,8 @@
     python tools/qgis_app.py benchmarks/preview.py     # writes docs/preview.md
 
 The mission is drawn on the map, zoomed into with the wheel's steps until single images are seen, and moved about at
-every scale. A timer that should fire every millisecond tells how long the application's event loop was held up.
+every scale. A timer that should fire every millisecond tells how long the application's event loop was held up, and
+the preview's own methods on the main thread are timed one by one.
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ import time
 from pathlib import Path
 from typing import NamedTuple
 
+from heartbeat import Block, Heartbeat, Steps
 from qgis.core import Qgis, QgsCoordinateReferenceSystem, QgsProject, QgsRectangle, QgsVector
 from qgis.PyQt.QtCore import QCoreApplication, QEventLoop, QTimer
 from qgis.utils import iface
@@ -23,6 +25,8 @@ from qgis.utils import iface
 ROOT = Path(__file__).resolve().parent.parent
 COUNTS = (1_000, 10_000, 100_000, 1_000_000)
 PATIENCE_S = 120.0
+#: What the preview does on the main thread: all that the event loop, the map and the panel call.
+OWN_STEPS = ("show", "_follow", "_look", "_deliver", "_fill_on", "_forget")
 #: The published mission's middle, and degrees a capture takes there at 120 m.
 LAT_DEG, LON_DEG, STEP_LAT_DEG, STEP_LON_DEG = 35.1375, -89.8615, 0.00098, 0.00158
 #: Steps of the wheel from the whole mission down to single images, at most.
@@ -37,28 +41,13 @@ class Figures(NamedTuple):
     first_s: float
     zooms_ms: list[float]
     pans_ms: list[float]
-    block_ms: float
+    steps_ms: list[float]
+    step_ms: float
+    idle: Block
+    block: Block
+    work_ms: float
     drawn: int
     memory_mb: float
-
-
-class Watch:
-    """Longest time for which the event loop did not turn."""
-
-    def __init__(self) -> None:
-        self.longest_s = 0.0
-        self._last = time.perf_counter()
-        self._timer = QTimer()
-        self._timer.timeout.connect(self._turned)
-        self._timer.start(1)
-
-    def _turned(self) -> None:
-        now = time.perf_counter()
-        self.longest_s, self._last = max(self.longest_s, now - self._last), now
-
-    def reset(self) -> None:
-        """Begin anew."""
-        self.longest_s, self._last = 0.0, time.perf_counter()
 
 
 def wait(preview) -> None:
@@ -99,33 +88,43 @@ def measure(count: int, folder: Path) -> Figures:
     estimate(planned, costs_of(mission.source))
     plan_s = time.perf_counter() - start
 
+    steps = Steps()
+    watched = steps.watch(Preview, *OWN_STEPS)
+    watched.__enter__()
     preview = Preview(project, canvas)
     left, bottom, right, top = planned.edges_m
     canvas.setExtent(QgsRectangle(left.min(), bottom.min(), right.max(), top.max()))
     settle()
-    watch = Watch()
-    settle(0.05)
+    watch = Heartbeat()
+    settle(1.0)
+    idle = watch.longest
     watch.reset()
+    steps.reset()
     start = time.perf_counter()
     preview.show(MissionGroup(project, "benchmark", str(folder)), mission, planned)
     wait(preview)
     first_s = time.perf_counter() - start
     canvas.waitWhileRendering()
     settle()
-    blocks, zooms, pans = [watch.longest_s], [], []
+    blocks, work, zooms, pans = [watch.longest], [watch.most_work_s], [], []
+    totals, longest = [steps.total_s], [steps.longest_s]
     most = _drawn(preview)
 
     def timed(act) -> float:
         nonlocal most
         settle(0.1)
         watch.reset()
+        steps.reset()
         begin = time.perf_counter()
         act()
         wait(preview)
         seconds = time.perf_counter() - begin
         canvas.waitWhileRendering()
         settle(0.1)
-        blocks.append(watch.longest_s)
+        blocks.append(watch.longest)
+        work.append(watch.most_work_s)
+        totals.append(steps.total_s)
+        longest.append(steps.longest_s)
         most = max(most, _drawn(preview))
         return 1000.0 * seconds
 
@@ -141,7 +140,12 @@ def measure(count: int, folder: Path) -> Figures:
             pans.append(timed(lambda extent=extent: canvas.setExtent(extent)))
     memory_mb = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0
     preview.close()
-    return Figures(len(planned), plan_s, first_s, zooms, pans, 1000.0 * max(blocks), most, memory_mb)
+    watched.__exit__(None, None, None)
+    return Figures(
+        *(len(planned), plan_s, first_s, zooms, pans),
+        *([1000.0 * total for total in totals], 1000.0 * max(longest)),
+        *(idle, max(blocks), 1000.0 * max(work), most, memory_mb),
+    )
 
 
 def _drawn(preview) -> int:
@@ -154,32 +158,44 @@ def page(rows: list[Figures]) -> str:
     machine = (
         f"Machine: {os.cpu_count()} cores, {platform.system()}; QGIS {Qgis.QGIS_VERSION.partition('-')[0]}, "
     )
-    machine += f"virtual screen, map {canvas.width()} x {canvas.height()} px."
-    heads = "captures|plan, s|first preview, s|zoom, ms: median, longest|pan, ms: median, longest|longest block, ms"
+    machine += f"virtual screen, map {canvas.width()} x {canvas.height()} px"
+    load = f"; load average {os.getloadavg()[0]:.1f}" if hasattr(os, "getloadavg") else ""
+    heads = (
+        *("captures", "plan, s", "first preview, s", "zoom, ms: median, longest", "pan, ms: median, longest"),
+        *("own steps, ms: longest, all of a view", "nothing done: longest block, ms"),
+        *("longest block, ms", "most work at once, ms", "features", "memory, MB"),
+    )
     lines = [
         "# Preview",
         "",
         "Made by `python tools/qgis_app.py benchmarks/preview.py`; every figure is of one run on one machine.",
         "",
-        machine,
+        f"{machine}{load}.",
         "",
         "A mission at 120 m is previewed whole, then zoomed into by steps of two, with four moves at each. A",
         "zoom or pan is the time from the event until all layers are filled, with the pause of 60 ms that the preview",
-        "waits for the map to come to rest. The longest block is the longest time the event loop did not turn in all",
-        "of that, QGIS's own drawing included. Features are those of all layers together, at most. Memory is the peak",
-        "of the process, which only grows from one row to the next.",
+        "waits for the map to come to rest. Own steps are the preview's methods on the main thread: the longest of",
+        "all, and the median over the views of what they take together. The longest block is the longest time the",
+        "event loop did not turn in all of that, QGIS's own drawing included; in brackets is how long the main thread",
+        "was at work in it, and how long it was ready to and other threads or programs had the processors. Where",
+        "nothing was done, the block is what the machine does to a program that waits. The most work at once is the",
+        "most processor time of the main thread from one turn of the event loop to the next. Features are those of",
+        "all layers together, at most. Memory is the peak of the process, which only grows from one row to the next.",
         "",
-        f"| {heads.replace('|', ' | ')} | features | memory, MB |",
-        "| ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: |",
+        f"| {' | '.join(heads)} |",
+        f"| {' | '.join(['---:'] * len(heads))} |",
     ]
     for row in rows:
         zoom, pan = (
             f"{sorted(times)[len(times) // 2]:.0f}, {max(times):.0f}" for times in (row.zooms_ms, row.pans_ms)
         )
-        lines.append(
-            f"| {row.captures:,} | {row.plan_s:.2f} | {row.first_s:.2f} | {zoom} | {pan} | {row.block_ms:.0f} "
-            f"| {row.drawn:,} | {row.memory_mb:.0f} |"
+        of_a_view = sorted(row.steps_ms)[len(row.steps_ms) // 2]
+        cells = (
+            *(f"{row.captures:,}", f"{row.plan_s:.2f}", f"{row.first_s:.2f}", zoom, pan),
+            *(f"{row.step_ms:.1f}, {of_a_view:.1f}", row.idle.text(), row.block.text()),
+            *(f"{row.work_ms:.0f}", f"{row.drawn:,}", f"{row.memory_mb:.0f}"),
         )
+        lines.append(f"| {' | '.join(cells)} |")
     return "\n".join([*lines, ""])
 
 

@@ -53,7 +53,7 @@ def write_whole(
         Where it cannot be written; what was there before is left alone.
     """
     target = Path(path)
-    partial = target.with_name(target.name + PARTIAL_ENDING)
+    partial = _partial(target)
     try:
         try:
             with partial.open("wb") as file:
@@ -70,6 +70,16 @@ def write_whole(
             raise
     except OSError as wrong:
         raise OutputError(f"folder {target.parent}: cannot write {target.name} ({wrong.strerror})") from wrong
+
+
+def clear_partial(path: str | os.PathLike[str]) -> None:
+    """Remove what a killed run has left of writing a file, where it can be removed."""
+    with contextlib.suppress(OSError):
+        _partial(Path(path)).unlink()
+
+
+def _partial(target: Path) -> Path:
+    return target.with_name(target.name + PARTIAL_ENDING)
 
 
 def _sync_folder(folder: Path) -> None:

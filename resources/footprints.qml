@@ -41,12 +41,17 @@
               <Option type="Map" name="properties">
                 <Option type="Map" name="fillColor">
                   <Option type="bool" name="active" value="true"/>
-                  <Option type="QString" name="expression" value="CASE WHEN &quot;horizon&quot; OR abs(&quot;tilt&quot;) > 45 THEN color_rgba(86,180,233,0) ELSE color_rgba(86,180,233, greatest(6, 38 / coalesce(&quot;overlap&quot;, 1))) END"/>
+                  <Option type="QString" name="expression" value="color_rgba(86,180,233, CASE WHEN &quot;horizon&quot; OR &quot;crowd&quot; > 12 THEN 0 ELSE max(4, 38 / coalesce(&quot;crowd&quot;, 1)) END)"/>
                   <Option type="int" name="type" value="3"/>
                 </Option>
                 <Option type="Map" name="outlineColor">
                   <Option type="bool" name="active" value="true"/>
-                  <Option type="QString" name="expression" value="color_rgba(86,180,233, CASE WHEN abs(&quot;tilt&quot;) > 45 THEN 30 ELSE 255 END)"/>
+                  <Option type="QString" name="expression" value="color_rgba(86,180,233, max(130, 255 - 8 * coalesce(&quot;crowd&quot;, 1)))"/>
+                  <Option type="int" name="type" value="3"/>
+                </Option>
+                <Option type="Map" name="outlineStyle">
+                  <Option type="bool" name="active" value="true"/>
+                  <Option type="QString" name="expression" value="with_variable('apart', ceil(sqrt(coalesce(&quot;crowd&quot;, 1) / 16.0)), if(&quot;column&quot; % @apart = 0 AND &quot;row&quot; % @apart = 0, 'solid', 'no'))"/>
                   <Option type="int" name="type" value="3"/>
                 </Option>
               </Option>
@@ -120,7 +125,7 @@
         <substitutions/>
       </text-style>
       <text-format reverseDirectionSymbol="0" decimals="3" autoWrapLength="0" rightDirectionSymbol=">" wrapChar="" multilineAlign="3" placeDirectionSymbol="0" plussign="0" formatNumbers="0" useMaxLineLengthForAutoWrap="1" addDirectionSymbol="0" leftDirectionSymbol="&lt;"/>
-      <placement rotationAngle="0" placement="1" fitInPolygonOnly="0" yOffset="2.2000000000000002" offsetType="0" overrunDistanceUnit="MM" placementFlags="10" rotationUnit="AngleDegrees" geometryGeneratorEnabled="0" lineAnchorClipping="0" distUnits="MM" overrunDistance="0" maxCurvedCharAngleOut="-25" overrunDistanceMapUnitScale="3x:0,0,0,0,0,0" labelOffsetMapUnitScale="3x:0,0,0,0,0,0" offsetUnits="MM" repeatDistanceMapUnitScale="3x:0,0,0,0,0,0" repeatDistanceUnits="MM" lineAnchorPercent="0.5" repeatDistance="0" maxCurvedCharAngleIn="25" dist="0" centroidWhole="0" xOffset="0" quadOffset="7" preserveRotation="1" centroidInside="0" priority="5" distMapUnitScale="3x:0,0,0,0,0,0" predefinedPositionOrder="TR,TL,BR,BL,R,L,TSR,BSR" lineAnchorType="0" geometryGenerator="" layerType="UnknownGeometry" polygonPlacementFlags="2" geometryGeneratorType="PointGeometry"/>
+      <placement rotationAngle="0" placement="1" fitInPolygonOnly="0" yOffset="2.2000000000000002" offsetType="0" overrunDistanceUnit="MM" placementFlags="10" rotationUnit="AngleDegrees" geometryGeneratorEnabled="0" lineAnchorClipping="0" distUnits="MM" overrunDistance="0" maxCurvedCharAngleOut="-25" overrunDistanceMapUnitScale="3x:0,0,0,0,0,0" labelOffsetMapUnitScale="3x:0,0,0,0,0,0" offsetUnits="MM" repeatDistanceMapUnitScale="3x:0,0,0,0,0,0" repeatDistanceUnits="MM" lineAnchorPercent="0.5" repeatDistance="0" maxCurvedCharAngleIn="25" dist="0" centroidWhole="1" xOffset="0" quadOffset="7" preserveRotation="1" centroidInside="0" priority="5" distMapUnitScale="3x:0,0,0,0,0,0" predefinedPositionOrder="TR,TL,BR,BL,R,L,TSR,BSR" lineAnchorType="0" geometryGenerator="" layerType="UnknownGeometry" polygonPlacementFlags="2" geometryGeneratorType="PointGeometry"/>
       <rendering maxNumLabels="2000" mergeLines="0" fontMaxPixelSize="10000" scaleVisibility="1" obstacleFactor="1" fontMinPixelSize="0" fontLimitPixelSize="0" unplacedVisibility="0" upsidedownLabels="0" obstacleType="1" labelPerPart="0" obstacle="1" drawLabels="1" displayAll="0" minFeatureSize="0" limitNumLabels="0" scaleMax="8000" scaleMin="1" zIndex="0"/>
       <dd_properties>
         <Option type="Map">

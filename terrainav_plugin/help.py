@@ -5,12 +5,11 @@ from __future__ import annotations
 from configparser import ConfigParser
 from pathlib import Path
 
-from qgis.core import QgsApplication
 from qgis.PyQt.QtCore import QUrl
 from qgis.PyQt.QtGui import QDesktopServices
 from qgis.PyQt.QtWidgets import QDialogButtonBox
 
-from .i18n import tr
+from .i18n import language, tr
 
 _PLUGIN = Path(__file__).resolve().parent.parent
 _GUIDE = "guide"
@@ -24,8 +23,7 @@ def help_url(topic: str = "") -> QUrl:
     topic : str
         Heading to go to, as it is written in links; empty for the beginning.
     """
-    language = QgsApplication.locale()[:2]
-    for name in (f"{_GUIDE}.{language}.md", f"{_GUIDE}.md"):
+    for name in (f"{_GUIDE}.{language()}.md", f"{_GUIDE}.md"):
         path = _PLUGIN / "docs" / name
         if path.is_file():
             url = QUrl.fromLocalFile(str(path))
@@ -55,7 +53,7 @@ def close_help() -> None:
 
 
 def add_help_button(buttons: QDialogButtonBox, topic: str) -> None:
-    """Add a button to a dialog's that opens the guide at a topic."""
+    """Add a button to a dialog's that opens the guide at a topic, a heading in the user's language."""
     button = buttons.addButton(QDialogButtonBox.StandardButton.Help)
     button.setToolTip(tr("Open the guide"))
     buttons.helpRequested.connect(lambda: show_help(topic))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import re
-from functools import lru_cache, partial
+from functools import cache, lru_cache, partial
 
 from qgis.core import QgsApplication
 from qgis.PyQt.QtCore import QCoreApplication, QTranslator
@@ -16,9 +16,11 @@ _FOLDER = RESOURCES / "i18n"
 _PLUGIN, _CORE = "TerrAInav", "TerrAInav core"
 #: Places for values in a message of the core.
 _PLACE = re.compile(r"\{(\d+)\}")
-#: Values that are themselves messages: this deep and no deeper.
-_DEPTH = 4
-_WORDS = re.compile(r"[A-Za-z]{2,} ")
+#: Messages within messages: this deep and no deeper.
+_DEPTH = 6
+#: Joints of what the core puts together of several messages, beside the colon.
+_JOINTS = ("; ", ", ")
+_BRACKETED = re.compile(r"(.+?) \((.+)\)", re.DOTALL)
 
 
 def tr(text: str) -> str:
@@ -28,14 +30,14 @@ def tr(text: str) -> str:
 
 def install_translator() -> QTranslator | None:
     """Have Qt speak the user's language from now on; None where there is no translation, or English will do."""
-    language = QgsApplication.locale()[:2]
-    path = _FOLDER / f"terrainav_{language}.qm"
+    path = _FOLDER / f"terrainav_{language()}.qm"
     if not path.is_file():
         return None
     translator = QTranslator()
     if not translator.load(str(path)):
         return None
     QCoreApplication.installTranslator(translator)
+    _templates.cache_clear()
     return translator
 
 
@@ -43,7 +45,8 @@ def remove_translator(translator: QTranslator | None) -> None:
     """Undo `install_translator`."""
     if translator is not None:
         QCoreApplication.removeTranslator(translator)
-    _templates.cache_clear()
+        _templates.cache_clear()
+        _pattern.cache_clear()
 
 
 def told(message: object) -> str:
@@ -52,20 +55,55 @@ def told(message: object) -> str:
     The core speaks English. Its messages are recognised by their fixed words; a value that is itself a message is
     translated too. What is not recognised stays as it is.
     """
-    return _told(str(message), _DEPTH)
+    text = str(message)
+    return text if _is_english() else _told(text, _DEPTH, whole=True)
 
 
-def _told(text: str, depth: int) -> str:
-    if not _templates() or not _WORDS.search(text):
+def language() -> str:
+    """Code of the application's language without that of a country: ``es`` for ``es_MX`` or ``es-419``."""
+    return re.split("[_.@-]", _locale())[0].lower()
+
+
+def _locale() -> str:
+    # What it was started with counts before what is set; without windows there is only the latter.
+    return QgsApplication.instance().translation() or QgsApplication.locale()
+
+
+def _is_english() -> bool:
+    # Translated as the name of the language that texts are in.
+    return tr("English") == "English"
+
+
+def _told(text: str, depth: int, *, whole: bool) -> str:
+    """Message in the user's language; of a value in one, ``whole`` is false: a single word may be a name."""
+    if " " not in text and not whole:
         return text
-    for pattern, template in _templates():
-        match = pattern.fullmatch(text)
-        if match is None:
+    translated = QCoreApplication.translate(_CORE, text)
+    if translated != text or " " not in text or not depth:
+        return translated
+    for fixed, template in _templates():
+        if not all(part in text for part in fixed):
             continue
-        values = [_told(value, depth - 1) if depth else value for value in match.groups()]
-        translated = QCoreApplication.translate(_CORE, template)
-        return _PLACE.sub(partial(_value_at, values), translated)
-    return text
+        match = _pattern(template).fullmatch(text)
+        if match is not None:
+            values = [_told(value, depth - 1, whole=False) for value in match.groups()]
+            translated = QCoreApplication.translate(_CORE, template)
+            return _PLACE.sub(partial(_value_at, values), translated)
+    return _joined(text, depth - 1)
+
+
+def _joined(text: str, depth: int) -> str:
+    """Messages that the core has put together, one by one."""
+    first, found, rest = text.partition(": ")
+    if found:
+        return f"{_told(first, depth, whole=True)}: {_told(rest, depth, whole=True)}"
+    for joint in _JOINTS:
+        if joint in text:
+            return joint.join(_told(part, depth, whole=True) for part in text.split(joint))
+    match = _BRACKETED.fullmatch(text)
+    if match is None:
+        return text
+    return f"{_told(match[1], depth, whole=True)} ({_told(match[2], depth, whole=True)})"
 
 
 def _value_at(values: list[str], place: re.Match[str]) -> str:
@@ -73,16 +111,22 @@ def _value_at(values: list[str], place: re.Match[str]) -> str:
 
 
 @lru_cache(maxsize=1)
-def _templates() -> tuple[tuple[re.Pattern[str], str], ...]:
-    """Patterns of the messages there are translations of, those with the most fixed words first."""
-    path = _FOLDER / "messages.json"
-    texts = json.loads(path.read_text(encoding="utf-8")) if path.is_file() else []
-    known = [text for text in texts if QCoreApplication.translate(_CORE, text) != text]
-    known.sort(key=lambda text: -len(_PLACE.sub("", text)))
-    return tuple((_pattern(text), text) for text in known)
-
-
-def _pattern(template: str) -> re.Pattern[str]:
-    parts = _PLACE.split(template)
+def _templates() -> tuple[tuple[tuple[str, ...], str], ...]:
+    """Messages with places for values, each after its fixed parts; those with the most fixed words first."""
+    texts = json.loads((_FOLDER / "messages.json").read_text(encoding="utf-8"))
     # Every other part is the number of a place.
-    return re.compile("(.*?)".join(re.escape(part) for part in parts[::2]), re.DOTALL)
+    found = [(tuple(_PLACE.split(text)[::2]), text) for text in texts if _PLACE.search(text)]
+    found.sort(key=lambda one: -sum(map(len, one[0])))
+    return tuple(found)
+
+
+@cache
+def _pattern(template: str) -> re.Pattern[str]:
+    """Pattern of a message; made when it is first needed, as all of them together take long."""
+    parts = _PLACE.split(template)[::2]
+    places = ["(.*?)"] * (len(parts) - 1)
+    if parts[:2] == ["", " "]:
+        # What is wrong with its value after it: words, and the value is one word.
+        places[0] = "(.*)"
+    pattern = "".join(re.escape(part) + place for part, place in zip(parts, [*places, ""]))
+    return re.compile(pattern, re.DOTALL)

@@ -33,12 +33,14 @@ def show_log(iface: QgisInterface) -> None:
 
 
 class Messages(QObject):
-    """Messages of one session; `clear` takes back those still shown."""
+    """Messages of one session; `close` takes back those still shown."""
 
     def __init__(self, iface: QgisInterface) -> None:
         super().__init__()
         self._iface = iface
         self._shown: list[QgsMessageBarItem] = []
+        # The bar says when an item goes. What an item calls as it is destroyed may be gone already itself.
+        iface.messageBar().widgetRemoved.connect(self._forget)
 
     def info(self, text: str) -> None:
         """Say what happened."""
@@ -58,8 +60,9 @@ class Messages(QObject):
         """Say that something failed that should not have."""
         self._show(text, Qgis.MessageLevel.Critical, details=details)
 
-    def clear(self) -> None:
-        """Take back what is still shown."""
+    def close(self) -> None:
+        """Take back what is still shown, for good."""
+        self._iface.messageBar().widgetRemoved.disconnect(self._forget)
         for item in list(self._shown):
             self._iface.messageBar().popWidget(item)
         self._shown.clear()
@@ -77,8 +80,6 @@ class Messages(QObject):
             self._add_button(item, *action)
         if details:
             self._add_button(item, tr("Details"), lambda: show_log(self._iface), keep=True)
-        # The bar deletes an item once it is closed; its wrapper must not be used after that.
-        item.destroyed.connect(lambda: self._forget(item))
         self._shown.append(item)
         self._iface.messageBar().pushItem(item)
 
@@ -95,5 +96,6 @@ class Messages(QObject):
         action()
 
     def _forget(self, item: QgsMessageBarItem) -> None:
+        """Let go of an item: the bar deletes it, and its wrapper must not be used after that."""
         if item in self._shown:
             self._shown.remove(item)

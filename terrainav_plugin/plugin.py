@@ -25,6 +25,8 @@ if TYPE_CHECKING:
     from .workflow import Workflow
 
 MENU = "TerrAInav"
+#: Names the provider of algorithms, as in ``terrainav:plan``.
+PROVIDER = "terrainav"
 #: Actions that look as they do everywhere in QGIS.
 _OF_QGIS = {"settings": "/mActionOptions.svg", "help": "/mActionHelpContents.svg"}
 #: Packages the plugin needs beside QGIS.
@@ -50,14 +52,16 @@ class TerrAInavPlugin:
         """Add the provider of algorithms; QGIS itself calls this where it has no windows (``qgis_process``)."""
         from .processing.provider import Provider
 
-        if self._provider is not None:
-            return
-        self._provider = Provider()
-        QgsApplication.processingRegistry().addProvider(self._provider)
+        registry = QgsApplication.processingRegistry()
+        if registry.providerById(PROVIDER) is None:
+            self._translate()
+            # The registry owns it, but without this its Python half would be forgotten.
+            self._provider = Provider()
+            registry.addProvider(self._provider)
 
     def initGui(self) -> None:
         """Add toolbar, menu and options page."""
-        self._translator = install_translator()
+        self._translate()
         self.messages = Messages(self.iface)
         self._toolbar = self.iface.addToolBar(MENU)
         self._toolbar.setObjectName("terrainav_toolbar")
@@ -90,12 +94,20 @@ class TerrAInavPlugin:
             self._processing_soon.stop()
             self._processing_soon.deleteLater()
             self._processing_soon = None
-        if self._provider is not None:
-            # With it, the registry deletes its algorithms.
-            QgsApplication.processingRegistry().removeProvider(self._provider)
-            self._provider = None
-        if self._toolbar is None:
-            return
+        # By name: the registry may have deleted it already, with its algorithms.
+        QgsApplication.processingRegistry().removeProvider(PROVIDER)
+        self._provider = None
+        if self._toolbar is not None:
+            self._remove_from_window()
+        remove_translator(self._translator)
+        self._translator = None
+
+    def _translate(self) -> None:
+        """Speak the user's language from now on; once, with windows or without."""
+        if self._translator is None:
+            self._translator = install_translator()
+
+    def _remove_from_window(self) -> None:
         from .help import close_help
 
         self.iface.projectRead.disconnect(self._project_read)
@@ -106,7 +118,7 @@ class TerrAInavPlugin:
             self._workflow.close()
             self._workflow.deleteLater()
             self._workflow = None
-        self.messages.clear()
+        self.messages.close()
         self.messages.deleteLater()
         for action in self.actions.values():
             self.iface.unregisterMainWindowAction(action)
@@ -116,8 +128,7 @@ class TerrAInavPlugin:
         self._menu.deleteLater()
         self.iface.mainWindow().removeToolBar(self._toolbar)
         self._toolbar.deleteLater()
-        remove_translator(self._translator)
-        self._toolbar = self._menu = self._options = self._translator = None
+        self._toolbar = self._menu = self._options = None
 
     def show_settings(self) -> None:
         """Open QGIS's options at the plugin's page."""

@@ -13,7 +13,7 @@ from qgis.core import QgsProject
 from ..core.errors import InvalidInput, SourceError
 from .credentials import key_in, problem_with
 from .dock.mission_form import FormError
-from .i18n import tr
+from .i18n import told, tr
 from .layers.connections import Connection, connection, is_connection
 from .layers.snapshot import Snapshot, grid_of_layers, is_of_qgis, take_snapshot
 from .layers.source import LayerSource
@@ -63,7 +63,7 @@ def grid_of(mission: Mission) -> PixelGrid:
         source = _opened(mission, plan_only=True)
     except (InvalidInput, SourceError) as wrong:
         field = "date" if str(wrong).startswith("date ") else "source"
-        raise FormError({field: str(wrong).replace(" (--date)", "")}) from wrong
+        raise FormError({field: told(wrong).replace(" (--date)", "")}) from wrong
     grid = source.grid
     source.close()
     return grid

@@ -8,7 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from qgis.core import QgsApplication, QgsProject
+from qgis.core import QgsProject
 from qgis.gui import QgisInterface
 from qgis.PyQt.QtCore import QObject, Qt, pyqtSignal
 from qgis.PyQt.QtWidgets import QComboBox
@@ -24,14 +24,15 @@ from .dock.mission_form import FormError
 from .dock.refusals import in_words_of_the_dock, refused_fields
 from .dock.source_choices import source_choices
 from .dock.source_shelf import SourceShelf
-from .i18n import tr
-from .layers.snapshot import is_of_qgis
+from .form_memory import FormMemory
+from .i18n import told, tr
 from .map.area_control import AreaControl
-from .map.background import Background, WorldTask
+from .map.background import Background
 from .map.box_tool import BoxTool
 from .map.mission_group import MissionGroup
 from .map.point_tool import PointTool
 from .map.preview import Preview
+from .map.source_on_map import SourceOnMap
 from .messages import Messages
 from .missions.missions import Missions
 from .planner import Planned, Planner
@@ -39,7 +40,6 @@ from .runs.after import open_in_system
 from .runs.line import Runs
 from .runs.panel import RunPanel
 from .settings import Settings
-from .sources import WORLD
 from .viewer.viewing import Viewing
 
 if TYPE_CHECKING:
@@ -77,6 +77,8 @@ class Workflow(QObject):
         self.box_tool = BoxTool(canvas)
         self.point_tool = PointTool(canvas)
         self.dock = Dock(source_choices(self.project)[0], camera_choices()[0])
+        self.source_on_map = SourceOnMap(self.background, self.dock, messages, self.settings)
+        self.memory = FormMemory(self.settings, self.state, self)
         self.areas = AreaControl(iface, self.dock, messages, self.box_tool)
         self.runs = Runs(self)
         self.run_panel = RunPanel(
@@ -91,8 +93,8 @@ class Workflow(QObject):
         self.planned: Planned | None = None
         self._timed: tuple[Mission, str] | None = None
         self._when_planned: Callable[[Planned], None] | None = None
+        self._refusal = ""
         self._zoom_to_preview = False
-        self._world_task: WorldTask | None = None
         self._connect()
         iface.addDockWidget(Qt.DockWidgetArea.RightDockWidgetArea, self.dock)
         self._restore()
@@ -138,31 +140,23 @@ class Workflow(QObject):
             folder = Path(state.folder.strip()).expanduser()
             self.with_plan(lambda planned: self.runs.start(planned, folder, only_failed))
 
-    def with_plan(self, act: Callable[[Planned], None]) -> None:
-        """Do something with the plan of what is entered now, as soon as there is one."""
+    def with_plan(self, act: Callable[[Planned], None], refusal: str = "") -> None:
+        """Do something with the plan of what is entered now, as soon as there is one.
+
+        Parameters
+        ----------
+        refusal : str
+            What to say where there is none, with a place for the ``reason``.
+        """
         self._when_planned = act
+        self._refusal = refusal or tr("Nothing to capture yet: {reason}")
         if not self._plan(at_once=True):
             self._when_planned = None
-            self.messages.warning(tr("Nothing to capture yet: {reason}").format(reason=self._reason()))
+            self.messages.warning(self._refusal.format(reason=self._reason()))
 
     def show_on_map(self) -> None:
         """Add the source as background and zoom to the area."""
-        from ..core.imagery.opening import is_file
-
-        state = self.state()
-        map_type = state.map_types[0] if state.map_types else "satellite"
-        try:
-            if state.source == WORLD:
-                self._show_world(self._box(), map_type)
-                return
-            title = self.dock.form.imagery.title()
-            if is_file(state.source):
-                self.background.show_file(state.source, title)
-            elif not is_of_qgis(state.source):
-                self.background.show_tiles(state.source_name, map_type, title, state.date)
-            self.background.zoom_to(self._box())
-        except TerrAInavError as wrong:
-            self.messages.warning(str(wrong))
+        self.source_on_map.show()
 
     def group(self) -> MissionGroup:
         """Group of the mission that is entered."""
@@ -182,7 +176,7 @@ class Workflow(QObject):
         try:
             self.background.zoom_to(box)
         except TerrAInavError as wrong:
-            self.messages.warning(str(wrong))
+            self.messages.warning(told(wrong))
 
     def settings_changed(self) -> None:
         """Take up what the user has set among QGIS's options."""
@@ -195,14 +189,11 @@ class Workflow(QObject):
 
     def close(self) -> None:
         """Leave nothing behind."""
-        self.settings.form = self.state().to_json()
+        self.memory.write()
         self.runs.close()
         self.missions.close()
         self.viewing.close()
-        if self._world_task is not None:
-            self._world_task.ended.disconnect()
-            self._world_task.cancel()
-            self._world_task = None
+        self.source_on_map.close()
         self.planner.close()
         for signal in (self.project.layersAdded, self.project.layersRemoved, self.project.cleared):
             signal.disconnect(self._show_hint)
@@ -249,9 +240,13 @@ class Workflow(QObject):
         self._show_hint()
 
     def _form_changed(self) -> None:
-        self.settings.form = self.state().to_json()
+        self.memory.note()
         self.dock.form.show_key(self.settings.authcfg(self.state().source_name))
-        self._when_planned = None
+        if self._when_planned is not None:
+            self._when_planned = None
+            self.messages.info(
+                tr("The entries have changed before their plan was there: press the button again.")
+            )
         self._plan()
         self._show_hint()
 
@@ -321,7 +316,7 @@ class Workflow(QObject):
                 "".join(traceback.format_exception(None, error, error.__traceback__)),
             )
         if waiting is not None:
-            self.messages.warning(tr("Nothing to capture yet: {reason}").format(reason=self._reason()))
+            self.messages.warning(self._refusal.format(reason=self._reason()))
 
     def _reason(self) -> str:
         """First thing that is wrong with the entries."""
@@ -354,34 +349,7 @@ class Workflow(QObject):
             if not canvas.extent().intersects(self.background.rectangle(box)):
                 self.background.zoom_to(box)
         except TerrAInavError as wrong:
-            self.messages.warning(str(wrong))
-
-    def _show_world(self, box: Box | None, map_type: str) -> None:
-        if self._world_task is not None:
-            return
-        seed, folder = self.state().seed, self.settings.backgrounds
-        task = self.background.world_task(box, map_type, seed, folder)
-        title = self.dock.form.imagery.title()
-
-        def show(task: WorldTask | None) -> None:
-            self._world_task = None
-            self.dock.form.show_on_map.setEnabled(True)
-            if task is not None and task.error:
-                self.messages.error(task.error, task.trace)
-            elif task is None or not task.isCanceled():
-                try:
-                    self.background.show_world(box, map_type, seed, folder, title)
-                    self.background.zoom_to(box)
-                except TerrAInavError as wrong:
-                    self.messages.warning(str(wrong))
-
-        if task is None:
-            show(None)
-            return
-        self._world_task = task
-        self.dock.form.show_on_map.setEnabled(False)
-        task.ended.connect(show)
-        QgsApplication.taskManager().addTask(task)
+            self.messages.warning(told(wrong))
 
     def _show_hint(self, *_: object) -> None:
         hint = ""

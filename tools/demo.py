@@ -10,13 +10,11 @@ import json
 import shutil
 import sys
 import time
-from collections.abc import Callable
 from pathlib import Path
 
 from qgis.core import Qgis, QgsApplication, QgsProject
-from qgis.PyQt.QtCore import QEventLoop, Qt, QTimer
-from qgis.PyQt.QtTest import QTest
 from qgis.utils import iface, plugins
+from stage import StageError, click, layer_names, tidy_messages, wait, wait_until_drawn, window_picture
 from terrainav.terrainav_plugin.dock.mission_form import FormState
 from terrainav.terrainav_plugin.workflow import Workflow
 
@@ -27,43 +25,12 @@ PICTURES = ("preview.png", "screenshot.png", "detail.png")
 MARK = DEMO / ".made-by-terrainav-demo"
 
 AGRICENTER = "35.16_-89.90_35.115_-89.823_120"
-# The capture itself may take minutes on a slow machine; nothing else comes near.
-PATIENCE_S = 900
-POLL_MS = 20
-
-
-class DemoError(Exception):
-    """Something did not come out as it should."""
-
-
-def wait(what: str, condition: Callable[[], bool]) -> None:
-    """Let the application run until ``condition`` holds."""
-    loop, timer, started = QEventLoop(), QTimer(), time.monotonic()
-    timer.timeout.connect(
-        lambda: loop.quit() if condition() or time.monotonic() - started > PATIENCE_S else None
-    )
-    timer.start(POLL_MS)
-    loop.exec()
-    timer.stop()
-    if not condition():
-        raise DemoError(f"{what}: nothing after {PATIENCE_S} s")
-
-
-def wait_until_drawn() -> None:
-    """Let the map be drawn to its end, and its widgets be painted."""
-    canvas = iface.mapCanvas()
-    drawn: list[bool] = []
-    canvas.mapCanvasRefreshed.connect(lambda: drawn.append(True))
-    canvas.refreshAllLayers()
-    wait("drawing the map", lambda: bool(drawn) and not canvas.isDrawing())
-    canvas.mapCanvasRefreshed.disconnect()
-    QTest.qWait(10 * POLL_MS)
 
 
 def clear_earlier_demo() -> None:
     """Start afresh: what an earlier demo made goes, anything else stays and stops this one."""
     if DEMO.exists() and any(DEMO.iterdir()) and not MARK.is_file():
-        raise DemoError(f"folder {DEMO}: holds something that no demo made; move it away")
+        raise StageError(f"folder {DEMO}: holds something that no demo made; move it away")
     DEMO.mkdir(exist_ok=True)
     MARK.touch()
     for folder in (DATASET, BACKGROUNDS):
@@ -74,15 +41,10 @@ def clear_earlier_demo() -> None:
 
 def take_picture(name: str) -> None:
     """Save the whole window as it is on the screen."""
-    bar = iface.messageBar()
-    for item in bar.items():
-        # QGIS's own word about every task, where the desktop has no notifications.
-        if item.title() != "TerrAInav":
-            bar.popWidget(item)
+    tidy_messages()
     wait_until_drawn()
-    window = iface.mainWindow()
-    if not window.grab().save(str(DEMO / name)):
-        raise DemoError(f"picture {DEMO / name}: cannot be written")
+    if not window_picture().save(str(DEMO / name)):
+        raise StageError(f"picture {DEMO / name}: cannot be written")
 
 
 def enter_mission(workflow: Workflow) -> None:
@@ -98,35 +60,35 @@ def enter_mission(workflow: Workflow) -> None:
         78.8,
         "4:3",
     ):
-        raise DemoError(f"pasted coordinates came out as {state}")
+        raise StageError(f"pasted coordinates came out as {state}")
 
 
 def show_background(workflow: Workflow) -> None:
     """Put the source below the mission, and its place on the screen."""
-    QTest.mouseClick(workflow.dock.form.show_on_map, Qt.MouseButton.LeftButton)
+    click(workflow.dock.form.show_on_map)
     wait("drawing the background", lambda: "Synthetic (offline)" in layer_names())
 
 
 def preview(workflow: Workflow) -> None:
     """Show every image before anything is fetched."""
-    QTest.mouseClick(workflow.dock.preview, Qt.MouseButton.LeftButton)
+    click(workflow.dock.preview)
     wait("preview", lambda: workflow.preview.shown and not workflow.preview.busy)
     planned = workflow.planned
     drawn = workflow.preview.layer("footprints").featureCount()
     if drawn != planned.summary.images or not planned.summary.complete:
-        raise DemoError(
+        raise StageError(
             f"{drawn} footprints for {planned.summary.images} images, coverage {planned.summary.covered_share}"
         )
 
 
 def capture(workflow: Workflow) -> dict[str, float]:
     """Press Capture and wait for the result on the map; returns its figures."""
-    QTest.mouseClick(workflow.dock.capture, Qt.MouseButton.LeftButton)
+    click(workflow.dock.capture)
     wait("start of the capture", lambda: workflow.runs.task is not None)
     task, started = workflow.runs.task, time.monotonic()
     wait("capture", lambda: workflow.runs.task is None)
     if task.error or task.result is None or task.result.failed or not task.mosaics:
-        raise DemoError(f"capture: {task.error or task.result}")
+        raise StageError(f"capture: {task.error or task.result}")
     result = task.result
     return {
         "images": result.written,
@@ -143,7 +105,7 @@ def save_project() -> None:
     project = QgsProject.instance()
     project.setTitle("TerrAInav: Memphis Agricenter from the synthetic world")
     if not project.write(str(PROJECT)):
-        raise DemoError(f"project {PROJECT}: cannot be written ({project.error()})")
+        raise StageError(f"project {PROJECT}: cannot be written ({project.error()})")
 
 
 def check_project_elsewhere() -> None:
@@ -153,7 +115,7 @@ def check_project_elsewhere() -> None:
     try:
         project = QgsProject()
         if not project.read(str(copy / PROJECT.name)):
-            raise DemoError(f"project {copy / PROJECT.name}: cannot be read")
+            raise StageError(f"project {copy / PROJECT.name}: cannot be read")
         broken = [layer.name() for layer in project.mapLayers().values() if not layer.isValid()]
         outside = [
             layer.name()
@@ -161,14 +123,9 @@ def check_project_elsewhere() -> None:
             if layer.providerType() != "memory" and not layer.source().startswith(str(copy))
         ]
         if broken or outside:
-            raise DemoError(f"project opened elsewhere: broken {broken}, outside its folder {outside}")
+            raise StageError(f"project opened elsewhere: broken {broken}, outside its folder {outside}")
     finally:
         copy.rename(DEMO)
-
-
-def layer_names() -> list[str]:
-    """Names of the project's layers."""
-    return [layer.name() for layer in QgsProject.instance().mapLayers().values()]
 
 
 def look_closely() -> None:
@@ -205,5 +162,5 @@ def main() -> int:
 
 try:
     sys.exit(main())
-except DemoError as error:
+except StageError as error:
     sys.exit(f"demo: {error}")

@@ -22,7 +22,9 @@ import re
 import shutil
 import subprocess  # nosec B404
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
+from functools import cache
+from itertools import count
 from pathlib import Path
 from xml.etree import ElementTree as ET  # nosec B405  only this project's own files are read
 from xml.sax.saxutils import escape, quoteattr  # nosec B406
@@ -34,12 +36,96 @@ MESSAGES = FOLDER / "messages.json"
 LANGUAGES = ("es",)
 #: Contexts: texts of the plugin, and of the core.
 PLUGIN, CORE = "TerrAInav", "TerrAInav core"
-#: Rooms of the core that are told in the plugin, and not only by the command or in its report.
-TOLD = ("capture", "dataset", "geodesy", "imagery", "mission")
-#: Where the core has words that are no messages, as tables of constants or the parts of a line.
-WORDS = ("mission/rungs.py", "mission/choosing.py", "mission/estimate.py")
-#: A text worth translating has a word in it.
+#: Rooms whose errors are told in the plugin, and not only by the command.
+TOLD = (
+    "core/capture",
+    "core/dataset",
+    "core/geodesy",
+    "core/imagery",
+    "core/mission",
+    "core/report",
+    "terrainav_plugin",
+)
+#: Modules whose texts are all for users: the parts of messages and figures, and reasons that others put into theirs.
+WORDS = (
+    "core/capture/cost.py",
+    "core/capture/pipeline.py",
+    "core/dataset/clean.py",
+    "core/dataset/images.py",
+    "core/dataset/table.py",
+    "core/geodesy/accuracy.py",
+    "core/imagery/cache/tilestore.py",
+    "core/imagery/catalogue/dates.py",
+    "core/imagery/catalogue/entry.py",
+    "core/imagery/catalogue/listing.py",
+    "core/imagery/policy.py",
+    "core/imagery/raster/dated.py",
+    "core/imagery/raster/source.py",
+    "core/imagery/services/capabilities.py",
+    "core/imagery/services/wms.py",
+    "core/imagery/tiles.py",
+    "core/mission/camera_preset.py",
+    "core/mission/choosing.py",
+    "core/mission/coords.py",
+    "core/mission/estimate.py",
+    "core/mission/export/waypoints.py",
+    "core/mission/export/writing.py",
+    "core/mission/mission.py",
+    "core/mission/presets.py",
+    "core/mission/rungs.py",
+    "core/mission/turned.py",
+    "terrainav_plugin/layers/jobs.py",
+    "terrainav_plugin/layers/pipes.py",
+    "terrainav_plugin/layers/source.py",
+    "terrainav_plugin/network/answer.py",
+    "terrainav_plugin/network/errors.py",
+    "terrainav_plugin/network/worker.py",
+    "terrainav_plugin/settings.py",
+)
+#: Single words for users, which nothing tells apart from names, and phrases of modules that have other texts too.
+PHRASES = {
+    "core/imagery/client.py": (" (tried {0} times)",),
+    "core/imagery/staticmap.py": ("picture at {0},{1} zoom {2}",),
+    "core/imagery/template.py": ("URL template",),
+    "core/imagery/mbtiles.py": ("the source was closed",),
+    "core/mission/choosing.py": ("resampling", "wind"),
+    "core/mission/estimate.py": (
+        "images",
+        "picture",
+        "coverage",
+        "tiles",
+        "download",
+        "files",
+        "time",
+        "warning",
+        "complete",
+    ),
+    "core/mission/rungs.py": ("footprint", "picture", "mesh", "error", "terrain", "nothing"),
+    "core/report/measure.py": (
+        "footprints",
+        "a picture",
+        "camera frames",
+        "resampling",
+        "file formats",
+        "wind",
+        "what was left out",
+    ),
+    "core/report/page.py": ("page",),
+    "terrainav_plugin/layers/connections.py": ("set TERRAINAV_KEY",),
+}
+#: What the core says with a word in place of a value, and what Python says in its messages.
+BESIDES = (
+    "tilt {0} deg: must be from {1} to {2}",
+    "roll {0} deg: must be from {1} to {2}",
+    "{0} from {1} to now; {2}",
+    "date {0}: must be {1}, from {2} to now",
+    "could not convert string to float: {0}",
+)
+#: A text worth translating has a word in it, and is no query, markup or pattern.
 _WORD = re.compile(r"[A-Za-z]{2,}")
+_CODE = re.compile(r"^(SELECT|PRAGMA) |[<>\\|]|\n")
+_PLACE = re.compile(r"\{\d+\}")
+_FIELD = re.compile(r"(\{\w*\})")
 
 Texts = dict[str, dict[str, list[str]]]
 
@@ -48,83 +134,115 @@ class TranslationError(Exception):
     """A text that cannot be extracted, or a file that cannot be read."""
 
 
-def template_of(node: ast.expr) -> str | None:
-    """Text of a literal, with ``{0}``, ``{1}``, ... for the values of an f-string; None for anything else."""
+def templates_of(node: ast.expr) -> Iterator[str]:
+    """Yield the texts that an expression may give, with ``{0}``, ``{1}``, ... for the values in them."""
+    for parts in _variants(node):
+        places = count()
+        yield "".join(f"{{{next(places)}}}" if part is None else part for part in parts)
+
+
+def _variants(node: ast.expr) -> list[list[str | None]]:
+    """Parts of each text that an expression may give; None for a value."""
     if isinstance(node, ast.Constant) and isinstance(node.value, str):
-        return node.value
+        return [[node.value]]
     if isinstance(node, ast.JoinedStr):
-        parts, places = [], 0
-        for part in node.values:
-            if isinstance(part, ast.Constant):
-                parts.append(str(part.value))
-            else:
-                parts.append(f"{{{places}}}")
-                places += 1
-        return "".join(parts)
+        return [[str(part.value) if isinstance(part, ast.Constant) else None for part in node.values]]
     if isinstance(node, ast.BinOp) and isinstance(node.op, ast.Add):
-        left, right = template_of(node.left), template_of(node.right)
-        return left + right if left is not None and right is not None and "{0}" not in right else None
-    return None
+        return [left + right for left in _variants(node.left) for right in _variants(node.right)]
+    if isinstance(node, ast.IfExp):
+        return _variants(node.body) + _variants(node.orelse)
+    if isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute) and node.func.attr == "format":
+        return [
+            [None if place % 2 else part for place, part in enumerate(_FIELD.split(text))]
+            for text in templates_of(node.func.value)
+        ]
+    return [[None]]
 
 
-def plugin_texts(path: Path) -> Iterator[tuple[str, int]]:
-    """Yield every text given to ``tr``, with its line."""
-    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-        if isinstance(node, ast.Call) and getattr(node.func, "id", getattr(node.func, "attr", "")) == "tr":
-            text = node.args[0] if node.args else None
-            if not (isinstance(text, ast.Constant) and isinstance(text.value, str)):
-                if path.name == "i18n.py":
-                    continue
-                where = f"{path.relative_to(ROOT)}:{node.lineno}"
-                raise TranslationError(
-                    f"{where}: tr() of something that is no plain text cannot be translated"
-                )
-            yield text.value, node.lineno
+def plugin_texts(path: Path) -> Iterator[str]:
+    """Yield every text given to ``tr``."""
+    for call in _translated_calls(path):
+        text = call.args[0] if call.args else None
+        if isinstance(text, ast.Constant) and isinstance(text.value, str):
+            yield text.value
+        elif path.name != "i18n.py":
+            where = f"{path.relative_to(ROOT)}:{call.lineno}"
+            raise TranslationError(f"{where}: tr() of something that is no plain text cannot be translated")
 
 
-def core_texts(path: Path) -> Iterator[tuple[str, int]]:
-    """Yield the messages that are raised, and in modules of `WORDS` every text that has words, with their lines."""
-    tree = ast.parse(path.read_text(encoding="utf-8"))
-    raised = {
-        id(argument)
-        for node in ast.walk(tree)
-        if isinstance(node, ast.Call) and _names_error(node.func)
-        for argument in node.args
-    }
-    everything = path.relative_to(ROOT / "core").as_posix() in WORDS
-    documentation = {
-        id(node.body[0].value)
-        for node in ast.walk(tree)
-        if isinstance(node, (ast.Module, ast.ClassDef, ast.FunctionDef))
-        and node.body
-        and isinstance(node.body[0], ast.Expr)
-    }
-    inside = {id(part) for node in ast.walk(tree) if isinstance(node, ast.JoinedStr) for part in node.values}
+def core_texts(path: Path) -> Iterator[str]:
+    """Yield the messages of errors, and of modules in `WORDS` and `PHRASES` what these say."""
+    name, tree = path.relative_to(ROOT).as_posix(), _tree(path)
+    phrases = PHRASES.get(name, ())
+    left_out = _left_out(tree)
+    seen = set()
     for node in ast.walk(tree):
-        if not isinstance(node, ast.expr) or id(node) in documentation | inside:
+        if isinstance(node, ast.Call) and _names_error(node.func) and node.args:
+            yield from filter(_is_worded, templates_of(node.args[0]))
+        if id(node) in left_out or not isinstance(node, (ast.Constant, ast.JoinedStr)):
             continue
-        if id(node) in raised or (everything and isinstance(node, (ast.Constant, ast.JoinedStr))):
-            text = template_of(node)
-            if text is not None and _WORD.search(re.sub(r"\{\d+\}", "", text)) and " " in text.strip():
-                yield text, node.lineno
+        for text in templates_of(node):
+            seen.add(text)
+            if text in phrases or (name in WORDS and _is_worded(text)):
+                yield text
+    if not seen.issuperset(phrases):
+        raise TranslationError(f"{name}: has no text {min(set(phrases) - seen)!r} any more")
+
+
+def _is_worded(text: str) -> bool:
+    """Whether a text has words, and so is no name, number or mark."""
+    words = _PLACE.sub("", text)
+    return " " in text.strip() and _WORD.search(words) is not None and not _CODE.search(words)
+
+
+@cache
+def _tree(path: Path) -> ast.Module:
+    return ast.parse(path.read_text(encoding="utf-8"))
+
+
+def _translated_calls(path: Path) -> Iterator[ast.Call]:
+    for node in ast.walk(_tree(path)):
+        if isinstance(node, ast.Call) and getattr(node.func, "id", getattr(node.func, "attr", "")) == "tr":
+            yield node
+
+
+def _left_out(tree: ast.Module) -> set[int]:
+    """Nodes that are no texts of their own: documentation, parts of f-strings, what ``tr`` takes, ``__repr__``."""
+    found: set[int] = set()
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Expr):
+            found.add(id(node.value))
+        elif isinstance(node, ast.JoinedStr):
+            found.update(id(part) for part in node.values)
+        elif isinstance(node, ast.Call) and getattr(node.func, "id", "") == "tr":
+            found.update(id(part) for part in node.args)
+        elif isinstance(node, ast.FunctionDef) and node.name == "__repr__":
+            found.update(id(part) for part in ast.walk(node))
+    return found
 
 
 def _names_error(function: ast.expr) -> bool:
     name = getattr(function, "id", getattr(function, "attr", ""))
-    return name in ("InvalidInput", "InvalidLayer") or name.endswith("Error")
+    return name in ("InvalidInput", "Cancelled") or name.endswith("Error")
 
 
 def found() -> Texts:
-    """Texts by context, each with the places it is at."""
+    """Texts by context, each with the files it is in."""
     texts: Texts = {PLUGIN: {}, CORE: {}}
     for path in sorted((ROOT / "terrainav_plugin").rglob("*.py")):
-        for text, line in plugin_texts(path):
-            texts[PLUGIN].setdefault(text, []).append(f"{path.relative_to(ROOT).as_posix()}:{line}")
+        _add(texts[PLUGIN], plugin_texts(path), path)
     for room in TOLD:
-        for path in sorted((ROOT / "core" / room).rglob("*.py")):
-            for text, line in core_texts(path):
-                texts[CORE].setdefault(text, []).append(f"{path.relative_to(ROOT).as_posix()}:{line}")
+        for path in sorted((ROOT / room).rglob("*.py")):
+            _add(texts[CORE], core_texts(path), path)
+    _add(texts[CORE], BESIDES, Path(__file__).resolve())
     return texts
+
+
+def _add(texts: dict[str, list[str]], more: Iterable[str], path: Path) -> None:
+    name = path.relative_to(ROOT).as_posix()
+    # In a fixed order, whatever the order of the code: moved code changes nothing.
+    for text in sorted(set(more)):
+        texts.setdefault(text, []).append(name)
 
 
 def translated(language: str) -> dict[tuple[str, str], str]:
@@ -157,11 +275,9 @@ def write(language: str, texts: Texts, known: dict[tuple[str, str], str]) -> Non
                 if translation
                 else '<translation type="unfinished"></translation>'
             )
-            # Without line numbers: they would change with every edit.
-            files = sorted({place.partition(":")[0] for place in places})
             lines += [
                 "    <message>",
-                *(f"        <location filename={quoteattr('../../' + file)}/>" for file in files),
+                *(f"        <location filename={quoteattr('../../' + file)}/>" for file in places),
                 f"        <source>{escape(text)}</source>",
                 f"        {shown}",
                 "    </message>",
@@ -184,25 +300,32 @@ def places_of(text: str) -> list[str]:
     return sorted(re.findall(r"\{[^{}]*\}", text))
 
 
+def mnemonics_of(text: str) -> int:
+    """How many letters of a text are keys that choose it."""
+    return len(re.findall(r"&(?=\w)", text))
+
+
 def missing(language: str) -> list[str]:
-    """Texts without a translation, or whose translation has other places for values."""
+    """Texts without a translation, or whose translation has other places for values or keys."""
     known = translated(language)
     return [
         f"{places[0]}: {text}"
         for context, entries in found().items()
         for text, places in entries.items()
-        if (context, text) not in known or places_of(known[context, text]) != places_of(text)
+        if (context, text) not in known
+        or places_of(known[context, text]) != places_of(text)
+        or mnemonics_of(known[context, text]) != mnemonics_of(text)
     ]
 
 
-def compile_all() -> None:
-    """Compile every language."""
+def compile_all(folder: Path = FOLDER) -> None:
+    """Compile every language into a folder."""
     lrelease = shutil.which("lrelease", path="/usr/lib/qt5/bin:/usr/lib/qt6/bin") or shutil.which("lrelease")
     if lrelease is None:
         raise TranslationError("lrelease is not installed; run `make setup`")
     for path in sorted(FOLDER.glob("*.ts")):
-        compiled = path.with_suffix(".qm")
-        ran = subprocess.run(
+        compiled = folder / f"{path.stem}.qm"
+        ran = subprocess.run(  # nosec B603
             [lrelease, "-silent", str(path), "-qm", str(compiled)],
             capture_output=True,
             text=True,

@@ -16,8 +16,9 @@ from ..errors import InvalidInput
 from ..mission.estimate import OFFLINE, ONLINE, estimate
 from ..mission.export import check_plan_ending, write_plan
 from ..mission.mission import Mission
+from ..mission.options import OPTIONS, RUN_OPTIONS
 from ..mission.plan import Plan, plan
-from ..mission.settings import OPTIONS, RUN_OPTIONS, mission_from, resolve
+from ..mission.settings import mission_from, resolve
 from .caching import opened_cache
 from .exits import DONE, INCOMPLETE, STOPPED
 

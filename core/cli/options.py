@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from typing import Any, NoReturn
 
 from ..dataset.clean import DEFAULT_ENTROPY
-from ..mission.settings import OPTIONS
+from ..mission.options import OPTIONS
 from .exits import BAD_INPUT
 
 _SERVICE_HELP = """
@@ -111,7 +111,7 @@ def _add_clean(commands: Any) -> None:
     what.add_argument(
         "--move", action="store_true", help="also move them to a folder `rejected` beside the others"
     )
-    what.add_argument("--undo", action="store_true", help="put all back as it was before")
+    what.add_argument("--undo", action="store_true", help="move all images back, and take the marks away")
     cleaning.add_argument("--dry-run", action="store_true", help="change nothing, print the counts")
     _add_json(cleaning, False)
 

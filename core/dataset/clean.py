@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import Cancelled, InvalidInput
+from ..files import clear_partial
 from ..lock import open_locked
 from .folder import JOURNAL_FILE, TABLE_FILE, map_type_folders
 from .images import Images, Move
@@ -224,7 +225,9 @@ def _judged(
 def _carry_out(steps: list[tuple[Path, Table | None, list[Move]]], progress: Report | None) -> None:
     """Write the tables, then move the files."""
     for folder, table, _ in steps:
-        if table is not None:
+        if table is None:
+            clear_partial(folder / TABLE_FILE)
+        else:
             table.save(folder / TABLE_FILE)
     moves = [move for _, _, of_folder in steps for move in of_folder]
     for done, move in enumerate(moves):

@@ -53,9 +53,11 @@ class Images:
 
     def __init__(self, folder: Path) -> None:
         self._folder = folder
-        self._kept = _files(folder)
-        self._rejected = _files(folder / REJECTED_FOLDER) if (folder / REJECTED_FOLDER).is_dir() else set()
-        twice = sorted(self._kept & self._rejected)
+        there = (folder / REJECTED_FOLDER).is_dir()
+        self._kept, others = _files_and_others(folder)
+        self._rejected, beside = _files_and_others(folder / REJECTED_FOLDER) if there else (set(), set())
+        self._blocked = REJECTED_FOLDER in self._kept | others and not there
+        twice = sorted(self._kept & (self._rejected | beside) | self._rejected & others)
         if twice:
             raise InvalidInput(
                 f"folder {folder}: {_some(twice)} lies in it and in {REJECTED_FOLDER} as well; remove one of the two"
@@ -116,8 +118,17 @@ class Images:
 
         Those of a file that is there already are left out. Of one image, the image itself is the last that returns and
         the first that leaves: what lies in the folder is whole.
+
+        Raises
+        ------
+        InvalidInput
+            Where a file is in the place of the folder that images would leave for.
         """
         leaving, returning = set(out), set(back)
+        if leaving and self._blocked:
+            raise InvalidInput(
+                f"folder {self._folder}: {REJECTED_FOLDER} in it is no folder, which images are moved to; move it away"
+            )
         return (
             self._moves(self._kept, leaving, self._folder, self._folder / REJECTED_FOLDER),
             self._moves(self._rejected, returning, self._folder / REJECTED_FOLDER, self._folder)[::-1],
@@ -158,12 +169,15 @@ def _stem(name: str, known: Callable[[str], object]) -> str:
     return Path(name).stem
 
 
-def _files(folder: Path) -> set[str]:
+def _files_and_others(folder: Path) -> tuple[set[str], set[str]]:
+    """Names of files in a folder, and of all else."""
     try:
         with os.scandir(folder) as entries:
-            return {entry.name for entry in entries if entry.is_file()}
+            kinds = {entry.name: entry.is_file() for entry in entries}
     except OSError as wrong:
         raise InvalidInput(f"folder {folder}: cannot be read ({wrong.strerror})") from wrong
+    files = {name for name, is_file in kinds.items() if is_file}
+    return files, kinds.keys() - files
 
 
 def _some(names: Sequence[str]) -> str:

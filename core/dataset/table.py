@@ -6,6 +6,7 @@ import csv
 import io
 import math
 import os
+from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
@@ -178,9 +179,9 @@ class Table:
             else:
                 columns[field_name] = ("",) * len(rows) if field_name in _TEXT else np.full(len(rows), np.nan)
         if faults:
-            first = "; ".join(f"line {line} {fault}" for line, fault in sorted(faults)[:_FAULTS_NAMED])
-            more = f"; and {len(faults) - _FAULTS_NAMED} more" if len(faults) > _FAULTS_NAMED else ""
-            raise InvalidInput(f"{name}: {first}{more}")
+            first = [f"line {line} {fault}" for line, fault in sorted(faults)[:_FAULTS_NAMED]]
+            more = [f"and {len(faults) - _FAULTS_NAMED} more"] if len(faults) > _FAULTS_NAMED else []
+            raise InvalidInput(f"{name}: {'; '.join(first + more)}")
         ours = {_HEADERS.get(field_name, field_name) for field_name in FIELDS}
         other = {
             header: tuple(row[index] for _, row in rows)
@@ -257,6 +258,9 @@ def _records(
     for header in needed:
         if header not in headers:
             raise InvalidInput(f"{name}: has no column {header}; needs {','.join(needed)}")
+    twice = [header for header, count in Counter(headers).items() if header and count > 1]
+    if twice:
+        raise InvalidInput(f"{name}: has column {twice[0]} more than once; rename or remove all but one")
     width = len(headers)
     faults += [(line, f"has {len(row)} cells, not {width}") for line, row in rows if len(row) != width]
     return headers, [(line, row) for line, row in rows if len(row) == width]

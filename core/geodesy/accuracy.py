@@ -190,9 +190,14 @@ def outside_flat_domain(scene: Scene) -> str:
 
 def corner_angles(scene: Scene) -> tuple[Floats, Floats]:
     """Of the corners' rays: sine of the angle below the horizontal and squared length over the axis', (n, 4)."""
-    rays = scene.camera.rays_enu(CORNERS, *scene.poses.attitude)
+    # They are the same at any yaw, so that one tilt and one roll of all poses make one set of corners.
+    leans = scene.poses.tilt_deg, scene.poses.roll_deg
+    if not any(any(angle.strides) for angle in leans):
+        leans = leans[0][:1], leans[1][:1]
+    rays = scene.camera.rays_enu(CORNERS, 0.0, *leans)
     squared = np.sum(rays * rays, axis=-1)
-    return -rays[..., 2] / np.sqrt(squared), squared
+    shape = len(scene.poses.tilt_deg), len(CORNERS)
+    return np.broadcast_to(-rays[..., 2] / np.sqrt(squared), shape), np.broadcast_to(squared, shape)
 
 
 def grazing(sin_below: Floats, height_share: Floats) -> tuple[Floats, Floats]:

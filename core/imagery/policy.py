@@ -81,9 +81,9 @@ class Policy:
             return
         others = f"sources that allow it: {', '.join(instead)}" if instead else "take another source"
         way_out = others if self.bulk_allowed == "no" else "agree to the terms first (--accept-terms)"
-        without = "breaking" if self.bulk_allowed == "no" else "agreeing to"
+        without = "breaking its terms" if self.bulk_allowed == "no" else "agreeing to its terms"
         raise SourceError(
-            f"{title}: {requests:,} requests, and {self.max_tiles:,} at most pass without {without} its terms: "
+            f"{title}: {requests:,} requests, and {self.max_tiles:,} at most pass without {without}: "
             f"{self.terms}{f' ({self.terms_url})' if self.terms_url else ''}; {way_out}"
         )
 

@@ -6,10 +6,10 @@ import json
 import math
 import os
 import re
-from dataclasses import asdict, dataclass, field, fields, replace
+from dataclasses import MISSING, asdict, dataclass, field, fields, replace
 from datetime import datetime, timezone
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from ..errors import InvalidInput
 from ..files import write_whole
@@ -17,6 +17,8 @@ from ..geodesy.camera import Camera
 from .area import Area, Box, Points, Polygon, check_agl
 from .rungs import AUTO, FOOTPRINTS, FRAMES, MESHES
 from .wind import Wind, check_airspeed
+
+_Part = TypeVar("_Part", Box, Camera, Wind)
 
 #: Version of the mission file; readers accept this one and refuse newer ones.
 SCHEMA = 1
@@ -296,17 +298,19 @@ class Mission:
             ):
                 raise InvalidInput(f"mission field {name!r} is {value!r}: must be {words}")
         try:
-            data["area"] = _area_from_dict(dict(data["area"]))
-            data["camera"] = Camera(**data.get("camera", {}))
+            data["area"] = _area_from_dict(data["area"])
+            data["camera"] = _made(Camera, "camera", data.get("camera", {}))
             if data.get("wind") is not None:
-                data["wind"] = Wind(**data["wind"])
+                data["wind"] = _made(Wind, "wind", data["wind"])
             data["map_types"] = tuple(data.get("map_types", ("satellite",)))
             if data.get("img_size") is not None:
                 data["img_size"] = tuple(data["img_size"])
             return cls(**data)
         except KeyError as missing:
             raise InvalidInput(f"mission without {missing}: the field is needed") from missing
-        except (TypeError, AttributeError) as wrong:
+        except InvalidInput:
+            raise
+        except (TypeError, AttributeError, ValueError, IndexError, OverflowError) as wrong:
             raise InvalidInput(f"mission with a value of the wrong type: {wrong}") from wrong
 
     @classmethod
@@ -316,6 +320,11 @@ class Mission:
             data = json.loads(text)
         except json.JSONDecodeError as wrong:
             raise InvalidInput(f"mission is not JSON: {wrong}") from wrong
+        except (RecursionError, ValueError) as wrong:
+            # Brackets in brackets without end, or a whole number of thousands of digits.
+            raise InvalidInput(
+                "mission is not JSON that can be read: nested too deep, or a number too long"
+            ) from wrong
         if not isinstance(data, dict):
             raise InvalidInput(f"mission is a JSON {type(data).__name__}: must be an object")
         return cls.from_dict(data)
@@ -325,8 +334,10 @@ class Mission:
         """Mission from a file."""
         try:
             text = Path(path).read_text(encoding="utf-8")
-        except (OSError, UnicodeDecodeError) as wrong:
-            raise InvalidInput(f"mission file {path}: cannot be read ({wrong})") from wrong
+        except OSError as wrong:
+            raise InvalidInput(f"mission file {path}: cannot be read ({wrong.strerror})") from wrong
+        except UnicodeDecodeError as wrong:
+            raise InvalidInput(f"mission file {path}: cannot be read (it is no text in UTF-8)") from wrong
         return cls.from_json(text)
 
     def save(self, path: str | os.PathLike[str]) -> None:
@@ -374,10 +385,27 @@ _JSON_TYPES: dict[str, tuple[Any, str]] = {
 }
 
 
-def _area_from_dict(area: dict[str, Any]) -> Area:
+def _made(kind: type[_Part], name: str, values: Any) -> _Part:
+    """Part of a mission from its JSON object; raises InvalidInput where that is none, or has a field too many."""
+    if not isinstance(values, dict):
+        raise InvalidInput(f"mission field {name!r} is {values!r}: must be an object")
+    known = [f.name for f in fields(kind)]
+    unknown = sorted(set(values) - set(known))
+    if unknown:
+        raise InvalidInput(f"mission field {name}.{unknown[0]}: not one of {', '.join(known)}")
+    missing = [f.name for f in fields(kind) if f.default is MISSING and f.name not in values]
+    if missing:
+        raise InvalidInput(f"mission without {name}.{missing[0]}: the field is needed")
+    return kind(**values)
+
+
+def _area_from_dict(values: Any) -> Area:
+    if not isinstance(values, dict):
+        raise InvalidInput(f"mission field 'area' is {values!r}: must be an object")
+    area = dict(values)
     kind = area.pop("type", None)
     if kind == "box":
-        return Box(**area)
+        return _made(Box, "area", area)
     if kind == "polygon":
         return Polygon(tuple(tuple((p[0], p[1]) for p in ring) for ring in area["rings"]))
     if kind == "points":

@@ -216,7 +216,7 @@ class Plan:
             return turned_overlap(self.column, self.row, self.passes, self._rectangles)
         return overlap(self.column, self.row, self.windows, rows_are_level=self.mission.layout == "cover")
 
-    @property
+    @cached_property
     def _rectangles(self) -> tuple[Rectangles, ...]:
         """What the images of each pass show, in its plane."""
         ends = [*(part.first for part in self.passes[1:]), len(self)]

@@ -107,9 +107,12 @@ class Accuracy:
         """Label and value of what was chosen and why, in words for people."""
         lines = []
         for choice in self.choices:
-            text = f"{choice.rung.name}, ≤ {bound_text(choice.rung.bound_px)} px"
-            if choice.rejected is not None:
-                text += f" (not {choice.rejected.name}: {choice.reason})"
+            name, bound, rejected = choice.rung.name, bound_text(choice.rung.bound_px), choice.rejected
+            text = (
+                f"{name}, ≤ {bound} px"
+                if rejected is None
+                else f"{name}, ≤ {bound} px (not {rejected.name}: {choice.reason})"
+            )
             lines.append((f"method of {choice.rung.stage}", text))
         left_out = "; ".join(f"{what} ({why})" for what, why in self.left_out)
         return [

@@ -1,7 +1,7 @@
-"""Options of a mission, and where their values come from.
+"""Where the values of a mission's options come from.
 
 The command line comes first, then the environment (``TERRAINAV_FOV=75``), then ``config.json``, then the
-defaults.
+defaults. That holds for what several options can state, too: ``--hfov`` comes before a ``fov`` of the file.
 """
 
 from __future__ import annotations
@@ -9,234 +9,30 @@ from __future__ import annotations
 import difflib
 import json
 import os
-from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from pathlib import Path
-from typing import Any, Callable
+from typing import Any
 
 from ..errors import InvalidInput
 from ..geodesy.camera import Camera
 from .area import Area, Points
-from .coords import KINDS, UNITS, load_polygon, parse_coords
-from .mission import (
-    DEFAULT_AIRSPEED_M_PER_S,
-    DEFAULT_BUDGET_PX,
-    DEFAULT_MAX_IMAGES,
-    DEFAULT_MAX_PX,
-    DEFAULT_START,
-    FORMATS,
-    LAYOUTS,
-    MAP_TYPES,
-    ORDERS,
-    RESAMPLINGS,
-    Mission,
-)
+from .coords import UNITS, load_polygon, parse_coords
+from .mission import Mission
+from .options import OPTIONS
 from .presets import camera_named
-from .rungs import AUTO, FOOTPRINTS, FRAMES, MESHES
 from .wind import Wind
 
 ENVIRONMENT_PREFIX = "TERRAINAV_"
 CONFIG_FILE = "config.json"
 #: The paper's camera.
 DEFAULT_FOV_DEG, DEFAULT_ASPECT = 78.8, (4.0, 3.0)
-
-
-@dataclass(frozen=True)
-class Option:
-    """One option: its name (with underscores), the type and number of its values, default and help.
-
-    ``count`` is None for one value, a range of allowed counts otherwise; ``flag`` options take none.
-    """
-
-    name: str
-    kind: Callable[[str], Any]
-    default: Any
-    help: str
-    count: tuple[int, int] | None = None
-    choices: tuple[str, ...] | None = None
-    metavar: str | tuple[str, ...] | None = None
-    flag: bool = False
-
-    def read(self, value: Any, where: str) -> Any:
-        """Value of the right type from text, or from JSON, or as the command line split it.
-
-        Raises
-        ------
-        InvalidInput
-            Names where it was given, the value and what would be right.
-        """
-        if self.flag:
-            return _truth(value, f"{where} {self.name}")
-        parts = value.split() if isinstance(value, str) and self.count else value
-        parts = list(parts) if isinstance(parts, (list, tuple)) else [parts]
-        low, high = self.count or (1, 1)
-        if not low <= len(parts) <= high:
-            wanted = str(low) if low == high else f"{low} to {high}"
-            raise InvalidInput(f"{where} {self.name} {value!r}: takes {wanted} value{'s' * (high > 1)}")
-        values = tuple(self._one(part, where) for part in parts)
-        return values if self.count else values[0]
-
-    def _one(self, part: Any, where: str) -> Any:
-        try:
-            value = self.kind(part) if isinstance(part, str) else self.kind(str(part))
-        except ValueError as wrong:
-            raise InvalidInput(f"{where} {self.name} {part!r}: must be a {_NAMES[self.kind]}") from wrong
-        if self.choices and value not in self.choices:
-            raise InvalidInput(f"{where} {self.name} {part!r}: must be one of {', '.join(self.choices)}")
-        return value
-
-
-_NAMES: dict[Callable[[str], Any], str] = {float: "number", int: "whole number", str: "text"}
-
-
-def _truth(value: Any, what: str) -> bool:
-    if isinstance(value, bool):
-        return value
-    words = {
-        "1": True,
-        "true": True,
-        "yes": True,
-        "on": True,
-        "0": False,
-        "false": False,
-        "no": False,
-        "off": False,
-    }
-    if str(value).lower() not in words:
-        raise InvalidInput(f"{what} {value!r}: must be true or false")
-    return words[str(value).lower()]
-
-
-#: Every option a mission is made from, in the order help shows them.
-OPTIONS: tuple[Option, ...] = (
-    Option(
-        "coords", str, None, "lat_lon_agl, latTL_lonTL_latBR_lonBR_agl, or a file of lat lon agl [yaw] lines"
-    ),
-    Option("area", str, None, "GeoJSON file of a polygon, with --agl, instead of --coords", metavar="FILE"),
-    Option(
-        "agl", float, None, "height above ground of --area; elsewhere it replaces the coordinates' height"
-    ),
-    Option("agl_unit", str, "m", "unit of the heights given", choices=tuple(UNITS)),
-    Option("mission", str, None, "kind of mission; inferred from the coordinates if left out", choices=KINDS),
-    Option("camera", str, None, "camera by name (see terrainav cameras) instead of --fov and --aspect-ratio"),
-    Option("fov", float, None, "diagonal field of view in degrees (78.8)"),
-    Option("hfov", float, None, "horizontal field of view in degrees, instead of --fov"),
-    Option("vfov", float, None, "vertical field of view in degrees, instead of --fov"),
-    Option(
-        "sensor",
-        float,
-        None,
-        "width and height of the sensor in mm, with --focal-length, instead of --fov",
-        count=(2, 2),
-        metavar=("W", "H"),
-    ),
-    Option("focal_length", float, None, "focal length of the lens itself in mm, with --sensor"),
-    Option(
-        "aspect_ratio", float, None, "width and height of the picture (4 3)", count=(2, 2), metavar=("W", "H")
-    ),
-    Option("yaw", float, 0.0, "degrees the top of the picture is turned clockwise from north"),
-    Option(
-        "tilt", float, 0.0, "degrees the view is lifted from straight down towards the top of the picture"
-    ),
-    Option("roll", float, 0.0, "degrees the camera is rolled, right side down"),
-    Option("ground_height", float, 0.0, "height of the ground over the WGS84 ellipsoid in metres"),
-    Option(
-        "overlap",
-        float,
-        (0.0,),
-        "share of a picture the next one shows again, in [0, 1): for both directions, or along and across rows",
-        count=(1, 2),
-        metavar=("ALONG", "ACROSS"),
-    ),
-    Option(
-        "layout", str, "cover", "cover leaves nothing out; paper is the published UTM grid", choices=LAYOUTS
-    ),
-    Option(
-        "grid_angle",
-        float,
-        0.0,
-        "degrees the rows of an area, and the pictures with them, are turned clockwise from east",
-    ),
-    Option("crosshatch", str, False, "fly an area a second time, in rows across the first ones", flag=True),
-    Option("order", str, ORDERS[0], "rows to and fro, or each from its beginning", choices=ORDERS),
-    Option(
-        "map_type", str, ("satellite",), "one or more of " + ", ".join(MAP_TYPES), count=(1, len(MAP_TYPES))
-    ),
-    Option(
-        "source",
-        str,
-        "world",
-        "source of imagery: a name (see terrainav sources), a URL template, wmts:URL#layer=NAME, wms:URL#layers=NAME, "
-        "or a file (GeoTIFF, VRT, MBTiles, …)",
-    ),
-    Option(
-        "date",
-        str,
-        None,
-        "date of the imagery where the source has several (see terrainav sources show NAME)",
-    ),
-    Option("zoom", int, None, "zoom to use, instead of the highest at which every picture fits --max-px"),
-    Option("gsd", float, None, "wanted ground sample distance in metres per pixel, instead of --zoom"),
-    Option("max_px", int, DEFAULT_MAX_PX, "longest side of a picture in pixels of 256 px tiles"),
-    Option("upsample", str, False, "allow zooms above the source's native one", flag=True),
-    Option("format", str, "tif", "of the pictures: tif and png are lossless", choices=FORMATS),
-    Option(
-        "img_size",
-        int,
-        None,
-        "resize pictures: width, height, channels (1 or 3)",
-        count=(3, 3),
-        metavar=("W", "H", "C"),
-    ),
-    Option(
-        "error_budget",
-        float,
-        DEFAULT_BUDGET_PX,
-        "most pixels the errors of all stages may sum to, by their bounds",
-    ),
-    Option("accept_error", str, False, "go on where no methods fit the error budget", flag=True),
-    Option("footprint", str, AUTO, "method of the footprints' corners", choices=(AUTO, *FOOTPRINTS)),
-    Option(
-        "frame",
-        str,
-        AUTO,
-        "pictures as they are on the map (north-up, not resampled), or as the camera sees them",
-        choices=(AUTO, *FRAMES),
-    ),
-    Option(
-        "mesh", str, AUTO, "how the ground under a camera's picture is worked out", choices=(AUTO, *MESHES)
-    ),
-    Option("resampling", str, "bilinear", "of pictures as the camera sees them", choices=RESAMPLINGS),
-    Option(
-        "wind",
-        float,
-        None,
-        "moves and turns the captures: mean speed in m/s, degrees it blows from, turbulence (gusts over mean speed)",
-        count=(3, 3),
-        metavar=("SPEED", "FROM", "TURBULENCE"),
-    ),
-    Option("airspeed", float, DEFAULT_AIRSPEED_M_PER_S, "flight speed through the air in m/s"),
-    Option("start", str, DEFAULT_START, "UTC time of the first exposure, such as 2024-06-21T10:30:00Z"),
-    Option("max_images", int, DEFAULT_MAX_IMAGES, "refuse missions of more images"),
-    Option("seed", int, 2024, "of whatever is random, such as the synthetic landscape"),
-    Option(
-        "dataset",
-        str,
-        "TerrAInav",
-        "whose layout a dataset that is read has; plan and capture write TerrAInav's own",
-        choices=("TerrAInav", "VBN"),
-    ),
-    Option("batch_size", int, 8, "images in a batch of a loaded dataset; plan and capture do not use it"),
-    Option("data_dir", str, "datasets/terrainav", "folder the dataset is written to"),
-    Option("connections", int, 8, "requests under way at once"),
-    Option(
-        "cache_dir", str, None, "folder of the cache of tiles (terrainav cache list shows it)", metavar="DIR"
-    ),
-    Option("cache_limit", int, None, "size the cache is kept to, in MB", metavar="MB"),
-    Option("no_cache", str, False, "keep no tiles for later captures, and use none", flag=True),
+#: What several options can state: its ways, each of one option or of some that go together.
+_WAYS: tuple[tuple[tuple[str, ...], ...], ...] = (
+    (("coords",), ("area",)),
+    (("camera",), ("fov",), ("hfov",), ("vfov",), ("sensor", "focal_length")),
+    (("zoom",), ("gsd",)),
 )
-#: Options that say how a mission is run, not what it is: they go with a mission file.
-RUN_OPTIONS = ("dataset", "batch_size", "data_dir", "connections", "cache_dir", "cache_limit", "no_cache")
 
 
 def resolve(
@@ -260,20 +56,40 @@ def resolve(
     InvalidInput
         An unknown name in the file, or a value that is not right.
     """
-    environment = os.environ if environment is None else environment
-    from_file = _read_config(config)
-    values: dict[str, Any] = {}
-    for option in OPTIONS:
-        variable = ENVIRONMENT_PREFIX + option.name.upper()
-        if given.get(option.name) is not None:
-            values[option.name] = option.read(given[option.name], "option")
-        elif environment.get(variable):
-            values[option.name] = option.read(environment[variable], f"environment {variable}, option")
-        elif from_file.get(option.name) is not None:
-            values[option.name] = option.read(from_file[option.name], f"{config or CONFIG_FILE}, option")
-        else:
-            values[option.name] = option.default
+    values = {option.name: option.default for option in OPTIONS}
+    settled: set[str] = set()
+    for place in _places(given, os.environ if environment is None else environment, config):
+        chosen = [option for option in OPTIONS if option.name in place and option.name not in settled]
+        for option in chosen:
+            where, value = place[option.name]
+            values[option.name] = option.read(value, where)
+        settled.update(*(_settled_by(option.name) for option in chosen))
     return values
+
+
+def _places(
+    given: Mapping[str, Any], environment: Mapping[str, str], config: str | None
+) -> Iterator[dict[str, tuple[str, Any]]]:
+    """What each place gives, the first one first: by name what messages call it, and its value."""
+    yield {name: ("option", value) for name, value in given.items() if value is not None}
+    variables = {option.name: ENVIRONMENT_PREFIX + option.name.upper() for option in OPTIONS}
+    yield {
+        name: (f"environment {variable}, option", environment[variable])
+        for name, variable in variables.items()
+        if environment.get(variable)
+    }
+    where = f"{config or CONFIG_FILE}, option"
+    yield {name: (where, value) for name, value in _read_config(config).items() if value is not None}
+
+
+def _settled_by(name: str) -> set[str]:
+    """Options that later places have no say in where one is given: itself, and other ways to state the same."""
+    # A camera by name has its shape; a shape alone is no camera.
+    found = {name, "aspect_ratio"} if name == "camera" else {name}
+    for ways in _WAYS:
+        if any(name in way for way in ways):
+            found.update(other for way in ways if name not in way for other in way)
+    return found
 
 
 def _read_config(config: str | None) -> dict[str, Any]:

@@ -27,12 +27,17 @@ Numbers = NDArray[np.int64]
 _REACH_M = 1e6
 #: Neighbours meet inside each other by so much, far above the noise of positions: rounding opens no gap.
 _MEETING_M = 4.0 * NOISE_M
+#: What sides of the area may leave their chords by where only its extent is asked for, metres: little beside any plane.
+_EXTENT_M = 10.0
 #: Places along each side of the area's extent at which images are looked at to find what is common to all.
 _PLACES = 9
 #: Sides of the area bend between its corners, in the plane; they are cut into pieces that leave them by no more than
 #: this share of a rectangle, or into the most pieces for each.
 _BEND_SHARE, _MOST_PIECES = 1e-4, 4096
 _ACROSS_DEG = 90.0
+#: Pieces of a rectangle's width and height, about pixels of a picture, to which images' own ones are rounded inward:
+#: those of a million in wind, of which no two sides are level, are too many to be counted as they are.
+_PIECES = 512
 #: Share of the images that an area's ground asks for which are needed in any case.
 _SURELY = 0.95
 
@@ -108,8 +113,7 @@ def _laid_out(
     mission: Mission, area: Box | Polygon, plane: LocalPlane, ground: Ellipsoid, flown: int
 ) -> tuple[Layout, Sides]:
     """One pass, after so many captures, and the rectangle that its images have in common."""
-    corners = _shape(area, plane, math.inf)
-    sides = _common(mission, corners, plane, ground)
+    sides = _common(mission, _shape(area, plane, _EXTENT_M), plane, ground)
     (width,), (height,) = sides.size_m
     steps = np.array([width * (1.0 - mission.overlap_along), height * (1.0 - mission.overlap_across)])
     step_x, step_y = steps - _MEETING_M
@@ -169,7 +173,7 @@ def _common(mission: Mission, shape: Shape, plane: LocalPlane, ground: Ellipsoid
             "the horizon, where turned rows have no frames; tilt it less, fly lower or fly north-up rows",
             "tilt_deg",
         )
-    reach = np.abs(ring).max(axis=(0, 1))
+    reach = np.abs(ring).max(axis=(0, 1)) + shape.bend_m
     ends = [
         (float(np.min(along)) - far, float(np.max(along)) + far)
         for along, far in zip(map(np.concatenate, zip(*shape.rings)), reach.tolist())
@@ -236,13 +240,22 @@ def turned_rectangles(
 ) -> Rectangles:
     """Rectangles that the images of a pass show, in its plane; the images' own where wind has moved them."""
     if own:
-        return Rectangles(*own_sides(mission.camera, poses, part.plane, ground))
+        return _rounded(own_sides(mission.camera, poses, part.plane, ground), part.sides.size_m)
     x, y = part.plane.forward(poses.lat_deg, poses.lon_deg)
     # A row is level but for the noise that the rectangles leave room for.
     new = np.append(True, row[1:] != row[:-1])
     y = y[new][np.cumsum(new) - 1]
     left, bottom, right, top = part.sides
     return Rectangles(x + left, y + bottom, x + right, y + top)
+
+
+def _rounded(own: Sides, size_m: tuple[Floats, Floats]) -> Rectangles:
+    """Rectangles on a lattice of pieces of a size, inside others."""
+    across, up = (size / _PIECES for size in size_m)
+    left, bottom = np.ceil(own.left_m / across) * across, np.ceil(own.bottom_m / up) * up
+    right, top = np.floor(own.right_m / across) * across, np.floor(own.top_m / up) * up
+    # Images that show no whole ground have none that lies between two lines of the lattice.
+    return Rectangles(left, bottom, np.maximum(right, left), np.maximum(top, bottom))
 
 
 def turned_coverage(

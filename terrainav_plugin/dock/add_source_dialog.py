@@ -19,7 +19,7 @@ from qgis.PyQt.QtWidgets import (
 
 from ...core.errors import TerrAInavError
 from ..help import add_help_button
-from ..i18n import tr
+from ..i18n import told, tr
 from .field_marks import STYLE_SHEET, FieldMarks
 from .form_widgets import combo, spin
 from .source_choices import limits_html
@@ -109,7 +109,7 @@ class AddSourceDialog(QDialog):
         self.buttons = QDialogButtonBox(
             QDialogButtonBox.StandardButton.Ok | QDialogButtonBox.StandardButton.Cancel
         )
-        add_help_button(self.buttons, "sources")
+        add_help_button(self.buttons, tr("sources"))
 
     def _lay_out(self) -> None:
         form = QFormLayout()
@@ -231,7 +231,7 @@ def _name_problem(name: str) -> dict[str, str]:
     try:
         taken = any(entry.name == name for entry in sources())
     except TerrAInavError as wrong:
-        return {"name": str(wrong)}
+        return {"name": told(wrong)}
     return {"name": tr("“{name}” is taken; choose another name").format(name=name)} if taken else {}
 
 
@@ -239,4 +239,4 @@ def _at_field(text: str) -> dict[str, str]:
     """Message at the field that it is about, as the core's messages begin."""
     _, _, plain = text.rpartition("': ") if text.startswith("catalogue entry") else ("", "", text)
     fields = (("source name", "name"), ("date", "default_date"), ("terms", "terms_url"))
-    return {next((field for words, field in fields if plain.startswith(words)), "url"): plain}
+    return {next((field for words, field in fields if plain.startswith(words)), "url"): told(plain)}

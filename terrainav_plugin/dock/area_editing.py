@@ -52,6 +52,8 @@ class AreaEditing(QObject):
         self.history = AreaHistory(read, write, self)
         self.undo_keys = UndoKeys(self.history)
         self._shape_lost = False
+        #: An area in a unit and its words, so that large shapes are looked at once.
+        self._worded: tuple[Area | None, tuple[float, str], str] = (None, (1.0, ""), "")
         entries.connect_history(self.history)
         entries.box_wanted.connect(self.make_box)
         # Text fields take the keys before the panel does.
@@ -85,8 +87,10 @@ class AreaEditing(QObject):
         self.history.note()
         state = self._read()
         area = entered_area(state)
-        words = "" if area is None else area_words(area, *unit_of(state))
-        self._entries.show_words(words, bool(self._entries.shape), self._shape_lost)
+        unit = unit_of(state)
+        if (area, unit) != self._worded[:2]:
+            self._worded = area, unit, "" if area is None else area_words(area, *unit)
+        self._entries.show_words(self._worded[2], bool(self._entries.shape), self._shape_lost)
 
     def _set(self, state: FormState, step: str, joined: bool = False) -> None:
         self._shape_lost = False

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import html
-from functools import partial
 
 from qgis.core import QgsApplication
 from qgis.gui import QgsCollapsibleGroupBoxBasic
@@ -29,6 +28,8 @@ from .form_widgets import row
 
 #: Room for five digits and a sign.
 _EDGE_PX = 70
+#: Characters of a list of coordinates that is pasted: tens of thousands of lines. Qt's own limit cuts after a thousand.
+_LONGEST_PASTE = 1_000_000
 
 
 class AreaEntries(QgsCollapsibleGroupBoxBasic):
@@ -121,28 +122,24 @@ class AreaEntries(QgsCollapsibleGroupBoxBasic):
     def connect_history(self, history: AreaHistory) -> None:
         """Let the buttons and the fields' keys undo and redo."""
         stack = history.stack
-        for button, act, can, named, tip, none, keys in (
-            (
-                *(self.undo, stack.undo, stack.canUndoChanged, stack.undoTextChanged),
-                *(tr("Undo: {step} ({keys})"), tr("No change of the area to undo"), "Ctrl+Z"),
-            ),
-            (
-                *(self.redo, stack.redo, stack.canRedoChanged, stack.redoTextChanged),
-                *(tr("Redo: {step} ({keys})"), tr("No change of the area to redo"), "Ctrl+Shift+Z"),
-            ),
+        # Methods of this group are disconnected with it; the stack outlives the buttons, and names its end too.
+        for button, act, can, named, name in (
+            (self.undo, stack.undo, stack.canUndoChanged, stack.undoTextChanged, self._name_undo),
+            (self.redo, stack.redo, stack.canRedoChanged, stack.redoTextChanged, self._name_redo),
         ):
-            shown = QKeySequence(keys).toString(QKeySequence.SequenceFormat.NativeText)
-
-            # A method of this group, which is disconnected with it: the stack outlives the buttons.
-            name = partial(self._name_step, button, tip, none, shown)
             button.clicked.connect(act)
             can.connect(button.setEnabled)
             named.connect(name)
             button.setEnabled(False)
             name("")
 
-    def _name_step(self, button: QToolButton, tip: str, none: str, keys: str, step: str) -> None:
-        button.setToolTip(tip.format(step=step, keys=keys) if step else none)
+    def _name_undo(self, step: str) -> None:
+        tip = tr("Undo: {step} ({keys})").format(step=step, keys=_native("Ctrl+Z"))
+        self.undo.setToolTip(tip if step else tr("No change of the area to undo"))
+
+    def _name_redo(self, step: str) -> None:
+        tip = tr("Redo: {step} ({keys})").format(step=step, keys=_native("Ctrl+Shift+Z"))
+        self.redo.setToolTip(tip if step else tr("No change of the area to redo"))
 
     def _lay_out(self, marks: FieldMarks) -> None:
         letters = {"north": tr("N"), "west": tr("W"), "south": tr("S"), "east": tr("E")}
@@ -172,6 +169,11 @@ class AreaEntries(QgsCollapsibleGroupBoxBasic):
             QWidget.setTabOrder(before, after)
 
 
+def _native(keys: str) -> str:
+    """Keys as the platform writes them."""
+    return QKeySequence(keys).toString(QKeySequence.SequenceFormat.NativeText)
+
+
 def _tool_button(name: str, image: str) -> QToolButton:
     button = QToolButton()
     button.setObjectName(name)
@@ -199,4 +201,5 @@ def _edge(name: str) -> QLineEdit:
     edit.setToolTip(f"{tips[name]}\n{paste}")
     edit.setPlaceholderText(tr("degrees"))
     edit.setMinimumWidth(_EDGE_PX)
+    edit.setMaxLength(_LONGEST_PASTE)
     return edit

@@ -6,9 +6,9 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from ...core.errors import TerrAInavError
-from ...core.mission.area import Area, Box
-from ..i18n import tr
-from .area_shape import Shape, shape_of, shape_text
+from ...core.mission.area import Area, Box, Points, Polygon
+from ..i18n import told, tr
+from .area_shape import area_at, shape_of, shape_text
 from .area_text import area_of_text
 from .form_state import BOX_FIELDS, M_PER_FT, FormState
 from .form_text import degrees_text, exact_degrees_text, parse_number
@@ -49,11 +49,11 @@ def with_coordinates(state: FormState, text: str) -> FormState:
     try:
         return with_area(state, *area_of_text(text, state.agl, state.agl_unit))
     except TerrAInavError as wrong:
-        raise FormError({"north": str(wrong)}) from wrong
+        raise FormError({"north": told(wrong)}) from wrong
 
 
-def entered_shape(state: FormState) -> Shape | None:
-    """Polygon or points that are entered; None where the area is a box.
+def entered_shape(state: FormState) -> Polygon | Points | None:
+    """Polygon or points that are entered, at the height that is; None where the area is a box.
 
     Raises
     ------
@@ -62,10 +62,12 @@ def entered_shape(state: FormState) -> Shape | None:
     """
     if not state.shape:
         return None
-    shape = shape_of(state.shape)
+    bounds = shape_of(state.shape).bounds
     # Edges that are not those around it have been entered since, and make the area a box.
-    edges = _edges(shape.bounds, exact_degrees_text)
-    return shape if all(getattr(state, name) == text for name, text in edges.items()) else None
+    edges = _edges(bounds, exact_degrees_text)
+    if any(getattr(state, name) != text for name, text in edges.items()):
+        return None
+    return area_at(state.shape, state.agl_m)
 
 
 def entered_area(state: FormState) -> Area | None:
@@ -73,7 +75,7 @@ def entered_area(state: FormState) -> Area | None:
     try:
         shape = entered_shape(state)
         if shape is not None:
-            return shape.at(state.agl_m)
+            return shape
         return Box(*(parse_number(getattr(state, name)) for name in BOX_FIELDS))
     except (TerrAInavError, ValueError):
         return None

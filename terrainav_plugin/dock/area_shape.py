@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from functools import lru_cache
 
 from ...core.errors import InvalidInput
@@ -45,8 +45,9 @@ def shape_text(area: Area, agl_m: float) -> str:
     """Text of a polygon or of points, taken while a height is entered; empty for a box."""
     if isinstance(area, Box):
         return ""
-    data = Mission(area=area, agl_m=1.0).to_dict()["area"]
-    return json.dumps({**data, "agl_m": agl_m})
+    # As a mission's file has it; without the copy of every corner that `Mission.to_dict` makes.
+    data = {field.name: getattr(area, field.name) for field in fields(area)}
+    return json.dumps({"type": type(area).__name__.lower(), **data, "agl_m": agl_m})
 
 
 @lru_cache(_KEPT)
@@ -61,3 +62,9 @@ def shape_of(text: str) -> Shape:
     if isinstance(area, Box):
         raise InvalidInput(tr("the area's shape is a box: must be a polygon or points"))
     return Shape(area, area.bounds, agl_m)
+
+
+@lru_cache(_KEPT)
+def area_at(text: str, agl_m: float) -> Polygon | Points:
+    """Area of a text when a height is entered; raises InvalidInput where it holds none."""
+    return shape_of(text).at(agl_m)

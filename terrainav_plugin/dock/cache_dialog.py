@@ -18,7 +18,7 @@ from qgis.PyQt.QtWidgets import (
 from ...core.errors import TerrAInavError
 from ...core.mission.estimate import size_text
 from ..help import add_help_button
-from ..i18n import tr
+from ..i18n import told, tr
 
 _ROOM_PX = (620, 320)
 
@@ -52,7 +52,7 @@ class CacheDialog(QDialog):
         self.clear_some.clicked.connect(lambda: self._clear(self._selected()))
         self.clear_all.clicked.connect(lambda: self._clear(None))
         buttons.rejected.connect(self.reject)
-        add_help_button(buttons, "sources")
+        add_help_button(buttons, tr("sources"))
         layout = QVBoxLayout(self)
         for widget in (self.told, self.table, buttons):
             layout.addWidget(widget)
@@ -96,6 +96,6 @@ class CacheDialog(QDialog):
         try:
             freed = self._cache.clear(names)
         except TerrAInavError as wrong:
-            self._fill(str(wrong))
+            self._fill(told(wrong))
             return
         self._fill(tr("{size} freed.").format(size=size_text(freed)))

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from ...core.mission.estimate import size_text
 from ...core.mission.rungs import bound_text
-from ..i18n import tr
+from ..i18n import told, tr
 from .refusals import in_words_of_the_dock
 from .units import METRES, area_text, gsd_text, length_text
 
@@ -104,17 +104,21 @@ def _details(summary: Summary, cost: str) -> list[tuple[str, str]]:
         (tr("Tiles"), _tiles(summary)),
         (tr("On disk"), size_text(summary.output_bytes)),
         *_accuracy_lines(summary.accuracy),
-        (tr("Cost"), cost or tr("being timed…")),
+        (tr("Cost"), told(cost) or tr("being timed…")),
     ]
 
 
 def _accuracy_lines(accuracy: Accuracy) -> list[tuple[str, str]]:
-    """What was chosen, in the words of the core's own line for it."""
-    # A sign stays with its number, and a number with its unit.
-    text = accuracy.text().replace("≤ ", "≤\N{NO-BREAK SPACE}").replace(" px", "\N{NO-BREAK SPACE}px")
-    *stages, left_out, terrain = text.split("; ")
+    """What was chosen, with its bounds."""
+    methods = "; ".join(
+        tr("{stage}: {name}, ≤ {px} px").format(
+            stage=told(choice.rung.stage), name=choice.rung.name, px=bound_text(choice.rung.bound_px)
+        )
+        for choice in accuracy.choices
+    )
+    terrain = told(accuracy.terrain_text()).partition(": ")[2]
     return [
-        (tr("Methods"), "; ".join(stages)),
+        (tr("Methods"), _unbroken(methods)),
         (
             tr("Error"),
             tr("≤ {bound} px of a budget of {budget:g} px").format(
@@ -122,9 +126,14 @@ def _accuracy_lines(accuracy: Accuracy) -> list[tuple[str, str]]:
             )
             + ("" if accuracy.bound_px <= accuracy.budget_px else tr(", which is exceeded")),
         ),
-        (tr("Left out"), left_out.partition(": ")[2]),
-        (tr("Terrain"), terrain.partition(": ")[2]),
+        (tr("Left out"), ", ".join(told(what) for what, _ in accuracy.left_out) or told("nothing")),
+        (tr("Terrain"), _unbroken(terrain)),
     ]
+
+
+def _unbroken(text: str) -> str:
+    """Text whose signs stay with their numbers, and numbers with their units."""
+    return text.replace("≤ ", "≤\N{NO-BREAK SPACE}").replace(" px", "\N{NO-BREAK SPACE}px")
 
 
 def _why_html(accuracy: Accuracy) -> str:
@@ -136,10 +145,10 @@ def _why_html(accuracy: Accuracy) -> str:
             name=rung.name, px=bound_text(rung.bound_px), metres=_ground_text(rung.bound_m)
         )
         if rejected is not None:
-            text += tr("; not {name}: {reason}").format(name=rejected.name, reason=choice.reason)
-        lines.append((rung.stage.capitalize(), text))
-    lines += [(tr("No {what}").format(what=what), why) for what, why in accuracy.left_out]
-    lines.append((tr("Condition number"), dict(accuracy.lines())["condition number"]))
+            text += tr("; not {name}: {reason}").format(name=rejected.name, reason=told(choice.reason))
+        lines.append((told(rung.stage).capitalize(), text))
+    lines += [(tr("No {what}").format(what=told(what)), told(why)) for what, why in accuracy.left_out]
+    lines.append((tr("Condition number"), told(dict(accuracy.lines())["condition number"])))
     return _table(lines)
 
 

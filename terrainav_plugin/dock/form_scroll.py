@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from qgis.PyQt.QtCore import QEvent, QObject, Qt
+from qgis.gui import QgsCollapsibleGroupBoxBasic
+from qgis.PyQt.QtCore import QEvent, QObject, Qt, QTimer
+from qgis.PyQt.QtGui import QShowEvent
 from qgis.PyQt.QtWidgets import QFrame, QScrollArea, QStyle, QWidget
 
 
@@ -16,7 +18,22 @@ class FormScroll(QScrollArea):
         self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
         self.setWidget(contents)
         contents.installEventFilter(self)
+        # Groups of QGIS scroll to themselves when they are unfolded, and also when they are first shown.
+        self._groups = contents.findChildren(QgsCollapsibleGroupBoxBasic)
+        self._let_groups_scroll(False)
         self._fit()
+
+    def showEvent(self, event: QShowEvent) -> None:
+        """Begin at the top; from then on, groups that are unfolded come into sight."""
+        super().showEvent(event)
+        QTimer.singleShot(0, self._shown)
+
+    def _shown(self) -> None:
+        self._let_groups_scroll(True)
+
+    def _let_groups_scroll(self, scroll: bool) -> None:
+        for group in self._groups:
+            group.setScrollOnExpand(scroll)
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
         """Follow the contents."""

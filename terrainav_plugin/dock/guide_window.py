@@ -5,8 +5,8 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
-from qgis.PyQt.QtCore import Qt, QUrl
-from qgis.PyQt.QtGui import QCloseEvent, QDesktopServices, QTextDocument
+from qgis.PyQt.QtCore import Qt, QTimer, QUrl
+from qgis.PyQt.QtGui import QCloseEvent, QDesktopServices, QImageReader, QResizeEvent, QTextDocument
 from qgis.PyQt.QtWidgets import QTextBrowser, QWidget
 from qgis.utils import iface
 
@@ -14,6 +14,13 @@ from ..i18n import tr
 
 _ROOM_PX = (760, 720)
 _NAME = "terrainav_guide"
+_PICTURES = (".jpg", ".png")
+#: Left and right of a picture.
+_MARGINS_PX = 12
+#: Pause in stretching the window after which the pictures follow.
+_PAUSE_MS = 150
+#: Where pages are that are not installed with the plugin.
+_PAGES = "https://github.com/terrainav/terrainav/blob/HEAD/docs/"
 #: The window while it is open: Qt alone does not keep what Python has added to it.
 _OPEN: list[GuideWindow] = []
 
@@ -31,6 +38,11 @@ class GuideWindow(QTextBrowser):
         self.anchorClicked.connect(self._follow)
         self.resize(*_ROOM_PX)
         self._path = Path()
+        self._fitted_px = 0
+        self._shown: QTextDocument | None = None
+        self._fit_soon = QTimer(self)
+        self._fit_soon.setSingleShot(True)
+        self._fit_soon.timeout.connect(self._fit)
 
     @classmethod
     def show_at(cls, url: QUrl) -> None:
@@ -38,9 +50,10 @@ class GuideWindow(QTextBrowser):
         if not _OPEN:
             _OPEN.append(cls(iface.mainWindow()))
         window = _OPEN[0]
+        # Shown first: only then it has the width that pictures and headings take their places by.
+        window.show()
         window.load(Path(url.toLocalFile()))
         window.go_to(url.fragment())
-        window.show()
         window.raise_()
         window.activateWindow()
 
@@ -59,11 +72,45 @@ class GuideWindow(QTextBrowser):
     def load(self, path: Path) -> None:
         """Show a page."""
         self._path = path
+        self._fitted_px = self.viewport().width()
         # Pictures are named by their place beside the page.
         self.setSearchPaths([str(path.parent)])
-        self.document().setMarkdown(
+        # A new one each time: the formats of what a document held before would go over to what comes.
+        document, before = QTextDocument(self), self._shown
+        document.setDefaultFont(self.font())
+        document.setMarkdown(
             path.read_text(encoding="utf-8"), QTextDocument.MarkdownFeature.MarkdownDialectGitHub
         )
+        self.setDocument(document)
+        self._shown = document
+        if before is not None:
+            before.deleteLater()
+
+    def loadResource(self, kind: int, name: QUrl) -> object:
+        """Load a picture, no wider than the window."""
+        path = self._path.parent / name.path()
+        if path.suffix not in _PICTURES:
+            return super().loadResource(kind, name)
+        reader = QImageReader(str(path))
+        size, room = reader.size(), self.viewport().width() - _MARGINS_PX
+        if size.width() > room > 0:
+            # Readers of JPEG scale while they read, in a fraction of the time.
+            reader.setScaledSize(size * (room / size.width()))
+        return reader.read()
+
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        """Fit the pictures to another width, once it stays."""
+        super().resizeEvent(event)
+        if self._path.is_file():
+            self._fit_soon.start(_PAUSE_MS)
+
+    def _fit(self) -> None:
+        if self.viewport().width() == self._fitted_px:
+            return
+        bar = self.verticalScrollBar()
+        share = bar.value() / max(bar.maximum(), 1)
+        self.load(self._path)
+        bar.setValue(round(share * bar.maximum()))
 
     def go_to(self, topic: str) -> None:
         """Scroll to a heading, named as links name it; to the beginning where there is none."""
@@ -80,6 +127,9 @@ class GuideWindow(QTextBrowser):
         if not link.scheme():
             if link.path():
                 path = self._path.parent / link.path()
+                if not path.is_file():
+                    QDesktopServices.openUrl(QUrl(_PAGES + link.path()))
+                    return
                 if path.suffix != ".md" or not path.is_file():
                     QDesktopServices.openUrl(QUrl.fromLocalFile(str(path)))
                     return

@@ -90,7 +90,7 @@ def mission(state: FormState) -> Mission:
     checks = _Checks()
     area = _box(state, checks)
     shape = checks("shape", lambda: entered_shape(state))
-    return _mission(state, area if shape is None else shape.at(state.agl_m), checks)
+    return _mission(state, area if shape is None else shape, checks)
 
 
 def test_shot(state: FormState, lat_deg: float, lon_deg: float) -> Mission:

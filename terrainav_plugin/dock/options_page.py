@@ -116,7 +116,7 @@ class OptionsPage(QgsOptionsPageWidget):
         self.reset.setObjectName("reset")
         self.reset.setToolTip(tr("Everything but the keys, which stay as they are"))
         self.reset.clicked.connect(self.show_defaults)
-        add_help_button(buttons, "settings")
+        add_help_button(buttons, tr("settings"))
         layout.addWidget(buttons)
         layout.addStretch(1)
         scroll = QScrollArea()

@@ -134,7 +134,7 @@ class ServiceDialog(QDialog):
         self.buttons = QDialogButtonBox(
             QDialogButtonBox.StandardButton.Ok | QDialogButtonBox.StandardButton.Cancel
         )
-        add_help_button(self.buttons, "sources")
+        add_help_button(self.buttons, tr("sources"))
         layout = QVBoxLayout(self)
         for widget in (self.search, self.list, self.told, self.buttons):
             layout.addWidget(widget)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from qgis.core import QgsProject
 
 from ...core.errors import InvalidInput, TerrAInavError
-from ..i18n import tr
+from ..i18n import told, tr
 from ..layers.connections import (
     SERVICE as SERVICE_NAME,
 )
@@ -96,7 +96,7 @@ def _of_connection(name: str) -> SourceChoice:
     try:
         limits = limits_html(connection(XYZ + name).entry())
     except InvalidInput as wrong:
-        limits = html.escape(str(wrong))
+        limits = html.escape(told(wrong))
     return SourceChoice(XYZ + name, name, group=CONNECTION, limits=limits)
 
 

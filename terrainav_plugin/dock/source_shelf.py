@@ -97,7 +97,7 @@ class SourceShelf(QObject):
             remove(choice.name)
             Settings().set_authcfg(choice.name, "")
         except TerrAInavError as wrong:
-            self._messages.warning(str(wrong))
+            self._messages.warning(told(wrong))
         self.refresh()
 
     def show_cache(self) -> None:

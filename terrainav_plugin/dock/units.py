@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from ...core.mission.estimate import area_text as metric_area_text
 from ...core.mission.estimate import length_text as metric_length_text
+from ..i18n import tr
 from .form_state import M_PER_FT
 
 METRES, FEET = "m", "ft"
@@ -36,9 +37,9 @@ def area_text(value_m2: float, unit: str) -> str:
         return metric_area_text(value_m2)
     acres = value_m2 / _M2_PER_ACRE
     return (
-        f"{_number(acres / _ACRES_PER_SQ_MI)} sq mi"
+        tr("{count} sq mi").format(count=_number(acres / _ACRES_PER_SQ_MI))
         if acres >= _ACRES_PER_SQ_MI
-        else f"{_number(acres)} acres"
+        else tr("{count} acres").format(count=_number(acres))
     )
 
 

@@ -11,7 +11,7 @@ from urllib.parse import unquote, urlsplit, urlunsplit
 from qgis.core import QgsApplication, QgsOwsConnection
 
 from ...core.errors import InvalidInput
-from ..i18n import tr
+from ..i18n import told, tr
 
 if TYPE_CHECKING:
     from ...core.imagery.catalogue.entry import CatalogueEntry
@@ -81,7 +81,9 @@ class Connection:
             )
             return under_provider(CatalogueEntry.from_dict(XYZ + self.name, data, user=True))
         except InvalidInput as wrong:
-            problem = str(wrong).replace("set TERRAINAV_KEY", tr("give it an authentication configuration"))
+            # There is no environment to set here.
+            instead = tr("give it an authentication configuration")
+            problem = told(wrong).replace(told("set TERRAINAV_KEY"), instead)
             raise InvalidInput(
                 tr("QGIS connection “{name}”: {problem}").format(name=self.name, problem=problem)
             ) from wrong

@@ -31,6 +31,8 @@ class AreaBands:
         """Draw an outline in place of the one before."""
         if not self._bands:
             self._bands = [area_band(self._canvas), _point_band(self._canvas), _handle_band(self._canvas)]
+            # The images inside are looked at in their own colours.
+            self._bands[0].setFillColor(QColor(0, 0, 0, 0))
         area, points, handles = self._bands
         area.reset(POLYGON)
         points.reset(POINT)

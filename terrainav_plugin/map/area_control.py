@@ -16,7 +16,7 @@ from ..dock import area_menu
 from ..dock.area_dialogs import LayerDialog, PointsDialog, PolygonDialog
 from ..dock.area_form import FormError, entered_area, unit_of, with_area
 from ..dock.dock import Dock
-from ..i18n import tr
+from ..i18n import told, tr
 from ..messages import Messages
 from . import area_reading
 from .area_reading import Reading, ReadTask
@@ -103,14 +103,14 @@ class AreaControl(QObject):
         try:
             self._editing.set_coordinates(text)
         except FormError as wrong:
-            self._refuse(str(wrong))
+            self._refuse(told(wrong))
 
     def read(self, step: str, reading: Callable[[], Reading]) -> None:
         """Read an area on a thread, and enter it when it is there; a reading under way is dropped."""
         try:
             task = ReadTask(step, reading())
         except TerrAInavError as wrong:
-            self._refuse(str(wrong))
+            self._refuse(told(wrong))
             return
         if self._task is not None:
             self._task.cancel()
@@ -176,7 +176,7 @@ class AreaControl(QObject):
         try:
             self._editing.set_area(area(), step, agl_m)
         except (TerrAInavError, QgsCsException) as wrong:
-            self._refuse(str(wrong))
+            self._refuse(told(wrong))
             return False
         return True
 
@@ -185,9 +185,9 @@ class AreaControl(QObject):
             return
         self._task = None
         if task.trace:
-            self._messages.error(tr("No area: {reason}").format(reason=task.error), task.trace)
+            self._messages.error(tr("No area: {reason}").format(reason=told(task.error)), task.trace)
         elif task.error:
-            self._refuse(task.error)
+            self._refuse(told(task.error))
         elif task.found is not None:
             area, agl_m = task.found
             if self._enter(lambda: area, task.step, agl_m):
@@ -235,7 +235,7 @@ class AreaControl(QObject):
             crs = self._canvas.mapSettings().destinationCrs()
             rectangle = canvas_rectangle(area.bounds, crs, self._project)
         except InvalidInput as wrong:
-            self._messages.warning(str(wrong))
+            self._messages.warning(told(wrong))
             return
         if not self._canvas.extent().intersects(rectangle):
             rectangle.scale(_MARGIN)

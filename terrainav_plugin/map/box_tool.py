@@ -11,6 +11,7 @@ from qgis.PyQt.QtWidgets import QApplication
 from ...core.errors import TerrAInavError
 from ...core.mission.area import Box
 from ..compat import POLYGON
+from ..i18n import told
 from .area_bands import Readout, area_band
 from .area_words import size_text
 from .box_geometry import box_of
@@ -117,7 +118,7 @@ class BoxTool(TemporaryTool):
         try:
             box = self._box(event.pos())
         except (TerrAInavError, QgsCsException) as wrong:
-            self.refused.emit(str(wrong))
+            self.refused.emit(told(wrong))
             return
         finally:
             self._clear()

@@ -17,6 +17,7 @@ from ..i18n import told
 FAILED_FILE = "failed.geojson"
 #: Bytes of the journal read in one go.
 _CHUNK_BYTES = 1 << 20
+_FAILED_MARK = f'"{FAILED}"'.encode()
 _NAME = re.compile(r'"name": "([^"]*)"')
 
 
@@ -81,6 +82,9 @@ class FailedImages:
                 self._read_bytes = file.tell() - len(rest)
 
     def _note(self, lines: bytes) -> None:
+        # Most journals are long and know no failure; reading their lines would hold up all other threads.
+        if not self._reasons and _FAILED_MARK not in lines:
+            return
         for line in lines.split(b"\n"):
             outcome = Outcome.from_line(line)
             if outcome is None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import NamedTuple
 
-from qgis.core import QgsLayerTreeGroup, QgsLayerTreeLayer, QgsMapLayer, QgsProject
+from qgis.core import QgsLayerTreeGroup, QgsLayerTreeLayer, QgsMapLayer, QgsProject, QgsProviderRegistry
 
 from ..i18n import tr
 
@@ -51,10 +51,17 @@ def saved_missions(project: QgsProject) -> list[SavedMission]:
             continue
         captured = _layer_in(group, CAPTURED)
         if captured is not None:
-            group.setCustomProperty(_FOLDER, str(Path(captured.source().partition("|")[0]).parent))
+            group.setCustomProperty(_FOLDER, str(dataset_of(captured)))
         current = bool(group.customProperty(_CURRENT))
         missions.append(SavedMission(group.name(), group.customProperty(_FOLDER), text, current))
     return missions
+
+
+def dataset_of(layer: QgsMapLayer) -> Path:
+    """Folder of the dataset whose footprints a layer shows."""
+    # Read as QGIS itself does: what follows a bar may be an option of the layer, or of the folder's name.
+    parts = QgsProviderRegistry.instance().decodeUri(layer.providerType(), layer.source())
+    return Path(str(parts.get("path") or layer.source())).parent
 
 
 def _layer_in(group: QgsLayerTreeGroup | None, role: str) -> QgsMapLayer | None:

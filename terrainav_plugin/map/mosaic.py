@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from ...core.capture.georeference import EPSG, crs_wkt, xml_text
-from ...core.dataset.folder import JOURNAL_FILE
+from ...core.dataset.folder import JOURNAL_FILE, TABLE_FILE
 from ...core.errors import OutputError
 from ...core.files import write_whole
 from ..i18n import tr
@@ -182,11 +182,13 @@ def _sources(plan: Plan, placed: Placed, folder: Path) -> Iterator[tuple[str, st
 
 def mosaics_there(folder: Path, map_types: tuple[str, ...]) -> list[Mosaic] | None:
     """Mosaics of a dataset as an earlier run has left them; None where they are missing or older than its pictures."""
-    journal = folder / JOURNAL_FILE
     found: list[Mosaic] = []
     try:
-        newest_s = journal.stat().st_mtime
+        journal_s = (folder / JOURNAL_FILE).stat().st_mtime
         for map_type in map_types:
+            # Cleaning moves images away or back, and writes their table.
+            table = folder / map_type / TABLE_FILE
+            newest_s = max(journal_s, table.stat().st_mtime if table.is_file() else 0.0)
             paths = [folder / f"{map_type}.vrt"]
             parts = [folder / f"{map_type}_{number}.vrt" for number in (1, 2)]
             paths = paths if paths[0].is_file() else [path for path in parts if path.is_file()]

@@ -7,6 +7,7 @@ from qgis.gui import QgsMapMouseEvent
 from qgis.PyQt.QtCore import Qt, pyqtSignal
 
 from ...core.errors import TerrAInavError
+from ..i18n import told
 from .box_geometry import lon_lat_of
 from .box_tool import TemporaryTool
 
@@ -33,7 +34,7 @@ class PointTool(TemporaryTool):
         try:
             lon, lat = lon_lat_of(self.toMapCoordinates(event.pos()), crs, QgsProject.instance())
         except (TerrAInavError, QgsCsException) as wrong:
-            self.refused.emit(str(wrong))
+            self.refused.emit(told(wrong))
             return
         self.stop()
         self.clicked.emit(lat, lon)

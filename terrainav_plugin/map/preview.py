@@ -11,7 +11,7 @@ from qgis.gui import QgsMapCanvas
 from qgis.PyQt.QtCore import QObject, QTimer, pyqtSignal
 
 from .mission_group import MissionGroup
-from .preview_layers import KINDS, Kind, field_names
+from .preview_layers import KINDS, field_names
 from .preview_view import HALF_WORLD_M, View, view_of
 
 if TYPE_CHECKING:
@@ -21,6 +21,8 @@ if TYPE_CHECKING:
 
 #: Pause in moving the map after which the preview follows.
 _PAUSE_MS = 60
+#: Features put into a layer at once: QGIS looks at each of them for some hundredths of a millisecond.
+MOST_A_STEP = 100
 
 
 class _Overtaken(Exception):
@@ -30,8 +32,8 @@ class _Overtaken(Exception):
 class Preview(QObject):
     """Shows one plan at a time, in the detail that the map's view allows.
 
-    A thread of its own works out what a view needs; the layers are filled on the main thread, one at a time and each in
-    one go. What is there already and still right stays.
+    A thread of its own works out what a view needs; the layers are made and filled on the main thread, in steps too
+    short to be felt. What is there already and still right stays.
 
     Signals
     -------
@@ -190,7 +192,7 @@ class Preview(QObject):
                 self._fill_on()
 
     def _fill_on(self) -> None:
-        """Fill one layer and let the application breathe before the next."""
+        """Take the next step, and let the application breathe before the one after it."""
         if self._pieces is None:
             return
         if next(self._pieces, self) is self:
@@ -199,40 +201,57 @@ class Preview(QObject):
             self._turn.start(0)
 
     def _make_layers(self, mission: Mission) -> Iterator[None]:
-        """Bring the layers that are not there, one by one: reading their styles takes a while."""
+        """Bring the layers that are not there, step by step: reading their styles takes a while."""
         for index, kind in enumerate(KINDS):
             if self.layer(kind.role) is not None or self._adopt(kind.role) is not None:
                 continue
-            kind.add_styles(self._add(kind, index))
+            layer = kind.new_layer()
+            # Before the project has it: what it looks like meanwhile is not seen.
+            for _ in kind.add_styles(layer):
+                yield None
+            self._add(layer, kind.role, index)
             yield None
         self._group.remember_mission(mission.to_json())
         if self._drawing is not None:
             yield from self._fill(self._drawing)
 
     def _fill(self, drawing: Drawing) -> Iterator[None]:
-        """Fill the layers one by one; one that the user removes meanwhile is left out."""
+        """Fill the layers, some features a step, and show them all at the end."""
         self._filling = True
+        changed = []
+        for kind in KINDS:
+            wanted, held = drawing.layers[kind.role], self._held.get(kind.role)
+            if self.layer(kind.role) is None or held is wanted or (held == [] and not wanted):
+                continue
+            # Until it is filled, what it holds is of no use to another drawing.
+            self._held.pop(kind.role, None)
+            self.layer(kind.role).dataProvider().truncate()
+            for first in range(0, len(wanted), MOST_A_STEP):
+                layer = self.layer(kind.role)
+                if layer is None:
+                    # The user has removed it meanwhile.
+                    break
+                layer.dataProvider().addFeatures(wanted[first : first + MOST_A_STEP])
+                yield None
+            self._held[kind.role] = wanted
+            changed.append(kind.role)
+        self._repaint(changed, drawing)
+
+    def _repaint(self, roles: list[str], drawing: Drawing) -> None:
         bounds = QgsRectangle(*drawing.bounds)
         if bounds.xMaximum() > HALF_WORLD_M:
             bounds.setXMinimum(-HALF_WORLD_M)
             bounds.setXMaximum(HALF_WORLD_M)
-        for kind in KINDS:
-            layer, wanted = self.layer(kind.role), drawing.layers[kind.role]
-            held = self._held.get(kind.role)
-            if layer is None or held is wanted or (held == [] and not wanted):
+        for role in roles:
+            layer = self.layer(role)
+            if layer is None:
                 continue
-            provider = layer.dataProvider()
-            provider.truncate()
-            if wanted:
-                provider.addFeatures(wanted)
-            self._held[kind.role] = wanted
-            if kind.role != "area":
+            if role != "area":
                 # "Zoom to layer" goes to the whole mission, whatever part of it is drawn.
                 layer.setExtent(bounds)
             else:
                 layer.updateExtents()
             layer.triggerRepaint()
-            yield None
 
     # --- layers
 
@@ -255,12 +274,10 @@ class Preview(QObject):
         self._held.pop(role, None)
         return layer
 
-    def _add(self, kind: Kind, index: int) -> QgsVectorLayer:
-        layer = kind.new_layer()
-        self._group.add(layer, kind.role, index).setExpanded(False)
-        self._ids[kind.role] = layer.id()
-        self._held[kind.role] = []
-        return layer
+    def _add(self, layer: QgsVectorLayer, role: str, index: int) -> None:
+        self._group.add(layer, role, index).setExpanded(False)
+        self._ids[role] = layer.id()
+        self._held[role] = []
 
     def _forget(self, layer_ids: list[str]) -> None:
         """Notice layers that the user has removed; the preview ends with its footprints."""

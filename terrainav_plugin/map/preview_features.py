@@ -96,13 +96,15 @@ def _rings(area: Box | Polygon) -> list[tuple[Floats, Floats]]:
 class Picked(NamedTuple):
     """Some captures of a plan, as a plan of their own, and what the whole plan knows of them.
 
-    ``overlap`` is how many of all planned images show the middle of each.
+    ``overlap`` is how many of all planned images show the middle of each, ``crowd`` how many of these are drawn over
+    the middle of each, by the rectangles around them.
     """
 
     plan: Plan
     at_ms: Floats
     until_ms: Floats
     overlap: Numbers
+    crowd: Numbers
 
 
 def part_of(plan: Plan, ids: Numbers) -> Plan:
@@ -123,7 +125,7 @@ def footprint_features(picked: Picked) -> list[QgsFeature]:
     """What each picture shows: the frame its file will state, or the ground the camera sees."""
     plan = picked.plan
     where = (plan.column, plan.row, plan.lat_deg, wrap_lon_deg(plan.lon_deg), plan.agl_m, _gsd(plan))
-    sight = (picked.overlap, *plan.poses.attitude, ~plan.corners.hit.all(axis=1))
+    sight = (picked.overlap, picked.crowd, *plan.poses.attitude, ~plan.corners.hit.all(axis=1))
     columns = (values.tolist() for values in (*where, *sight))
     return [
         feature(shape, name, *values, *times)

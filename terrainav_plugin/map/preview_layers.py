@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 from qgis.core import Qgis, QgsVectorLayer
@@ -16,7 +17,7 @@ _TIMES = "field=time:datetime&field=time_end:datetime"
 FIELDS = {
     "area": "field=north:double&field=west:double&field=south:double&field=east:double",
     "footprints": (
-        f"{_POSE}&field=gsd_m:double&field=overlap:integer"
+        f"{_POSE}&field=gsd_m:double&field=overlap:integer&field=crowd:integer"
         f"&field=yaw:double&field=tilt:double&field=roll:double&field=horizon:bool&{_TIMES}"
     ),
     "centres": f"{_POSE}&field=gsd_m:double&field=yaw:double&{_TIMES}",
@@ -54,10 +55,10 @@ class Kind:
         layer.setReadOnly(True)
         return layer
 
-    def add_styles(self, layer: QgsVectorLayer) -> None:
-        """Give a new layer the other styles that the user may choose."""
+    def add_styles(self, layer: QgsVectorLayer) -> Iterator[None]:
+        """Give a new layer the other styles that the user may choose, step by step."""
         if self.role == "footprints":
-            _add_overlap_style(layer)
+            yield from _add_overlap_style(layer)
 
 
 #: From the top of the group to its bottom.
@@ -129,12 +130,16 @@ def _set_times(layer: QgsVectorLayer, role: str) -> None:
     times.setIsActive(True)
 
 
-def _add_overlap_style(layer: QgsVectorLayer) -> None:
+def _add_overlap_style(layer: QgsVectorLayer) -> Iterator[None]:
     """Give the footprints a second style by name, for the user to choose."""
     styles = layer.styleManager()
     plain, overlap = tr("Footprints"), tr("Overlap count")
     styles.renameStyle(styles.currentStyle(), plain)
     styles.addStyleFromLayer(overlap)
+    yield None
     styles.setCurrentStyle(overlap)
+    yield None
     _dress(layer, "footprints", "overlap")
+    yield None
     styles.setCurrentStyle(plain)
+    yield None

@@ -163,15 +163,19 @@ class Scene:
     def _picked(self, ids: Numbers) -> Picked:
         part = part_of(self.plan, ids)
         clock = self._clock
-        return Picked(part, clock.at_ms[ids], clock.until_ms[ids], self._overlap(ids))
+        return Picked(
+            part,
+            clock.at_ms[ids],
+            clock.until_ms[ids],
+            self._overlap(ids),
+            _crowd(self.index.boxes.take(ids)),
+        )
 
     def _overlap(self, ids: Numbers) -> Numbers:
         """How many planned images show the middle of each of these; of camera frames, by the rectangle inside each."""
         if not len(ids):
             return np.empty(0, np.int64)
-        x = (self.windows.west[ids] + self.windows.east[ids]) / 2.0
-        x = np.where(x >= HALF_WORLD_M, x - WORLD_M, x)
-        y = (self.windows.south[ids] + self.windows.north[ids]) / 2.0
+        x, y = _middles(self.windows.take(ids))
         others = self.index.within(Rect(x.min(), y.min(), x.max(), y.max()))
         return shown_by(self.windows.take(others), x, y)
 
@@ -185,6 +189,17 @@ class Scene:
                 windows = windows.take(self.index.within(rect))
             self._density = (cells, below_m), density_features(count_images(windows, cells), cells)
         return self._density[1]
+
+
+def _crowd(boxes: Boxes) -> Numbers:
+    """How many of some rectangles lie over the middle of each."""
+    return shown_by(boxes, *_middles(boxes))
+
+
+def _middles(boxes: Boxes) -> tuple[Floats, Floats]:
+    """Middles of rectangles, within the world."""
+    x = (boxes.west + boxes.east) / 2.0
+    return np.where(x >= HALF_WORLD_M, x - WORLD_M, x), (boxes.south + boxes.north) / 2.0
 
 
 def _middle(rect: Rect, bounds: Rect) -> tuple[float, float]:

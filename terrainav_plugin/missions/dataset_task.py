@@ -50,7 +50,11 @@ class DatasetTask(Task):
         mosaics = mosaics_there(self.folder, self.mission.map_types)
         if mosaics is None:
             mosaics = self._made_mosaics()
+        if self.isCanceled():
+            return False
         self.opened = open_results(self.folder, self.mission, mosaics)
+        if self.isCanceled():
+            return False
         try:
             FailedImages(self.folder).update()
             self.failed = open_failed(self.folder)

@@ -22,6 +22,7 @@ from ..map.results import show_failed, show_results
 from ..runs.before import next_folder
 from ..sources import grid_finder
 from .dataset_task import DatasetTask
+from .plan_export import PlanExport
 from .recent import recent, remember
 
 if TYPE_CHECKING:
@@ -36,6 +37,7 @@ class Missions(QObject):
         super().__init__()
         self._workflow, self._messages = workflow, workflow.messages
         self._task: DatasetTask | None = None
+        self.plan_export = PlanExport(workflow)
         self._projects_closed = 0
         self.menu = QMenu(workflow.dock.missions)
         self.menu.setObjectName("missions_menu")
@@ -51,6 +53,7 @@ class Missions(QObject):
 
     def close(self) -> None:
         """End for good."""
+        self.plan_export.close()
         self._workflow.project.cleared.disconnect(self._project_closed)
         if self._task is not None:
             self._task.ended.disconnect()
@@ -81,6 +84,10 @@ class Missions(QObject):
             last.addAction(_plain(str(path)), partial(self.open_path, path))
         last.setEnabled(not last.isEmpty())
         menu.addAction(tr("&Save mission as file…"), self.save_as)
+        export = menu.addAction(tr("&Export plan…"), self.plan_export.ask)
+        export.setToolTip(
+            tr("As KML, GPX, GeoPackage, GeoJSON or a table; as a mission for Litchi or QGroundControl")
+        )
         menu.addSeparator()
         failed = menu.addAction(tr("Capture only the &failed images"), self.capture_failed)
         failed.setToolTip(tr("Of the mission in the panel: those that could not be made earlier"))

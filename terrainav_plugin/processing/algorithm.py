@@ -16,7 +16,7 @@ from qgis.core import (
 from qgis.PyQt.QtGui import QIcon
 
 from ...core.errors import Cancelled, TerrAInavError
-from ..i18n import tr
+from ..i18n import told, tr
 from ..packages import missing_packages
 from ..paths import RESOURCES, icon
 from .beside import Watch, beside_main
@@ -126,9 +126,9 @@ def _checked(work: Callable[[], Result]) -> Result:
     try:
         return work()
     except Cancelled as stopped:
-        text = tr("Stopped: {reason}").format(reason=stopped)
+        text = tr("Stopped: {reason}").format(reason=told(stopped))
     except (TerrAInavError, FormError) as wrong:
-        text = str(wrong)
+        text = told(wrong)
     # Out here the error is forgotten, and with it all that its trace would hold until the thread has ended.
     raise QgsProcessingException(text)
 

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Any
 from qgis.core import (
     QgsProcessingContext,
     QgsProcessingFeedback,
-    QgsProcessingOutputFile,
     QgsProcessingOutputFolder,
     QgsProcessingOutputNumber,
     QgsProcessingOutputRasterLayer,
+    QgsProcessingOutputVectorLayer,
     QgsProcessingParameterAuthConfig,
     QgsProcessingParameterBoolean,
     QgsProcessingParameterFile,
@@ -20,7 +20,7 @@ from qgis.core import (
 
 from ...core.dataset.folder import FOOTPRINTS_FILE, MISSION_FILE
 from ...core.errors import InvalidInput
-from ..i18n import tr
+from ..i18n import told, tr
 from .algorithm import paragraphs, run_beside
 from .beside import Watch
 from .imagery import WithImagery, check_terms
@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from ...core.capture.result import CaptureResult, Progress
     from ...core.mission.mission import Mission
     from ...core.mission.plan import Plan
+    from ..map.mosaic import Mosaic
 
 #: Share of the progress that capturing is; the mosaic takes the rest.
 _CAPTURE_SHARE = 0.9
@@ -62,7 +63,11 @@ class _Capturing(WithImagery):
         )
 
     def _add_results(self) -> None:
-        self.addOutput(QgsProcessingOutputFile("FOOTPRINTS", tr("Footprints")))
+        self.add(
+            QgsProcessingParameterBoolean("LOAD", tr("Add the results to the project"), True),
+            tr("The footprints and the mosaics, where the algorithm runs in a project."),
+        )
+        self.addOutput(QgsProcessingOutputVectorLayer("FOOTPRINTS", tr("Footprints")))
         self.addOutput(QgsProcessingOutputRasterLayer("MOSAIC", tr("Mosaic of the first map type")))
         for name, title in (
             ("TOTAL", tr("Images asked for")),
@@ -77,12 +82,15 @@ class _Capturing(WithImagery):
         self.take_imagery(mission, parameters, context)
         self._accepted = self.parameterAsBool(parameters, "ACCEPT_TERMS", context)
         self._with_mosaic = self.parameterAsBool(parameters, "MAKE_MOSAIC", context)
+        self._load = self.parameterAsBool(parameters, "LOAD", context)
 
-    def _run(self, folder: Path, feedback: QgsProcessingFeedback, **options: bool) -> dict[str, Any]:
+    def _run(
+        self, folder: Path, context: QgsProcessingContext, feedback: QgsProcessingFeedback, **options: bool
+    ) -> dict[str, Any]:
         """Capture, make the mosaics, return the outputs."""
         from ...core.capture.runner import capture
 
-        def work(watch: Watch) -> tuple[CaptureResult, str]:
+        def work(watch: Watch) -> tuple[CaptureResult, list[Mosaic]]:
             def report(progress: Progress) -> None:
                 finished = progress.done + progress.failed + progress.skipped
                 watch.progress(_CAPTURE_SHARE * finished / max(progress.total, 1))
@@ -101,13 +109,17 @@ class _Capturing(WithImagery):
                     **options,
                 )
             _tell(result, watch)
-            return result, self._mosaic(worked_out, result, watch)
+            return result, self._mosaics(worked_out, result, watch)
 
-        result, mosaic = run_beside(work, feedback)
+        result, mosaics = run_beside(work, feedback)
+        if self._load:
+            for mosaic in mosaics:
+                _load_when_done(context, mosaic.path, mosaic.title)
+            _load_when_done(context, folder / FOOTPRINTS_FILE, tr("Captured images"))
         return {
             "FOLDER": str(folder),
             "FOOTPRINTS": str(folder / FOOTPRINTS_FILE),
-            **({"MOSAIC": mosaic} if mosaic else {}),
+            **({"MOSAIC": str(mosaics[0].path)} if mosaics else {}),
             "TOTAL": result.total,
             "WRITTEN": result.written,
             "SKIPPED": result.skipped,
@@ -115,21 +127,20 @@ class _Capturing(WithImagery):
             "REQUESTS": result.requests,
         }
 
-    def _mosaic(self, worked_out: Plan, result: CaptureResult, watch: Watch) -> str:
-        """Path of the first map type's mosaic; empty where there is none."""
+    def _mosaics(self, worked_out: Plan, result: CaptureResult, watch: Watch) -> list[Mosaic]:
+        """Mosaics of all map types, as far as there are some."""
         from ..map.mosaic import MOST_PICTURES, build_mosaics
 
         # Camera frames are no pieces of the map.
         if worked_out.size_px is not None or len(worked_out) > MOST_PICTURES:
-            return ""
+            return []
         if result.cancelled or not self._with_mosaic:
-            return ""
-        mosaics = build_mosaics(
+            return []
+        return build_mosaics(
             worked_out,
             result.folder,
             lambda share: watch.progress(_CAPTURE_SHARE + (1.0 - _CAPTURE_SHARE) * share),
         )
-        return str(mosaics[0].path) if mosaics else ""
 
 
 class Capture(_Capturing):
@@ -188,7 +199,7 @@ class Capture(_Capturing):
     ) -> dict[str, Any]:
         """Capture."""
         folder = Path(self.parameterAsString(parameters, "FOLDER", context))
-        return self._run(folder, feedback, resume=True)
+        return self._run(folder, context, feedback, resume=True)
 
 
 class CaptureFailed(_Capturing):
@@ -251,11 +262,18 @@ class CaptureFailed(_Capturing):
     def processed(
         self,
         parameters: dict[str, Any],  # noqa: ARG002  QGIS passes it
-        context: QgsProcessingContext,  # noqa: ARG002  QGIS passes it
+        context: QgsProcessingContext,
         feedback: QgsProcessingFeedback,
     ) -> dict[str, Any]:
         """Capture."""
-        return self._run(self._folder, feedback, only_failed=True)
+        return self._run(self._folder, context, feedback, only_failed=True)
+
+
+def _load_when_done(context: QgsProcessingContext, path: Path, title: str) -> None:
+    """Have a layer added to the project, where there is one, once the algorithm has ended."""
+    if context.project() is not None:
+        details = QgsProcessingContext.LayerDetails(title, context.project(), title)
+        context.addLayerToLoadOnCompletion(str(path), details)
 
 
 def _tell(result: CaptureResult, watch: Watch) -> None:
@@ -268,7 +286,7 @@ def _tell(result: CaptureResult, watch: Watch) -> None:
         )
     )
     for failure in result.failed[:_NAMED_FAILURES]:
-        watch.warn(f"{failure.map_type}/{failure.name}: {failure.reason}")
+        watch.warn(f"{failure.map_type}/{failure.name}: {told(failure.reason)}")
     if len(result.failed) > _NAMED_FAILURES:
         watch.warn(
             tr("{count} more, named in the folder's journal and tables.").format(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from qgis.core import (
@@ -126,6 +127,8 @@ class Clean(Algorithm):
                     returned=f"{one.returned:,}",
                 )
             )
+        if any(one.moved or one.returned for one in cleaned) and not dry_run:
+            _tell_of_mosaics(Path(folder), feedback)
         suggested = next((one.suggested for one in cleaned if one.suggested is not None), None)
         return {
             "FOLDER": folder,
@@ -134,3 +137,15 @@ class Clean(Algorithm):
             "MOVED": sum(one.moved + one.returned for one in cleaned),
             **({} if suggested is None else {"SUGGESTED": suggested}),
         }
+
+
+def _tell_of_mosaics(folder: Path, feedback: QgsProcessingFeedback) -> None:
+    """Say that a mosaic still names images that are elsewhere now, or lacks some that are back."""
+    mosaics = sorted(path.name for path in folder.glob("*.vrt"))
+    if mosaics:
+        feedback.pushWarning(
+            tr(
+                "{names}: still as before images were moved; “Open dataset folder” among the panel's missions "
+                "makes it anew."
+            ).format(names=", ".join(mosaics))
+        )

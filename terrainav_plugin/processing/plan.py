@@ -20,7 +20,7 @@ from qgis.core import (
     QgsWkbTypes,
 )
 
-from ..i18n import tr
+from ..i18n import told, tr
 from . import features
 from .algorithm import Algorithm, paragraphs, run_beside
 from .mission_parameters import add_mission_parameters, mission_of
@@ -123,7 +123,7 @@ class Plan(Algorithm):
         worked_out, summary = run_beside(work, feedback)
         for label, text in summary.lines():
             tell = feedback.pushWarning if label == "warning" else feedback.pushInfo
-            tell(f"{label}: {text}")
+            tell(f"{told(label)}: {told(text)}")
         results: dict[str, Any] = _values(summary)
         kinds = QgsWkbTypes.Type
         for name, found, kind, fields in (
@@ -144,7 +144,7 @@ class Plan(Algorithm):
                 raise QgsProcessingException(self.invalidSinkError(parameters, name))
             _fill(sink, found(worked_out), len(worked_out), feedback)
             del sink
-        self._write_files(worked_out, parameters, context, results)
+        self._write_files(worked_out, parameters, context, feedback, results)
         return results
 
     def _write_files(
@@ -152,6 +152,7 @@ class Plan(Algorithm):
         worked_out: WorkedOut,
         parameters: dict[str, Any],
         context: QgsProcessingContext,
+        feedback: QgsProcessingFeedback,
         results: dict[str, Any],
     ) -> None:
         from ...core.mission.export import write_plan
@@ -161,8 +162,13 @@ class Plan(Algorithm):
             self._mission.save(path)
             results["MISSION_FILE"] = path
         if self._export:
-            write_plan(worked_out, self._export)
-            results["EXPORT"] = self._export
+            exported = write_plan(worked_out, self._export)
+            for file in exported.files:
+                feedback.pushInfo(tr("Written: {file}").format(file=file))
+            for note in exported.notes:
+                feedback.pushInfo(told(note))
+            # A flight too long for one file is in several.
+            results["EXPORT"] = str(exported.files[0])
 
 
 def _fill(

@@ -15,7 +15,7 @@ from qgis.core import (
 )
 
 from ...core.errors import Cancelled
-from ..i18n import tr
+from ..i18n import told, tr
 from .algorithm import paragraphs, run_beside
 from .beside import Watch
 from .imagery import WithImagery, check_terms
@@ -94,14 +94,14 @@ class AccuracyReport(WithImagery):
         quick = self.parameterAsBool(parameters, "QUICK", context)
 
         def work(watch: Watch) -> Path:
-            def told(what: str) -> None:
+            def tell(what: str) -> None:
                 if watch.cancelled():
                     raise Cancelled(tr("the report is not finished"))
-                watch.say(tr("Measuring: {what}").format(what=what))
+                watch.say(tr("Measuring: {what}").format(what=told(what)))
 
             with self._imagery.opened() as source:
                 worked_out = self._imagery.planned()
                 check_terms(worked_out, source, _REQUESTS, accepted=accepted)
-                return write_report(worked_out, source, folder, progress=told, quick=quick)
+                return write_report(worked_out, source, folder, progress=tell, quick=quick)
 
         return {"FOLDER": folder, "HTML": str(run_beside(work, feedback))}

@@ -61,6 +61,8 @@ class Endings:
                 return
         elif run.task.opened is not None and is_open:
             self._show(lambda: self._load_results(run))
+        # Layers that are not shown go away here: they keep their files open, and a run stays listed for long.
+        run.task.opened = None
         self._say(run, is_open)
 
     def _project_closed(self) -> None:
@@ -93,7 +95,7 @@ class Endings:
         self._workflow.background.zoom_to_layer(layer)
 
     def _say(self, run: Run, is_open: bool) -> None:
-        result, name = run.result, run.folder.name
+        result, name = run.result, run.name
         if run.task.error:
             tell = self._messages.error if run.task.trace else self._messages.warning
             tell(with_kept(told(run.task.error), result), run.task.trace)
@@ -101,7 +103,7 @@ class Endings:
             self._messages.info(tr("{name}: stopped before the first image.").format(name=name))
         elif run.stage is Stage.STOPPED:
             self._messages.info(
-                tr("{name}: stopped, {there} of {total} images are there. Press Capture to go on.").format(
+                tr("{name}: stopped with {there} of {total} images. Press Capture to go on.").format(
                     name=name, there=f"{result.written + result.skipped:,}", total=f"{result.total:,}"
                 )
             )
@@ -120,12 +122,12 @@ class Endings:
         failed = run.result.failed
         reason = told(failed[0].reason) if failed else tr("in an earlier run")
         text = tr("{name}: {failed} of {total} images could not be made ({reason}).").format(
-            name=run.folder.name,
+            name=run.name,
             failed=f"{run.task.failed or len(failed):,}",
             total=f"{len(run.plan) * len(run.mission.map_types):,}",
             reason=reason,
         )
-        lines = (f"{failure.map_type}/{failure.name}: {failure.reason}" for failure in failed)
+        lines = (f"{failure.map_type}/{failure.name}: {told(failure.reason)}" for failure in failed)
         again = (tr("Capture only the failed ones"), lambda: self._runs.capture_failed(run))
         self._messages.warning(text, "\n".join(lines), again)
 

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from ...core.mission.mission import Mission
     from ..dock.form_state import FormState
     from ..workflow import Workflow
+    from .run import Run
 
 
 class Questions:
@@ -67,10 +68,14 @@ class Questions:
         )
         return True
 
-    def is_in_line(self, folder: Path, others: list[Path]) -> bool:
+    def is_in_line(self, mission: Mission, folder: Path, others: list[Run]) -> bool:
         """Whether one of the runs that are not over captures into the folder already; says so."""
-        if place_of(folder) not in {place_of(other) for other in others}:
+        found = next((run for run in others if place_of(run.folder) == place_of(folder)), None)
+        if found is None:
             return False
+        if found.mission == mission:
+            self._messages.info(tr("{name} is being captured already.").format(name=folder.name))
+            return True
         other = next_folder(folder)
         self._messages.warning(
             tr("{folder} is being captured already; a second mission needs a folder of its own.").format(

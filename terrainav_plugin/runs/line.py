@@ -129,9 +129,10 @@ class Runs(QObject):
         return plan.requests * len(plan.mission.map_types)
 
     def _enqueue(self, plan: Plan, folder: Path, only_failed: bool, requests: int) -> bool:
-        others = [run.folder for run in self.waiting]
         mission = plan.mission
-        if self.questions.is_in_line(folder, others) or not self.questions.terms_allow(mission, requests):
+        if self.questions.is_in_line(mission, folder, self.waiting) or not self.questions.terms_allow(
+            mission, requests
+        ):
             return False
         try:
             # A copy: what a plan keeps of its views belongs to whoever captures it.

@@ -90,6 +90,11 @@ class Run(QObject):
         return self.plan.mission
 
     @property
+    def name(self) -> str:
+        """What users call it: the last part of its folder's path, the whole of one that has no parts."""
+        return self.folder.name or str(self.folder)
+
+    @property
     def result(self) -> CaptureResult | None:
         """What the run has done, once it has."""
         return self.task.result

@@ -22,8 +22,8 @@ def title_of(run: Run) -> str:
     if run.test_shot:
         return tr("Test shot")
     if run.only_failed:
-        return tr("{name}: failed images").format(name=run.folder.name)
-    return run.folder.name
+        return tr("{name}: failed images").format(name=run.name)
+    return run.name
 
 
 def row_text(run: Run, place: int = 0) -> str:
@@ -80,12 +80,10 @@ def _end_text(run: Run) -> str:
         return tr("Stopped before the first image")
     there = f"{result.written + result.skipped:,}"
     if result.cancelled:
-        return tr("Stopped: {there} of {total} images are there").format(
-            there=there, total=f"{result.total:,}"
-        )
+        return tr("Stopped with {there} of {total} images").format(there=there, total=f"{result.total:,}")
     if run.task.failed:
         total = len(run.plan) * len(run.mission.map_types)
-        return tr("{failed} of {total} images are missing").format(
+        return tr("Missing: {failed} of {total} images").format(
             failed=f"{run.task.failed:,}", total=f"{total:,}"
         )
     return done_text(result)
@@ -96,10 +94,13 @@ def done_text(result: CaptureResult) -> str:
     if not result.total:
         return tr("No image was missing.")
     if not result.written:
+        if result.total == 1:
+            return tr("The image was there already.")
         return tr("All {total} images were there already.").format(total=f"{result.total:,}")
-    return tr("{written} images captured in {time}.").format(
-        written=f"{result.written:,}", time=duration_text(result.seconds)
-    )
+    time = duration_text(result.seconds)
+    if result.written == 1:
+        return tr("One image captured in {time}.").format(time=time)
+    return tr("{written} images captured in {time}.").format(written=f"{result.written:,}", time=time)
 
 
 def with_kept(error: str, result: CaptureResult | None) -> str:

@@ -7,14 +7,19 @@ Ours has a footprint a line, so that it is read once and then only where a footp
 from __future__ import annotations
 
 import json
+from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO
 
 import numpy as np
 
 from ...core.dataset.folder import FOOTPRINTS_FILE
-from ...core.errors import InvalidInput
+from ...core.errors import Cancelled, InvalidInput
+from ..i18n import tr
+from .coordinates import Bytes, Floats, Numbers, lines_and_bounds
 
+#: Read in one go: enough for arrays to be worth it, little memory.
+_BLOCK_BYTES = 1 << 20
 _FEATURE = b'{"type": "Feature",'
 
 
@@ -25,30 +30,34 @@ class FootprintFile:
     ----------
     folder : Path
         Of the dataset.
+    cancelled : callable
+        Asked again and again while the file is read.
 
     Raises
     ------
     InvalidInput
         Where the file cannot be read or is none of ours.
+    Cancelled
+        When ``cancelled`` said so.
     """
 
-    def __init__(self, folder: Path) -> None:
+    def __init__(self, folder: Path, cancelled: Callable[[], bool] = lambda: False) -> None:
         self.path = folder / FOOTPRINTS_FILE
         self.stamp = stamp_of(self.path)
-        offsets: list[int] = []
-        bounds: list[tuple[float, float, float, float]] = []
-        offset = 0
+        offsets, bounds = [np.zeros(0, np.int64)], [np.zeros((0, 4))]
         try:
             with self.path.open("rb") as file:
-                for line in file:
-                    if line.startswith(_FEATURE):
-                        offsets.append(offset)
-                        bounds.append(_bounds(_feature(line)))
-                    offset += len(line)
-        except (OSError, ValueError, KeyError, IndexError, TypeError) as wrong:
-            raise InvalidInput(f"footprints {self.path}: cannot be read ({wrong})") from wrong
-        self._offsets = np.array(offsets, np.int64)
-        self._bounds = np.array(bounds, np.float64).reshape(-1, 4)
+                for offset, block in _blocks(file):
+                    if cancelled():
+                        raise Cancelled(tr("footprints: stopped"))
+                    starts, found = _features(block)
+                    offsets.append(starts + offset)
+                    bounds.append(found)
+        except OSError as wrong:
+            raise _unreadable(self.path, wrong.strerror) from wrong
+        self._offsets, self._bounds = np.concatenate(offsets), np.concatenate(bounds)
+        if not len(self) or np.isnan(self._bounds).any():
+            raise _unreadable(self.path, tr("it is none of a capture"))
 
     def __len__(self) -> int:
         return len(self._offsets)
@@ -65,8 +74,10 @@ class FootprintFile:
             with self.path.open("rb") as file:
                 file.seek(int(self._offsets[number]))
                 return _feature(file.readline())
-        except (OSError, ValueError) as wrong:
-            raise InvalidInput(f"footprints {self.path}: cannot be read ({wrong})") from wrong
+        except OSError as wrong:
+            raise _unreadable(self.path, wrong.strerror) from wrong
+        except (ValueError, IndexError) as wrong:
+            raise _unreadable(self.path, tr("it has changed")) from wrong
 
 
 def stamp_of(path: Path) -> tuple[int, int]:
@@ -91,7 +102,29 @@ def _feature(line: bytes) -> dict[str, Any]:
     return feature if isinstance(feature, dict) else {}
 
 
-def _bounds(feature: dict[str, Any]) -> tuple[float, float, float, float]:
-    corners = [corner for polygon in rings_of(feature) for ring in polygon for corner in ring]
-    lons, lats = [corner[0] for corner in corners], [corner[1] for corner in corners]
-    return min(lons), min(lats), max(lons), max(lats)
+def _blocks(file: BinaryIO) -> Iterator[tuple[int, Bytes]]:
+    """Blocks of whole lines, and where each begins in the file."""
+    offset, rest = 0, b""
+    while chunk := file.read(_BLOCK_BYTES):
+        whole, end, new_rest = chunk.rpartition(b"\n")
+        if end:
+            text = rest + whole + end
+            yield offset, np.frombuffer(text, np.uint8)
+            offset, rest = offset + len(text), new_rest
+        else:
+            rest += chunk
+    if rest:
+        yield offset, np.frombuffer(rest + b"\n", np.uint8)
+
+
+def _features(block: Bytes) -> tuple[Numbers, Floats]:
+    """Where the lines of features begin in a block, and their bounds."""
+    starts, bounds = lines_and_bounds(block)
+    beginning = np.frombuffer(_FEATURE, np.uint8)
+    at = np.minimum(starts[:, np.newaxis] + np.arange(len(beginning)), len(block) - 1)
+    ours = (block[at] == beginning).all(axis=1)
+    return starts[ours], bounds[ours]
+
+
+def _unreadable(path: Path, reason: object) -> InvalidInput:
+    return InvalidInput(tr("footprints {path}: cannot be read ({reason})").format(path=path, reason=reason))

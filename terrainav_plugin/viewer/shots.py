@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import csv
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
 from qgis.core import QgsGeometry, QgsPointXY, QgsVectorLayer
 
 from ...core.dataset.folder import MISSION_FILE, REJECTED_FOLDER, TABLE_FILE
+from ...core.errors import InvalidInput
 from ...core.mission.mission import Mission
+from ..i18n import tr
+from ..map.mission_group import dataset_of
 from .footprint_file import FootprintFile, rings_of, stamp_of
 from .picture import Picture, read_picture
 
@@ -35,7 +38,7 @@ class Footprints(NamedTuple):
     @classmethod
     def of(cls, layer: QgsVectorLayer) -> Footprints:
         """Footprints of a layer; on the main thread."""
-        return cls(layer.id(), Path(layer.source().partition("|")[0]).parent)
+        return cls(layer.id(), dataset_of(layer))
 
 
 class Shot(NamedTuple):
@@ -88,9 +91,16 @@ class Seen(NamedTuple):
 
 
 class Finder:
-    """Finds images; files of footprints that it has read once it knows until they change. On one thread."""
+    """Finds images; files of footprints that it has read once it knows until they change. On one thread.
 
-    def __init__(self) -> None:
+    Parameters
+    ----------
+    cancelled : callable
+        Whether nobody waits any more; reading a long file ends then.
+    """
+
+    def __init__(self, cancelled: Callable[[], bool]) -> None:
+        self._cancelled = cancelled
         self._files: dict[Path, FootprintFile] = {}
 
     def shots_at(self, footprints: Sequence[Footprints], lat_deg: float, lon_deg: float) -> list[Shot]:
@@ -114,16 +124,21 @@ class Finder:
     def _file(self, footprints: Footprints) -> FootprintFile:
         known = self._files.get(footprints.folder)
         if known is None or known.stamp != stamp_of(known.path):
-            known = self._files[footprints.folder] = FootprintFile(footprints.folder)
+            known = self._files[footprints.folder] = FootprintFile(footprints.folder, self._cancelled)
         return known
 
     def _shot(self, footprints: Footprints, number: int) -> Shot:
         file = self._file(footprints)
         feature = file.read(number)
-        pose = feature["properties"]
-        polygons = [[[QgsPointXY(*at) for at in ring] for ring in polygon] for polygon in rings_of(feature)]
-        outline = QgsGeometry.fromMultiPolygonXY(polygons)
-        return Shot(footprints, number, len(file), str(pose["name"]), pose, outline)
+        try:
+            pose = feature["properties"]
+            name = str(pose["name"])
+            polygons = [
+                [[QgsPointXY(*at) for at in ring] for ring in polygon] for polygon in rings_of(feature)
+            ]
+        except (KeyError, TypeError) as wrong:
+            raise InvalidInput(tr("footprints {path}: have no poses").format(path=file.path)) from wrong
+        return Shot(footprints, number, len(file), name, pose, QgsGeometry.fromMultiPolygonXY(polygons))
 
 
 def see(shot: Shot, map_type: str, longest_px: int) -> Seen:

@@ -128,7 +128,7 @@ class Viewing(QObject):
         from .shots import Finder, Footprints
 
         footprints = [Footprints.of(layer) for layer in self._layers()]
-        finder = self._finder = self._finder or Finder()
+        finder = self._finder = self._finder or Finder(lambda: self._worker.closed)
         if self.seen is None:
             self._shown_viewer().show_hint(tr("Looking for images…"))
         self._worker.ask(lambda: finder.shots_at(footprints, lat_deg, lon_deg), self._found)

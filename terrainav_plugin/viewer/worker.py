@@ -26,9 +26,15 @@ class Worker(QObject):
     def __init__(self) -> None:
         super().__init__()
         self._latest = self._open = 0
+        self._closed = False
         self._pool = ThreadPoolExecutor(1, thread_name_prefix="terrainav-viewer")
         # Emitted on the worker's thread, received on this object's.
         self._finished.connect(self._deliver)
+
+    @property
+    def closed(self) -> bool:
+        """Whether it has ended: work under way may stop."""
+        return self._closed
 
     @property
     def busy(self) -> bool:
@@ -47,6 +53,7 @@ class Worker(QObject):
     def close(self) -> None:
         """End the thread; no answer comes any more."""
         self._latest += 1
+        self._closed = True
         self._pool.shutdown(wait=True, cancel_futures=True)
 
     def _deliver(self, number: int, future: Future[Any], answer: Callable[[Any], None]) -> None:

@@ -253,6 +253,7 @@ def test_mission_comes_out_of_the_panel_as_it_went_in(desk, there):
     desk.form.set_state(state_of(Mission.from_json(text), str(desk.folder)))
     assert mission(desk.workflow.state()).to_json() == text
     # Also after a session's end.
+    desk.workflow.memory.write()
     remembered = FormState.from_json(desk.workflow.settings.form)
     assert mission(remembered).to_json() == text
 

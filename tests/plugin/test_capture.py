@@ -187,7 +187,7 @@ def test_cancelled_run_is_resumed(prepared, server):
     kept = {path: path.stat().st_mtime_ns for path in images(prepared)}
     assert 5 <= len(kept) < len(planned)
     assert any("Press Capture to go on" in text for text in prepared.messages())
-    assert f"Stopped: {len(kept)} of {len(planned)} images are there" in row.text.text()
+    assert f"Stopped with {len(kept)} of {len(planned)} images" in row.text.text()
     assert prepared.group() is None
     assert prepared.dock.test_shot.isEnabled()
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 from qgis.PyQt.QtWidgets import QApplication
 from terrainav.core.mission.presets import cameras
@@ -181,4 +182,62 @@ def test_entries_are_remembered(desk):
 
     desk.enter_small_mission()
     desk.form.agl.setValue(77.0)
+    desk.wait(lambda: not desk.workflow.memory.pending)
     assert FormState.from_json(desk.workflow.settings.form) == desk.workflow.state()
+
+
+class Written:
+    """Settings that count how often the entries are written down."""
+
+    def __init__(self):
+        self.texts = []
+
+    def __setattr__(self, name, value):
+        if name == "form":
+            self.texts.append(value)
+        else:
+            super().__setattr__(name, value)
+
+
+def test_entries_are_written_down_once_when_typing_pauses(desk, monkeypatch):
+    written = Written()
+    monkeypatch.setattr(desk.workflow.memory, "_settings", written)
+    for key in range(20):
+        desk.form.agl.setValue(100.0 + key)
+    assert written.texts == []
+    desk.wait(lambda: len(written.texts) > 0)
+    assert written.texts == [desk.workflow.state().to_json()]
+    desk.form.agl.setValue(50.0)
+    desk.workflow.memory.write()
+    # What is written down need not be written again.
+    assert not desk.workflow.memory.pending
+    assert written.texts[1:] == [desk.workflow.state().to_json()]
+
+
+def test_large_shapes_are_looked_at_once_however_much_is_typed(desk, monkeypatch):
+    from terrainav.core.mission.area import Points, Polygon
+    from terrainav.terrainav_plugin.dock import area_editing, area_shape
+
+    angles = np.linspace(0.0, 2.0 * np.pi, 2000, endpoint=False)
+    ring = tuple(zip((0.01 * np.cos(angles)).tolist(), (0.01 * np.sin(angles)).tolist()))
+    poses = tuple((35.0 + 1e-5 * index, -89.0, 120.0) for index in range(2000))
+    looks = []
+    words, loads = area_editing.area_words, area_shape.json.loads
+    made = Points.__post_init__
+
+    def noted(name, act):
+        return lambda *values: looks.append(name) or act(*values)
+
+    for area in (Polygon((ring,)), Points(poses)):
+        desk.form.area_editing.set_area(area, "enter")
+        with monkeypatch.context() as watched:
+            watched.setattr(area_editing, "area_words", noted("words", words))
+            watched.setattr(area_shape.json, "loads", noted("read", loads))
+            watched.setattr(Points, "__post_init__", noted("points", made))
+            for key in range(5):
+                desk.form.flight.entries["airspeed_m_per_s"].setValue(10.0 + key)
+                desk.form.camera_group.entries["max_px"].setValue(500 + key)
+            assert looks == []
+            desk.form.agl.setValue(desk.form.agl.value() + 1.0)
+            # Points at another height are other points, made once.
+            assert looks == ([] if isinstance(area, Polygon) else ["points", "words"])

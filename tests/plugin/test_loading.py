@@ -66,8 +66,8 @@ def names_of_the_plugin(iface):
     ]
 
 
-# Qt's style animates QGIS's own widgets, whoever's they show; QGIS itself keeps indicators and legend entries of layers
-# that go away with a project, without any plugin.
+# Qt's style animates QGIS's own widgets, whoever's they show. QGIS itself, without any plugin, keeps the indicators of
+# temporary layers, and the legend entries that a layer had before its style was changed, or its project replaced.
 NOT_OURS = {
     "QProgressStyleAnimation",
     "QScrollbarStyleAnimation",
@@ -343,3 +343,28 @@ def test_help_is_the_guide_or_the_homepage(plugin, tmp_path, monkeypatch, qtbot)
     help_module.close_help()
     settle()
     assert not [w for w in QApplication.topLevelWidgets() if w.objectName() == "terrainav_guide"]
+
+
+def test_messages_still_shown_go_with_the_plugin(unloaded, iface, qtbot):
+    """Nothing of the plugin is called by an item that the message bar deletes afterwards."""
+    for _ in range(5):
+        load()
+        plugin = qgis.utils.plugins[PLUGIN]
+        for number in range(3):
+            plugin.messages.warning(f"message {number}", "details", ("Do it", lambda: None))
+        plugin.workflow.viewing.start()
+        del plugin
+        assert qgis.utils.unloadPlugin(PLUGIN)
+        settle()
+        qtbot.wait(20)
+        settle()
+    assert iface.messageBar().items() == []
+
+
+def test_messages_that_users_close_are_forgotten(plugin, iface):
+    for text in ("one", "two", "three"):
+        plugin.messages.warning(text)
+    iface.messageBar().popWidget()
+    assert [item.text() for item in plugin.messages._shown] == ["one", "two"]
+    iface.messageBar().clearWidgets()
+    assert plugin.messages._shown == []

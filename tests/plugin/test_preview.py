@@ -71,6 +71,7 @@ def test_preview_follows_a_changed_height_in_place(previewed):
     before = previewed.layer("Planned images").featureCount()
     previewed.form.agl.setValue(60.0)
     previewed.wait(lambda: previewed.layer("Planned images").featureCount() != before)
+    previewed.wait_planned()
     assert (
         previewed.layer("Planned images").featureCount() == previewed.workflow.planned.summary.images > before
     )

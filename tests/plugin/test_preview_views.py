@@ -2,18 +2,25 @@
 
 from __future__ import annotations
 
+import os
+import time
+from xml.etree import ElementTree as ET
+
 import numpy as np
 import pytest
 from qgis.core import (
     QgsCoordinateReferenceSystem,
     QgsCoordinateTransform,
     QgsDateTimeRange,
+    QgsExpression,
+    QgsExpressionContext,
     QgsPointXY,
     QgsProject,
     QgsRectangle,
     QgsSingleSymbolRenderer,
     QgsTemporalNavigationObject,
     QgsTemporalUtils,
+    QgsVectorDataProvider,
     QgsVectorLayerTemporalContext,
 )
 from qgis.gui import QgsMapToolPan
@@ -24,10 +31,12 @@ from qgis.PyQt.QtWidgets import QApplication
 from terrainav.core.mission.area import Box, Points
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
+from terrainav.core.mission.wind import Wind
 from terrainav.terrainav_plugin.map.mission_group import MissionGroup
-from terrainav.terrainav_plugin.map.preview import Preview
+from terrainav.terrainav_plugin.map.preview import MOST_A_STEP, Preview
 from terrainav.terrainav_plugin.map.preview_scene import FEW, MOST_DRAWN
 from terrainav.terrainav_plugin.map.preview_view import view_of
+from terrainav.terrainav_plugin.paths import style
 from terrainav.terrainav_plugin.sources import grid_of
 
 PATIENCE_MS = 60_000
@@ -418,7 +427,37 @@ def flown(layer, times):
     return {feature["name"] for feature in layer.getFeatures(text)}
 
 
-def test_temporal_controller_flies_the_mission(map_):
+@pytest.fixture(params=["UTC", "America/New_York", "Asia/Kathmandu"])
+def time_zone(request):
+    """Time zone of the machine."""
+    if not hasattr(time, "tzset"):
+        pytest.skip("the time zone of a program is set once here")
+    before = os.environ.get("TZ")
+    os.environ["TZ"] = request.param
+    time.tzset()
+    yield request.param
+    if before is None:
+        del os.environ["TZ"]
+    else:
+        os.environ["TZ"] = before
+    time.tzset()
+
+
+def test_times_are_utc_in_every_time_zone(map_, time_zone):
+    planned = map_.show(SMALL, start="2024-06-21T10:00:00Z")
+    for role in ("footprints", "centres"):
+        for feature in map_.layer(role).getFeatures():
+            at = planned.times_s[planned.names.index(feature["name"])]
+            # 2024-06-21T10:00:00Z is 1,718,964,000 s of Unix time.
+            assert feature["time"].toMSecsSinceEpoch() == pytest.approx(1.718964e12 + 1000.0 * at, abs=1.0)
+            text = QgsExpression("format_date(\"time\", 'yyyy-MM-dd HH:mm:ss')")
+            context = QgsExpressionContext()
+            context.setFeature(feature)
+            wanted = time.strftime("%Y-%m-%d %H:%M:%S", time.gmtime(1_718_964_000 + int(at)))
+            assert text.evaluate(context) == wanted
+
+
+def test_temporal_controller_flies_the_mission(map_, time_zone):
     planned = map_.show(SMALL, start="2024-06-21T10:00:00Z")
     controller = QgsTemporalNavigationObject()
     whole = QgsTemporalUtils.calculateTemporalRangeForProject(map_.project)
@@ -454,11 +493,11 @@ def test_whole_flight_has_its_times_where_a_part_is_in_view(map_):
     times = {feature["name"]: feature["time"] for feature in map_.layer("footprints").getFeatures()}
     expected = dict(zip(planned.names, planned.times_s.tolist()))
     start = whole.begin()
-    for name, time in times.items():
-        assert start.msecsTo(time) / 1000.0 == pytest.approx(expected[name], abs=1e-3)
+    for name, at in times.items():
+        assert start.msecsTo(at) / 1000.0 == pytest.approx(expected[name], abs=1e-3)
 
 
-def test_images_of_the_moment_are_drawn_where_all_are_too_many(map_):
+def test_images_of_the_moment_are_drawn_where_all_are_too_many(map_, time_zone):
     planned = map_.show(MIDDLE)
     assert map_.counts()["footprints"] == 0
     start = QgsTemporalUtils.calculateTemporalRangeForProject(map_.project).begin()
@@ -494,3 +533,134 @@ def test_flight_line_has_every_leg_in_view_and_few_elsewhere(map_):
     centres = {(round(place.x(), 3), round(place.y(), 3)) for place in places}
     assert centres <= corners
     assert len(corners) <= len(centres) + 4 * planned.rows
+
+
+# --- missions of every kind, as they look
+
+
+def painted(map_):
+    """Share of the map's pixels that are not its background."""
+    map_.canvas.refreshAllLayers()
+    map_.canvas.waitWhileRendering()
+    image = map_.canvas.grab().toImage()
+    background = QColor("white").rgb()
+    spots = [(x, y) for x in range(0, image.width(), 3) for y in range(0, image.height(), 3)]
+    return sum(image.pixel(x, y) != background for x, y in spots) / len(spots)
+
+
+@pytest.mark.parametrize("name", ["area", "centres", "flight", "footprints", "density", "overlap"])
+def test_expressions_of_styles_are_expressions(name):
+    tree = ET.parse(style(name))
+    options = [node.get("value") for node in tree.iter("Option") if node.get("name") == "expression"]
+    labels = [node.get("fieldName") for node in tree.iter("text-style") if node.get("isExpression") == "1"]
+    wrong = [text for text in [*options, *labels] if text and QgsExpression(text).hasParserError()]
+    assert not wrong
+
+
+@pytest.mark.parametrize(
+    ("changes", "clicks"),
+    [
+        ({"tilt_deg": 60.0, "yaw_deg": 30.0, "agl_m": 300.0}, 3),
+        ({"tilt_deg": 30.0, "overlap_along": 0.6, "overlap_across": 0.6}, 5),
+        ({"overlap_along": 0.8, "overlap_across": 0.8}, 6),
+    ],
+)
+def test_ground_is_seen_below_hundreds_of_footprints(map_, screenshot, changes, clicks):
+    map_.show(MIDDLE, **changes)
+    map_.wheel(clicks)
+    boxes = np.array(
+        [
+            [b.xMinimum(), b.yMinimum(), b.xMaximum(), b.yMaximum()]
+            for b in (feature.geometry().boundingBox() for feature in map_.layer("footprints").getFeatures())
+        ]
+    )
+    west, south, east, north = boxes.T
+    x, y = (west + east) / 2.0, (south + north) / 2.0
+    over = ((west[:, None] <= x) & (x <= east[:, None]) & (south[:, None] <= y) & (y <= north[:, None])).sum(
+        axis=0
+    )
+    crowd = np.array([feature["crowd"] for feature in map_.layer("footprints").getFeatures()])
+    # Rectangles are taken a hundredth wider where edges may bulge.
+    assert (np.abs(crowd - over) <= 0.1 * over + 2).all()
+    assert crowd.max() > 12
+    assert 0.02 < painted(map_) < 0.5
+    screenshot(f"crowd-{int(crowd.max())}")
+
+
+def test_second_pass_of_a_turned_grid_is_drawn_turned(map_, screenshot):
+    planned = map_.show(SMALL, crosshatch=True, grid_angle_deg=37.0)
+    # Rows are straight over the whole area, whose meridians converge by hundredths of a degree.
+    yaws = {round(feature["yaw"], 1) % 360.0 for feature in map_.layer("centres").getFeatures()}
+    assert yaws == {37.0, 127.0}
+    assert map_.names() == map_.names("centres") == set(planned.names)
+    # A camera that looks straight down is over the middle of what it sees.
+    seen = {feature["name"]: feature.geometry() for feature in map_.layer("footprints").getFeatures()}
+    for feature in map_.layer("centres").getFeatures():
+        outline = seen[feature["name"]]
+        assert outline.centroid().distance(feature.geometry()) < 1.0
+        # Its edges are turned: the box around it is half as large again.
+        assert outline.boundingBox().area() > 1.5 * outline.area()
+    flight = next(map_.layer("flight").getFeatures())
+    assert flight.geometry().constGet().nCoordinates() == len(planned)
+    painted(map_)
+    screenshot("crosshatch")
+
+
+def test_wind_moves_centres_and_outlines_together(map_, screenshot):
+    planned = map_.show(SMALL, wind=Wind(6.0, 300.0, 0.2), overlap_along=0.6, overlap_across=0.4)
+    attitudes = {
+        feature["name"]: (feature["yaw"], feature["tilt"], feature["roll"])
+        for feature in map_.layer("footprints").getFeatures()
+    }
+    assert attitudes == dict(zip(planned.names, zip(*(part.tolist() for part in planned.poses.attitude))))
+    assert len(set(attitudes.values())) == len(planned)
+    seen = {feature["name"]: feature.geometry() for feature in map_.layer("footprints").getFeatures()}
+    centres = list(map_.layer("centres").getFeatures())
+    assert len(centres) == len(planned)
+    assert all(seen[feature["name"]].contains(feature.geometry()) for feature in centres)
+    painted(map_)
+    screenshot("wind")
+
+
+# --- steps
+
+
+def test_features_come_in_steps_and_are_shown_at_once(map_, monkeypatch):
+    map_.show(SMALL)
+    steps, turn, repainted = [], [0], []
+    add = QgsVectorDataProvider.addFeatures
+
+    def counted(provider, features, *flags):
+        steps.append((turn[0], len(features)))
+        return add(provider, features, *flags)
+
+    monkeypatch.setattr(QgsVectorDataProvider, "addFeatures", counted)
+    map_.preview._turn.timeout.connect(lambda: turn.__setitem__(0, turn[0] + 1))
+    for role in ROLES:
+        map_.layer(role).repaintRequested.connect(lambda *_, role=role: repainted.append((role, len(steps))))
+    mission = Mission(area=SMALL, agl_m=120.0, overlap_along=0.7, overlap_across=0.7)
+    planned = plan(mission, grid_of(mission))
+    assert 500 < len(planned) < MOST_DRAWN
+    map_.preview.show(map_.group, mission, planned)
+    map_.wait()
+    # Area and flight line, centres and footprints.
+    assert sum(count for _, count in steps) == 2 + 2 * len(planned)
+    assert max(count for _, count in steps) <= MOST_A_STEP
+    # The first step is taken when the features come, each of the others in a turn of the event loop of its own.
+    assert len({turn for turn, _ in steps}) == len(steps) - 1
+    assert repainted == [(role, len(steps)) for role in ("area", "centres", "flight", "footprints")]
+
+
+def test_view_left_while_it_is_filled_leaves_no_half_of_it(map_):
+    map_.show(MIDDLE)
+    filled = map_.counts()
+    extent = squeeze(map_.whole(), 0.05)
+    map_.canvas.setExtent(extent)
+    # In the middle of filling, the layers hold some of what is to come.
+    layer = map_.layer("centres")
+    map_.qtbot.waitUntil(lambda: layer.featureCount() > 0, timeout=PATIENCE_MS)
+    map_.canvas.setExtent(map_.whole())
+    map_.wait()
+    assert map_.counts() == filled
+    map_.look_at(extent)
+    assert map_.names("centres") == map_.names()

@@ -27,6 +27,7 @@ from qgis.core import (
     QgsRasterLayer,
     QgsVectorLayer,
 )
+from qgis.PyQt import sip
 from qgis.PyQt.QtCore import QDateTime, Qt
 from terrainav.core.dataset.table import Table
 from terrainav.core.geodesy.camera import Camera
@@ -106,7 +107,8 @@ def run_beside(name, qtbot, feedback=None, **parameters):
     task = QgsProcessingAlgRunnerTask(algorithm, parameters, context, feedback)
     task.executed.connect(lambda done, results: ended.append((done, results)))
     QgsApplication.taskManager().addTask(task)
-    qtbot.waitUntil(lambda: bool(ended), timeout=int(1000 * NEVER_S))
+    # The context has to outlive the task, which works with it to its very end.
+    qtbot.waitUntil(lambda: bool(ended) and sip.isdeleted(task), timeout=int(1000 * NEVER_S))
     return (*ended[0], feedback)
 
 
@@ -453,6 +455,27 @@ def test_a_capture_over_qgis_network_is_the_same_on_the_main_thread_and_beside_i
     assert set(table.status) == {"done"}
     again = run("capture", FOLDER=str(tmp_path / "here"), **common)
     assert (again["WRITTEN"], again["SKIPPED"]) == (0, here["WRITTEN"])
+
+
+@pytest.mark.parametrize("load", [True, False])
+def test_results_of_a_capture_are_added_to_the_project_where_that_is_wanted(server, tmp_path, load):
+    """Named as in the panel; QGIS adds them once the algorithm has ended."""
+    context = QgsProcessingContext()
+    context.setProject(QgsProject.instance())
+    algorithm = QgsApplication.processingRegistry().createAlgorithmById("terrainav:capture")
+    parameters = {
+        "EXTENT": EXTENT,
+        "AGL": 120,
+        "OTHER_SOURCE": server.url_template,
+        "FOLDER": str(tmp_path),
+        "LOAD": load,
+    }
+    results, done = algorithm.run(parameters, context, QgsProcessingFeedback())
+    assert done
+    wanted = {details.name: path for path, details in context.layersToLoadOnCompletion().items()}
+    assert wanted == (
+        {"Captured images": results["FOOTPRINTS"], "Satellite images": results["MOSAIC"]} if load else {}
+    )
 
 
 @pytest.mark.parametrize("beside", [False, True])

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import csv
+import re
 import shutil
 from contextlib import closing
 from pathlib import Path
@@ -17,13 +19,6 @@ from tests.plugin.test_loading import PLUGIN, census, differences, names_of_the_
 from tests.support.tileserver import TileServer
 
 __all__ = ["unloaded"]
-
-
-def everything(iface):
-    """Count all but the layer tree's marks of temporary layers, which QGIS keeps after any such layer is removed."""
-    counts = census(iface)
-    del counts["all objects below the main window"]["QgsLayerTreeViewIndicator"]
-    return counts
 
 
 @pytest.fixture
@@ -188,7 +183,12 @@ def test_mission_is_saved_as_a_file_and_opened_again(desk, tmp_path, answers):
 
 @pytest.mark.parametrize(
     "text",
-    ["", "{", "[]", '{"schema": 99}', '{"schema": 1, "area": {"type": "box"}, "agl_m": -4}', "\x00\x01"],
+    [
+        *("", "{", "[]", "null", "[" * 200_000, "\x00\x01"),
+        *('{"schema": 99}', '{"schema": 1, "area": ["x"], "agl_m": 1}'),
+        '{"schema": 1, "area": {"type": "box"}, "agl_m": -4}',
+        '{"schema": 1, "area": {"type": "points", "poses": [[1]]}, "agl_m": 4}',
+    ],
 )
 def test_broken_mission_file_is_one_line_and_changes_nothing(desk, tmp_path, answers, text):
     desk.enter_small_mission()
@@ -247,6 +247,51 @@ def test_dataset_of_the_command_comes_with_mosaic_footprints_and_failures(desk, 
     assert ids <= set(QgsProject.instance().mapLayers())
 
 
+@pytest.mark.parametrize("name", ["a|b", "50% & 'more' #1; ünï", "[x] {y}?z"])
+def test_folders_may_have_any_name(desk, tmp_path, name):
+    """Layers, the saved project and the viewer find what is in them."""
+    folder = tmp_path / name / "mission"
+    desk.enter_small_mission()
+    capture_into(desk, folder)
+    plan = desk.wait_planned().plan
+    assert QgsProject.instance().write(str(tmp_path / "project.qgz"))
+    desk.iface.newProject(False)
+    desk.form.set_state(type(desk.workflow.state())())
+    desk.iface.addProject(str(tmp_path / "project.qgz"))
+    desk.wait_planned()
+    assert desk.workflow.state().folder == str(folder)
+    assert all(desk.layer(title).isValid() for title in ("Captured images", "Satellite images"))
+    viewing = desk.workflow.viewing
+    desk.wait_for_tasks()
+    viewing.tool.clicked.emit(float(plan.lat_deg[3]), float(plan.lon_deg[3]))
+    desk.wait(lambda: viewing.seen is not None and not viewing.busy)
+    assert viewing.seen.picture.path.parent == folder / "satellite"
+    assert viewing.seen.picture.image is not None
+    viewing.viewer.hide()
+
+
+def test_mosaic_of_a_cleaned_dataset_is_made_anew(desk, tmp_path, answers):
+    """Cleaning has moved images away that the mosaic still names."""
+    from terrainav.core.dataset.clean import clean
+
+    desk.enter_small_mission()
+    capture_into(desk, desk.folder)
+    desk.iface.newProject(False)
+    images = sorted((desk.folder / "satellite").glob("*.tif"))
+    table = desk.folder / "satellite" / "meta_data.csv"
+    entropies = sorted(float(row["entropies"]) for row in csv.DictReader(table.open(encoding="utf-8-sig")))
+    (cleaned,) = clean(desk.folder, entropies[len(entropies) // 2], move=True)
+    assert 0 < cleaned.moved < len(images)
+    answers["folder"] = desk.folder
+    choose_in_menu(desk, "Open dataset folder…")
+    desk.wait(lambda: not desk.workflow.missions.busy)
+    text = (desk.folder / "satellite.vrt").read_text(encoding="utf-8")
+    named = set(re.findall(r"satellite/[^<]*\.tif", text))
+    assert named == {f"satellite/{path.name}" for path in (desk.folder / "satellite").glob("*.tif")}
+    assert len(named) == len(images) - cleaned.moved
+    assert desk.layer("Satellite images").isValid()
+
+
 def test_failed_images_of_an_opened_mission_are_captured_from_the_menu(desk, tmp_path):
     with TileServer() as server:
         desk.enter_small_mission()
@@ -279,7 +324,7 @@ def test_unloading_in_the_middle_of_everything_leaves_nothing(unloaded, iface, q
 
     from tests.plugin.steps import Desk
 
-    before = everything(iface)
+    before = census(iface)
     for round_number in range(3):
         assert qgis.utils.loadPlugin(PLUGIN)
         assert qgis.utils.startPlugin(PLUGIN)
@@ -301,5 +346,5 @@ def test_unloading_in_the_middle_of_everything_leaves_nothing(unloaded, iface, q
         del desk
         qtbot.waitUntil(lambda: QgsApplication.taskManager().countActiveTasks() == 0, timeout=60_000)
         settle()
-    assert differences(before, everything(iface)) == {}
+    assert differences(before, census(iface)) == {}
     assert names_of_the_plugin(iface) == []

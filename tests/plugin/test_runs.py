@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+
 import pytest
 from qgis.core import QgsApplication, QgsProject
 from qgis.PyQt.QtCore import QPoint, Qt
@@ -55,6 +57,22 @@ def press(desk, run, deed):
     desk.dock.run_list.ensureWidgetVisible(button)
     assert button.isVisible(), deed
     QTest.mouseClick(button, Qt.MouseButton.LeftButton)
+
+
+@pytest.mark.parametrize(
+    ("total", "written", "text"),
+    [
+        (0, 0, "No image was missing."),
+        (1, 0, "The image was there already."),
+        (1, 1, "One image captured in 2 s."),
+        (9, 0, "All 9 images were there already."),
+        (1_200, 1_100, "1,100 images captured in 2 s."),
+    ],
+)
+def test_ends_are_told_in_words_that_fit_the_number(total, written, text):
+    from terrainav.terrainav_plugin.runs.words import done_text
+
+    assert done_text(SimpleNamespace(total=total, written=written, seconds=2.0)) == text
 
 
 def test_missions_wait_in_line_and_are_captured_one_after_the_other(prepared, server, screenshot):
@@ -131,7 +149,14 @@ def test_same_folder_is_not_queued_twice(prepared, server):
     server.latency_s = SLOW_S
     run = press_capture(prepared)
     prepared.click(prepared.dock.capture)
-    prepared.wait(lambda: any("is being captured already" in text for text in prepared.messages()))
+    prepared.wait(lambda: "mission is being captured already." in prepared.messages())
+    # As little as by a double click.
+    assert prepared.buttons_in_message_bar() == {}
+    assert prepared.workflow.runs.runs == [run]
+    prepared.form.agl.setValue(150.0)
+    prepared.wait_planned()
+    prepared.click(prepared.dock.capture)
+    prepared.wait(lambda: any("needs a folder of its own" in text for text in prepared.messages()))
     assert prepared.workflow.runs.runs == [run]
     server.latency_s = 0.0
     prepared.click(prepared.buttons_in_message_bar()["Capture into mission-2"])
@@ -174,7 +199,7 @@ def test_failed_images_come_to_the_map_while_the_run_goes_on(prepared, server, s
     screenshot("failed")
     failed = set(planned.names) - {path.stem for path in pictures(run.folder)}
     assert {feature["name"] for feature in prepared.layer("Failed images").getFeatures()} == failed
-    assert f"{len(failed)} of {len(planned)} images are missing" in row_of(prepared, run).text.text()
+    assert f"Missing: {len(failed)} of {len(planned)} images" in row_of(prepared, run).text.text()
     # Again from the row, in vain first: the layer stays.
     press(prepared, run, "capture_failed")
     prepared.wait_for_run()

@@ -21,7 +21,7 @@ ROOT = Path(__file__).parents[2]
 # Longest a run may take, far longer than any does; the longest that what a killed run started may stay.
 NEVER_S, ORPHANS_S = 60.0, 5.0
 KILLED = -signal.SIGKILL
-_FILE_EVENTS = ("open", "os.rename", "os.mkdir", "os.remove")
+_FILE_EVENTS = ("open", "os.rename", "os.mkdir", "os.remove", "os.rmdir")
 
 
 class Driver:
@@ -63,7 +63,7 @@ class Driver:
         argv : list of str
             Arguments of the command. ``debug`` logs all that is logged, ``hasty`` waits briefly and tries once.
         folder : str
-            For ``mission``.
+            For ``mission``, and for ``kill_at_event``.
         environment : mapping
             Added to the driver's, for this run.
         output : str
@@ -184,6 +184,8 @@ def _run(request, told):
 
     os.environ.update(request.get("environment", {}))
     if request.get("argv"):
+        if request.get("folder"):
+            _kill_at(request["folder"], request.get("kill_at_event"), told)
         if request.get("debug"):
             logging.basicConfig(level=logging.DEBUG)
         if request.get("hasty"):

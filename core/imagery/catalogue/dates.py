@@ -74,14 +74,14 @@ class Dates:
 
     def text(self) -> str:
         """Words for people."""
-        default = f"; {self.default} by default" if self.default else "; one must be asked for"
+        default = f"{self.default} by default" if self.default else "one must be asked for"
         if self.kind == "listed":
             if len(self.values) <= _NAMED:
-                return f"{', '.join(sorted(self.values))}{default}"
-            return f"{len(self.values)} from {self.first} to {self.last}{default}"
+                return f"{', '.join(sorted(self.values))}; {default}"
+            return f"{len(self.values)} from {self.first} to {self.last}; {default}"
         span = f" from {self.first} to {self.last or 'now'}" if self.first else ""
         form = {"day": "every day", "year": "every year", "any": "as the server takes them"}[self.kind]
-        return f"{form}{span}{default}"
+        return f"{form}{span}; {default}"
 
     def _in_range(self, date: str) -> bool:
         try:

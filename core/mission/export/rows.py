@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...errors import InvalidInput
 from ...geodesy.mercator import wrap_lon_deg
 from ..plan import Plan
 
@@ -17,6 +18,8 @@ CORNER_COLUMNS = tuple(
     f"{corner}_{axis}_deg" for corner in ("nw", "ne", "se", "sw") for axis in ("lat", "lon")
 )
 COLUMNS = POSE_COLUMNS + WINDOW_COLUMNS + CORNER_COLUMNS
+#: ISO 8601 has four digits for a year.
+_YEAR_10000 = np.datetime64("10000-01-01", "ms")
 #: Captures turned to values in one go.
 BATCH = 10_000
 
@@ -65,8 +68,19 @@ def batches(plan: Plan) -> Iterator[dict[str, list[Any]]]:
 
 
 def clock(start: str, times_s: NDArray[np.float64]) -> list[str]:
-    """UTC of seconds after the start of a mission, as ISO 8601 to the millisecond, such as 2024-06-21T10:30:00.000Z."""
+    """UTC of seconds after the start of a mission, as ISO 8601 to the millisecond, such as 2024-06-21T10:30:00.000Z.
+
+    Raises
+    ------
+    InvalidInput
+        Times after the year 9999, which have no such text.
+    """
     first = np.datetime64(start.rstrip("Z"), "us")
     milliseconds = np.round((first - np.datetime64(0, "us")).astype(np.int64) / 1000.0 + times_s * 1000.0)
+    if milliseconds.max() >= _YEAR_10000.astype(np.int64):
+        raise InvalidInput(
+            f"start {start!r}: the flight of {times_s.max():.3g} s goes beyond the year 9999; start earlier",
+            "start",
+        )
     texts = np.datetime_as_string(milliseconds.astype("datetime64[ms]"), unit="ms")
     return [f"{text}Z" for text in texts.tolist()]

@@ -314,6 +314,21 @@ def lead_away(folder):
     path.write_text(path.read_text().replace("\n", "\n../", 1))
 
 
+def column_twice(folder):
+    path = folder / "roadmap" / "meta_data.csv"
+    headers, *rows = path.read_text().splitlines()
+    path.write_text("\n".join([f"{headers},split,split", *(f"{row},train,test" for row in rows)]) + "\n")
+
+
+def file_in_the_way(folder):
+    (folder / "roadmap" / "rejected").write_text("what somebody noted")
+
+
+def folder_in_the_way(folder):
+    picture = next((folder / "satellite").glob("*_*_*.tif"))
+    (folder / "satellite" / "rejected" / picture.name).mkdir(parents=True)
+
+
 def unreadable(folder):
     path = folder / "satellite" / "meta_data.csv"
     table = Table.load(path)
@@ -328,6 +343,9 @@ def unreadable(folder):
         (lose, r"of the table is not there; put it back"),
         (add, r"9_9_35\.1_-89\.9_18\.tif is not in the table; finish the capture"),
         (double, r"in rejected as well"),
+        (column_twice, r"has column split more than once; rename or remove all but one"),
+        (file_in_the_way, r"rejected in it is no folder, which images are moved to; move it away"),
+        (folder_in_the_way, r"in rejected as well"),
         (damage, r"line 2 has Alt 'eighteen', not a number"),
         (repeat, r"in more than one row"),
         (lead_away, r"'\.\./.*' in the table is no name of a file in it"),

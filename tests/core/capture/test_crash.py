@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import random
+import shutil
 import subprocess
 import sys
 import threading
@@ -176,6 +177,47 @@ def test_killed_before_each_change_to_the_folder(driver, tmp_path):
             check_interrupted(folder, whole)
         assert driver.run(folder=str(folder), **options)["code"] == 0
         assert contents(folder) == whole
+
+
+@pytest.mark.parametrize("back", [False, True], ids=["clean", "undo"])
+def test_cleaning_killed_before_each_change_can_be_finished_or_taken_back(driver, tmp_path, back):
+    def files(folder):
+        return {
+            str(path.relative_to(folder)): path.read_bytes() for path in folder.rglob("*") if path.is_file()
+        }
+
+    def ran(folder, arguments, code=0, **options):
+        argv = ["clean", str(folder), *arguments]
+        outcome = driver.run(argv=argv, folder=str(folder), output=str(tmp_path / "printed"), **options)
+        assert outcome["code"] == code, (tmp_path / "printed").read_text()
+        return outcome.get("events")
+
+    cleaning, undoing = ["--entropy", "8", "--move"], ["--undo"]
+    there, cleaned = tmp_path / "there", tmp_path / "cleaned"
+    mission = Mission(TWO, 60.0, map_types=("satellite", "roadmap"), image_format="jpg")
+    capture(plan(mission, PatternSource().grid), PatternSource(), there)
+    shutil.copytree(there, cleaned)
+    ran(cleaned, cleaning)
+    before, after = files(there), files(cleaned)
+    assert len(list(cleaned.glob("*/rejected/*"))) == 12
+    start, arguments = (cleaned, undoing) if back else (there, cleaning)
+    events = ran(shutil.copytree(start, tmp_path / "counted"), arguments)
+    # Two tables are opened and renamed, and twelve files moved.
+    assert events >= 16
+    for at in range(events):
+        finished = shutil.copytree(start, tmp_path / f"finished {at}")
+        ran(finished, arguments, KILLED, kill_at_event=at)
+        # Every picture is in one of its two places, whole, and every table is that of before or after.
+        left = {name: data for name, data in files(finished).items() if not name.endswith(".part")}
+        assert {name.replace("rejected" + os.sep, "") for name in left} == set(before)
+        assert len(left) == len(before)
+        for name, data in left.items():
+            assert data in (before.get(name), after.get(name))
+        taken_back = shutil.copytree(finished, tmp_path / f"taken back {at}")
+        for folder, way, wanted in ((finished, cleaning, after), (taken_back, undoing, before)):
+            ran(folder, way)
+            assert files(folder) == wanted
+            assert (folder / "satellite" / "rejected").exists() == (way is cleaning)
 
 
 def test_a_power_failure_that_tore_pictures_is_found(tmp_path):

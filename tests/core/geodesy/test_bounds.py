@@ -26,6 +26,24 @@ def scene(lat=35.14, agl=120.0, yaw=0.0, tilt=0.0, roll=0.0, camera=Camera(), si
     return Scene(camera, *size, Poses.turned(one, np.zeros(1), np.array([float(agl)]), yaw, tilt, roll))
 
 
+def test_angles_of_corners_are_those_of_their_rays_whether_poses_share_their_attitude_or_not():
+    count, camera = 7, Camera(100.0, 1.5)
+    some = np.linspace(0.0, 30.0, count)
+    alike = Poses.turned(some, some, some + 1.0, 20.0, -15.0, 40.0)
+    for poses in (
+        alike,
+        alike._replace(yaw_deg=9.0 * some),
+        alike._replace(yaw_deg=9.0 * some, tilt_deg=2.0 * some, roll_deg=-some),
+        alike._replace(roll_deg=some),
+    ):
+        sin_below, squared = accuracy.corner_angles(Scene(camera, 640, 480, poses))
+        rays = camera.rays_enu(accuracy.CORNERS, *poses.attitude)
+        length = np.linalg.norm(rays, axis=-1)
+        assert sin_below.shape == squared.shape == (count, 4)
+        np.testing.assert_allclose(sin_below, -rays[..., 2] / length, rtol=1e-14)
+        np.testing.assert_allclose(squared, length**2, rtol=1e-14)
+
+
 def test_methods_for_level_cameras_stay_within_their_bounds():
     for name, tally in bounds.level_methods(seed=7, draws=60, each=150).items():
         assert tally.count > 2000

@@ -6,6 +6,7 @@ from datetime import datetime, timedelta, timezone
 
 import numpy as np
 import pytest
+from terrainav.core.errors import InvalidInput
 from terrainav.core.geodesy.camera import CORNERS, Camera
 from terrainav.core.mission.area import Box, Points
 from terrainav.core.mission.export.rings import line_parts
@@ -122,3 +123,10 @@ def test_long_lines_of_short_rows_stay_short(monkeypatch):
     ((_, lat, _),) = flight_line(flown)
     assert len(lat) <= 102
     assert (lat[0], lat[-1]) == (poses[0][0], poses[-1][0])
+
+
+def test_a_flight_beyond_the_years_of_four_digits_is_refused():
+    start = "9999-12-31T23:59:59Z"
+    assert clock(start, np.array([0.999])) == ["9999-12-31T23:59:59.999Z"]
+    with pytest.raises(InvalidInput, match="goes beyond the year 9999; start earlier"):
+        clock(start, np.array([0.0, 1.0]))

@@ -116,7 +116,11 @@ def test_defaults_may_be_left_out():
         ('{"schema": 1, "agl_m": 1, "map_types": "satellite", "area": {}}', "must be a list"),
         ('{"schema": 1, "agl_m": 1, "upsample": 1, "area": {}}', "must be true or false"),
         ('{"schema": 1, "agl_m": 1, "area": {"type": "points", "poses": [[1, 2, "a"]]}}', "wrong type"),
-        ('{"schema": 1, "agl_m": 1, "area": {"type": "box", "north": 1}}', "wrong type"),
+        ('{"schema": 1, "agl_m": 1, "area": {"type": "box", "north": 1}}', "area.north: not one of"),
+        ('{"schema": 1, "agl_m": 1, "area": {"type": "box", "north_deg": 1}}', "without area.west_deg"),
+        ('{"schema": 1, "agl_m": 1, "area": ["x"]}', "must be an object"),
+        ('{"schema": 1, "agl_m": 1, "area": {"type": "points", "poses": [[1]]}}', "wrong type"),
+        ("[" * 200_000, "nested too deep"),
     ],
 )
 def test_json_that_is_no_mission_is_refused_in_one_line(text, says):

@@ -8,8 +8,9 @@ import pytest
 from terrainav.core.errors import InvalidInput
 from terrainav.core.geodesy.camera import Camera
 from terrainav.core.mission.area import Box, Points
+from terrainav.core.mission.options import OPTIONS, RUN_OPTIONS
 from terrainav.core.mission.presets import add_camera
-from terrainav.core.mission.settings import OPTIONS, RUN_OPTIONS, mission_from, resolve
+from terrainav.core.mission.settings import mission_from, resolve
 from terrainav.core.mission.wind import Wind
 
 
@@ -31,6 +32,65 @@ def test_the_command_line_comes_before_the_environment_before_the_file_before_th
     assert values["overlap"] == (0.2,)
     assert values["seed"] == 7
     assert values["layout"] == "cover"
+
+
+CAMERA = {"fov", "hfov", "vfov", "camera", "sensor", "focal_length", "aspect_ratio"}
+
+
+@pytest.mark.parametrize(
+    ("given", "environment", "file", "left"),
+    [
+        ({"hfov": "60"}, {}, {"fov": 70}, {"hfov": 60.0}),
+        ({"camera": "DJI Mini 2"}, {}, {"fov": 70, "aspect_ratio": [4, 3]}, {"camera": "DJI Mini 2"}),
+        (
+            {"fov": "60"},
+            {},
+            {"camera": "DJI Mini 2", "aspect_ratio": [3, 2]},
+            {"fov": 60.0, "aspect_ratio": (3.0, 2.0)},
+        ),
+        ({"vfov": "60"}, {}, {"sensor": [36, 24], "focal_length": 50}, {"vfov": 60.0}),
+        ({}, {"TERRAINAV_HFOV": "60"}, {"vfov": 70}, {"hfov": 60.0}),
+        ({"fov": "80"}, {"TERRAINAV_HFOV": "60"}, {"camera": "DJI Mini 2"}, {"fov": 80.0}),
+        # What goes together may come from two places.
+        (
+            {"focal_length": "35"},
+            {},
+            {"sensor": [36, 24], "focal_length": 50},
+            {"focal_length": 35.0, "sensor": (36.0, 24.0)},
+        ),
+        # What has lost is not even read.
+        ({"hfov": "60"}, {"TERRAINAV_FOV": "wide"}, {}, {"hfov": 60.0}),
+        # A shape is no camera: this is refused as before.
+        (
+            {"aspect_ratio": ["3", "2"]},
+            {},
+            {"camera": "DJI Mini 2"},
+            {"aspect_ratio": (3.0, 2.0), "camera": "DJI Mini 2"},
+        ),
+        # In one place they contradict each other as before.
+        ({}, {}, {"fov": 60, "hfov": 50}, {"fov": 60.0, "hfov": 50.0}),
+    ],
+)
+def test_one_way_to_state_the_camera_displaces_the_others_of_later_places(
+    config, given, environment, file, left
+):
+    values = resolve(given, environment, config(**file))
+    assert {name: values[name] for name in CAMERA if values[name] is not None} == left
+
+
+def test_zoom_and_area_displace_their_other_ways_too(config):
+    file = config(gsd=0.5, coords="35.1_-89.8_120")
+    values = resolve({"zoom": "17", "area": "field.geojson"}, {}, file)
+    assert (values["zoom"], values["gsd"]) == (17, None)
+    assert (values["area"], values["coords"]) == ("field.geojson", None)
+    values = resolve({"gsd": "0.3"}, {}, file)
+    assert (values["gsd"], values["coords"]) == (0.3, "35.1_-89.8_120")
+
+
+def test_a_mission_with_a_camera_of_the_command_line_and_a_field_of_view_of_the_file(config):
+    file = config(fov=60, coords="35.1_-89.8_120")
+    assert mission_from(resolve({"hfov": "50"}, {}, file)).camera == Camera.from_horizontal_fov(50.0)
+    assert mission_from(resolve({"camera": "DJI Mini 2"}, {}, file)).camera != Camera(60.0)
 
 
 def test_a_file_may_use_hyphens_and_lists(config):

@@ -11,11 +11,13 @@ from hypothesis import strategies as st
 from pyproj import Geod, Transformer
 from terrainav.core.errors import InvalidInput
 from terrainav.core.geodesy.camera import Camera
+from terrainav.core.geodesy.ellipsoid import WGS84
 from terrainav.core.geodesy.mercator import PixelGrid, u_to_lon, v_to_lat
 from terrainav.core.mission.area import Box, Points, Polygon
 from terrainav.core.mission.estimate import estimate
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
+from terrainav.core.mission.turned import turned_rectangles
 from terrainav.core.mission.wind import Wind
 
 GRID = PixelGrid(max_zoom=22, native_zoom=22)
@@ -152,6 +154,31 @@ def test_every_place_of_the_area_is_in_a_picture_of_each_pass(mission):
         assert seen_by(made, captures, lon, lat).min() >= 1
     assert len(set(zip(made.column.tolist(), made.row.tolist()))) == len(made)
     assert estimate(made).complete
+
+
+#: Areas whose sides are bent so much in the plane that their corners stand far from what lies between.
+ARCS = {
+    "an arc": Mission(Box(80.5, 0.0, 80.3, 90.0), 3000.0, grid_angle_deg=180.0),
+    "a thin arc": Mission(Box(80.5, 0.0, 80.4999, 90.0), 400.0, grid_angle_deg=180.0),
+    "about a pole": Mission(Box(84.9, -70.0, 84.0, 70.0), 8e3, crosshatch=True, error_budget_px=1.0),
+}
+
+
+@pytest.mark.parametrize("mission", {**SCENES, **ARCS}.values(), ids={**SCENES, **ARCS})
+def test_what_rows_count_on_is_in_their_pictures(mission):
+    made = plan(mission, GRID)
+    assert made.coverage.complete
+    share = np.linspace(0.0, 1.0, 5)
+    for part, captures in zip(made.passes, passes_of(made)):
+        left, bottom, right, top = (side[0] for side in part.sides)
+        along, up = left + share * (right - left), bottom + share * (top - bottom)
+        x = np.concatenate([along, along, np.full(5, left), np.full(5, right)])
+        y = np.concatenate([np.full(5, bottom), np.full(5, top), up, up])
+        for some in np.array_split(captures[:: max(len(captures) // 1000, 1)], 20):
+            here = part.plane.forward(made.lat_deg[some], made.lon_deg[some])
+            lat, lon = part.plane.inverse(*(at[:, np.newaxis] + side for at, side in zip(here, (x, y))))
+            seen = np.abs(image_positions(made, some, lon, lat))
+            assert (seen <= 1.0 + 1e-9).all()
 
 
 @pytest.mark.parametrize(
@@ -361,6 +388,23 @@ def test_in_wind_what_is_covered_is_counted_on_the_pictures_that_are_flown():
     assert made.overlap.least_along < 0.0
     closer = plan(mission.with_(overlap_along=0.6, overlap_across=0.6), GRID)
     assert closer.coverage.share > said.share
+
+
+def test_what_is_counted_in_wind_is_in_each_picture_and_on_a_lattice():
+    made = plan(SCENES["turned crosshatch"].with_(wind=Wind(6.0, 250.0, 0.3)), GRID)
+    for part, captures in zip(made.passes, passes_of(made)):
+        poses = made.poses.take(captures)
+        own = turned_rectangles(made.mission, part, poses, made.row[captures], WGS84, own=True)
+        for first, second in ((own.x0, own.y0), (own.x0, own.y1), (own.x1, own.y0), (own.x1, own.y1)):
+            lat, lon = part.plane.inverse(first, second)
+            seen = image_positions(made, captures, lon[:, np.newaxis], lat[:, np.newaxis])
+            assert (np.abs(seen) <= 1.0 + 1e-9).all()
+        assert (own.x1 > own.x0).all()
+        assert (own.y1 > own.y0).all()
+        # However many pictures there are, their sides are on no more lines than their ground has pieces.
+        for sides, (size,) in zip(((own.x0, own.x1), (own.y0, own.y1)), part.sides.size_m):
+            lines = np.concatenate(sides) / size * 512.0
+            np.testing.assert_allclose(lines, np.rint(lines), atol=1e-6)
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,6807 @@
+<?xml version="1.0" encoding="utf-8"?>
+<!DOCTYPE TS>
+<TS version="2.1" language="es" sourcelanguage="en">
+<context>
+    <name>TerrAInav</name>
+    <message>
+        <location filename="../../terrainav_plugin/capture_task.py"/>
+        <source>Capturing {name}</source>
+        <translation>Capturando {name}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/credentials.py"/>
+        <source>API key: choose a configuration, or press “+” and enter it as password</source>
+        <translation>Clave API: elegir una configuración, o pulsar «+» e introducirla como contraseña</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/credentials.py"/>
+        <source>QGIS's authentication database cannot be used: {reason}</source>
+        <translation>No se puede usar la base de datos de autenticación de QGIS: {reason}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/credentials.py"/>
+        <source>QGIS's authentication database is locked: press Capture again and enter its master password</source>
+        <translation>La base de datos de autenticación de QGIS está bloqueada: pulsar Capturar de nuevo e introducir su contraseña maestra</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/credentials.py"/>
+        <source>TerrAInav: {title}</source>
+        <translation>TerrAInav: {title}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/credentials.py"/>
+        <source>authentication configuration {id} holds no key: choose a Basic one with the key as password</source>
+        <translation>la configuración de autenticación {id} no contiene ninguna clave: elegir una de autenticación básica con la clave como contraseña</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/credentials.py"/>
+        <source>authentication configuration {id} is not there (any more): choose another</source>
+        <translation>la configuración de autenticación {id} no existe (o ya no existe): elegir otra</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/add_source_dialog.py"/>
+        <source> a second</source>
+        <translation> por segundo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/add_source_dialog.py"/>
+        <source>256 px</source>
+        <translation>256 px</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/add_source_dialog.py"/>
+        <source>512 px</source>
+        <translation>512 px</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/add_source_dialog.py"/>
+        <source>Address of the provider's terms of use</source>
+        <translation>Dirección de las condiciones de uso del proveedor</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/add_source_dialog.py"/>
+        <source>Address of the tiles with {z}, {x} and {y} or {-y}; {key} stands for an API key</source>
+        <translation>Dirección de las teselas con {z}, {x} e {y} o {-y}; {key} representa una clave API</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/add_source_dialog.py"/>
+        <location filename="../../terrainav_plugin/viewer/details.py"/>
+        <source>Attribution</source>
+        <translation>Atribución</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/add_source_dialog.py"/>
+        <source>Connections</source>
+        <translation>Conexiones</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/add_source_dialog.py"/>
+        <source>Credit that goes into every image's metadata</source>
+        <translation>Crédito que figura en los metadatos de cada imagen</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/add_source_dialog.py"/>
+        <source>Default date</source>
+        <translation>Fecha predeterminada</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/add_source_dialog.py"/>
+        <source>Highest zoom</source>
+        <translation>Zoom máximo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/add_source_dialog.py"/>
+        <source>Highest zoom with detail of its own, 0 to 30</source>
+        <translation>Zoom máximo con detalle propio, de 0 a 30</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/add_source_dialog.py"/>
+        <source>Leave it ticked only where the provider's terms allow storing</source>
+        <translation>Dejarlo marcado solo si las condiciones del proveedor permiten almacenarlas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/add_source_dialog.py"/>
+        <source>Licence</source>
+        <translation>Licencia</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/add_source_dialog.py"/>
+        <source>Licence of the imagery, such as CC BY 4.0</source>
+        <translation>Licencia de las imágenes, como CC BY 4.0</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/add_source_dialog.py"/>
+        <source>Name</source>
+        <translation>Nombre</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/add_source_dialog.py"/>
+        <source>Names it in missions and on the command line: lower-case letters and digits</source>
+        <translation>La identifica en las misiones y en la línea de órdenes: minúsculas y cifras</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/add_source_dialog.py"/>
+        <location filename="../../terrainav_plugin/processing/capture.py"/>
+        <source>Requests</source>
+        <translation>Peticiones</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/add_source_dialog.py"/>
+        <source>Requests a second, as many as the provider allows</source>
+        <translation>Peticiones por segundo, tantas como permita el proveedor</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/add_source_dialog.py"/>
+        <source>Requests under way at once, as many as the provider allows</source>
+        <translation>Peticiones simultáneas, tantas como permita el proveedor</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/add_source_dialog.py"/>
+        <source>Terms</source>
+        <translation>Condiciones</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/add_source_dialog.py"/>
+        <source>TerrAInav: add source</source>
+        <translation>TerrAInav: añadir fuente</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/add_source_dialog.py"/>
+        <source>Tile size</source>
+        <translation>Tamaño de tesela</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/add_source_dialog.py"/>
+        <source>Tiles may be kept in the cache</source>
+        <translation>Las teselas se pueden guardar en la caché</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/add_source_dialog.py"/>
+        <source>Title</source>
+        <translation>Título</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/add_source_dialog.py"/>
+        <location filename="../../terrainav_plugin/dock/imagery_entries.py"/>
+        <source>URL</source>
+        <translation>URL</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/add_source_dialog.py"/>
+        <source>What you call it</source>
+        <translation>Cómo se la quiere llamar</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/add_source_dialog.py"/>
+        <source>What {date} in the address stands for where no date is asked for</source>
+        <translation>Lo que representa {date} en la dirección cuando no se pide ninguna fecha</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/add_source_dialog.py"/>
+        <source>Width and height of a tile</source>
+        <translation>Anchura y altura de una tesela</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/add_source_dialog.py"/>
+        <source>must be lower-case letters, digits, hyphens and underscores, at most 64</source>
+        <translation>debe constar de minúsculas, cifras, guiones y guiones bajos, 64 como máximo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/add_source_dialog.py"/>
+        <location filename="../../terrainav_plugin/dock/cache_dialog.py"/>
+        <location filename="../../terrainav_plugin/dock/service_dialog.py"/>
+        <source>sources</source>
+        <translation>fuentes</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/add_source_dialog.py"/>
+        <source>“{name}” is taken; choose another name</source>
+        <translation>«{name}» ya está en uso; elegir otro nombre</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/area_dialogs.py"/>
+        <source>&amp;All</source>
+        <translation>&amp;Todos</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/area_dialogs.py"/>
+        <source>&amp;Height of all</source>
+        <translation>&amp;Altura de todos</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/area_dialogs.py"/>
+        <source>&amp;Layer</source>
+        <translation>&amp;Capa</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/area_dialogs.py"/>
+        <source>&amp;Selected ({n})</source>
+        <translation>&amp;Seleccionados ({n})</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/area_dialogs.py"/>
+        <source>&amp;Unit of heights</source>
+        <translation>&amp;Unidad de las alturas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/area_dialogs.py"/>
+        <source>&amp;Yaw from field</source>
+        <translation>&amp;Guiñada del campo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/area_dialogs.py"/>
+        <source>1 polygon is selected.</source>
+        <translation>Hay 1 polígono seleccionado.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/area_dialogs.py"/>
+        <source>An attribute holds each point's height above ground (AGL), in the unit below</source>
+        <translation>Un atributo contiene la altura de cada punto sobre el terreno (AGL), en la unidad de abajo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/area_dialogs.py"/>
+        <source>Area from a selected polygon</source>
+        <translation>Área de un polígono seleccionado</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/area_dialogs.py"/>
+        <source>Degrees clockwise from north; empty: the mission's own yaw</source>
+        <translation>Grados en sentido horario desde el norte; vacío: la guiñada de la propia misión</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/area_dialogs.py"/>
+        <source>Features</source>
+        <translation>Objetos espaciales</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/area_dialogs.py"/>
+        <source>Features that become pictures</source>
+        <translation>Objetos espaciales que se convierten en imágenes</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/area_dialogs.py"/>
+        <source>Height above the ground (AGL) in the unit below</source>
+        <translation>Altura sobre el terreno (AGL) en la unidad de abajo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/area_dialogs.py"/>
+        <source>Height from &amp;field</source>
+        <translation>Altura del ca&amp;mpo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/area_dialogs.py"/>
+        <source>Layer of this project, in any CRS</source>
+        <translation>Capa de este proyecto, en cualquier SRC</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/area_dialogs.py"/>
+        <source>Metres or international feet</source>
+        <translation>Metros o pies internacionales</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/area_dialogs.py"/>
+        <source>Nothing is selected in it: select one polygon on the map first.</source>
+        <translation>No hay nada seleccionado en ella: seleccionar primero un polígono en el mapa.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/area_dialogs.py"/>
+        <source>Numbers above 0, in the unit below</source>
+        <translation>Números mayores que 0, en la unidad de abajo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/area_dialogs.py"/>
+        <source>One picture above each point ({crs}).</source>
+        <translation>Una imagen sobre cada punto ({crs}).</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/area_dialogs.py"/>
+        <source>Points of a layer</source>
+        <translation>Puntos de una capa</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/area_dialogs.py"/>
+        <source>The project has no such layer.</source>
+        <translation>El proyecto no tiene ninguna capa de este tipo.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/area_dialogs.py"/>
+        <source>The same height above ground (AGL) for all points</source>
+        <translation>La misma altura sobre el terreno (AGL) para todos los puntos</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/area_dialogs.py"/>
+        <source>The smallest box of longitudes and latitudes around it ({crs}).</source>
+        <translation>El menor recuadro de longitudes y latitudes que la contiene ({crs}).</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/area_dialogs.py"/>
+        <location filename="../../terrainav_plugin/dock/area_form.py"/>
+        <location filename="../../terrainav_plugin/dock/flight_entries.py"/>
+        <source>ft</source>
+        <translation>ft</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/area_dialogs.py"/>
+        <location filename="../../terrainav_plugin/dock/area_form.py"/>
+        <location filename="../../terrainav_plugin/dock/flight_entries.py"/>
+        <source>m</source>
+        <translation>m</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/area_dialogs.py"/>
+        <source>no CRS</source>
+        <translation>sin SRC</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/area_dialogs.py"/>
+        <source>{n} polygons are selected.</source>
+        <translation>Hay {n} polígonos seleccionados.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/area_editing.py"/>
+        <location filename="../../terrainav_plugin/dock/area_entries.py"/>
+        <source>make it a box</source>
+        <translation>convertir en recuadro</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/area_editing.py"/>
+        <source>paste coordinates</source>
+        <translation>pegar coordenadas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/area_entries.py"/>
+        <location filename="../../terrainav_plugin/map/preview_layers.py"/>
+        <source>Area</source>
+        <translation>Área</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/area_entries.py"/>
+        <source>Coordinates pasted here fill all fields: north_west_south_east_agl, lat_lon_agl, or lines of lat lon agl [yaw]. An edge typed makes a polygon or points a box.</source>
+        <translation>Las coordenadas pegadas aquí rellenan todos los campos: norte_oeste_sur_este_agl, lat_lon_agl o líneas de lat lon agl [guiñada]. Al teclear un borde, un polígono o unos puntos pasan a ser un recuadro.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/area_entries.py"/>
+        <source>Draw &amp;box</source>
+        <translation>Dibujar &amp;recuadro</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/area_entries.py"/>
+        <source>E</source>
+        <translation>E</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/area_entries.py"/>
+        <source>Eastern edge: longitude in degrees</source>
+        <translation>Borde oriental: longitud en grados</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/area_entries.py"/>
+        <source>Move</source>
+        <translation>Mover</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/area_entries.py"/>
+        <source>Move the area on the map: drag inside it, or drag the edges and corners of a box; arrow keys move it by a pixel of the screen, with Shift by ten; Esc ends it. Corners of polygons are moved with QGIS's own tools, in their layer.</source>
+        <translation>Mover el área en el mapa: arrastrar dentro de ella, o arrastrar los bordes y esquinas de un recuadro; las teclas de flecha la mueven un píxel de pantalla, con Mayús diez; Esc termina. Los vértices de los polígonos se mueven con las herramientas de QGIS, en su capa.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/area_entries.py"/>
+        <source>N</source>
+        <translation>N</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/area_entries.py"/>
+        <source>No change of the area to redo</source>
+        <translation>No hay ningún cambio del área que rehacer</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/area_entries.py"/>
+        <source>No change of the area to undo</source>
+        <translation>No hay ningún cambio del área que deshacer</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/area_entries.py"/>
+        <source>Northern edge: latitude in degrees, up to 90</source>
+        <translation>Borde norte: latitud en grados, hasta 90</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/area_entries.py"/>
+        <location filename="../../terrainav_plugin/dock/area_menu.py"/>
+        <source>Press, drag and release on the map</source>
+        <translation>Pulsar, arrastrar y soltar en el mapa</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/area_entries.py"/>
+        <source>Redo: {step} ({keys})</source>
+        <translation>Rehacer: {step} ({keys})</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/area_entries.py"/>
+        <source>S</source>
+        <translation>S</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/area_entries.py"/>
+        <source>Size on the ground: width along its middle parallel, height along a meridian</source>
+        <translation>Tamaño sobre el terreno: anchura a lo largo de su paralelo medio, altura a lo largo de un meridiano</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/area_entries.py"/>
+        <source>Southern edge: latitude in degrees, down to -90</source>
+        <translation>Borde sur: latitud en grados, hasta -90</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/area_entries.py"/>
+        <source>The edge typed made it a box; undo brings the shape back.</source>
+        <translation>El borde tecleado la ha convertido en un recuadro; deshacer recupera la forma.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/area_entries.py"/>
+        <source>The edges are those of the box around it. Typing one makes the area a box.</source>
+        <translation>Los bordes son los del recuadro que la contiene. Al teclear uno, el área pasa a ser un recuadro.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/area_entries.py"/>
+        <source>Undo: {step} ({keys})</source>
+        <translation>Deshacer: {step} ({keys})</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/area_entries.py"/>
+        <source>W</source>
+        <translation>O</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/area_entries.py"/>
+        <source>Western edge: longitude in degrees; greater than the eastern one across the antimeridian</source>
+        <translation>Borde occidental: longitud en grados; mayor que la oriental a través del antimeridiano</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/area_entries.py"/>
+        <source>degrees</source>
+        <translation>grados</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/area_history.py"/>
+        <source>type the eastern edge</source>
+        <translation>teclear el borde oriental</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/area_history.py"/>
+        <source>type the northern edge</source>
+        <translation>teclear el borde norte</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/area_history.py"/>
+        <source>type the southern edge</source>
+        <translation>teclear el borde sur</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/area_history.py"/>
+        <source>type the western edge</source>
+        <translation>teclear el borde occidental</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/area_menu.py"/>
+        <location filename="../../terrainav_plugin/plugin.py"/>
+        <source>&amp;Draw box</source>
+        <translation>&amp;Dibujar recuadro</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/area_menu.py"/>
+        <source>&amp;Map canvas extent</source>
+        <translation>&amp;Extensión del lienzo del mapa</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/area_menu.py"/>
+        <source>&amp;Paste coordinates</source>
+        <translation>&amp;Pegar coordenadas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/area_menu.py"/>
+        <source>&amp;Single capture here…</source>
+        <translation>Captura ú&amp;nica aquí…</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/area_menu.py"/>
+        <source>&amp;Text file of points…</source>
+        <translation>Archivo de &amp;texto con puntos…</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/area_menu.py"/>
+        <source>Area &amp;from</source>
+        <translation>Áre&amp;a desde</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/area_menu.py"/>
+        <source>Click a point on the map: the mission is one picture, straight above it</source>
+        <translation>Pulsar un punto del mapa: la misión es una sola imagen, en su vertical</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/area_menu.py"/>
+        <source>Extent of a &amp;layer…</source>
+        <translation>Extensión de una &amp;capa…</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/area_menu.py"/>
+        <source>From the clipboard: north_west_south_east_agl, lat_lon_agl, or lines of lat lon agl [yaw]; heights in the unit chosen</source>
+        <translation>Del portapapeles: norte_oeste_sur_este_agl, lat_lon_agl o líneas de lat lon agl [guiñada]; alturas en la unidad elegida</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/area_menu.py"/>
+        <source>Lines of “lat lon agl [yaw]”, in degrees and the unit chosen for the height</source>
+        <translation>Líneas de «lat lon agl [guiñada]», en grados y en la unidad elegida para la altura</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/area_menu.py"/>
+        <source>Make it a &amp;box</source>
+        <translation>Convertir en &amp;recuadro</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/area_menu.py"/>
+        <source>One picture above each point, with heights (AGL) and yaws from fields</source>
+        <translation>Una imagen sobre cada punto, con alturas (AGL) y guiñadas tomadas de campos</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/area_menu.py"/>
+        <source>One selected polygon, with its holes; pictures that do not touch it are left out</source>
+        <translation>Un polígono seleccionado, con sus huecos; las imágenes que no lo tocan se omiten</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/area_menu.py"/>
+        <source>Other ways to an area: the map, a layer, a file, the clipboard, a click</source>
+        <translation>Otras formas de obtener un área: el mapa, una capa, un archivo, el portapapeles, una pulsación</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/area_menu.py"/>
+        <source>P&amp;oints of a layer…</source>
+        <translation>P&amp;untos de una capa…</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/area_menu.py"/>
+        <source>Selected pol&amp;ygon…</source>
+        <translation>Polí&amp;gono seleccionado…</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/area_menu.py"/>
+        <source>The box around a layer</source>
+        <translation>El recuadro que contiene una capa</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/area_menu.py"/>
+        <source>The box around the polygon or the points, instead of them</source>
+        <translation>El recuadro que contiene el polígono o los puntos, en lugar de ellos</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/area_menu.py"/>
+        <source>The box of what the map shows now</source>
+        <translation>El recuadro de lo que muestra ahora el mapa</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/area_shape.py"/>
+        <source>the area's shape cannot be read: {error}</source>
+        <translation>no se puede leer la forma del área: {error}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/area_shape.py"/>
+        <source>the area's shape is a box: must be a polygon or points</source>
+        <translation>la forma del área es un recuadro: debe ser un polígono o puntos</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/area_text.py"/>
+        <source>give every point a yaw, or none</source>
+        <translation>dar una guiñada a cada punto, o a ninguno</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/area_text.py"/>
+        <source>line {number}:</source>
+        <translation>línea {number}:</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/area_text.py"/>
+        <source>yaw “{text}”: must be a number of degrees</source>
+        <translation>guiñada «{text}»: debe ser un número de grados</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/area_text.py"/>
+        <source>“{line}” has {count} numbers; several lines must be of lat lon agl [yaw]</source>
+        <translation>«{line}» tiene {count} números; si hay varias líneas, deben ser de lat lon agl [guiñada]</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/cache_dialog.py"/>
+        <source>Clear all</source>
+        <translation>Vaciar todo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/cache_dialog.py"/>
+        <source>Clear selected</source>
+        <translation>Vaciar lo seleccionado</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/cache_dialog.py"/>
+        <location filename="../../terrainav_plugin/dock/imagery_entries.py"/>
+        <location filename="../../terrainav_plugin/dock/refusals.py"/>
+        <source>Date</source>
+        <translation>Fecha</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/cache_dialog.py"/>
+        <source>Map type</source>
+        <translation>Tipo de mapa</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/cache_dialog.py"/>
+        <location filename="../../terrainav_plugin/viewer/details.py"/>
+        <source>Size</source>
+        <translation>Tamaño</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/cache_dialog.py"/>
+        <location filename="../../terrainav_plugin/dock/imagery_entries.py"/>
+        <location filename="../../terrainav_plugin/dock/keys_table.py"/>
+        <location filename="../../terrainav_plugin/viewer/details.py"/>
+        <source>Source</source>
+        <translation>Fuente</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/cache_dialog.py"/>
+        <source>TerrAInav: cache</source>
+        <translation>TerrAInav: caché</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/cache_dialog.py"/>
+        <location filename="../../terrainav_plugin/dock/estimates.py"/>
+        <source>Tiles</source>
+        <translation>Teselas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/cache_dialog.py"/>
+        <source>{size} freed.</source>
+        <translation>{size} liberados.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/cache_dialog.py"/>
+        <source>{size} of at most {limit} in {folder}</source>
+        <translation>{size} de un máximo de {limit} en {folder}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/camera_choices.py"/>
+        <source>Sensor {width:g} × {height:g} mm, focal length {focal:g} mm</source>
+        <translation>Sensor de {width:g} × {height:g} mm, distancia focal de {focal:g} mm</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/camera_choices.py"/>
+        <source>Source: {source}</source>
+        <translation>Fuente: {source}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/camera_choices.py"/>
+        <source>The real camera's pictures: {width} × {height} px</source>
+        <translation>Imágenes de la cámara real: {width} × {height} px</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/camera_choices.py"/>
+        <source>The values entered make no camera: put right what is marked, and save then.</source>
+        <translation>Los valores introducidos no forman una cámara: corregir lo marcado y guardar después.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/camera_choices.py"/>
+        <source>{name}: {degrees:.1f}° across the diagonal</source>
+        <translation>{name}: {degrees:.1f}° en diagonal</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/camera_entries.py"/>
+        <source>&amp;Camera</source>
+        <translation>&amp;Cámara</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/camera_entries.py"/>
+        <source>&amp;Field of view</source>
+        <translation>Campo de &amp;visión</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/camera_entries.py"/>
+        <source>Aspect ra&amp;tio</source>
+        <translation>Relación de as&amp;pecto</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/camera_entries.py"/>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <source>Camera</source>
+        <translation>Cámara</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/camera_entries.py"/>
+        <source>Diagonal</source>
+        <translation>Diagonal</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/camera_entries.py"/>
+        <source>Field of view across the picture's diagonal, in degrees</source>
+        <translation>Campo de visión en la diagonal de la imagen, en grados</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/camera_entries.py"/>
+        <source>Field of view across the picture's width or height, as chosen beside, in degrees</source>
+        <translation>Campo de visión a lo ancho o a lo alto de la imagen, según lo elegido al lado, en grados</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/camera_entries.py"/>
+        <source>Fills in field of view (degrees) and aspect ratio</source>
+        <translation>Rellena el campo de visión (grados) y la relación de aspecto</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/camera_entries.py"/>
+        <source>Focal length</source>
+        <translation>Distancia focal</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/camera_entries.py"/>
+        <source>Focal length of the lens in millimetres: the real one, not that for full frame</source>
+        <translation>Distancia focal del objetivo en milímetros: la real, no la equivalente en formato completo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/camera_entries.py"/>
+        <source>Height of the sensor in millimetres</source>
+        <translation>Altura del sensor en milímetros</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/camera_entries.py"/>
+        <source>Horizontal</source>
+        <translation>Horizontal</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/camera_entries.py"/>
+        <source>Lo&amp;ngest side</source>
+        <translation>Lado ma&amp;yor</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/camera_entries.py"/>
+        <source>Most pixels (px) along the longer side of a picture: the source's finest pixels are taken with which every picture fits</source>
+        <translation>Máximo de píxeles (px) en el lado mayor de una imagen: se toman los píxeles más finos de la fuente con los que caben todas las imágenes</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/camera_entries.py"/>
+        <source>Name of the camera with the values entered:</source>
+        <translation>Nombre de la cámara con los valores introducidos:</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/camera_entries.py"/>
+        <source>Own values</source>
+        <translation>Valores propios</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/camera_entries.py"/>
+        <source>Picture width to height, without unit: 4:3, 4000x3000 or 1.333</source>
+        <translation>Anchura entre altura de la imagen, sin unidad: 4:3, 4000x3000 o 1.333</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/camera_entries.py"/>
+        <source>Remove this camera</source>
+        <translation>Eliminar esta cámara</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/camera_entries.py"/>
+        <source>Save camera</source>
+        <translation>Guardar cámara</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/camera_entries.py"/>
+        <source>Save the values entered as a camera of your own, or remove one</source>
+        <translation>Guardar los valores introducidos como cámara propia, o eliminar una</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/camera_entries.py"/>
+        <source>Save these values as…</source>
+        <translation>Guardar estos valores como…</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/camera_entries.py"/>
+        <source>Sensor</source>
+        <translation>Sensor</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/camera_entries.py"/>
+        <source>Vertical</source>
+        <translation>Vertical</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/camera_entries.py"/>
+        <source>What the field of view is given by: degrees across the picture's diagonal, width or height, or focal length and sensor in mm. Choosing another shows the same camera in its numbers.</source>
+        <translation>Con qué se da el campo de visión: grados en la diagonal, la anchura o la altura de la imagen, o distancia focal y sensor en mm. Al elegir otro se muestra la misma cámara en sus números.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/camera_entries.py"/>
+        <source>Width of the sensor in millimetres</source>
+        <translation>Anchura del sensor en milímetros</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/dock.py"/>
+        <source>&amp;Missions</source>
+        <translation>&amp;Misiones</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/dock.py"/>
+        <source>Capture</source>
+        <translation>Capturar</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/dock.py"/>
+        <source>Click a point on the map and capture one image there</source>
+        <translation>Pulsar un punto del mapa y capturar allí una imagen</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/dock.py"/>
+        <source>Estimates</source>
+        <translation>Estimación</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/dock.py"/>
+        <source>Help</source>
+        <translation>Ayuda</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/dock.py"/>
+        <source>Missions of this project, mission files and datasets: open, save, begin</source>
+        <translation>Misiones de este proyecto, archivos de misión y conjuntos de datos: abrir, guardar, empezar</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/dock.py"/>
+        <source>No area yet.</source>
+        <translation>Aún no hay área.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/dock.py"/>
+        <location filename="../../terrainav_plugin/help.py"/>
+        <source>Open the guide</source>
+        <translation>Abrir la guía</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/dock.py"/>
+        <source>Preview</source>
+        <translation>Vista previa</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/dock.py"/>
+        <source>Show every planned image on the map</source>
+        <translation>Mostrar en el mapa todas las imágenes planificadas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/dock.py"/>
+        <source>TerrAInav mission</source>
+        <translation>Misión de TerrAInav</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/dock.py"/>
+        <location filename="../../terrainav_plugin/runs/words.py"/>
+        <source>Test shot</source>
+        <translation>Toma de prueba</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/dock.py"/>
+        <source>Write all images; goes on where an earlier run was stopped</source>
+        <translation>Escribir todas las imágenes; continúa donde se detuvo una ejecución anterior</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/dock_sections.py"/>
+        <source>Accuracy</source>
+        <translation>Exactitud</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/dock_sections.py"/>
+        <location filename="../../terrainav_plugin/dock/figures.py"/>
+        <location filename="../../terrainav_plugin/dock/refusals.py"/>
+        <source>Allow enlarged pixels</source>
+        <translation>Permitir píxeles ampliados</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/dock_sections.py"/>
+        <source>Also set: {text}</source>
+        <translation>También definido: {text}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/dock_sections.py"/>
+        <source>Also take zooms above the finest that the source has pixels of its own for. Pictures get more pixels (px), and show nothing more.</source>
+        <translation>Tomar también zooms superiores al más fino para el que la fuente tiene píxeles propios. Las imágenes tienen más píxeles (px), pero no muestran nada más.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/dock_sections.py"/>
+        <source>Attitude, ground and time</source>
+        <translation>Actitud, terreno y hora</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/dock_sections.py"/>
+        <source>Automatic</source>
+        <translation>Automático</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/dock_sections.py"/>
+        <source>Bicubic</source>
+        <translation>Bicúbico</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/dock_sections.py"/>
+        <source>Bilinear</source>
+        <translation>Bilineal</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/dock_sections.py"/>
+        <source>Camera frame (as seen)</source>
+        <translation>Encuadre de cámara (como se ve)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/dock_sections.py"/>
+        <source>Degrees the camera is rolled about its line of sight, right side down (-180 to 180)</source>
+        <translation>Grados que la cámara gira en torno a su línea de visión, lado derecho hacia abajo (-180 a 180)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/dock_sections.py"/>
+        <source>Degrees the view is lifted from straight down (0) towards the picture's top edge; 90 looks level (-180 to 180)</source>
+        <translation>Grados que la vista se levanta desde la vertical (0) hacia el borde superior de la imagen; 90 mira al horizonte (-180 a 180)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/dock_sections.py"/>
+        <source>Direction of the picture's top edge, in degrees clockwise from north (-360 to 360); counted from the grid's own north where a grid angle turns the rows</source>
+        <translation>Dirección del borde superior de la imagen, en grados en sentido horario desde el norte (-360 a 360); se cuenta desde el norte de la cuadrícula cuando un ángulo de cuadrícula gira las pasadas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/dock_sections.py"/>
+        <source>Direction the wind blows from, in degrees clockwise from north</source>
+        <translation>Dirección desde la que sopla el viento, en grados en sentido horario desde el norte</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/dock_sections.py"/>
+        <location filename="../../terrainav_plugin/dock/refusals.py"/>
+        <source>Error budget</source>
+        <translation>Error admisible</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/dock_sections.py"/>
+        <source>From</source>
+        <translation>Desde</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/dock_sections.py"/>
+        <location filename="../../terrainav_plugin/dock/refusals.py"/>
+        <source>Go on beyond the budget</source>
+        <translation>Seguir aunque se supere el error</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/dock_sections.py"/>
+        <source>Grey</source>
+        <translation>Grises</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/dock_sections.py"/>
+        <source>Ground height</source>
+        <translation>Altura del terreno</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/dock_sections.py"/>
+        <location filename="../../terrainav_plugin/dock/estimates.py"/>
+        <source>Ground per px</source>
+        <translation>Terreno por px</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/dock_sections.py"/>
+        <source>Ground that a pixel of the source is to show, in metres; the zoom nearest to it is taken</source>
+        <translation>Terreno que debe mostrar un píxel de la fuente, en metros; se toma el zoom más próximo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/dock_sections.py"/>
+        <source>Gusts move and turn the camera at every exposure: pictures are then as the camera really sees them</source>
+        <translation>Las ráfagas mueven y giran la cámara en cada exposición: las imágenes son entonces como las ve realmente la cámara</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/dock_sections.py"/>
+        <source>Height of the ground above the WGS84 ellipsoid, in metres (-12,000 to 9,000)</source>
+        <translation>Altura del terreno sobre el elipsoide WGS84, en metros (-12 000 a 9000)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/dock_sections.py"/>
+        <source>Height of the resized pictures in pixels (px)</source>
+        <translation>Altura de las imágenes redimensionadas en píxeles (px)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/dock_sections.py"/>
+        <source>How camera frames take their values between the source's pixels, from 1 px to 6 px across; map frames are not resampled</source>
+        <translation>Cómo toman los encuadres de cámara sus valores entre los píxeles de la fuente, de 1 px a 6 px de lado; los encuadres de mapa no se remuestrean</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/dock_sections.py"/>
+        <source>Lanczos</source>
+        <translation>Lanczos</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/dock_sections.py"/>
+        <source>Map frame (north-up)</source>
+        <translation>Encuadre de mapa (norte arriba)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/dock_sections.py"/>
+        <source>Map frame: a window of the source's own pixels, for cameras that look straight down. Camera frame: the picture as the camera sees it. Automatic: a map frame where its error in px fits the budget.</source>
+        <translation>Encuadre de mapa: una ventana de los propios píxeles de la fuente, para cámaras que miran en vertical. Encuadre de cámara: la imagen como la ve la cámara. Automático: un encuadre de mapa si su error en px cabe en el admisible.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/dock_sections.py"/>
+        <source>Mean wind at flight height, in metres a second; below the airspeed</source>
+        <translation>Viento medio a la altura de vuelo, en metros por segundo; menor que la velocidad aérea</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/dock_sections.py"/>
+        <source>Most that the errors of all steps may add up to, in pixels of the planned image, by their bounds; above 0. The cheapest methods that fit are used.</source>
+        <translation>Máximo que pueden sumar los errores de todos los pasos, en píxeles de la imagen planificada, según sus cotas; mayor que 0. Se usan los métodos más económicos que caben.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/dock_sections.py"/>
+        <source>Nearest pixel</source>
+        <translation>Píxel más próximo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/dock_sections.py"/>
+        <source>Pictures</source>
+        <translation>Imágenes</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/dock_sections.py"/>
+        <source>Pixels</source>
+        <translation>Píxeles</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/dock_sections.py"/>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <source>Resampling</source>
+        <translation>Remuestreo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/dock_sections.py"/>
+        <source>Resize every picture to the width and height below, in pixels (px)</source>
+        <translation>Redimensionar todas las imágenes a la anchura y altura de abajo, en píxeles (px)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/dock_sections.py"/>
+        <location filename="../../terrainav_plugin/dock/refusals.py"/>
+        <source>Resize pictures</source>
+        <translation>Redimensionar</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/dock_sections.py"/>
+        <source>Roll</source>
+        <translation>Alabeo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/dock_sections.py"/>
+        <source>Settings of the mission's file that this panel has no entries for</source>
+        <translation>Ajustes del archivo de la misión para los que este panel no tiene campos</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/dock_sections.py"/>
+        <location filename="../../terrainav_plugin/dock/refusals.py"/>
+        <source>Source's ground per px</source>
+        <translation>Terreno por px de la fuente</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/dock_sections.py"/>
+        <source>Source's pixels</source>
+        <translation>Píxeles de la fuente</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/dock_sections.py"/>
+        <source>Speed</source>
+        <translation>Velocidad</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/dock_sections.py"/>
+        <source>Start</source>
+        <translation>Inicio</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/dock_sections.py"/>
+        <source>Strength of the gusts: their standard deviation over the mean wind, without unit; about 0.1 over water, 0.2 over fields, 0 for a steady wind</source>
+        <translation>Intensidad de las ráfagas: su desviación típica entre el viento medio, sin unidad; cerca de 0.1 sobre el agua, 0.2 sobre campos, 0 con viento constante</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/dock_sections.py"/>
+        <source>Tilt</source>
+        <translation>Inclinación</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/dock_sections.py"/>
+        <source>Time of the first image, in UTC as 2024-06-21T10:30:00Z: the clock of the simulated flight</source>
+        <translation>Hora de la primera imagen, en UTC como 2024-06-21T10:30:00Z: el reloj del vuelo simulado</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/dock_sections.py"/>
+        <source>To</source>
+        <translation>A</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/dock_sections.py"/>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <source>Turbulence</source>
+        <translation>Turbulencia</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/dock_sections.py"/>
+        <source>Where no methods fit the budget (px), take the most accurate ones instead of refusing</source>
+        <translation>Si ningún método cabe en el error admisible (px), tomar los más exactos en lugar de rechazar la misión</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/dock_sections.py"/>
+        <source>Which of the source's pixels make the pictures. Automatic: the finest with which every picture fits the longest side (px) of the camera.</source>
+        <translation>Con qué píxeles de la fuente se hacen las imágenes. Automático: los más finos con los que todas las imágenes caben en el lado mayor (px) de la cámara.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/dock_sections.py"/>
+        <source>Width of the resized pictures in pixels (px)</source>
+        <translation>Anchura de las imágenes redimensionadas en píxeles (px)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/dock_sections.py"/>
+        <source>Wind</source>
+        <translation>Viento</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/dock_sections.py"/>
+        <source>Write one channel of grey values instead of three of colours (without unit)</source>
+        <translation>Escribir un canal de valores de gris en lugar de tres de color (sin unidad)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/dock_sections.py"/>
+        <source>Yaw</source>
+        <translation>Guiñada</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/dock_sections.py"/>
+        <location filename="../../terrainav_plugin/dock/refusals.py"/>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <location filename="../../terrainav_plugin/viewer/details.py"/>
+        <source>Zoom</source>
+        <translation>Zoom</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/dock_sections.py"/>
+        <source>Zoom level of the source, without unit: each one has pixels half the size of the one before</source>
+        <translation>Nivel de zoom de la fuente, sin unidad: cada uno tiene píxeles de la mitad del tamaño que el anterior</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/dock_sections.py"/>
+        <source>forget</source>
+        <translation>olvidar</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/estimates.py"/>
+        <source>, which is exceeded</source>
+        <translation>, que se supera</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/estimates.py"/>
+        <source>100 % of {area}</source>
+        <translation>100 % de {area}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/estimates.py"/>
+        <source>; not {name}: {reason}</source>
+        <translation>; no {name}: {reason}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/estimates.py"/>
+        <source>Condition number</source>
+        <translation>Número de condición</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/estimates.py"/>
+        <source>Cost</source>
+        <translation>Coste</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/estimates.py"/>
+        <source>Coverage</source>
+        <translation>Cobertura</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/estimates.py"/>
+        <source>Download</source>
+        <translation>Descarga</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/estimates.py"/>
+        <source>Error</source>
+        <translation>Error</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/estimates.py"/>
+        <location filename="../../terrainav_plugin/dock/flight_entries.py"/>
+        <source>Flight</source>
+        <translation>Vuelo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/estimates.py"/>
+        <location filename="../../terrainav_plugin/processing/clean.py"/>
+        <source>Images</source>
+        <translation>Imágenes</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/estimates.py"/>
+        <source>Left out</source>
+        <translation>Se omite</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/estimates.py"/>
+        <source>Methods</source>
+        <translation>Métodos</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/estimates.py"/>
+        <source>No {what}</source>
+        <translation>Sin {what}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/estimates.py"/>
+        <source>On disk</source>
+        <translation>En disco</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/estimates.py"/>
+        <source>Overlap</source>
+        <translation>Solape</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/estimates.py"/>
+        <source>Picture</source>
+        <translation>Imagen</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/estimates.py"/>
+        <location filename="../../terrainav_plugin/dock/imagery_entries.py"/>
+        <location filename="../../terrainav_plugin/viewer/viewer.py"/>
+        <source>Terrain</source>
+        <translation>Relieve</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/estimates.py"/>
+        <location filename="../../terrainav_plugin/viewer/details.py"/>
+        <source>Time</source>
+        <translation>Tiempo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/estimates.py"/>
+        <source>about {duration}</source>
+        <translation>unos {duration}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/estimates.py"/>
+        <source>about {size} in {count} tiles</source>
+        <translation>unos {size} en {count} teselas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/estimates.py"/>
+        <source>at least {shares}</source>
+        <translation>al menos {shares}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/estimates.py"/>
+        <source>being timed…</source>
+        <translation>midiendo…</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/estimates.py"/>
+        <source>camera {camera}, source {source}</source>
+        <translation>cámara {camera}, fuente {source}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/estimates.py"/>
+        <source>front {share}</source>
+        <translation>longitudinal {share}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/estimates.py"/>
+        <source>nothing ({count} tiles computed here)</source>
+        <translation>nada ({count} teselas calculadas aquí)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/estimates.py"/>
+        <source>side {share}</source>
+        <translation>transversal {share}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/estimates.py"/>
+        <source>the source's own pixels are {source}: the picture has no more detail than that</source>
+        <translation>los píxeles propios de la fuente son de {source}: la imagen no tiene más detalle</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/estimates.py"/>
+        <source>without limit at the horizon</source>
+        <translation>sin límite en el horizonte</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/estimates.py"/>
+        <source>{count} h</source>
+        <translation>{count} h</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/estimates.py"/>
+        <source>{count} min</source>
+        <translation>{count} min</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/estimates.py"/>
+        <source>{count} s</source>
+        <translation>{count} s</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/estimates.py"/>
+        <source>{count}, each fetched once</source>
+        <translation>{count}, cada una pedida una vez</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/estimates.py"/>
+        <source>{distance}, {duration}</source>
+        <translation>{distance}, {duration}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/estimates.py"/>
+        <source>{images} in {rows} rows</source>
+        <translation>{images} en {rows} pasadas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/estimates.py"/>
+        <source>{name}, ≤ {px} px, {metres} on the ground</source>
+        <translation>{name}, ≤ {px} px, {metres} sobre el terreno</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/estimates.py"/>
+        <source>{share:.2f} % of {area}; {uncovered} left out</source>
+        <translation>{share:.2f} % de {area}; {uncovered} sin cubrir</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/estimates.py"/>
+        <source>{stage}: {name}, ≤ {px} px</source>
+        <translation>{stage}: {name}, ≤ {px} px</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/estimates.py"/>
+        <source>{text}, for each of {count} map types</source>
+        <translation>{text}, para cada uno de {count} tipos de mapa</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/estimates.py"/>
+        <source>{width} × {height} px at zoom {zoom}</source>
+        <translation>{width} × {height} px con zoom {zoom}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/estimates.py"/>
+        <source>≤ {bound} px of a budget of {budget:g} px</source>
+        <translation>≤ {bound} px de {budget:g} px admisibles</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/figures.py"/>
+        <location filename="../../terrainav_plugin/messages.py"/>
+        <source>Details</source>
+        <translation>Detalles</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/figures.py"/>
+        <source>Picture size, methods with their error bounds, and what is left out</source>
+        <translation>Tamaño de la imagen, métodos con sus cotas de error y lo que se omite</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/figures.py"/>
+        <source>Put right what is marked above.</source>
+        <translation>Corregir lo marcado arriba.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/figures.py"/>
+        <source>The source has no finer pixels of its own here.</source>
+        <translation>La fuente no tiene aquí píxeles propios más finos.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/flight_entries.py"/>
+        <source>&amp;Airspeed</source>
+        <translation>Ve&amp;locidad aérea</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/flight_entries.py"/>
+        <source>&amp;Ground per px</source>
+        <translation>&amp;Terreno por px</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/flight_entries.py"/>
+        <source>Cover (no gaps)</source>
+        <translation>Cubrir (sin huecos)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/flight_entries.py"/>
+        <source>Cover: rows that leave nothing out. Paper: the grid in UTM as published.</source>
+        <translation>Cubrir: pasadas que no dejan nada fuera. Artículo: la cuadrícula en UTM tal como se publicó.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/flight_entries.py"/>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <source>Crosshatch</source>
+        <translation>Cuadrícula cruzada</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/flight_entries.py"/>
+        <source>Degrees the rows are turned clockwise from east (-180 to 180); the pictures turn with them. Points have no rows.</source>
+        <translation>Grados que las pasadas se giran en sentido horario desde el este (-180 a 180); las imágenes giran con ellas. Los puntos no tienen pasadas.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/flight_entries.py"/>
+        <source>Fly the area a second time, in rows across the first ones: about twice the images</source>
+        <translation>Volar el área por segunda vez, en pasadas que cruzan las primeras: cerca del doble de imágenes</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/flight_entries.py"/>
+        <source>Front overlap: share of a picture that the next one along the flight line shows again, in percent</source>
+        <translation>Solape longitudinal: parte de una imagen que la siguiente de la línea de vuelo vuelve a mostrar, en tanto por ciento</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/flight_entries.py"/>
+        <source>Grid a&amp;ngle</source>
+        <translation>Án&amp;gulo de cuadrícula</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/flight_entries.py"/>
+        <source>Ground sample distance of the camera: the ground that one pixel of a picture with the longest side of the camera shows, straight down, in centimetres (inches with feet) per px. Height and ground sample distance follow each other; the one typed last stays. How fine the source's own pixels are is in the estimates.</source>
+        <translation>Distancia de muestreo del terreno (GSD) de la cámara: el terreno que muestra un píxel de una imagen con el lado mayor de la cámara, en vertical, en centímetros (pulgadas con los pies) por px. La altura y la distancia de muestreo se siguen la una a la otra; se mantiene la última tecleada. La finura de los píxeles de la fuente figura en la estimación.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/flight_entries.py"/>
+        <source>He&amp;ight above ground</source>
+        <translation>Altura so&amp;bre el terreno</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/flight_entries.py"/>
+        <source>Height above the ground (AGL), in metres or feet as chosen beside</source>
+        <translation>Altura sobre el terreno (AGL), en metros o pies según lo elegido al lado</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/flight_entries.py"/>
+        <source>La&amp;yout</source>
+        <translation>&amp;Disposición</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/flight_entries.py"/>
+        <source>Metres or international feet: for the height, and for the lengths and areas of the estimates</source>
+        <translation>Metros o pies internacionales: para la altura, y para las longitudes y superficies de la estimación</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/flight_entries.py"/>
+        <source>O&amp;verlap</source>
+        <translation>&amp;Solape</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/flight_entries.py"/>
+        <source>One way</source>
+        <translation>Un solo sentido</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/flight_entries.py"/>
+        <source>Order</source>
+        <translation>Orden</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/flight_entries.py"/>
+        <source>Paper (UTM grid)</source>
+        <translation>Artículo (cuadrícula UTM)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/flight_entries.py"/>
+        <source>Serpentine (to and fro)</source>
+        <translation>En zigzag (ida y vuelta)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/flight_entries.py"/>
+        <source>Serpentine: every other row is flown back. One way: every row is flown from its beginning.</source>
+        <translation>En zigzag: una de cada dos pasadas se vuela de vuelta. Un solo sentido: cada pasada se vuela desde su comienzo.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/flight_entries.py"/>
+        <source>Side overlap: share of a picture that the next flight line shows again, in percent</source>
+        <translation>Solape transversal: parte de una imagen que la siguiente línea de vuelo vuelve a mostrar, en tanto por ciento</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/flight_entries.py"/>
+        <source>Speed of the flight through the air, in metres a second (0.1 to 340)</source>
+        <translation>Velocidad del vuelo respecto al aire, en metros por segundo (0.1 a 340)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/flight_entries.py"/>
+        <source>cm</source>
+        <translation>cm</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/flight_entries.py"/>
+        <source>front</source>
+        <translation>longitudinal</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/flight_entries.py"/>
+        <source>in</source>
+        <translation>in</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/flight_entries.py"/>
+        <source>side</source>
+        <translation>transversal</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/guide_window.py"/>
+        <source>TerrAInav: guide</source>
+        <translation>TerrAInav: guía</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/imagery_entries.py"/>
+        <source>API key</source>
+        <translation>Clave API</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/imagery_entries.py"/>
+        <source>API key, kept in QGIS's authentication database as the password of a configuration</source>
+        <translation>Clave API, guardada en la base de datos de autenticación de QGIS como contraseña de una configuración</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/imagery_entries.py"/>
+        <source>Add a source by URL, open a file, and more</source>
+        <translation>Añadir una fuente por URL, abrir un archivo y más</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/imagery_entries.py"/>
+        <source>Add source by URL…</source>
+        <translation>Añadir fuente por URL…</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/imagery_entries.py"/>
+        <source>Add this source to the map as background and zoom to the area</source>
+        <translation>Añadir esta fuente al mapa como fondo y hacer zoom al área</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/imagery_entries.py"/>
+        <source>Address of the tiles with {z}, {x} and {y} or {-y}; also {s}, {q}, {r}, {map_type}, {date}</source>
+        <translation>Dirección de las teselas con {z}, {x} e {y} o {-y}; también {s}, {q}, {r}, {map_type}, {date}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/imagery_entries.py"/>
+        <source>Authentication</source>
+        <translation>Autenticación</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/imagery_entries.py"/>
+        <source>Cache…</source>
+        <translation>Caché…</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/imagery_entries.py"/>
+        <source>Date of the imagery, as the server takes it</source>
+        <translation>Fecha de las imágenes, como la acepta el servidor</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/imagery_entries.py"/>
+        <source>Date of the imagery: {dates}</source>
+        <translation>Fecha de las imágenes: {dates}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/imagery_entries.py"/>
+        <source>How QGIS authenticates requests to this source; a configuration of its authentication database</source>
+        <translation>Cómo autentica QGIS las peticiones a esta fuente; una configuración de su base de datos de autenticación</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/imagery_entries.py"/>
+        <source>Imagery</source>
+        <translation>Fuente de imágenes</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/imagery_entries.py"/>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <source>Map types</source>
+        <translation>Tipos de mapa</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/imagery_entries.py"/>
+        <source>Open raster or MBTiles file…</source>
+        <translation>Abrir archivo ráster o MBTiles…</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/imagery_entries.py"/>
+        <source>Raster or MBTiles file</source>
+        <translation>Archivo ráster o MBTiles</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/imagery_entries.py"/>
+        <source>Rasters and tiles ({endings});;All files (*)</source>
+        <translation>Rásteres y teselas ({endings});;Todos los archivos (*)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/imagery_entries.py"/>
+        <source>Remove this source</source>
+        <translation>Eliminar esta fuente</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/imagery_entries.py"/>
+        <location filename="../../terrainav_plugin/viewer/viewer.py"/>
+        <source>Roadmap</source>
+        <translation>Callejero</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/imagery_entries.py"/>
+        <location filename="../../terrainav_plugin/viewer/viewer.py"/>
+        <source>Satellite</source>
+        <translation>Satélite</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/imagery_entries.py"/>
+        <source>Show on map</source>
+        <translation>Ver en el mapa</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/imagery_entries.py"/>
+        <source>URL template</source>
+        <translation>Plantilla de URL</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/imagery_entries.py"/>
+        <source>URL template…</source>
+        <translation>Plantilla de URL…</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/imagery_entries.py"/>
+        <source>Where the pictures come from; type a part of its name to find it</source>
+        <translation>De dónde vienen las imágenes; teclear parte de su nombre para encontrarla</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/imagery_entries.py"/>
+        <source>date</source>
+        <translation>fecha</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/keys_table.py"/>
+        <source>Authentication configuration</source>
+        <translation>Configuración de autenticación</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/keys_table.py"/>
+        <source>Configuration for {title}</source>
+        <translation>Configuración de {title}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/keys_table.py"/>
+        <source>Sources that need a key or are authenticated, and the configurations that hold it</source>
+        <translation>Fuentes que necesitan una clave o autenticación, y las configuraciones que la contienen</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/mission_form.py"/>
+        <source>aspect ratio</source>
+        <translation>relación de aspecto</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/mission_form.py"/>
+        <source>eastern edge</source>
+        <translation>borde oriental</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/mission_form.py"/>
+        <source>ground per px: must be above 0</source>
+        <translation>terreno por px: debe ser mayor que 0</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/mission_form.py"/>
+        <source>height above ground {height:g} {unit}: must be above 0</source>
+        <translation>altura sobre el terreno {height:g} {unit}: debe ser mayor que 0</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/mission_form.py"/>
+        <source>northern edge</source>
+        <translation>borde norte</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/mission_form.py"/>
+        <source>overlap {percent:g} %: must be at least 0 and below 100 %</source>
+        <translation>solape {percent:g} %: debe ser al menos 0 y menor que 100 %</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/mission_form.py"/>
+        <source>southern edge</source>
+        <translation>borde sur</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/mission_form.py"/>
+        <source>western edge</source>
+        <translation>borde occidental</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/mission_form.py"/>
+        <source>{what} “{text}”: must be a number</source>
+        <translation>{what} «{text}»: debe ser un número</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/options_page.py"/>
+        <source>A key is the password of a Basic configuration in QGIS's authentication database, which is encrypted. Only the id of the configuration is kept here; no project, mission or layer holds a key.</source>
+        <translation>Una clave es la contraseña de una configuración de autenticación básica en la base de datos de autenticación de QGIS, que está cifrada. Aquí solo se guarda el identificador de la configuración; ningún proyecto, misión o capa contiene una clave.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/options_page.py"/>
+        <source>At most</source>
+        <translation>Como máximo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/options_page.py"/>
+        <source>Beyond it the tiles that were used longest ago go, in MB</source>
+        <translation>Al superarlo se borran las teselas usadas hace más tiempo, en MB</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/options_page.py"/>
+        <source>Cache of tiles</source>
+        <translation>Caché de teselas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/options_page.py"/>
+        <source>Connections at once</source>
+        <translation>Conexiones simultáneas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/options_page.py"/>
+        <source>Everything but the keys, which stay as they are</source>
+        <translation>Todo salvo las claves, que se mantienen</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/options_page.py"/>
+        <source>Feet (international)</source>
+        <translation>Pies (internacionales)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/options_page.py"/>
+        <source>Folder for backgrounds</source>
+        <translation>Carpeta de los fondos</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/options_page.py"/>
+        <source>Folder for missions</source>
+        <translation>Carpeta de las misiones</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/options_page.py"/>
+        <source>Folder of the cache</source>
+        <translation>Carpeta de la caché</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/options_page.py"/>
+        <source>Heights in</source>
+        <translation>Alturas en</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/options_page.py"/>
+        <source>Keys and authentication</source>
+        <translation>Claves y autenticación</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/options_page.py"/>
+        <source>Look at it or clear it…</source>
+        <translation>Ver o vaciar…</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/options_page.py"/>
+        <source>Metres</source>
+        <translation>Metros</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/options_page.py"/>
+        <location filename="../../terrainav_plugin/processing/algorithm.py"/>
+        <source>Missions</source>
+        <translation>Misiones</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/options_page.py"/>
+        <source>New missions are captured into folders below this one</source>
+        <translation>Las misiones nuevas se capturan en carpetas dentro de esta</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/options_page.py"/>
+        <source>Not kept: {problem}</source>
+        <translation>No se ha guardado: {problem}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/options_page.py"/>
+        <source>Pictures of the synthetic landscape that are shown as background</source>
+        <translation>Imágenes del paisaje sintético que se muestran como fondo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/options_page.py"/>
+        <source>Requests under way at once; fewer where a provider says so</source>
+        <translation>Peticiones simultáneas; menos donde un proveedor lo indica</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/options_page.py"/>
+        <source>Reset to defaults</source>
+        <translation>Restablecer valores predeterminados</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/options_page.py"/>
+        <source>Shows what is in the cache, and clears some or all of it</source>
+        <translation>Muestra lo que hay en la caché, y la vacía en parte o del todo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/options_page.py"/>
+        <source>Tiles that providers let keep: what is there is not asked for again</source>
+        <translation>Teselas que los proveedores dejan guardar: lo que está en ella no se vuelve a pedir</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/options_page.py"/>
+        <source>Unit of heights above ground: m or ft</source>
+        <translation>Unidad de las alturas sobre el terreno: m o ft</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/options_page.py"/>
+        <source>settings</source>
+        <translation>configuración</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/options_page.py"/>
+        <source>{folder}: cannot be a folder ({reason})</source>
+        <translation>{folder}: no puede ser una carpeta ({reason})</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/options_page.py"/>
+        <source>{folder}: cannot be written to; choose another</source>
+        <translation>{folder}: no se puede escribir en ella; elegir otra</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/options_page.py"/>
+        <source>{folder}: must be a whole path, such as {example}</source>
+        <translation>{folder}: debe ser una ruta completa, como {example}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/options_page.py"/>
+        <source>{folder}: {file} is a file; choose a folder</source>
+        <translation>{folder}: {file} es un archivo; elegir una carpeta</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/output_entries.py"/>
+        <source>Fol&amp;der</source>
+        <translation>Carp&amp;eta</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/output_entries.py"/>
+        <source>Folder for the pictures</source>
+        <translation>Carpeta para las imágenes</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/output_entries.py"/>
+        <source>Folder for the pictures; its last part names the mission on the map</source>
+        <translation>Carpeta para las imágenes; su última parte da nombre a la misión en el mapa</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/output_entries.py"/>
+        <source>Format</source>
+        <translation>Formato</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/output_entries.py"/>
+        <source>Format of the pictures; all three know their coordinate reference system</source>
+        <translation>Formato de las imágenes; los tres conocen su sistema de referencia de coordenadas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/output_entries.py"/>
+        <source>GeoTIFF (lossless)</source>
+        <translation>GeoTIFF (sin pérdida)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/output_entries.py"/>
+        <source>JPEG (smaller)</source>
+        <translation>JPEG (menor)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/output_entries.py"/>
+        <source>Output</source>
+        <translation>Salida</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/output_entries.py"/>
+        <source>PNG</source>
+        <translation>PNG</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/refusals.py"/>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <source>Layout</source>
+        <translation>Disposición</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/refusals.py"/>
+        <source>Longest side</source>
+        <translation>Lado mayor</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/refusals.py"/>
+        <source>“{entry}”</source>
+        <translation>«{entry}»</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/run_row.py"/>
+        <source>Cancel; images that are finished are kept</source>
+        <translation>Cancelar; las imágenes terminadas se conservan</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/run_row.py"/>
+        <source>Capture only the failed images again</source>
+        <translation>Capturar de nuevo solo las imágenes fallidas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/run_row.py"/>
+        <source>Go on with this capture</source>
+        <translation>Continuar con esta captura</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/run_row.py"/>
+        <source>Open the folder of the images</source>
+        <translation>Abrir la carpeta de las imágenes</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/run_row.py"/>
+        <source>Pause: hold this capture in its place</source>
+        <translation>Pausa: dejar esta captura donde está</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/run_row.py"/>
+        <source>Take this capture off the list; its images stay</source>
+        <translation>Quitar esta captura de la lista; sus imágenes se quedan</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/run_row.py"/>
+        <source>Zoom the map to this mission</source>
+        <translation>Hacer zoom a esta misión en el mapa</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/service_dialog.py"/>
+        <source>Asking the service…</source>
+        <translation>Consultando el servicio…</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/service_dialog.py"/>
+        <source>Asking {name} for its layers</source>
+        <translation>Consultando a {name} por sus capas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/service_dialog.py"/>
+        <source>Layers that the service offers</source>
+        <translation>Capas que ofrece el servicio</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/service_dialog.py"/>
+        <source>Part of a layer's title or name</source>
+        <translation>Parte del título o nombre de una capa</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/service_dialog.py"/>
+        <source>Search</source>
+        <translation>Buscar</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/service_dialog.py"/>
+        <source>TerrAInav: layer of {name}</source>
+        <translation>TerrAInav: capa de {name}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/service_dialog.py"/>
+        <source>The key in its address will be kept in QGIS's authentication database.</source>
+        <translation>La clave de su dirección se guardará en la base de datos de autenticación de QGIS.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/service_dialog.py"/>
+        <source>nothing was answered</source>
+        <translation>no hubo respuesta</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/service_dialog.py"/>
+        <source>{count} layers</source>
+        <translation>{count} capas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/service_dialog.py"/>
+        <source>{layer} ({service})</source>
+        <translation>{layer} ({service})</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/source_choices.py"/>
+        <source> (own detail to {native})</source>
+        <translation> (detalle propio hasta {native})</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/source_choices.py"/>
+        <source>A service of many layers: choose it, then one of them, which is kept with your own sources.</source>
+        <translation>Un servicio de muchas capas: elegirlo y después una de ellas, que se guarda con las fuentes propias.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/source_choices.py"/>
+        <source>Computed on this computer, for any place; no limits.</source>
+        <translation>Calculado en este equipo, para cualquier lugar; sin límites.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/source_choices.py"/>
+        <source>Connection that is not there</source>
+        <translation>Conexión que no existe</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/source_choices.py"/>
+        <source>Drawn by QGIS as the map shows it, and read from where the layer's data are.</source>
+        <translation>Dibujado por QGIS como lo muestra el mapa, y leído de donde están los datos de la capa.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/source_choices.py"/>
+        <source>Its terms are not known here: they are yours to check.</source>
+        <translation>Sus condiciones no se conocen aquí: corresponde al usuario comprobarlas.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/source_choices.py"/>
+        <source>Layer that is not there</source>
+        <translation>Capa que no existe</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/source_choices.py"/>
+        <source>Licence not stated</source>
+        <translation>Licencia no indicada</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/source_choices.py"/>
+        <source>any number of requests</source>
+        <translation>cualquier número de peticiones</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/source_choices.py"/>
+        <source>at most {count} requests</source>
+        <translation>{count} peticiones como máximo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/source_choices.py"/>
+        <source>kept in the cache</source>
+        <translation>se guarda en la caché</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/source_choices.py"/>
+        <source>more than {count} requests after agreeing to the terms</source>
+        <translation>más de {count} peticiones tras aceptar las condiciones</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/source_choices.py"/>
+        <source>not kept in the cache</source>
+        <translation>no se guarda en la caché</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/source_choices.py"/>
+        <source>terms</source>
+        <translation>condiciones</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/source_choices.py"/>
+        <source>zoom {least} to {most}</source>
+        <translation>zoom {least} a {most}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/source_choices.py"/>
+        <source>{count} connections</source>
+        <translation>{count} conexiones</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/source_choices.py"/>
+        <source>{name}…</source>
+        <translation>{name}…</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/source_choices.py"/>
+        <source>{rate:g} requests a second</source>
+        <translation>{rate:g} peticiones por segundo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/source_combo.py"/>
+        <source>Catalogue: one country</source>
+        <translation>Catálogo: un país</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/source_combo.py"/>
+        <source>Catalogue: worldwide</source>
+        <translation>Catálogo: todo el mundo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/source_combo.py"/>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <source>Files</source>
+        <translation>Archivos</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/source_combo.py"/>
+        <source>Other</source>
+        <translation>Otras</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/source_combo.py"/>
+        <source>QGIS connections: WMS and WMTS</source>
+        <translation>Conexiones de QGIS: WMS y WMTS</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/source_combo.py"/>
+        <source>QGIS connections: XYZ tiles</source>
+        <translation>Conexiones de QGIS: teselas XYZ</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/source_combo.py"/>
+        <source>This project</source>
+        <translation>Este proyecto</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/source_combo.py"/>
+        <source>Your own sources</source>
+        <translation>Fuentes propias</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/source_shelf.py"/>
+        <source>Remove “{title}” from your sources? Captured images stay.</source>
+        <translation>¿Eliminar «{title}» de las fuentes propias? Las imágenes capturadas se quedan.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/source_shelf.py"/>
+        <source>Some of your own sources are left out: {reason}</source>
+        <translation>Algunas de las fuentes propias se omiten: {reason}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/source_shelf.py"/>
+        <source>TerrAInav: remove source</source>
+        <translation>TerrAInav: eliminar fuente</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/units.py"/>
+        <source>{count} acres</source>
+        <translation>{count} acres</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/units.py"/>
+        <source>{count} sq mi</source>
+        <translation>{count} mi²</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/i18n.py"/>
+        <source>English</source>
+        <translation>español</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/layers/connections.py"/>
+        <source>QGIS connection “{name}” holds a user name and password in plain text: give it an authentication configuration in QGIS's Browser panel</source>
+        <translation>La conexión de QGIS «{name}» contiene usuario y contraseña en texto sin cifrar: darle una configuración de autenticación en el panel Navegador de QGIS</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/layers/connections.py"/>
+        <source>QGIS connection “{name}”: {problem}</source>
+        <translation>Conexión de QGIS «{name}»: {problem}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/layers/connections.py"/>
+        <source>give it an authentication configuration</source>
+        <translation>darle una configuración de autenticación</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/layers/connections.py"/>
+        <source>source {name}: QGIS has no such XYZ connection (any more); choose another source</source>
+        <translation>fuente {name}: QGIS no tiene (o ya no tiene) tal conexión XYZ; elegir otra fuente</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/layers/snapshot.py"/>
+        <source>Whole map</source>
+        <translation>Mapa completo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/layers/snapshot.py"/>
+        <source>layer {name}: its pixels have no size</source>
+        <translation>capa {name}: sus píxeles no tienen tamaño</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/layers/snapshot.py"/>
+        <source>layer {name}: its place on the globe is not known; set its CRS</source>
+        <translation>capa {name}: no se conoce su lugar en el globo; definir su SRC</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/layers/snapshot.py"/>
+        <source>layer {name}: shows nothing; repair its data source</source>
+        <translation>capa {name}: no muestra nada; reparar su fuente de datos</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/layers/snapshot.py"/>
+        <source>source {name}: the project has no such layer (any more); choose another source</source>
+        <translation>fuente {name}: el proyecto no tiene (o ya no tiene) tal capa; elegir otra fuente</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/layers/snapshot.py"/>
+        <source>the map shows no layer: tick one in the Layers panel</source>
+        <translation>el mapa no muestra ninguna capa: marcar una en el panel Capas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/map/area_control.py"/>
+        <source>Extent of a layer</source>
+        <translation>Extensión de una capa</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/map/area_control.py"/>
+        <source>No area: {reason}</source>
+        <translation>Sin área: {reason}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/map/area_control.py"/>
+        <source>Text file of points: lat lon agl [yaw]</source>
+        <translation>Archivo de texto con puntos: lat lon agl [guiñada]</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/map/area_control.py"/>
+        <source>Text files (*.txt *.csv *.dat);;All files (*)</source>
+        <translation>Archivos de texto (*.txt *.csv *.dat);;Todos los archivos (*)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/map/area_control.py"/>
+        <source>draw box</source>
+        <translation>dibujar recuadro</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/map/area_control.py"/>
+        <source>extent of {layer}</source>
+        <translation>extensión de {layer}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/map/area_control.py"/>
+        <source>map canvas extent</source>
+        <translation>extensión del lienzo del mapa</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/map/area_control.py"/>
+        <source>points of {layer}</source>
+        <translation>puntos de {layer}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/map/area_control.py"/>
+        <source>polygon of {layer}</source>
+        <translation>polígono de {layer}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/map/area_control.py"/>
+        <source>single capture</source>
+        <translation>captura única</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/map/area_control.py"/>
+        <source>text file</source>
+        <translation>archivo de texto</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/map/area_control.py"/>
+        <source>the clipboard holds no text; copy coordinates first</source>
+        <translation>el portapapeles no contiene texto; copiar antes unas coordenadas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/map/area_layers.py"/>
+        <source>feature {id}</source>
+        <translation>objeto {id}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/map/area_layers.py"/>
+        <source>no point is there to be taken: select some, or take all of the layer</source>
+        <translation>no hay ningún punto que tomar: seleccionar algunos, o tomar todos los de la capa</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/map/area_layers.py"/>
+        <source>no polygon is selected: select exactly one in its layer</source>
+        <translation>no hay ningún polígono seleccionado: seleccionar exactamente uno en su capa</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/map/area_layers.py"/>
+        <source>{count} polygons are selected, and an area is one: select only that one, or join them first (Vector &gt; Geoprocessing Tools &gt; Dissolve)</source>
+        <translation>hay {count} polígonos seleccionados, y un área es uno: seleccionar solo ese, o unirlos antes (Vectorial &gt; Herramientas de geoproceso &gt; Disolver)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/map/area_layers.py"/>
+        <source>{feature} goes around a pole: an area's edges must close without that; cut it</source>
+        <translation>{feature} rodea un polo: los bordes de un área deben cerrarse sin ello; cortarlo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/map/area_layers.py"/>
+        <source>{feature} has an edge through a pole or across the edge of its map: cut it</source>
+        <translation>{feature} tiene un lado que pasa por un polo o cruza el borde de su mapa: cortarlo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/map/area_layers.py"/>
+        <source>{feature} has no geometry: give it a point, or leave it out</source>
+        <translation>{feature} no tiene geometría: darle un punto u omitirlo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/map/area_layers.py"/>
+        <source>{feature} has no geometry: select one that has</source>
+        <translation>{feature} no tiene geometría: seleccionar uno que la tenga</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/map/area_layers.py"/>
+        <source>{feature} has {count} parts, and an area is one: take it apart first (Vector &gt; Geometry Tools &gt; Multipart to Singleparts) and select one of them</source>
+        <translation>{feature} tiene {count} partes, y un área es una: separarlas antes (Vectorial &gt; Herramientas de geometría &gt; Multiparte a monoparte) y seleccionar una de ellas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/map/area_layers.py"/>
+        <source>{feature} is no point: take a layer of points</source>
+        <translation>{feature} no es un punto: tomar una capa de puntos</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/map/area_layers.py"/>
+        <source>{feature} is no polygon: select one that is</source>
+        <translation>{feature} no es un polígono: seleccionar uno que lo sea</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/map/area_layers.py"/>
+        <source>{feature} is no sound polygon, {what}: repair it first (Processing: Fix geometries)</source>
+        <translation>{feature} no es un polígono válido, {what}: repararlo antes (Procesos: Corregir geometrías)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/map/area_layers.py"/>
+        <source>{feature}: height in “{field}”</source>
+        <translation>{feature}: altura en «{field}»</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/map/area_layers.py"/>
+        <source>{feature}: yaw in “{field}”</source>
+        <translation>{feature}: guiñada en «{field}»</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/map/area_layers.py"/>
+        <source>{feature}: {x}, {y} is outside the domain of {crs}</source>
+        <translation>{feature}: {x}, {y} está fuera del dominio de {crs}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/map/area_layers.py"/>
+        <source>{what} is empty (NULL): must be a number</source>
+        <translation>{what} está vacío (NULL): debe ser un número</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/map/area_layers.py"/>
+        <source>{what} is {value} m: must be above 0</source>
+        <translation>{what} es {value} m: debe ser mayor que 0</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/map/area_layers.py"/>
+        <source>{what} is {value}°: must be from -360 to 360</source>
+        <translation>{what} es {value}°: debe estar entre -360 y 360</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/map/area_layers.py"/>
+        <source>{what} is “{value}”: must be a number</source>
+        <translation>{what} es «{value}»: debe ser un número</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/map/area_reading.py"/>
+        <source>Reading the area</source>
+        <translation>Leyendo el área</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/map/area_reading.py"/>
+        <source>layer “{name}” has no CRS: set it in the layer's properties</source>
+        <translation>la capa «{name}» no tiene SRC: definirlo en las propiedades de la capa</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/map/area_reading.py"/>
+        <source>layer “{name}” is empty: it has no extent</source>
+        <translation>la capa «{name}» está vacía: no tiene extensión</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/map/area_tool.py"/>
+        <source>drag an edge</source>
+        <translation>arrastrar un borde</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/map/area_tool.py"/>
+        <source>move by arrow keys</source>
+        <translation>mover con las teclas de flecha</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/map/area_tool.py"/>
+        <source>move the area</source>
+        <translation>mover el área</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/map/area_words.py"/>
+        <source>1 hole</source>
+        <translation>1 hueco</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/map/area_words.py"/>
+        <source>Box, {size}</source>
+        <translation>Recuadro, {size}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/map/area_words.py"/>
+        <source>Polygon</source>
+        <translation>Polígono</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/map/area_words.py"/>
+        <source>Single capture</source>
+        <translation>Captura única</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/map/area_words.py"/>
+        <source>each with its yaw</source>
+        <translation>cada uno con su guiñada</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/map/area_words.py"/>
+        <location filename="../../terrainav_plugin/map/preview_layers.py"/>
+        <source>yaw {yaw}°</source>
+        <translation>guiñada {yaw}°</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/map/area_words.py"/>
+        <source>{n} corners</source>
+        <translation>{n} vértices</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/map/area_words.py"/>
+        <source>{n} holes</source>
+        <translation>{n} huecos</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/map/area_words.py"/>
+        <source>{n} points</source>
+        <translation>{n} puntos</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/map/background.py"/>
+        <source>Drawing the synthetic landscape</source>
+        <translation>Dibujando el paisaje sintético</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/map/background.py"/>
+        <source>no reason given</source>
+        <translation>no se indica el motivo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/map/background.py"/>
+        <source>{title} cannot be shown: {reason}</source>
+        <translation>no se puede mostrar {title}: {reason}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/map/box_geometry.py"/>
+        <source>this place cannot be shown in the project's CRS {crs}; choose another one</source>
+        <translation>este lugar no se puede mostrar en el SRC del proyecto, {crs}; elegir otro</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/map/box_geometry.py"/>
+        <source>this place is outside the domain of the project's CRS {crs}</source>
+        <translation>este lugar está fuera del dominio del SRC del proyecto, {crs}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/map/mission_group.py"/>
+        <source>TerrAInav: {name}</source>
+        <translation>TerrAInav: {name}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/map/mosaic.py"/>
+        <source>Roadmap images</source>
+        <translation>Imágenes de callejero</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/map/mosaic.py"/>
+        <source>Satellite images</source>
+        <translation>Imágenes de satélite</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/map/mosaic.py"/>
+        <source>Terrain images</source>
+        <translation>Imágenes de relieve</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/map/mosaic.py"/>
+        <source>{title}, part {number}</source>
+        <translation>{title}, parte {number}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/map/opened_results.py"/>
+        <location filename="../../terrainav_plugin/processing/capture.py"/>
+        <source>Captured images</source>
+        <translation>Imágenes capturadas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/map/opened_results.py"/>
+        <source>Failed images</source>
+        <translation>Imágenes fallidas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/map/preview_layers.py"/>
+        <source>Capture centres</source>
+        <translation>Centros de captura</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/map/preview_layers.py"/>
+        <location filename="../../terrainav_plugin/processing/plan.py"/>
+        <source>Flight line</source>
+        <translation>Línea de vuelo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/map/preview_layers.py"/>
+        <location filename="../../terrainav_plugin/processing/capture.py"/>
+        <location filename="../../terrainav_plugin/processing/plan.py"/>
+        <source>Footprints</source>
+        <translation>Huellas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/map/preview_layers.py"/>
+        <source>Images per place</source>
+        <translation>Imágenes por lugar</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/map/preview_layers.py"/>
+        <source>Overlap count</source>
+        <translation>Número de solapes</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/map/preview_layers.py"/>
+        <source>Planned images</source>
+        <translation>Imágenes planificadas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/map/preview_layers.py"/>
+        <source>at {time} UTC</source>
+        <translation>a las {time} UTC</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/map/preview_layers.py"/>
+        <source>images that show its middle: {count}</source>
+        <translation>imágenes que muestran su centro: {count}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/map/preview_layers.py"/>
+        <source>images that show this place: {count}</source>
+        <translation>imágenes que muestran este lugar: {count}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/map/preview_layers.py"/>
+        <source>the horizon is in the picture</source>
+        <translation>el horizonte está en la imagen</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/map/preview_layers.py"/>
+        <source>yaw {yaw}°, tilt {tilt}°, roll {roll}°</source>
+        <translation>guiñada {yaw}°, inclinación {tilt}°, alabeo {roll}°</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/map/preview_layers.py"/>
+        <source>{gsd} cm per pixel, {height} m above ground</source>
+        <translation>{gsd} cm por píxel, {height} m sobre el terreno</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/map/preview_layers.py"/>
+        <source>{length} km, {count} images, from {start} to {end} UTC</source>
+        <translation>{length} km, {count} imágenes, de {start} a {end} UTC</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/map/results.py"/>
+        <source>Open the picture ({map_type})</source>
+        <translation>Abrir la imagen ({map_type})</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/map/results.py"/>
+        <source>yaw, tilt, roll: {angles}</source>
+        <translation>guiñada, inclinación, alabeo: {angles}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/missions/dataset_task.py"/>
+        <source>Opening {name}</source>
+        <translation>Abriendo {name}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/missions/missions.py"/>
+        <source>&amp;Export plan…</source>
+        <translation>&amp;Exportar plan…</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/missions/missions.py"/>
+        <source>&amp;New mission</source>
+        <translation>&amp;Nueva misión</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/missions/missions.py"/>
+        <source>&amp;Open mission file…</source>
+        <translation>&amp;Abrir archivo de misión…</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/missions/missions.py"/>
+        <source>&amp;Save mission as file…</source>
+        <translation>&amp;Guardar misión como archivo…</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/missions/missions.py"/>
+        <source>As KML, GPX, GeoPackage, GeoJSON or a table; as a mission for Litchi or QGroundControl</source>
+        <translation>Como KML, GPX, GeoPackage, GeoJSON o tabla; como misión para Litchi o QGroundControl</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/missions/missions.py"/>
+        <source>Capture only the &amp;failed images</source>
+        <translation>Capturar solo las imágenes &amp;fallidas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/missions/missions.py"/>
+        <source>In this project</source>
+        <translation>En este proyecto</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/missions/missions.py"/>
+        <location filename="../../terrainav_plugin/processing/plan.py"/>
+        <source>Mission files (*.json)</source>
+        <translation>Archivos de misión (*.json)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/missions/missions.py"/>
+        <source>Mission files (*.json);;All files (*)</source>
+        <translation>Archivos de misión (*.json);;Todos los archivos (*)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/missions/missions.py"/>
+        <source>Mission saved as {name}.</source>
+        <translation>Misión guardada como {name}.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/missions/missions.py"/>
+        <source>Nothing to save yet: {reason}</source>
+        <translation>Aún no hay nada que guardar: {reason}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/missions/missions.py"/>
+        <source>Of the mission in the panel: those that could not be made earlier</source>
+        <translation>De la misión del panel: las que no se pudieron hacer antes</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/missions/missions.py"/>
+        <source>Open &amp;dataset folder…</source>
+        <translation>Abrir carpeta de conjunto de &amp;datos…</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/missions/missions.py"/>
+        <source>Open &amp;recent</source>
+        <translation>Abrir &amp;reciente</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/missions/missions.py"/>
+        <source>TerrAInav: open dataset</source>
+        <translation>TerrAInav: abrir conjunto de datos</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/missions/missions.py"/>
+        <source>TerrAInav: open mission</source>
+        <translation>TerrAInav: abrir misión</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/missions/missions.py"/>
+        <source>TerrAInav: save mission</source>
+        <translation>TerrAInav: guardar misión</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/missions/missions.py"/>
+        <source>The project's mission cannot be read: {error}</source>
+        <translation>No se puede leer la misión del proyecto: {error}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/missions/missions.py"/>
+        <source>folder {folder}: has no {name}, so it is no dataset of a capture; choose its folder</source>
+        <translation>carpeta {folder}: no tiene {name}, así que no es el conjunto de datos de una captura; elegir su carpeta</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/missions/missions.py"/>
+        <source>{name} was not opened: {reason}</source>
+        <translation>No se ha abierto {name}: {reason}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/missions/missions.py"/>
+        <source>{name}: opened without mosaic: {reason}</source>
+        <translation>{name}: abierto sin mosaico: {reason}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/missions/plan_export.py"/>
+        <source>GPX route</source>
+        <translation>Ruta GPX</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/missions/plan_export.py"/>
+        <source>GeoJSON footprints</source>
+        <translation>Huellas GeoJSON</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/missions/plan_export.py"/>
+        <source>GeoPackage</source>
+        <translation>GeoPackage</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/missions/plan_export.py"/>
+        <source>KML for Google Earth</source>
+        <translation>KML para Google Earth</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/missions/plan_export.py"/>
+        <source>Litchi mission</source>
+        <translation>Misión Litchi</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/missions/plan_export.py"/>
+        <source>Nothing to export yet: {reason}</source>
+        <translation>Aún no hay nada que exportar: {reason}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/missions/plan_export.py"/>
+        <location filename="../../terrainav_plugin/runs/after.py"/>
+        <source>Open folder</source>
+        <translation>Abrir carpeta</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/missions/plan_export.py"/>
+        <source>Plan exported as {names}.</source>
+        <translation>Plan exportado como {names}.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/missions/plan_export.py"/>
+        <source>QGroundControl plan</source>
+        <translation>Plan de QGroundControl</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/missions/plan_export.py"/>
+        <source>Table</source>
+        <translation>Tabla</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/missions/plan_export.py"/>
+        <source>TerrAInav: export plan</source>
+        <translation>TerrAInav: exportar plan</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/missions/plan_export.py"/>
+        <source>Writing {name}</source>
+        <translation>Escribiendo {name}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/missions/plan_export.py"/>
+        <location filename="../../terrainav_plugin/workflow.py"/>
+        <source>mission</source>
+        <translation>misión</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/missions/plan_export.py"/>
+        <source>{name} is still being written; try again when it is there.</source>
+        <translation>{name} todavía se está escribiendo; intentarlo de nuevo cuando esté.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/planner.py"/>
+        <source>not timed, as the pictures are large</source>
+        <translation>sin medir, porque las imágenes son grandes</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/plugin.py"/>
+        <source>&amp;Capture</source>
+        <translation>&amp;Capturar</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/plugin.py"/>
+        <source>&amp;Help</source>
+        <translation>A&amp;yuda</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/plugin.py"/>
+        <source>&amp;Settings…</source>
+        <translation>Con&amp;figuración…</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/plugin.py"/>
+        <source>&amp;Test shot</source>
+        <translation>&amp;Toma de prueba</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/plugin.py"/>
+        <source>&amp;View images</source>
+        <translation>&amp;Ver imágenes</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/plugin.py"/>
+        <source>Mission &amp;panel</source>
+        <translation>&amp;Panel de misión</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/plugin.py"/>
+        <source>Preview &amp;footprints</source>
+        <translation>Vista previa de &amp;huellas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/plugin.py"/>
+        <location filename="../../terrainav_plugin/processing/algorithm.py"/>
+        <source>TerrAInav needs Python packages that this QGIS lacks: {packages}.</source>
+        <translation>TerrAInav necesita paquetes de Python que faltan en este QGIS: {packages}.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/plugin.py"/>
+        <source>TerrAInav: {text}</source>
+        <translation>TerrAInav: {text}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/algorithm.py"/>
+        <source>Datasets</source>
+        <translation>Conjuntos de datos</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/algorithm.py"/>
+        <source>Stopped: {reason}</source>
+        <translation>Detenido: {reason}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/areas.py"/>
+        <source>area of {count} separate polygons: must be one; select one, or run it as a batch</source>
+        <translation>área de {count} polígonos separados: debe ser uno; seleccionar uno, o ejecutarlo por lotes</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/areas.py"/>
+        <source>area {name}: has no features</source>
+        <translation>área {name}: no tiene objetos espaciales</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/areas.py"/>
+        <source>area {name}: has no place in latitude and longitude ({error})</source>
+        <translation>área {name}: no tiene lugar en latitud y longitud ({error})</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/areas.py"/>
+        <source>area {name}: no such layer</source>
+        <translation>área {name}: no existe tal capa</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/areas.py"/>
+        <source>extent {text}: cannot be read; must be xmin,xmax,ymin,ymax [EPSG:code]</source>
+        <translation>extensión {text}: no se puede leer; debe ser xmin,xmax,ymin,ymax [EPSG:código]</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/areas.py"/>
+        <source>extent: has no place in latitude and longitude ({error})</source>
+        <translation>extensión: no tiene lugar en latitud y longitud ({error})</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/areas.py"/>
+        <source>point {id}, field {field}: {value} is no number</source>
+        <translation>punto {id}, campo {field}: {value} no es un número</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/capture.py"/>
+        <source>A new folder, or one that holds this mission, to go on with it.</source>
+        <translation>Una carpeta nueva, o una que contiene esta misión, para continuarla.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/capture.py"/>
+        <source>Add the results to the project</source>
+        <translation>Añadir los resultados al proyecto</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/capture.py"/>
+        <source>An image is whole or it is not written; what could not be fetched is named in the log, the journal and the table with its reason. Run it again into the same folder to go on with an interrupted capture.</source>
+        <translation>Una imagen está entera o no se escribe; lo que no se pudo obtener figura en el registro, el diario y la tabla con su motivo. Ejecutarlo de nuevo en la misma carpeta continúa una captura interrumpida.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/capture.py"/>
+        <source>Capture a mission</source>
+        <translation>Capturar una misión</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/capture.py"/>
+        <source>Capture failed images again</source>
+        <translation>Capturar de nuevo las imágenes fallidas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/capture.py"/>
+        <source>Captures the images of a mission into a folder: georeferenced pictures, a table with the pose of each, the footprints, and a journal. Each tile is fetched once.</source>
+        <translation>Captura en una carpeta las imágenes de una misión: imágenes georreferenciadas, una tabla con la pose de cada una, las huellas y un diario. Cada tesela se pide una vez.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/capture.py"/>
+        <source>Captures those images of a dataset folder again that an earlier run has noted as failed, and nothing else. Where nothing has failed there is nothing to do.</source>
+        <translation>Captura de nuevo las imágenes de una carpeta de conjunto de datos que una ejecución anterior anotó como fallidas, y nada más. Donde nada ha fallado no hay nada que hacer.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/capture.py"/>
+        <source>Configuration of QGIS's authentication database: a Basic one with the key as its password for sources that take a key, any other for the requests. Without one, that of the mission panel, or the environment's TERRAINAV_KEY.</source>
+        <translation>Configuración de la base de datos de autenticación de QGIS: de autenticación básica, con la clave como contraseña, para fuentes que llevan clave; cualquier otra para las peticiones. Sin ella, la del panel de misión o la variable de entorno TERRAINAV_KEY.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/capture.py"/>
+        <location filename="../../terrainav_plugin/processing/clean.py"/>
+        <source>Dataset folder</source>
+        <translation>Carpeta del conjunto de datos</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/capture.py"/>
+        <source>Georeferenced images with their poses, as a simulated UAV takes them.</source>
+        <translation>Imágenes georreferenciadas con sus poses, como las toma un UAV simulado.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/capture.py"/>
+        <location filename="../../terrainav_plugin/processing/report.py"/>
+        <source>I agree to the source's terms</source>
+        <translation>Acepto las condiciones de la fuente</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/capture.py"/>
+        <source>Images asked for</source>
+        <translation>Imágenes pedidas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/capture.py"/>
+        <source>Images that could not be made</source>
+        <translation>Imágenes que no se pudieron hacer</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/capture.py"/>
+        <source>Images that were there</source>
+        <translation>Imágenes que ya estaban</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/capture.py"/>
+        <source>Images written</source>
+        <translation>Imágenes escritas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/capture.py"/>
+        <location filename="../../terrainav_plugin/processing/report.py"/>
+        <source>Key or authentication</source>
+        <translation>Clave o autenticación</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/capture.py"/>
+        <source>Make a mosaic</source>
+        <translation>Crear un mosaico</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/capture.py"/>
+        <source>Mosaic of the first map type</source>
+        <translation>Mosaico del primer tipo de mapa</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/capture.py"/>
+        <source>Of an earlier capture.</source>
+        <translation>De una captura anterior.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/capture.py"/>
+        <source>One virtual raster a map type, of map frames that are there.</source>
+        <translation>Un ráster virtual por tipo de mapa, de los encuadres de mapa que hay.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/capture.py"/>
+        <source>Only those that an earlier capture could not make.</source>
+        <translation>Solo las que una captura anterior no pudo hacer.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/capture.py"/>
+        <location filename="../../terrainav_plugin/processing/report.py"/>
+        <source>Sources that ask for consent refuse larger missions without it.</source>
+        <translation>Las fuentes que piden conformidad rechazan sin ella las misiones mayores.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/capture.py"/>
+        <source>Stopped: what is finished is kept; run it again to go on.</source>
+        <translation>Detenido: lo terminado se conserva; ejecutarlo de nuevo para continuar.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/capture.py"/>
+        <source>The footprints and the mosaics, where the algorithm runs in a project.</source>
+        <translation>Las huellas y los mosaicos, cuando el algoritmo se ejecuta en un proyecto.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/capture.py"/>
+        <source>The mission is that of the parameters or, in advanced parameters, of a file that the plan has written.</source>
+        <translation>La misión es la de los parámetros o, en los parámetros avanzados, la de un archivo escrito por el plan.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/capture.py"/>
+        <source>folder {folder}: holds no capture, as it has no {file}</source>
+        <translation>carpeta {folder}: no contiene ninguna captura, pues no tiene {file}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/capture.py"/>
+        <source>uav,drone,capture,failed,retry,resume,dataset</source>
+        <translation>uav,drone,dron,captura,fallidas,reintentar,continuar,conjunto de datos,dataset</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/capture.py"/>
+        <source>uav,drone,capture,images,dataset,tiles,download,georeferenced,photogrammetry,training</source>
+        <translation>uav,drone,dron,captura,imágenes,conjunto de datos,dataset,teselas,descarga,georreferenciado,fotogrametría,entrenamiento</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/capture.py"/>
+        <source>{count} more, named in the folder's journal and tables.</source>
+        <translation>{count} más, indicadas en el diario y las tablas de la carpeta.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/capture.py"/>
+        <source>{written} images written, {skipped} were there, {failed} failed, in {seconds:.1f} s.</source>
+        <translation>{written} imágenes escritas, {skipped} ya estaban, {failed} han fallado, en {seconds:.1f} s.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/clean.py"/>
+        <source>Clean a dataset</source>
+        <translation>Limpiar un conjunto de datos</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/clean.py"/>
+        <source>Images below it are rejected; 0 to 8.</source>
+        <translation>Las imágenes por debajo se rechazan; 0 a 8.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/clean.py"/>
+        <source>Images moved</source>
+        <translation>Imágenes movidas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/clean.py"/>
+        <source>Images rejected, or put back</source>
+        <translation>Imágenes rechazadas o devueltas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/clean.py"/>
+        <source>Least entropy (bits)</source>
+        <translation>Entropía mínima (bits)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/clean.py"/>
+        <source>Mark rejected images in the table, move them as well, or put all back.</source>
+        <translation>Marcar en la tabla las imágenes rechazadas, moverlas además, o devolverlo todo a su sitio.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/clean.py"/>
+        <source>Nothing is changed.</source>
+        <translation>No se cambia nada.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/clean.py"/>
+        <source>Nothing is deleted. mark notes in the table's column “rejected” why an image is rejected; move also moves it, with the files that belong to it, to a folder “rejected” beside the others; undo puts all back. A later capture into the folder knows what was moved.</source>
+        <translation>No se borra nada. mark anota en la columna «rejected» de la tabla por qué se rechaza una imagen; move además la mueve, con sus archivos, a una carpeta «rejected» junto a las demás; undo lo devuelve todo a su sitio. Una captura posterior en la carpeta sabe lo que se movió.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/clean.py"/>
+        <source>Of a capture, or of images with a meta_data.csv beside them.</source>
+        <translation>De una captura, o de imágenes con un meta_data.csv al lado.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/clean.py"/>
+        <source>Only count</source>
+        <translation>Solo contar</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/clean.py"/>
+        <source>Rejects images whose entropy is below a threshold. Where there are images of the roadmap, theirs decide for all map types; elsewhere the image's own does.</source>
+        <translation>Rechaza las imágenes cuya entropía está por debajo de un umbral. Donde hay imágenes de callejero, las suyas deciden para todos los tipos de mapa; en los demás casos, la de la propia imagen.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/clean.py"/>
+        <source>Rejects images with too little to see; deletes nothing.</source>
+        <translation>Rechaza imágenes en las que hay demasiado poco que ver; no borra nada.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/clean.py"/>
+        <source>Suggested threshold (bits)</source>
+        <translation>Umbral sugerido (bits)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/clean.py"/>
+        <source>The suggested threshold parts the entropies by Otsu's method.</source>
+        <translation>El umbral sugerido separa las entropías por el método de Otsu.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/clean.py"/>
+        <source>What to do</source>
+        <translation>Qué hacer</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/clean.py"/>
+        <source>dataset,clean,entropy,filter,reject,training,machine learning</source>
+        <translation>conjunto de datos,dataset,limpiar,entropía,filtro,rechazar,entrenamiento,aprendizaje automático</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/clean.py"/>
+        <source>{map_type}: {rejected} of {images} images, {moved} moved, {returned} moved back.</source>
+        <translation>{map_type}: {rejected} de {images} imágenes, {moved} movidas, {returned} devueltas.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/clean.py"/>
+        <source>{names}: still as before images were moved; “Open dataset folder” among the panel's missions makes it anew.</source>
+        <translation>{names}: sigue como antes de mover imágenes; «Abrir carpeta de conjunto de datos», en las misiones del panel, lo crea de nuevo.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <source>0 for steady wind; gusts are drawn by the seed.</source>
+        <translation>0 con viento constante; las ráfagas se sortean con la semilla.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <source>0 for still air.</source>
+        <translation>0 con aire en calma.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <source>0 looks straight down, 90 at the horizon.</source>
+        <translation>0 mira en vertical, 90 al horizonte.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <source>A mission as the plan writes it; all parameters above are left aside then.</source>
+        <translation>Una misión tal como la escribe el plan; los parámetros anteriores no se tienen en cuenta.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <source>Accept a larger error</source>
+        <translation>Aceptar un error mayor</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <source>Airspeed (m/s)</source>
+        <translation>Velocidad aérea (m/s)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <source>Allow upsampling</source>
+        <translation>Permitir ampliación</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <source>Area: coordinates</source>
+        <translation>Área: coordenadas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <source>Area: extent</source>
+        <translation>Área: extensión</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <source>Area: polygons or points</source>
+        <translation>Área: polígonos o puntos</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <source>Aspect ratio, width:height</source>
+        <translation>Relación de aspecto, anchura:altura</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <source>Box to be covered. Give this, a layer, coordinates, or a mission file.</source>
+        <translation>Recuadro que se ha de cubrir. Dar esto, una capa, coordenadas o un archivo de misión.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <source>Clockwise from north.</source>
+        <translation>En sentido horario desde el norte.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <source>Date of the imagery</source>
+        <translation>Fecha de las imágenes</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <source>Diagonal field of view (degrees)</source>
+        <translation>Campo de visión diagonal (grados)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <source>Each is captured into a folder of its own.</source>
+        <translation>Cada uno se captura en una carpeta propia.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <source>Error budget (px)</source>
+        <translation>Error admisible (px)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <source>Field of heights</source>
+        <translation>Campo de las alturas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <source>Field of yaws</source>
+        <translation>Campo de las guiñadas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <source>Fly the area a second time, in rows across the first ones.</source>
+        <translation>Volar el área por segunda vez, en pasadas que cruzan las primeras.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <source>Go on where no methods fit the error budget.</source>
+        <translation>Seguir cuando ningún método cabe en el error admisible.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <source>Grid angle (degrees)</source>
+        <translation>Ángulo de cuadrícula (grados)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <source>Ground height (metres)</source>
+        <translation>Altura del terreno (metros)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <source>Ground sample distance (metres)</source>
+        <translation>Distancia de muestreo del terreno (metros)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <source>Height above ground (metres)</source>
+        <translation>Altura sobre el terreno (metros)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <source>Height above ground of each point, metres.</source>
+        <translation>Altura de cada punto sobre el terreno, en metros.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <source>How wrong a pixel may be.</source>
+        <translation>Cuánto puede errar un píxel.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <source>In pixels of 256 px tiles.</source>
+        <translation>En píxeles de teselas de 256 px.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <source>Instead of a zoom.</source>
+        <translation>En lugar de un zoom.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <source>Instead of the one above: a name of your own, a URL template with {z}, {x}, {y}, wmts:URL#layer=NAME, wms:URL#layers=NAME, a raster or MBTiles file, or qgis:project for the project's map.</source>
+        <translation>En lugar de la anterior: un nombre de fuente propia, una plantilla de URL con {z}, {x}, {y}, wmts:URL#layer=NOMBRE, wms:URL#layers=NOMBRE, un archivo ráster o MBTiles, o qgis:project para el mapa del proyecto.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <source>Its field of view and aspect ratio. Without one, those below count.</source>
+        <translation>Su campo de visión y relación de aspecto. Sin cámara valen los de abajo.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <source>Kind of picture</source>
+        <translation>Clase de imagen</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <source>Longest side (px)</source>
+        <translation>Lado mayor (px)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <source>Mission file</source>
+        <translation>Archivo de misión</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <source>More are refused.</source>
+        <translation>Si son más, se rechaza.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <source>Most images</source>
+        <translation>Máximo de imágenes</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <source>Of camera frames.</source>
+        <translation>De los encuadres de cámara.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <source>Of captures over an extent, a polygon, or points without a field of heights. Coordinates have their own.</source>
+        <translation>De las capturas sobre una extensión, un polígono o puntos sin campo de alturas. Las coordenadas llevan la suya.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <source>Of whatever is random.</source>
+        <translation>De todo lo que es aleatorio.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <source>One polygon (with holes) to be covered, or points, each of which is one capture; in any CRS.</source>
+        <translation>Un polígono (con huecos) que se ha de cubrir, o puntos, cada uno de los cuales es una captura; en cualquier SRC.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <source>Order of rows</source>
+        <translation>Orden de las pasadas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <source>Other source</source>
+        <translation>Otra fuente</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <source>Over the WGS84 ellipsoid.</source>
+        <translation>Sobre el elipsoide WGS84.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <source>Overlap across rows (share)</source>
+        <translation>Solape transversal a las pasadas (fracción)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <source>Overlap along rows (share)</source>
+        <translation>Solape a lo largo de las pasadas (fracción)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <source>Resize pictures to</source>
+        <translation>Redimensionar imágenes a</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <source>Right side down.</source>
+        <translation>Lado derecho hacia abajo.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <source>Roll (degrees)</source>
+        <translation>Alabeo (grados)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <source>Rows, and the pictures with them, are turned clockwise from east.</source>
+        <translation>Las pasadas, y con ellas las imágenes, se giran en sentido horario desde el este.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <source>Seed</source>
+        <translation>Semilla</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <source>Share of a picture that the next one shows again, 0 to below 1.</source>
+        <translation>Parte de una imagen que la siguiente vuelve a mostrar, de 0 a menos de 1.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <source>Source of imagery</source>
+        <translation>Fuente de las imágenes</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <source>Start of the flight</source>
+        <translation>Inicio del vuelo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <source>Through the air.</source>
+        <translation>Respecto al aire.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <source>Tilt (degrees)</source>
+        <translation>Inclinación (grados)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <source>Top of the pictures, clockwise from north.</source>
+        <translation>Borde superior de las imágenes, en sentido horario desde el norte.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <source>UTC, such as 2024-06-21T10:30:00Z.</source>
+        <translation>UTC, como 2024-06-21T10:30:00Z.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <source>Where no camera is chosen.</source>
+        <translation>Donde no se elige ninguna cámara.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <source>Where no camera is chosen; such as 4:3, 16:9 or 1.5.</source>
+        <translation>Donde no se elige ninguna cámara; como 4:3, 16:9 o 1.5.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <source>Where the source has several.</source>
+        <translation>Donde la fuente tiene varias.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <source>Wind from (degrees)</source>
+        <translation>Viento desde (grados)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <source>Wind speed (m/s)</source>
+        <translation>Velocidad del viento (m/s)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <source>Without it, the highest at which every picture fits the longest side.</source>
+        <translation>Sin él, el mayor con el que todas las imágenes caben en el lado mayor.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <source>Yaw (degrees)</source>
+        <translation>Guiñada (grados)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <source>Yaw of each point, degrees clockwise from north.</source>
+        <translation>Guiñada de cada punto, en grados en sentido horario desde el norte.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <source>Zooms above the source's own detail.</source>
+        <translation>Zooms por encima del detalle propio de la fuente.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <source>aspect ratio {text!r}: must be such as 4:3</source>
+        <translation>relación de aspecto {text!r}: debe ser como 4:3</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <source>auto takes the cheapest that fits the error budget.</source>
+        <translation>auto toma lo más económico que cabe en el error admisible.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <source>cover leaves nothing out; paper is the published UTM grid.</source>
+        <translation>cover no deja nada fuera; paper es la cuadrícula UTM publicada.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <source>image size {text!r}: must be width height channels, such as 256 256 3</source>
+        <translation>tamaño de imagen {text!r}: debe ser anchura altura canales, como 256 256 3</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <source>lat_lon_agl for one capture, latTL_lonTL_latBR_lonBR_agl for a box, or a text file of lat lon agl [yaw] lines; heights in metres.</source>
+        <translation>lat_lon_agl para una captura, latTL_lonTL_latBR_lonBR_agl para un recuadro, o un archivo de texto con líneas de lat lon agl [guiñada]; alturas en metros.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <source>serpentine flies rows to and fro, one-way each from its beginning.</source>
+        <translation>serpentine vuela las pasadas en ida y vuelta, one-way cada una desde su comienzo.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <source>tif is lossless and georeferenced in itself; jpg and png have world files beside them.</source>
+        <translation>tif no tiene pérdida y está georreferenciado en sí mismo; jpg y png llevan archivos world al lado.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <source>width height channels, such as 256 256 3.</source>
+        <translation>anchura altura canales, como 256 256 3.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <source>world is the embedded synthetic one, which needs no network.</source>
+        <translation>world es la fuente sintética incorporada, que no necesita red.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <source>{count} areas given: needs one of extent, polygons or points, and coordinates</source>
+        <translation>hay {count} áreas dadas: se necesita una sola de entre extensión, polígonos o puntos, y coordenadas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/plan.py"/>
+        <source>All files (*.*)</source>
+        <translation>Todos los archivos (*.*)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/plan.py"/>
+        <source>Bound of the error (px)</source>
+        <translation>Cota del error (px)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/plan.py"/>
+        <source>Captures</source>
+        <translation>Capturas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/plan.py"/>
+        <source>Coverage (percent)</source>
+        <translation>Cobertura (tanto por ciento)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/plan.py"/>
+        <source>Download (bytes)</source>
+        <translation>Descarga (bytes)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/plan.py"/>
+        <source>Files (bytes)</source>
+        <translation>Archivos (bytes)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/plan.py"/>
+        <source>Flight distance (metres)</source>
+        <translation>Distancia de vuelo (metros)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/plan.py"/>
+        <source>Flight time (seconds)</source>
+        <translation>Tiempo de vuelo (segundos)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/plan.py"/>
+        <source>Footprints are those of the pictures that a capture of the same mission writes. Coverage and overlap are counted on the pixels that the files will show; the error bound is that of the methods chosen.</source>
+        <translation>Las huellas son las de las imágenes que escribe una captura de la misma misión. La cobertura y el solape se cuentan sobre los píxeles que mostrarán los archivos; la cota del error es la de los métodos elegidos.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/plan.py"/>
+        <source>Footprints, coverage and figures of a simulated UAV flight; fetches nothing.</source>
+        <translation>Huellas, cobertura y cifras de un vuelo UAV simulado; no pide nada a la red.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/plan.py"/>
+        <source>Give the area as an extent, as a layer of one polygon or of points, or as coordinates.</source>
+        <translation>Dar el área como extensión, como capa de un polígono o de puntos, o como coordenadas.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/plan.py"/>
+        <source>Ground sample distance of the camera (metres)</source>
+        <translation>Distancia de muestreo de la cámara (metros)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/plan.py"/>
+        <source>Ground sample distance of the source (metres)</source>
+        <translation>Distancia de muestreo de la fuente (metros)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/plan.py"/>
+        <source>Images of one map type</source>
+        <translation>Imágenes de un tipo de mapa</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/plan.py"/>
+        <source>Least overlap across rows (share)</source>
+        <translation>Solape transversal mínimo (fracción)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/plan.py"/>
+        <source>Least overlap along rows (share)</source>
+        <translation>Solape longitudinal mínimo (fracción)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/plan.py"/>
+        <source>Mission as a file</source>
+        <translation>Misión como archivo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/plan.py"/>
+        <source>Plan a mission</source>
+        <translation>Planificar una misión</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/plan.py"/>
+        <source>Plan as a file</source>
+        <translation>Plan como archivo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/plan.py"/>
+        <source>The layer cannot be written: {reason}</source>
+        <translation>No se puede escribir la capa: {reason}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/plan.py"/>
+        <source>Tiles of one map type</source>
+        <translation>Teselas de un tipo de mapa</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/plan.py"/>
+        <source>Time of the capture (seconds)</source>
+        <translation>Tiempo de la captura (segundos)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/plan.py"/>
+        <source>Works a mission out and fetches no imagery: where each picture is taken, which ground it shows, when on the flight, and what the whole takes.</source>
+        <translation>Calcula una misión sin pedir imágenes: dónde se toma cada imagen, qué terreno muestra, en qué momento del vuelo, y qué exige el conjunto.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/plan.py"/>
+        <source>Written: {file}</source>
+        <translation>Escrito: {file}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/plan.py"/>
+        <source>Zoom of the plan</source>
+        <translation>Zoom del plan</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/plan.py"/>
+        <source>uav,drone,mission,plan,footprint,flight,overlap,coverage,photogrammetry,waypoints</source>
+        <translation>uav,drone,dron,misión,plan,huella,vuelo,solape,cobertura,fotogrametría,puntos de ruta</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/report.py"/>
+        <source>Accuracy report of a mission</source>
+        <translation>Informe de exactitud de una misión</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/report.py"/>
+        <source>As for a capture.</source>
+        <translation>Como para una captura.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/report.py"/>
+        <source>Files of an earlier report are replaced.</source>
+        <translation>Los archivos de un informe anterior se sustituyen.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/report.py"/>
+        <source>Folder of the report</source>
+        <translation>Carpeta del informe</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/report.py"/>
+        <source>Measures every method's error against its run time.</source>
+        <translation>Mide el error de cada método frente a su tiempo de ejecución.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/report.py"/>
+        <source>Measures the methods of footprints and pictures on captures of the mission itself, against an exact reference: error, bound and time of each, what was chosen, and what was left out. Writes a page with diagrams, and the numbers as tables.</source>
+        <translation>Mide los métodos de huellas e imágenes en capturas de la propia misión frente a una referencia exacta: error, cota y tiempo de cada uno, qué se eligió y qué se omitió. Escribe una página con diagramas, y los números como tablas.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/report.py"/>
+        <source>Measuring: {what}</source>
+        <translation>Midiendo: {what}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/report.py"/>
+        <source>Quick</source>
+        <translation>Rápido</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/report.py"/>
+        <source>Report</source>
+        <translation>Informe</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/report.py"/>
+        <source>Time every method once only.</source>
+        <translation>Medir el tiempo de cada método una sola vez.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/report.py"/>
+        <source>accuracy,error,bound,run time,report,footprint,reprojection</source>
+        <translation>exactitud,error,cota,tiempo de ejecución,informe,huella,reproyección</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/report.py"/>
+        <source>the report is not finished</source>
+        <translation>el informe no está terminado</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/runs/after.py"/>
+        <source>Camera frames make no mosaic: “View images” shows them one by one.</source>
+        <translation>Los encuadres de cámara no forman mosaico: «Ver imágenes» los muestra uno a uno.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/runs/after.py"/>
+        <source>Capture only the failed ones</source>
+        <translation>Capturar solo las fallidas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/runs/after.py"/>
+        <source>Its project is closed: open the dataset by “Missions” to see it.</source>
+        <translation>Su proyecto está cerrado: abrir el conjunto de datos con «Misiones» para verlo.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/runs/after.py"/>
+        <source>Test shot {lat:.5f} {lon:.5f}</source>
+        <translation>Toma de prueba {lat:.5f} {lon:.5f}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/runs/after.py"/>
+        <source>in an earlier run</source>
+        <translation>en una ejecución anterior</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/runs/after.py"/>
+        <source>{name}: stopped before the first image.</source>
+        <translation>{name}: detenida antes de la primera imagen.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/runs/after.py"/>
+        <source>{name}: stopped with {there} of {total} images. Press Capture to go on.</source>
+        <translation>{name}: detenida con {there} de {total} imágenes. Pulsar Capturar para continuar.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/runs/after.py"/>
+        <source>{name}: {failed} of {total} images could not be made ({reason}).</source>
+        <translation>{name}: {failed} de {total} imágenes no se pudieron hacer ({reason}).</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/runs/before.py"/>
+        <source>Capture into {name}</source>
+        <translation>Capturar en {name}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/runs/before.py"/>
+        <source>Do you agree to these terms, and are you allowed to download?</source>
+        <translation>¿Acepta estas condiciones y tiene permiso para descargar?</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/runs/before.py"/>
+        <location filename="../../terrainav_plugin/workflow.py"/>
+        <source>Nothing to capture yet: {reason}</source>
+        <translation>Aún no hay nada que capturar: {reason}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/runs/before.py"/>
+        <source>Terms and alternatives</source>
+        <translation>Condiciones y alternativas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/runs/before.py"/>
+        <source>TerrAInav: terms of the source</source>
+        <translation>TerrAInav: condiciones de la fuente</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/runs/before.py"/>
+        <source>folder is empty: choose where the pictures go</source>
+        <translation>la carpeta está vacía: elegir adónde van las imágenes</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/runs/before.py"/>
+        <source>{folder} holds another mission; nothing was changed there.</source>
+        <translation>{folder} contiene otra misión; no se ha cambiado nada en ella.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/runs/before.py"/>
+        <source>{folder} is being captured already; a second mission needs a folder of its own.</source>
+        <translation>{folder} ya se está capturando; una segunda misión necesita una carpeta propia.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/runs/before.py"/>
+        <source>{name} is being captured already.</source>
+        <translation>{name} ya se está capturando.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/runs/line.py"/>
+        <source>No test shot: {reason}</source>
+        <translation>Sin toma de prueba: {reason}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/runs/line.py"/>
+        <source>Nothing captured: {reason}</source>
+        <translation>No se ha capturado nada: {reason}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/runs/words.py"/>
+        <source>, {failed} failed</source>
+        <translation>, {failed} fallidas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/runs/words.py"/>
+        <source>, {rate} a second, {time} left</source>
+        <translation>, {rate} por segundo, quedan {time}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/runs/words.py"/>
+        <source>; making the mosaic…</source>
+        <translation>; creando el mosaico…</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/runs/words.py"/>
+        <source>All {total} images were there already.</source>
+        <translation>Las {total} imágenes ya estaban todas.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/runs/words.py"/>
+        <source>Missing: {failed} of {total} images</source>
+        <translation>Faltan: {failed} de {total} imágenes</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/runs/words.py"/>
+        <source>No image was missing.</source>
+        <translation>No faltaba ninguna imagen.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/runs/words.py"/>
+        <source>One image captured in {time}.</source>
+        <translation>Una imagen capturada en {time}.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/runs/words.py"/>
+        <source>Paused</source>
+        <translation>En pausa</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/runs/words.py"/>
+        <source>Paused: {counts}</source>
+        <translation>En pausa: {counts}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/runs/words.py"/>
+        <source>Starting…</source>
+        <translation>Empezando…</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/runs/words.py"/>
+        <source>Stopped before the first image</source>
+        <translation>Detenida antes de la primera imagen</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/runs/words.py"/>
+        <source>Stopped with {there} of {total} images</source>
+        <translation>Detenida con {there} de {total} imágenes</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/runs/words.py"/>
+        <source>Stopping…</source>
+        <translation>Deteniendo…</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/runs/words.py"/>
+        <source>The image was there already.</source>
+        <translation>La imagen ya estaba.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/runs/words.py"/>
+        <source>Waiting: next in line</source>
+        <translation>En espera: la siguiente</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/runs/words.py"/>
+        <source>Waiting: {place} before it</source>
+        <translation>En espera: {place} delante</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/runs/words.py"/>
+        <source>{done} of {total} images</source>
+        <translation>{done} de {total} imágenes</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/runs/words.py"/>
+        <source>{error} (the images are written)</source>
+        <translation>{error} (las imágenes están escritas)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/runs/words.py"/>
+        <source>{name}: failed images</source>
+        <translation>{name}: imágenes fallidas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/runs/words.py"/>
+        <source>{written} images captured in {time}.</source>
+        <translation>{written} imágenes capturadas en {time}.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/sources.py"/>
+        <source>Sources that allow it: {names}.</source>
+        <translation>Fuentes que lo permiten: {names}.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/sources.py"/>
+        <source>agreeing to its terms</source>
+        <translation>aceptar sus condiciones</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/sources.py"/>
+        <source>breaking its terms</source>
+        <translation>infringir sus condiciones</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/sources.py"/>
+        <source>{host} needs a key, which would be written into the project file: show another source</source>
+        <translation>{host} necesita una clave, que se escribiría en el archivo del proyecto: mostrar otra fuente</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/sources.py"/>
+        <source>{title} has no tiles to show as a background; show another source and come back</source>
+        <translation>{title} no tiene teselas que mostrar como fondo; mostrar otra fuente y volver</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/sources.py"/>
+        <source>{title} names its zooms otherwise than QGIS does: add its layer by QGIS's Browser</source>
+        <translation>{title} nombra sus zooms de otro modo que QGIS: añadir su capa con el Navegador de QGIS</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/sources.py"/>
+        <source>{title}: {requests} requests, and {most} at most pass without {without}.</source>
+        <translation>{title}: {requests} peticiones, y como máximo {most} pasan sin {without}.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/task.py"/>
+        <source>unexpected error: {error}</source>
+        <translation>error inesperado: {error}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/viewer/details.py"/>
+        <source>Column, row</source>
+        <translation>Columna, fila</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/viewer/details.py"/>
+        <source>Entropy</source>
+        <translation>Entropía</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/viewer/details.py"/>
+        <source>Failed</source>
+        <translation>Fallida</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/viewer/details.py"/>
+        <source>File</source>
+        <translation>Archivo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/viewer/details.py"/>
+        <source>Ground sample distance</source>
+        <translation>Distancia de muestreo del terreno</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/viewer/details.py"/>
+        <source>Height</source>
+        <translation>Altura</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/viewer/details.py"/>
+        <source>Image</source>
+        <translation>Imagen</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/viewer/details.py"/>
+        <source>Imagery date</source>
+        <translation>Fecha de las imágenes</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/viewer/details.py"/>
+        <source>Missing</source>
+        <translation>Falta</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/viewer/details.py"/>
+        <source>Position</source>
+        <translation>Posición</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/viewer/details.py"/>
+        <source>Rejected</source>
+        <translation>Rechazada</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/viewer/details.py"/>
+        <source>Yaw, tilt, roll</source>
+        <translation>Guiñada, inclinación, alabeo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/viewer/details.py"/>
+        <source>by cleaning the dataset</source>
+        <translation>al limpiar el conjunto de datos</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/viewer/details.py"/>
+        <source>{agl} m above ground</source>
+        <translation>{agl} m sobre el terreno</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/viewer/details.py"/>
+        <source>{bits} bits</source>
+        <translation>{bits} bits</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/viewer/details.py"/>
+        <source>{gsd} m/px</source>
+        <translation>{gsd} m/px</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/viewer/details.py"/>
+        <source>{lat}°, {lon}°</source>
+        <translation>{lat}°, {lon}°</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/viewer/details.py"/>
+        <source>{width} × {height} px</source>
+        <translation>{width} × {height} px</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/viewer/details.py"/>
+        <source>{}°, {}°, {}°</source>
+        <translation>{}°, {}°, {}°</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/viewer/footprint_file.py"/>
+        <source>footprints {path}: cannot be read ({reason})</source>
+        <translation>huellas {path}: no se pueden leer ({reason})</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/viewer/footprint_file.py"/>
+        <source>footprints: stopped</source>
+        <translation>huellas: detenido</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/viewer/footprint_file.py"/>
+        <source>it has changed</source>
+        <translation>ha cambiado</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/viewer/footprint_file.py"/>
+        <source>it is none of a capture</source>
+        <translation>no es de ninguna captura</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/viewer/picture.py"/>
+        <source>The image cannot be read: {reason}</source>
+        <translation>No se puede leer la imagen: {reason}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/viewer/picture.py"/>
+        <source>There is no image (yet).</source>
+        <translation>No hay imagen (todavía).</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/viewer/shots.py"/>
+        <source>footprints {path}: have no poses</source>
+        <translation>huellas {path}: no tienen poses</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/viewer/viewer.py"/>
+        <source>&amp;Next</source>
+        <translation>&amp;Siguiente</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/viewer/viewer.py"/>
+        <source>&amp;Open</source>
+        <translation>&amp;Abrir</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/viewer/viewer.py"/>
+        <source>&amp;Previous</source>
+        <translation>A&amp;nterior</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/viewer/viewer.py"/>
+        <source>&amp;Zoom to</source>
+        <translation>&amp;Zoom a</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/viewer/viewer.py"/>
+        <location filename="../../terrainav_plugin/viewer/viewing.py"/>
+        <source>Click a captured footprint on the map.</source>
+        <translation>Pulsar una huella capturada en el mapa.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/viewer/viewer.py"/>
+        <source>Image after this one in the flight</source>
+        <translation>Imagen siguiente en el vuelo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/viewer/viewer.py"/>
+        <source>Image before this one in the flight</source>
+        <translation>Imagen anterior en el vuelo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/viewer/viewer.py"/>
+        <source>Images that show the place of the click</source>
+        <translation>Imágenes que muestran el lugar pulsado</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/viewer/viewer.py"/>
+        <source>Kind of map that is shown</source>
+        <translation>Clase de mapa que se muestra</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/viewer/viewer.py"/>
+        <source>Open the image in the program for such files</source>
+        <translation>Abrir la imagen con el programa para tales archivos</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/viewer/viewer.py"/>
+        <source>Show the image's footprint on the map</source>
+        <translation>Mostrar en el mapa la huella de la imagen</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/viewer/viewer.py"/>
+        <source>TerrAInav images</source>
+        <translation>Imágenes de TerrAInav</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/viewer/viewer.py"/>
+        <source>{number} of {count}</source>
+        <translation>{number} de {count}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/viewer/viewer.py"/>
+        <source>{number} of {count} here: {name}</source>
+        <translation>{number} de {count} aquí: {name}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/viewer/viewing.py"/>
+        <source>Looking for images…</source>
+        <translation>Buscando imágenes…</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/viewer/viewing.py"/>
+        <source>No image shows this place. Click a captured footprint on the map.</source>
+        <translation>Ninguna imagen muestra este lugar. Pulsar una huella capturada en el mapa.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/viewer/viewing.py"/>
+        <source>There are no captured images on the map yet: capture a mission, or open a dataset by “Missions”.</source>
+        <translation>Aún no hay imágenes capturadas en el mapa: capturar una misión, o abrir un conjunto de datos con «Misiones».</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/workflow.py"/>
+        <source>No preview yet: {reason}</source>
+        <translation>Aún sin vista previa: {reason}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/workflow.py"/>
+        <source>Press “Draw box” and drag over the area, or paste its coordinates.</source>
+        <translation>Pulsar «Dibujar recuadro» y arrastrar sobre el área, o pegar sus coordenadas.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/workflow.py"/>
+        <source>The entries have changed before their plan was there: press the button again.</source>
+        <translation>Las entradas han cambiado antes de que estuviera su plan: pulsar el botón de nuevo.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/workflow.py"/>
+        <source>The map is empty. Choose a source below and press “Show on map”.</source>
+        <translation>El mapa está vacío. Elegir abajo una fuente y pulsar «Ver en el mapa».</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/workflow.py"/>
+        <source>The mission could not be planned.</source>
+        <translation>No se ha podido planificar la misión.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/workflow.py"/>
+        <source>The preview could not be drawn: {error}</source>
+        <translation>No se ha podido dibujar la vista previa: {error}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/workflow.py"/>
+        <source>Unexpected error: {error}</source>
+        <translation>Error inesperado: {error}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/workflow.py"/>
+        <source>no area yet; draw a box or enter coordinates</source>
+        <translation>aún no hay área; dibujar un recuadro o introducir coordenadas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/workflow.py"/>
+        <source>not timed beside a run</source>
+        <translation>sin medir mientras hay una captura en curso</translation>
+    </message>
+</context>
+<context>
+    <name>TerrAInav core</name>
+    <message>
+        <location filename="../../core/capture/cost.py"/>
+        <source>footprints {0}, pictures {1} each, {2} of one core in all (timed here)</source>
+        <translation>huellas {0}, imágenes {1} cada una, {2} de un núcleo en total (medido aquí)</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/cost.py"/>
+        <source>{0} ms</source>
+        <translation>{0} ms</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/folder.py"/>
+        <source>folder {0}: already holds this mission; resume it (--resume) or choose another folder</source>
+        <translation>carpeta {0}: ya contiene esta misión; continuarla (--resume) o elegir otra carpeta</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/folder.py"/>
+        <location filename="../../core/dataset/folder.py"/>
+        <location filename="../../core/dataset/images.py"/>
+        <source>folder {0}: cannot be read ({1})</source>
+        <translation>carpeta {0}: no se puede leer ({1})</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/folder.py"/>
+        <source>folder {0}: cannot read {1} ({2})</source>
+        <translation>carpeta {0}: no se puede leer {1} ({2})</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/folder.py"/>
+        <source>folder {0}: holds another mission; choose another folder</source>
+        <translation>carpeta {0}: contiene otra misión; elegir otra carpeta</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/folder.py"/>
+        <source>folder {0}: holds no capture of this mission, so nothing of it has failed; capture it first</source>
+        <translation>carpeta {0}: no contiene ninguna captura de esta misión, así que nada de ella ha fallado; capturarla primero</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/folder.py"/>
+        <source>folder {0}: holds {1} but no {2}, so it is not this mission's; choose another folder</source>
+        <translation>carpeta {0}: contiene {1} pero no {2}, así que no es la de esta misión; elegir otra carpeta</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/georeference.py"/>
+        <source>picture of {0} x {1} px: needs a pixel at least</source>
+        <translation>imagen de {0} x {1} px: necesita al menos un píxel</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/journal.py"/>
+        <location filename="../../core/mission/export/geopackage.py"/>
+        <source>folder {0}: cannot write {1} ({2})</source>
+        <translation>carpeta {0}: no se puede escribir {1} ({2})</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/journal.py"/>
+        <source>journal {0}: cannot be read ({1})</source>
+        <translation>diario {0}: no se puede leer ({1})</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/journal.py"/>
+        <source>journal {0}: is not open</source>
+        <translation>diario {0}: no está abierto</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/perspective.py"/>
+        <source>no imagery at {0} of the samples that the picture is made of</source>
+        <translation>no hay imágenes en {0} de las muestras de las que se hace la imagen</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/picture.py"/>
+        <source>no imagery at {0} of the picture's {1} pixels</source>
+        <translation>no hay imágenes en {0} de los {1} píxeles de la imagen</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/picture.py"/>
+        <source>part at {0}, {1} px has shape {2} of {3}: {4} of uint8 was asked for</source>
+        <translation>la parte en {0}, {1} px tiene forma {2} de {3}: se pidió {4} de uint8</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/pipeline.py"/>
+        <source>not begun: the run was stopped</source>
+        <translation>no se ha empezado: se detuvo la ejecución</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/runner.py"/>
+        <source>capture {0} of the plan: it has 0 to {1}</source>
+        <translation>captura {0} del plan: tiene de 0 a {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/runner.py"/>
+        <source>folder {0}: holds this mission with other pictures, such as {1}, because the source or the version was another; choose another folder</source>
+        <translation>carpeta {0}: contiene esta misión con otras imágenes, como {1}, porque la fuente o la versión era otra; elegir otra carpeta</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/runner.py"/>
+        <location filename="../../core/imagery/staticmap.py"/>
+        <location filename="../../core/imagery/xyz.py"/>
+        <source>map type {0}: {1} has {2}</source>
+        <translation>tipo de mapa {0}: {1} tiene {2}</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/runner.py"/>
+        <source>plan is for another pixel grid than that of {0}: plan with the source's own</source>
+        <translation>el plan es para otra cuadrícula de píxeles que la de {0}: planificar con la de la fuente</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/runner.py"/>
+        <source>{0} {1}: must be 1 or more</source>
+        <translation>{0} {1}: debe ser 1 o más</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/spool.py"/>
+        <source>the disk gave only a part of an array back</source>
+        <translation>el disco devolvió solo una parte de una matriz</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/spool.py"/>
+        <source>the disk took only a part of an array</source>
+        <translation>el disco aceptó solo una parte de una matriz</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/spool.py"/>
+        <source>this spool has no file: the slot is of another one</source>
+        <translation>este almacén no tiene archivo: el lugar es de otro</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/writers.py"/>
+        <source>pictures of {0} x {1} px: JPEG ends at {2} px; choose tif or png, or resize them (--img-size)</source>
+        <translation>imágenes de {0} x {1} px: JPEG termina en {2} px; elegir tif o png, o redimensionarlas (--img-size)</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/clean.py"/>
+        <source>entropy {0}: must be from 0 to {1} bits</source>
+        <translation>entropía {0}: debe estar entre 0 y {1} bits</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/clean.py"/>
+        <source>stopped while files were moved: run it again to finish, or undo to put all back</source>
+        <translation>detenido mientras se movían archivos: ejecutarlo de nuevo para terminar, o deshacer para devolverlo todo a su sitio</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/clean.py"/>
+        <source>{0}entropy {1} below {2}</source>
+        <translation>{0}entropía {1} por debajo de {2}</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/entropy.py"/>
+        <source>image of shape {0} and type {1}: must be (height, width) or (height, width, 3) of uint8 with at least one pixel</source>
+        <translation>imagen de forma {0} y tipo {1}: debe ser (altura, anchura) o (altura, anchura, 3) de uint8 con al menos un píxel</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/folder.py"/>
+        <source>folder {0}: is no dataset, as neither it nor a folder in it has a {1}; give the folder of a capture</source>
+        <translation>carpeta {0}: no es un conjunto de datos, pues ni ella ni ninguna carpeta en ella tiene {1}; dar la carpeta de una captura</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/folder.py"/>
+        <source>folder {0}: is one map type of the dataset {1}; give that one</source>
+        <translation>carpeta {0}: es un tipo de mapa del conjunto de datos {1}; dar ese</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/images.py"/>
+        <source> (and {0} more)</source>
+        <translation> (y {0} más)</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/images.py"/>
+        <source>file {0}: cannot be moved to {1} ({2}); run it again to finish, or undo to put all back</source>
+        <translation>archivo {0}: no se puede mover a {1} ({2}); ejecutarlo de nuevo para terminar, o deshacer para devolverlo todo a su sitio</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/images.py"/>
+        <source>folder {0}: the table has {1} in more than one row</source>
+        <translation>carpeta {0}: la tabla tiene {1} en más de una fila</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/images.py"/>
+        <source>folder {0}: {1} in it is no folder, which images are moved to; move it away</source>
+        <translation>carpeta {0}: {1}, en ella, no es una carpeta a la que mover imágenes; apartarlo</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/images.py"/>
+        <source>folder {0}: {1} in the table is no name of a file in it</source>
+        <translation>carpeta {0}: {1} en la tabla no es el nombre de un archivo en ella</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/images.py"/>
+        <source>folder {0}: {1} is not in the table; finish the capture (--resume)</source>
+        <translation>carpeta {0}: {1} no está en la tabla; terminar la captura (--resume)</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/images.py"/>
+        <source>folder {0}: {1} lies in it and in {2} as well; remove one of the two</source>
+        <translation>carpeta {0}: {1} está en ella y también en {2}; quitar uno de los dos</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/images.py"/>
+        <source>folder {0}: {1} of the table is not there; put it back, or capture it again (--resume)</source>
+        <translation>carpeta {0}: {1} de la tabla no está; devolverlo a su sitio o capturarlo de nuevo (--resume)</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/images.py"/>
+        <source>image {0}: cannot be read ({1})</source>
+        <translation>imagen {0}: no se puede leer ({1})</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/table.py"/>
+        <source>and {0} more</source>
+        <translation>y {0} más</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/table.py"/>
+        <source>has {0} cells, not {1}</source>
+        <translation>tiene {0} celdas, no {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/table.py"/>
+        <source>has {0} {1}, not a finite number</source>
+        <translation>tiene {0} {1}, que no es un número finito</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/table.py"/>
+        <source>has {0} {1}, not a number</source>
+        <translation>tiene {0} {1}, que no es un número</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/table.py"/>
+        <source>has {0} {1}, not a whole number</source>
+        <translation>tiene {0} {1}, que no es un número entero</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/table.py"/>
+        <source>line {0} {1}</source>
+        <translation>la línea {0} {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/table.py"/>
+        <source>table column {0} has {1} rows: the image names have {2}</source>
+        <translation>la columna {0} de la tabla tiene {1} filas: los nombres de imagen tienen {2}</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/table.py"/>
+        <source>table {0}</source>
+        <translation>tabla {0}</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/table.py"/>
+        <source>table {0}: cannot be read ({1})</source>
+        <translation>tabla {0}: no se puede leer ({1})</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/table.py"/>
+        <source>{0}: has column {1} more than once; rename or remove all but one</source>
+        <translation>{0}: tiene la columna {1} más de una vez; renombrar o quitar todas menos una</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/table.py"/>
+        <source>{0}: has no column {1}; needs {2}</source>
+        <translation>{0}: no tiene la columna {1}; necesita {2}</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/table.py"/>
+        <source>{0}: line {1} is not CSV ({2})</source>
+        <translation>{0}: la línea {1} no es CSV ({2})</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/table.py"/>
+        <source>{0}; repair the table, or remove it to have it written anew</source>
+        <translation>{0}; reparar la tabla, o quitarla para que se escriba de nuevo</translation>
+    </message>
+    <message>
+        <location filename="../../core/geodesy/accuracy.py"/>
+        <source>footprint over Earth's radius times tan(latitude) is {0}: holds up to {1}</source>
+        <translation>la huella entre el radio de la Tierra por tan(latitud) es {0}: vale hasta {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/geodesy/accuracy.py"/>
+        <source>height over Earth's radius times tan²(FOV/2) is {0}: holds up to {1}</source>
+        <translation>la altura entre el radio de la Tierra por tan²(FOV/2) es {0}: vale hasta {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/geodesy/accuracy.py"/>
+        <source>tilt or roll of {0} deg: holds for cameras that look straight down</source>
+        <translation>inclinación o alabeo de {0} grados: vale para cámaras que miran en vertical</translation>
+    </message>
+    <message>
+        <location filename="../../core/geodesy/camera.py"/>
+        <source>aspect ratio {0}: must be a number above 0 (width / height)</source>
+        <translation>relación de aspecto {0}: debe ser un número mayor que 0 (anchura / altura)</translation>
+    </message>
+    <message>
+        <location filename="../../core/geodesy/camera.py"/>
+        <source>field of view across the diagonal {0} deg: must be between 0 and 180, both excluded; choose a less extreme field of view or aspect ratio</source>
+        <translation>campo de visión en diagonal de {0} grados: debe estar entre 0 y 180, ambos excluidos; elegir un campo de visión o una relación de aspecto menos extremos</translation>
+    </message>
+    <message>
+        <location filename="../../core/geodesy/camera.py"/>
+        <source>field of view {0} deg: must be between 0 and 180, both excluded</source>
+        <translation>campo de visión de {0} grados: debe estar entre 0 y 180, ambos excluidos</translation>
+    </message>
+    <message>
+        <location filename="../../core/geodesy/camera.py"/>
+        <source>focal length {0} mm: must be above 0</source>
+        <translation>distancia focal de {0} mm: debe ser mayor que 0</translation>
+    </message>
+    <message>
+        <location filename="../../core/geodesy/camera.py"/>
+        <source>sensor {0} by {1} mm and a picture of {2} to 1: pixels would not be square; give the part of the sensor that the picture shows</source>
+        <translation>sensor de {0} por {1} mm e imagen de {2} a 1: los píxeles no serían cuadrados; dar la parte del sensor que muestra la imagen</translation>
+    </message>
+    <message>
+        <location filename="../../core/geodesy/camera.py"/>
+        <source>sensor {0} by {1} mm: both sides must be above 0</source>
+        <translation>sensor de {0} por {1} mm: ambos lados deben ser mayores que 0</translation>
+    </message>
+    <message>
+        <location filename="../../core/geodesy/camera.py"/>
+        <source>{0} field of view {1} deg: must be between 0 and 180, both excluded</source>
+        <translation>campo de visión {0} de {1} grados: debe estar entre 0 y 180, ambos excluidos</translation>
+    </message>
+    <message>
+        <location filename="../../core/geodesy/footprint.py"/>
+        <source>footprint rung {0}: must be one of {1}</source>
+        <translation>método de huella {0}: debe ser uno de {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/geodesy/frames.py"/>
+        <source>height {0} m with a field of view of {1} deg: the picture reaches past the Earth's horizon; fly lower or narrow the field of view</source>
+        <translation>altura de {0} m con un campo de visión de {1} grados: la imagen rebasa el horizonte de la Tierra; volar más bajo o estrechar el campo de visión</translation>
+    </message>
+    <message>
+        <location filename="../../core/geodesy/frames.py"/>
+        <source>picture at latitude {0} from {1} m: it holds a pole, which Web Mercator does not; fly lower or farther from the pole</source>
+        <translation>imagen en la latitud {0} desde {1} m: contiene un polo, que Web Mercator no tiene; volar más bajo o más lejos del polo</translation>
+    </message>
+    <message>
+        <location filename="../../core/geodesy/horizon.py"/>
+        <source>camera at height {0} m, yaw {1}, tilt {2}, roll {3} deg: no ray of its image meets the Earth; tilt it down</source>
+        <translation>cámara a {0} m de altura, guiñada {1}, inclinación {2}, alabeo {3} grados: ningún rayo de su imagen alcanza la Tierra; inclinarla hacia abajo</translation>
+    </message>
+    <message>
+        <location filename="../../core/geodesy/mercator.py"/>
+        <source>span {0} of the world, size {1} px: both must be above 0</source>
+        <translation>tramo {0} del mundo, tamaño {1} px: ambos deben ser mayores que 0</translation>
+    </message>
+    <message>
+        <location filename="../../core/geodesy/mercator.py"/>
+        <source>tile size {0} px: must be a multiple of 256</source>
+        <translation>tamaño de tesela {0} px: debe ser un múltiplo de 256</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/cache/tile_cache.py"/>
+        <source>cache of {0} bytes: must be 1 or more; leave the cache out for none</source>
+        <translation>caché de {0} bytes: debe ser 1 o más; para no tener ninguna, omitirla</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/cache/tile_cache.py"/>
+        <source>cache {0}: cannot be removed ({1})</source>
+        <translation>caché {0}: no se puede borrar ({1})</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/cache/tile_cache.py"/>
+        <source>cache {0}: is not there; {1} holds {2}</source>
+        <translation>caché {0}: no existe; {1} contiene {2}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/cache/tilestore.py"/>
+        <source>cache {0}: another program holds it; nothing more is stored</source>
+        <translation>caché {0}: la tiene ocupada otro programa; no se guarda nada más</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/cache/tilestore.py"/>
+        <source>cache {0}: {1}; nothing more is stored in this run</source>
+        <translation>caché {0}: {1}; no se guarda nada más en esta ejecución</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/cache/tilestore.py"/>
+        <source>cache: file after file is damaged; this run goes without it</source>
+        <translation>caché: un archivo tras otro está dañado; esta ejecución prescinde de ella</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/cache/tilestore.py"/>
+        <source>cache: {0}; this run goes without it</source>
+        <translation>caché: {0}; esta ejecución prescinde de ella</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/catalogue/dates.py"/>
+        <source> from {0} to {1}</source>
+        <translation> de {0} a {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/catalogue/dates.py"/>
+        <source>as the server takes them</source>
+        <translation>como las acepta el servidor</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/catalogue/dates.py"/>
+        <source>date {0}: must be one of those there are, such as {1}</source>
+        <translation>fecha {0}: debe ser una de las que hay, como {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/catalogue/dates.py"/>
+        <source>date {0}: must be one the server takes; say which (--date)</source>
+        <translation>fecha {0}: debe ser una que acepte el servidor; indicar cuál (--date)</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/catalogue/dates.py"/>
+        <source>date {0}: must be {1}, from {2} to {3}</source>
+        <translation>fecha {0}: debe ser {1}, de {2} a {3}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/catalogue/dates.py"/>
+        <source>dates of kind {0}: must be one of {1}</source>
+        <translation>fechas de clase {0}: debe ser una de {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/catalogue/dates.py"/>
+        <source>dates of kind {0}: values are for listed ones, which need them</source>
+        <translation>fechas de clase {0}: los valores son para las enumeradas, que los necesitan</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/catalogue/dates.py"/>
+        <source>every day</source>
+        <translation>cada día</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/catalogue/dates.py"/>
+        <source>every year</source>
+        <translation>cada año</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/catalogue/dates.py"/>
+        <source>one must be asked for</source>
+        <translation>hay que pedir una</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/catalogue/dates.py"/>
+        <source>{0} by default</source>
+        <translation>{0} por defecto</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/catalogue/dates.py"/>
+        <source>{0} from {1} to {2}; {3}</source>
+        <translation>{0} de {1} a {2}; {3}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/catalogue/entry.py"/>
+        <source>URLs are for xyz, which needs them</source>
+        <translation>las URL son para xyz, que las necesita</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/catalogue/entry.py"/>
+        <location filename="../../core/mission/mission.py"/>
+        <source>a list</source>
+        <translation>una lista</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/catalogue/entry.py"/>
+        <location filename="../../core/mission/mission.py"/>
+        <source>a number</source>
+        <translation>un número</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/catalogue/entry.py"/>
+        <location filename="../../core/mission/mission.py"/>
+        <source>a whole number</source>
+        <translation>un número entero</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/catalogue/entry.py"/>
+        <location filename="../../core/mission/mission.py"/>
+        <source>an object</source>
+        <translation>un objeto</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/catalogue/entry.py"/>
+        <source>bounds {0}: must be west, south, east, north in degrees</source>
+        <translation>límites {0}: deben ser oeste, sur, este, norte en grados</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/catalogue/entry.py"/>
+        <source>catalogue entry {0}: wrong or missing: {1}</source>
+        <translation>entrada del catálogo {0}: erróneo o ausente: {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/catalogue/entry.py"/>
+        <source>catalogue entry {0}: {1}</source>
+        <translation>entrada del catálogo {0}: {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/catalogue/entry.py"/>
+        <source>catalogue entry {0}: {1} is missing</source>
+        <translation>entrada del catálogo {0}: falta {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/catalogue/entry.py"/>
+        <source>catalogue entry {0}: {1} is unknown; known are {2}</source>
+        <translation>entrada del catálogo {0}: {1} es desconocido; se conocen {2}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/catalogue/entry.py"/>
+        <source>catalogue entry {0}: {1} with {2}: must be {3}</source>
+        <translation>entrada del catálogo {0}: {1} con {2}: debe ser {3}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/catalogue/entry.py"/>
+        <source>catalogue entry {0}: {1} {2}: must be {3}</source>
+        <translation>entrada del catálogo {0}: {1} {2}: debe ser {3}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/catalogue/entry.py"/>
+        <location filename="../../core/imagery/opening.py"/>
+        <source>date {0}: {1} has no dates to choose from</source>
+        <translation>fecha {0}: {1} no tiene fechas que elegir</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/catalogue/entry.py"/>
+        <source>environment variable {0}: must be letters, digits and underscores, such as {1}</source>
+        <translation>variable de entorno {0}: debe constar de letras, cifras y guiones bajos, como {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/catalogue/entry.py"/>
+        <source>kind {0}: must be one of {1}</source>
+        <translation>clase {0}: debe ser una de {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/catalogue/entry.py"/>
+        <source>needs a title</source>
+        <translation>necesita un título</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/catalogue/entry.py"/>
+        <source>needs attribution and licence</source>
+        <translation>necesita atribución y licencia</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/catalogue/entry.py"/>
+        <source>needs terms and terms_url</source>
+        <translation>necesita terms y terms_url</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/catalogue/entry.py"/>
+        <source>text of one line</source>
+        <translation>texto de una línea</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/catalogue/entry.py"/>
+        <source>tile size {0} px: must be {1} or less</source>
+        <translation>tamaño de tesela {0} px: debe ser {1} o menos</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/catalogue/entry.py"/>
+        <source>tiles of {0} px: {1} has {2}</source>
+        <translation>teselas de {0} px: {1} tiene {2}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/catalogue/entry.py"/>
+        <location filename="../../core/mission/mission.py"/>
+        <source>true or false</source>
+        <translation>verdadero o falso</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/catalogue/entry.py"/>
+        <source>whole numbers</source>
+        <translation>números enteros</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/catalogue/entry.py"/>
+        <source>{0}: has imagery of several dates; say which (--date)</source>
+        <translation>{0}: tiene imágenes de varias fechas; indicar cuál (--date)</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/catalogue/entry.py"/>
+        <source>{date} in a URL needs dates, {key} needs key_env</source>
+        <translation>{date} en una URL necesita fechas, {key} necesita key_env</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/catalogue/listing.py"/>
+        <source> (with --accept-terms)</source>
+        <translation> (con --accept-terms)</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/catalogue/listing.py"/>
+        <location filename="../../core/mission/presets.py"/>
+        <source>did you mean {0}? </source>
+        <translation>¿se quería decir {0}? </translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/catalogue/listing.py"/>
+        <source>source {0} is unknown: {1}`terrainav sources` lists the names; a file, a URL template with {z}, {x}, {y}, wmts:URL and wms:URL work as well</source>
+        <translation>fuente {0} desconocida: {1}`terrainav sources` enumera los nombres; también valen un archivo, una plantilla de URL con {z}, {x}, {y}, wmts:URL y wms:URL</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/catalogue/user_sources.py"/>
+        <source>catalogue entry {0}: must be an object</source>
+        <translation>entrada del catálogo {0}: debe ser un objeto</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/catalogue/user_sources.py"/>
+        <source>catalogue entry {0}: must be of kind xyz</source>
+        <translation>entrada del catálogo {0}: debe ser de clase xyz</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/catalogue/user_sources.py"/>
+        <source>date {0}: the URL has no {date} to put it in</source>
+        <translation>fecha {0}: la URL no tiene {date} donde ponerla</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/catalogue/user_sources.py"/>
+        <source>source name {0}: is one of the catalogue's; choose another</source>
+        <translation>nombre de fuente {0}: es uno de los del catálogo; elegir otro</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/catalogue/user_sources.py"/>
+        <source>source name {0}: is taken; choose another, or `terrainav sources remove` it</source>
+        <translation>nombre de fuente {0}: ya está en uso; elegir otro, o eliminarla con `terrainav sources remove`</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/catalogue/user_sources.py"/>
+        <source>source name {0}: must be lower-case letters, digits, hyphens and underscores, at most 64</source>
+        <translation>nombre de fuente {0}: debe constar de minúsculas, cifras, guiones y guiones bajos, 64 como máximo</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/catalogue/user_sources.py"/>
+        <source>source {0}: is none of your own, which are {1}</source>
+        <translation>fuente {0}: no es ninguna de las propias, que son {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/catalogue/user_sources.py"/>
+        <source>source {0}: is part of the catalogue, which stays as it is</source>
+        <translation>fuente {0}: es parte del catálogo, que se queda como está</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/client.py"/>
+        <source> (tried {0} times)</source>
+        <translation> (intentado {0} veces)</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/client.py"/>
+        <location filename="../../core/imagery/transport.py"/>
+        <location filename="../../terrainav_plugin/network/transport.py"/>
+        <location filename="../../terrainav_plugin/network/worker.py"/>
+        <source>cancelled while waiting for the network</source>
+        <translation>cancelado mientras se esperaba a la red</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/client.py"/>
+        <source>{0} refuses: {1}</source>
+        <translation>{0} lo rechaza: {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/client.py"/>
+        <source>{0}: {1}; ask for less at a time, or resume later</source>
+        <translation>{0}: {1}; pedir menos de una vez, o continuar más tarde</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/client.py"/>
+        <source>{0}: {1}; it asks to come back in {2} s: resume then</source>
+        <translation>{0}: {1}; pide volver dentro de {2} s: continuar entonces</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/decode.py"/>
+        <source>JPEG broken off</source>
+        <translation>JPEG interrumpido</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/decode.py"/>
+        <source>JPEG segments out of step</source>
+        <translation>segmentos de JPEG desacompasados</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/decode.py"/>
+        <source>a WebP picture, which this installation of Pillow cannot read</source>
+        <translation>una imagen WebP, que esta instalación de Pillow no puede leer</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/decode.py"/>
+        <source>a picture of {0}x{1} px instead of {2}x{3}</source>
+        <translation>una imagen de {0}x{1} px en lugar de {2}x{3}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/decode.py"/>
+        <source>an empty answer instead of a picture</source>
+        <translation>una respuesta vacía en lugar de una imagen</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/decode.py"/>
+        <source>broken picture ({0})</source>
+        <translation>imagen dañada ({0})</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/decode.py"/>
+        <source>no imagery (a transparent picture)</source>
+        <translation>no hay imágenes (una imagen transparente)</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/decode.py"/>
+        <source>no imagery here, the provider says ({0}: {1})</source>
+        <translation>no hay imágenes aquí, según el proveedor ({0}: {1})</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/decode.py"/>
+        <source>no imagery here: a picture of one colour, rgb({0}, {1}, {2})</source>
+        <translation>no hay imágenes aquí: una imagen de un solo color, rgb({0}, {1}, {2})</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/decode.py"/>
+        <source>no imagery here: the provider's placeholder picture</source>
+        <translation>no hay imágenes aquí: la imagen de relleno del proveedor</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/decode.py"/>
+        <source>{0} instead of a picture</source>
+        <translation>{0} en lugar de una imagen</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/decode.py"/>
+        <source>{0} instead of a picture: {1}</source>
+        <translation>{0} en lugar de una imagen: {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/mbtiles.py"/>
+        <source>MBTiles {0}: cannot be read ({1})</source>
+        <translation>MBTiles {0}: no se puede leer ({1})</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/mbtiles.py"/>
+        <source>MBTiles {0}: holds no tiles</source>
+        <translation>MBTiles {0}: no contiene teselas</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/mbtiles.py"/>
+        <source>MBTiles {0}: holds vector tiles (pbf); must hold pictures (png, jpg or webp)</source>
+        <translation>MBTiles {0}: contiene teselas vectoriales (pbf); debe contener imágenes (png, jpg o webp)</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/mbtiles.py"/>
+        <source>MBTiles {0}: is no MBTiles file, or is damaged ({1})</source>
+        <translation>MBTiles {0}: no es un archivo MBTiles, o está dañado ({1})</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/mbtiles.py"/>
+        <source>MBTiles {0}: is not there</source>
+        <translation>MBTiles {0}: no existe</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/mbtiles.py"/>
+        <source>MBTiles {0}: {1}</source>
+        <translation>MBTiles {0}: {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/mbtiles.py"/>
+        <source>cancelled while waiting for the file</source>
+        <translation>cancelado mientras se esperaba al archivo</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/mbtiles.py"/>
+        <source>its tiles are no pictures; must be png, jpg or webp</source>
+        <translation>sus teselas no son imágenes; deben ser png, jpg o webp</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/mbtiles.py"/>
+        <source>its tiles are of zooms {0} to {1}; must be whole numbers</source>
+        <translation>sus teselas son de los zooms {0} a {1}; deben ser números enteros</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/mbtiles.py"/>
+        <source>its tiles are of {0}x{1} px; must be square</source>
+        <translation>sus teselas son de {0}x{1} px; deben ser cuadradas</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/mbtiles.py"/>
+        <source>the source was closed</source>
+        <translation>la fuente se cerró</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/mbtiles.py"/>
+        <source>{0}: is not in {1}</source>
+        <translation>{0}: no está en {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/mbtiles.py"/>
+        <source>{0}: {1} cannot be read ({2})</source>
+        <translation>{0}: {1} no se puede leer ({2})</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/opening.py"/>
+        <source>source {0}: a file states no terms; name one of the sources that have some</source>
+        <translation>fuente {0}: un archivo no indica condiciones; nombrar una de las fuentes que las tienen</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/opening.py"/>
+        <source>source {0}: is a map of QGIS and can be captured inside QGIS only; name a file, a URL template or a name of the catalogue</source>
+        <translation>fuente {0}: es un mapa de QGIS y solo se puede capturar dentro de QGIS; nombrar un archivo, una plantilla de URL o un nombre del catálogo</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/opening.py"/>
+        <source>{0} connections: must be 1 or more</source>
+        <translation>{0} conexiones: debe ser 1 o más</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/opening.py"/>
+        <location filename="../../core/imagery/services/capabilities.py"/>
+        <source>{0}: needs an API key: set the environment variable {1}</source>
+        <translation>{0}: necesita una clave API: definir la variable de entorno {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/policy.py"/>
+        <source>; nothing may be cached</source>
+        <translation>; no se puede guardar nada en caché</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/policy.py"/>
+        <source>agree to the terms first (--accept-terms)</source>
+        <translation>aceptar antes las condiciones (--accept-terms)</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/policy.py"/>
+        <source>agreeing to its terms</source>
+        <translation>aceptar sus condiciones</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/policy.py"/>
+        <source>any number of requests</source>
+        <translation>cualquier número de peticiones</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/policy.py"/>
+        <source>at most {0} requests, whatever you agree to</source>
+        <translation>{0} peticiones como máximo, se acepte lo que se acepte</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/policy.py"/>
+        <source>breaking its terms</source>
+        <translation>infringir sus condiciones</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/policy.py"/>
+        <source>bulk_allowed {0} without max_tiles: say how many are no bulk</source>
+        <translation>bulk_allowed {0} sin max_tiles: indicar cuántas no son masivas</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/policy.py"/>
+        <source>bulk_allowed {0}: must be one of {1}</source>
+        <translation>bulk_allowed {0}: debe ser uno de {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/policy.py"/>
+        <source>more than {0} requests after agreeing to the terms (--accept-terms)</source>
+        <translation>más de {0} peticiones tras aceptar las condiciones (--accept-terms)</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/policy.py"/>
+        <source>sources that allow it: {0}</source>
+        <translation>fuentes que lo permiten: {0}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/policy.py"/>
+        <source>take another source</source>
+        <translation>tomar otra fuente</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/policy.py"/>
+        <source>{0} connections</source>
+        <translation>{0} conexiones</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/policy.py"/>
+        <source>{0} requests/s</source>
+        <translation>{0} peticiones/s</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/policy.py"/>
+        <source>{0} {1}: must be a number above 0, or left out</source>
+        <translation>{0} {1}: debe ser un número mayor que 0, u omitirse</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/policy.py"/>
+        <source>{0}: {1} requests, and {2} at most pass without {3}: {4}{5}; {6}</source>
+        <translation>{0}: {1} peticiones, y como máximo {2} pasan sin {3}: {4}{5}; {6}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/by_gdal.py"/>
+        <source>no format that GDAL knows</source>
+        <translation>ningún formato que GDAL conozca</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/by_gdal.py"/>
+        <source>no values</source>
+        <translation>sin valores</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/colours.py"/>
+        <source>its bands ({0}) are neither a grey one nor red, green and blue</source>
+        <translation>sus bandas ({0}) no son ni una gris ni rojo, verde y azul</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/colours.py"/>
+        <source>its bands are {0}, and not red, green, blue or grey</source>
+        <translation>sus bandas son {0}, y no rojo, verde, azul o gris</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/colours.py"/>
+        <source>values of band {0} are {1}, and pictures have 8 bits: choose the range to show, as by gdal_translate -ot Byte -scale</source>
+        <translation>los valores de la banda {0} son {1}, y las imágenes tienen 8 bits: elegir el intervalo que se ha de mostrar, como con gdal_translate -ot Byte -scale</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/dated.py"/>
+        <source>date {0}: must be YYYY-MM-DD, YYYY-MM or YYYY</source>
+        <translation>fecha {0}: debe ser AAAA-MM-DD, AAAA-MM o AAAA</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/dated.py"/>
+        <source>say which date</source>
+        <translation>indicar qué fecha</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/dated.py"/>
+        <source>there is none of {0}</source>
+        <translation>no hay ninguna de {0}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/dated.py"/>
+        <source>{0} earlier ones and </source>
+        <translation>{0} anteriores y </translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/dated.py"/>
+        <source>{0}: say which date</source>
+        <translation>{0}: indicar qué fecha</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/dated.py"/>
+        <source>{0}: {1}; dates there are: {2}{3}</source>
+        <translation>{0}: {1}; las fechas que hay son: {2}{3}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/files.py"/>
+        <source>raster files need rasterio: pip install terrainav[raster]</source>
+        <translation>los archivos ráster necesitan rasterio: pip install terrainav[raster]</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/place.py"/>
+        <source>it does not say where its pixels lie: it has no geotransform and no world file</source>
+        <translation>no dice dónde están sus píxeles: no tiene geotransformación ni archivo world</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/place.py"/>
+        <source>it states no coordinate reference system: say which, as by gdal_edit.py -a_srs EPSG:32632</source>
+        <translation>no indica ningún sistema de referencia de coordenadas: decir cuál, como con gdal_edit.py -a_srs EPSG:32632</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/place.py"/>
+        <source>its centre does not lie on the Web-Mercator map</source>
+        <translation>su centro no está en el mapa Web Mercator</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/place.py"/>
+        <source>its coordinate reference system: {0}</source>
+        <translation>su sistema de referencia de coordenadas: {0}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/place.py"/>
+        <source>its geotransform {0} places no pixel</source>
+        <translation>su geotransformación {0} no sitúa ningún píxel</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/place.py"/>
+        <source>only ground control points place it: make a map of it first, by gdalwarp</source>
+        <translation>solo lo sitúan puntos de control: hacer antes un mapa con él, con gdalwarp</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/pool.py"/>
+        <source>{0}: closed</source>
+        <translation>{0}: cerrado</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/source.py"/>
+        <source>; name one of those within, such as {0}</source>
+        <translation>; nombrar uno de los que contiene, como {0}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/source.py"/>
+        <source>has changed since it was opened; start anew</source>
+        <translation>ha cambiado desde que se abrió; empezar de nuevo</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/source.py"/>
+        <source>is gone</source>
+        <translation>ya no existe</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/source.py"/>
+        <source>is no raster itself{0}</source>
+        <translation>no es él mismo un ráster{0}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/source.py"/>
+        <location filename="../../core/imagery/tiles.py"/>
+        <source>zoom {0}: {1} has {2} to {3}</source>
+        <translation>zoom {0}: {1} tiene de {2} a {3}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/source.py"/>
+        <source>{0}: a part of zoom {1} covers {2}x{3} px of it, which are too many; give it overviews, by gdaladdo</source>
+        <translation>{0}: una parte del zoom {1} cubre {2}x{3} px de él, que son demasiados; darle vistas generales, con gdaladdo</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/source.py"/>
+        <source>{0}: cannot be read ({1})</source>
+        <translation>{0}: no se puede leer ({1})</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/source.py"/>
+        <source>{0}: cannot be read here: {1}</source>
+        <translation>{0}: no se puede leer aquí: {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/source.py"/>
+        <source>{0}: has changed since it was opened; start anew</source>
+        <translation>{0}: ha cambiado desde que se abrió; empezar de nuevo</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/source.py"/>
+        <source>{0}: is a folder; name a raster file</source>
+        <translation>{0}: es una carpeta; nombrar un archivo ráster</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/source.py"/>
+        <source>{0}: is gone</source>
+        <translation>{0}: ya no existe</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/source.py"/>
+        <source>{0}: is no raster that can be read: {1}</source>
+        <translation>{0}: no es un ráster que se pueda leer: {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/source.py"/>
+        <source>{0}: there is no such file</source>
+        <translation>{0}: no existe tal archivo</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/services/capabilities.py"/>
+        <source> and {0} more</source>
+        <translation> y {0} más</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/services/capabilities.py"/>
+        <source>access constraints</source>
+        <translation>restricciones de acceso</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/services/capabilities.py"/>
+        <source>address of a {0}</source>
+        <translation>dirección de un servicio {0}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/services/capabilities.py"/>
+        <source>capabilities of too many bytes, or with entities of their own, are not read</source>
+        <translation>las capacidades de demasiados bytes, o con entidades propias, no se leen</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/services/capabilities.py"/>
+        <source>capabilities that cannot be read ({0}: {1})</source>
+        <translation>capacidades que no se pueden leer ({0}: {1})</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/services/capabilities.py"/>
+        <source>choice {0} of a {1}: must be one of {2}</source>
+        <translation>elección {0} de un {1}: debe ser uno de {2}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/services/capabilities.py"/>
+        <source>it offers none</source>
+        <translation>no ofrece ninguno</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/services/capabilities.py"/>
+        <source>no capabilities at this address{0}</source>
+        <translation>no hay capacidades en esta dirección{0}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/services/capabilities.py"/>
+        <source>no conditions apply</source>
+        <translation>no se aplican condiciones</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/services/capabilities.py"/>
+        <source>no constraints</source>
+        <translation>sin restricciones</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/services/capabilities.py"/>
+        <source>no format</source>
+        <translation>ningún formato</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/services/capabilities.py"/>
+        <source>offers {0}, and none of {1}</source>
+        <translation>ofrece {0}, y ninguno de {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/services/capabilities.py"/>
+        <source>source {0}:{1}: needs OWSLib: pip install owslib</source>
+        <translation>fuente {0}:{1}: necesita OWSLib: pip install owslib</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/services/capabilities.py"/>
+        <source>the capabilities at this address are of a {0}: write {1}:URL</source>
+        <translation>las capacidades de esta dirección son de un {0}: escribir {1}:URL</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/services/capabilities.py"/>
+        <source>{0} of {1}: say which with #{2}=…: {3}; `terrainav sources show` lists them</source>
+        <translation>{0} de {1}: decir cuál con #{2}=…: {3}; `terrainav sources show` los enumera</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/services/capabilities.py"/>
+        <source>{0} of {1}: {2}</source>
+        <translation>{0} de {1}: {2}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/services/capabilities.py"/>
+        <source>{0} {1}: {2} offers {3}</source>
+        <translation>{0} {1}: {2} ofrece {3}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/services/wms.py"/>
+        <source>layer {0} of {1}: is offered in {2}; needs {3}</source>
+        <translation>capa {0} de {1}: se ofrece en {2}; necesita {3}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/services/wms.py"/>
+        <source>speaks version {0}; must be {1}</source>
+        <translation>habla la versión {0}; debe ser {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/services/wms.py"/>
+        <source>styles {0}: must be one for each of {1} layers</source>
+        <translation>estilos {0}: debe ser uno para cada una de {1} capas</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/services/wmts.py"/>
+        <source>layer {0} of {1}: has tiles in {2} only; needs a Web-Mercator quad, such as WebMercatorQuad or GoogleMapsCompatible</source>
+        <translation>capa {0} de {1}: solo tiene teselas en {2}; necesita una cuadrícula Web Mercator, como WebMercatorQuad o GoogleMapsCompatible</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/staticmap.py"/>
+        <source>URL signing secret: is not URL-safe base64, as the Google Cloud console shows it</source>
+        <translation>secreto de firma de URL: no es base64 para URL, como lo muestra la consola de Google Cloud</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/staticmap.py"/>
+        <source>picture at {0},{1} zoom {2}</source>
+        <translation>imagen en {0},{1} zoom {2}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/staticmap.py"/>
+        <source>picture of {0}x{1} px: {2} gives up to {3} px times {4}</source>
+        <translation>imagen de {0}x{1} px: {2} da hasta {3} px por {4}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/staticmap.py"/>
+        <source>scale {0}: Static Maps has 1 (tiles of 256 px) and 2 (512 px)</source>
+        <translation>escala {0}: Static Maps tiene 1 (teselas de 256 px) y 2 (512 px)</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/staticmap.py"/>
+        <source>zoom {0}: {1} has 0 to {2}</source>
+        <translation>zoom {0}: {1} tiene de 0 a {2}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/staticmap.py"/>
+        <source>{0}: its centre {1} has more than {2} decimals, which {3} drops; plan with this source's grid</source>
+        <translation>{0}: su centro {1} tiene más de {2} decimales, que {3} descarta; planificar con la cuadrícula de esta fuente</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/template.py"/>
+        <source>URL template</source>
+        <translation>plantilla de URL</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/template.py"/>
+        <source>URL template with subdomains {0}-{1}: the first comes after the last</source>
+        <translation>plantilla de URL con subdominios {0}-{1}: el primero va después del último</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/template.py"/>
+        <source>URL template {0}: a brace without its partner</source>
+        <translation>plantilla de URL {0}: una llave sin su pareja</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/template.py"/>
+        <source>URL template {0}: without {1}; needs {z}, {x} and {y} (or {-y}, or {q} or {{2}} alone)</source>
+        <translation>plantilla de URL {0}: sin {1}; necesita {z}, {x} e {y} (o {-y}, o solo {q} o {{2}})</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/template.py"/>
+        <source>URL template {0}: {s} without subdomains to put there</source>
+        <translation>plantilla de URL {0}: {s} sin subdominios que poner</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/template.py"/>
+        <source>URL template {0}: {{1}} is unknown; known are {2}</source>
+        <translation>plantilla de URL {0}: {{1}} es desconocido; se conocen {2}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/template.py"/>
+        <source>{0} for {1}: holds a key in {2}, which would end up in files; write {3}={key} and set TERRAINAV_KEY</source>
+        <translation>{0} de {1}: contiene una clave en {2}, que acabaría en archivos; escribir {3}={key} y definir TERRAINAV_KEY</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/template.py"/>
+        <source>{0} for {1}: holds a user name; no credentials may stand in it</source>
+        <translation>{0} de {1}: contiene un nombre de usuario; no puede llevar credenciales</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/template.py"/>
+        <source>{0} of an invalid host or port: must be as in https://tiles.example:8080/</source>
+        <translation>{0} con un servidor o puerto no válido: debe ser como en https://tiles.example:8080/</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/template.py"/>
+        <source>{0} of {1} scheme: must start with http:// or https://</source>
+        <translation>{0} con esquema {1}: debe empezar por http:// o https://</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/template.py"/>
+        <source>{0} with spaces or control characters: must be without, or have them written %20</source>
+        <translation>{0} con espacios o caracteres de control: debe ir sin ellos, o escritos %20</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/tiles.py"/>
+        <source>tile {0}/{1}/{2}</source>
+        <translation>tesela {0}/{1}/{2}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/tiles.py"/>
+        <source>{0}: beyond the edge of the map</source>
+        <translation>{0}: más allá del borde del mapa</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/tiles.py"/>
+        <source>{0}: is no tile of {1} px</source>
+        <translation>{0}: no es una tesela de {1} px</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/transport.py"/>
+        <location filename="../../terrainav_plugin/network/answer.py"/>
+        <source>body beyond {0} bytes</source>
+        <translation>cuerpo de más de {0} bytes</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/transport.py"/>
+        <location filename="../../terrainav_plugin/network/answer.py"/>
+        <source>body broke off after {0} of {1} bytes</source>
+        <translation>el cuerpo se cortó tras {0} de {1} bytes</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/transport.py"/>
+        <location filename="../../terrainav_plugin/network/errors.py"/>
+        <source>connection to {0} broke off</source>
+        <translation>se cortó la conexión con {0}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/transport.py"/>
+        <location filename="../../terrainav_plugin/network/worker.py"/>
+        <source>more than {0} redirects</source>
+        <translation>más de {0} redirecciones</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/transport.py"/>
+        <location filename="../../terrainav_plugin/network/worker.py"/>
+        <source>no answer from {0} for {1} s</source>
+        <translation>sin respuesta de {0} durante {1} s</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/transport.py"/>
+        <location filename="../../terrainav_plugin/network/errors.py"/>
+        <source>no connection to {0}</source>
+        <translation>sin conexión con {0}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/transport.py"/>
+        <location filename="../../terrainav_plugin/network/errors.py"/>
+        <source>no trusted connection to {0} (TLS)</source>
+        <translation>sin conexión de confianza con {0} (TLS)</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/transport.py"/>
+        <location filename="../../terrainav_plugin/network/worker.py"/>
+        <source>no whole answer within {0} s</source>
+        <translation>sin respuesta completa en {0} s</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/transport.py"/>
+        <location filename="../../terrainav_plugin/network/worker.py"/>
+        <source>redirect to something else than http or https</source>
+        <translation>redirección a algo distinto de http o https</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/transport.py"/>
+        <location filename="../../terrainav_plugin/network/errors.py"/>
+        <location filename="../../terrainav_plugin/network/transport.py"/>
+        <location filename="../../terrainav_plugin/network/worker.py"/>
+        <source>the URL is not valid</source>
+        <translation>la URL no es válida</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/transport.py"/>
+        <location filename="../../terrainav_plugin/network/errors.py"/>
+        <source>the proxy does not answer</source>
+        <translation>el proxy no responde</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/world/lattice.py"/>
+        <source>cells {0} pixels wide, smaller than a pixel</source>
+        <translation>celdas de {0} píxeles de ancho, menores que un píxel</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/world/world.py"/>
+        <source>map type {0}: the synthetic world has {1}</source>
+        <translation>tipo de mapa {0}: el mundo sintético tiene {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/world/world.py"/>
+        <source>position outside the world: u must be finite and v from 0 to 1</source>
+        <translation>posición fuera del mundo: u debe ser finita y v estar entre 0 y 1</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/world/world.py"/>
+        <source>seed {0}: must be from 0 to 2**64 - 1</source>
+        <translation>semilla {0}: debe estar entre 0 y 2**64 - 1</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/world/world.py"/>
+        <source>tile x {0}, y {1} at zoom {2}: both must be from 0 to {3}</source>
+        <translation>tesela x {0}, y {1} con zoom {2}: ambas deben estar entre 0 y {3}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/world/world.py"/>
+        <source>zoom {0} to {1}: must be from 0 to {2}</source>
+        <translation>zoom {0} a {1}: debe estar entre 0 y {2}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/world/world.py"/>
+        <source>zoom {0}: must be from 0 to {1}</source>
+        <translation>zoom {0}: debe estar entre 0 y {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/xyz.py"/>
+        <source>source without a URL template: needs one</source>
+        <translation>fuente sin plantilla de URL: necesita una</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/xyz.py"/>
+        <source>source {0}: its URL has a {date}; say which</source>
+        <translation>fuente {0}: su URL tiene una {date}; indicar cuál</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/xyz.py"/>
+        <source>{0}: needs an API key, and none is set</source>
+        <translation>{0}: necesita una clave API, y no hay ninguna definida</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/area.py"/>
+        <source>box from latitude {0} down to {1}: south lies above north; give the top-left corner first</source>
+        <translation>recuadro desde la latitud {0} hasta {1}: el sur queda al norte del norte; dar primero la esquina superior izquierda</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/area.py"/>
+        <source>height above ground {0} m: must be above 0</source>
+        <translation>altura sobre el terreno de {0} m: debe ser mayor que 0</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/area.py"/>
+        <source>latitude {0}: must be within -90 and 90 degrees</source>
+        <translation>latitud {0}: debe estar entre -90 y 90 grados</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/area.py"/>
+        <source>list of points is empty: needs at least one latitude, longitude and height</source>
+        <translation>la lista de puntos está vacía: necesita al menos una latitud, longitud y altura</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/area.py"/>
+        <source>longitude {0}: must be within -360 and 360 degrees</source>
+        <translation>longitud {0}: debe estar entre -360 y 360 grados</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/area.py"/>
+        <source>polygon ring of {0} corners: needs at least 3</source>
+        <translation>anillo de polígono de {0} vértices: necesita al menos 3</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/area.py"/>
+        <source>polygon without a ring: needs at least one of three corners</source>
+        <translation>polígono sin anillo: necesita al menos uno de tres vértices</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/area.py"/>
+        <source>yaw {0} deg: must be from -360 to 360</source>
+        <translation>guiñada de {0} grados: debe estar entre -360 y 360</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/area.py"/>
+        <source>{0} yaws of {1} points: give one for each, or none</source>
+        <translation>{0} guiñadas de {1} puntos: dar una para cada uno, o ninguna</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/camera_preset.py"/>
+        <source>camera {0}: {1}</source>
+        <translation>cámara {0}: {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/camera_preset.py"/>
+        <source>no field of view</source>
+        <translation>no hay campo de visión</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/camera_preset.py"/>
+        <source>sensor_mm and focal_length_mm: one needs the other</source>
+        <translation>sensor_mm y focal_length_mm: el uno necesita al otro</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/camera_preset.py"/>
+        <source>size_px and aspect_ratio: give one of the two</source>
+        <translation>size_px y aspect_ratio: dar uno de los dos</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/camera_preset.py"/>
+        <source>size_px {0}: must be whole numbers</source>
+        <translation>size_px {0}: deben ser números enteros</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/camera_preset.py"/>
+        <source>source {0}: must be text of one line</source>
+        <translation>fuente {0}: debe ser texto de una línea</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/camera_preset.py"/>
+        <source>{0} is unknown; known are {1}</source>
+        <translation>{0} es desconocido; se conocen {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/camera_preset.py"/>
+        <source>{0} {1}: must be a list of width and height, each above 0</source>
+        <translation>{0} {1}: debe ser una lista de anchura y altura, ambas mayores que 0</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/camera_preset.py"/>
+        <source>{0} {1}: must be a number above 0</source>
+        <translation>{0} {1}: debe ser un número mayor que 0</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/camera_preset.py"/>
+        <source>{0} {1}: needs aspect_ratio or size_px beside it</source>
+        <translation>{0} {1}: necesita al lado aspect_ratio o size_px</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/camera_preset.py"/>
+        <source>{0}: give one of {1}</source>
+        <translation>{0}: dar uno de {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/choosing.py"/>
+        <source>a map frame shows the source's own pixels</source>
+        <translation>un encuadre de mapa muestra los propios píxeles de la fuente</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/choosing.py"/>
+        <source>air without gusts was asked for</source>
+        <translation>se pidió aire sin ráfagas</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/choosing.py"/>
+        <source>error budget {0} px: no methods fit; the closest are {1} with {2} px, {3} times as much; raise --error-budget, or go on with --accept-error</source>
+        <translation>error admisible de {0} px: ningún método cabe; los más próximos son {1} con {2} px, {3} veces más; subir --error-budget, o seguir con --accept-error</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/choosing.py"/>
+        <source>exact footprints</source>
+        <translation>huellas exactas</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/choosing.py"/>
+        <source>picture 'map' was asked for, but has no bound here: {0}</source>
+        <translation>se pidió la imagen 'map', pero aquí no tiene cota: {0}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/choosing.py"/>
+        <source>picture as the camera sees it: {0}; choose a source of tiles</source>
+        <translation>imagen como la ve la cámara: {0}; elegir una fuente de teselas</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/choosing.py"/>
+        <source>pixels of {0} m on the ground: degrees in float64 resolve {1} m; fly higher or widen the field of view</source>
+        <translation>píxeles de {0} m sobre el terreno: los grados en float64 distinguen {1} m; volar más alto o ampliar el campo de visión</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/choosing.py"/>
+        <source>rays for every pixel</source>
+        <translation>rayos para cada píxel</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/choosing.py"/>
+        <location filename="../../core/report/measure.py"/>
+        <source>resampling</source>
+        <translation>remuestreo</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/choosing.py"/>
+        <source>still air was asked for</source>
+        <translation>se pidió aire en calma</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/choosing.py"/>
+        <source>the bound of {0}, {1} px, fits</source>
+        <translation>la cota de {0}, {1} px, cabe</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/choosing.py"/>
+        <source>the mesh's bound of {0} px fits</source>
+        <translation>la cota de la malla, {0} px, cabe</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/choosing.py"/>
+        <source>the rows are turned from east, and the camera with them</source>
+        <translation>las pasadas están giradas respecto al este, y la cámara con ellas</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/choosing.py"/>
+        <source>the source gives pictures by their centre, not tiles that others can be made from</source>
+        <translation>la fuente da imágenes por su centro, no teselas con las que se puedan hacer otras</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/choosing.py"/>
+        <location filename="../../core/report/measure.py"/>
+        <source>wind</source>
+        <translation>viento</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/choosing.py"/>
+        <source>wind turns the camera</source>
+        <translation>el viento gira la cámara</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/coords.py"/>
+        <source>"lat_lon_agl", "latTL_lonTL_latBR_lonBR_agl", or a text file of "lat lon agl [yaw]" lines</source>
+        <translation>"lat_lon_agl", "latTL_lonTL_latBR_lonBR_agl", o un archivo de texto con líneas "lat lon agl [guiñada]"</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/coords.py"/>
+        <source>area file {0}: a corner is not longitude, latitude ({1})</source>
+        <translation>archivo de área {0}: un vértice no es longitud, latitud ({1})</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/coords.py"/>
+        <source>area file {0}: cannot be read as GeoJSON ({1})</source>
+        <translation>archivo de área {0}: no se puede leer como GeoJSON ({1})</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/coords.py"/>
+        <source>area file {0}: holds no Polygon; give a GeoJSON with one</source>
+        <translation>archivo de área {0}: no contiene ningún Polygon; dar un GeoJSON con uno</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/coords.py"/>
+        <source>coordinates are empty: expected {0}</source>
+        <translation>las coordenadas están vacías: se esperaba {0}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/coords.py"/>
+        <source>coordinates {0}: a raster mission needs two corners and a height (5 numbers)</source>
+        <translation>coordenadas {0}: una misión ráster necesita dos esquinas y una altura (5 números)</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/coords.py"/>
+        <source>coordinates {0}: {1} numbers; expected {2}</source>
+        <translation>coordenadas {0}: {1} números; se esperaba {2}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/coords.py"/>
+        <source>file {0}</source>
+        <translation>archivo {0}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/coords.py"/>
+        <source>file {0}: cannot be read as text ({1})</source>
+        <translation>archivo {0}: no se puede leer como texto ({1})</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/coords.py"/>
+        <source>file {0}: holds points; a raster mission needs two corners and a height as text</source>
+        <translation>archivo {0}: contiene puntos; una misión ráster necesita dos esquinas y una altura como texto</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/coords.py"/>
+        <source>mission {0}: must be one of {1}</source>
+        <translation>misión {0}: debe ser una de {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/coords.py"/>
+        <source>unit of height {0}: must be one of {1}</source>
+        <translation>unidad de altura {0}: debe ser una de {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/coords.py"/>
+        <source>{0} {1} has {2} numbers and the lines before {3}: give every point its yaw, or none</source>
+        <translation>{0} {1} tiene {2} números y las líneas anteriores {3}: dar una guiñada a cada punto, o a ninguno</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/coords.py"/>
+        <source>{0} {1} has {2} numbers; expected lat lon agl [yaw]</source>
+        <translation>{0} {1} tiene {2} números; se esperaba lat lon agl [guiñada]</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/coords.py"/>
+        <source>{0} {1}: {2}; expected {3}</source>
+        <translation>{0} {1}: {2}; se esperaba {3}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/coords.py"/>
+        <source>{0}, line {1}:</source>
+        <translation>{0}, línea {1}:</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/coords.py"/>
+        <source>{0}: holds no coordinates; expected lines of lat lon agl [yaw]</source>
+        <translation>{0}: no contiene coordenadas; se esperaban líneas de lat lon agl [guiñada]</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/estimate.py"/>
+        <source> a map type</source>
+        <translation> por tipo de mapa</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/estimate.py"/>
+        <source> for each of {0} map types</source>
+        <translation> para cada uno de {0} tipos de mapa</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/estimate.py"/>
+        <source>--img-size {0} {1} {2} or less</source>
+        <translation>--img-size {0} {1} {2} o menos</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/estimate.py"/>
+        <source>--max-px {0} or less, or fly higher</source>
+        <translation>--max-px {0} o menos, o volar más alto</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/estimate.py"/>
+        <source>--zoom {0} or a finer source</source>
+        <translation>--zoom {0} o una fuente más fina</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/estimate.py"/>
+        <source>about {0}</source>
+        <translation>unos {0}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/estimate.py"/>
+        <source>camera {0}, source {1}</source>
+        <translation>cámara {0}, fuente {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/estimate.py"/>
+        <source>complete</source>
+        <translation>completa</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/estimate.py"/>
+        <source>coverage</source>
+        <translation>cobertura</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/estimate.py"/>
+        <source>download</source>
+        <translation>descarga</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/estimate.py"/>
+        <source>files</source>
+        <translation>archivos</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/estimate.py"/>
+        <source>flight distance</source>
+        <translation>distancia de vuelo</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/estimate.py"/>
+        <source>flight time</source>
+        <translation>tiempo de vuelo</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/estimate.py"/>
+        <source>ground sample distance</source>
+        <translation>distancia de muestreo del terreno</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/estimate.py"/>
+        <source>images</source>
+        <translation>imágenes</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/estimate.py"/>
+        <source>least {0} %, median {1} %</source>
+        <translation>mínimo {0} %, mediana {1} %</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/estimate.py"/>
+        <source>nothing (computed here)</source>
+        <translation>nada (se calcula aquí)</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/estimate.py"/>
+        <source>overlap across rows</source>
+        <translation>solape transversal a las pasadas</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/estimate.py"/>
+        <source>overlap along rows</source>
+        <translation>solape a lo largo de las pasadas</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/estimate.py"/>
+        <location filename="../../core/mission/rungs.py"/>
+        <source>picture</source>
+        <translation>imagen</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/estimate.py"/>
+        <source>pixels of {0} are asked for, and the source's own are {1} here (zoom {2}): enlarged {3} times, pictures show nothing more; ask for {4}</source>
+        <translation>se piden píxeles de {0}, y los propios de la fuente son aquí de {1} (zoom {2}): ampliadas {3} veces, las imágenes no muestran nada más; pedir {4}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/estimate.py"/>
+        <source>rows, columns</source>
+        <translation>pasadas, columnas</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/estimate.py"/>
+        <source>tiles</source>
+        <translation>teselas</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/estimate.py"/>
+        <source>time</source>
+        <translation>tiempo</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/estimate.py"/>
+        <source>warning</source>
+        <translation>aviso</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/estimate.py"/>
+        <source>{0} bytes</source>
+        <translation>{0} bytes</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/estimate.py"/>
+        <source>{0} km²</source>
+        <translation>{0} km²</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/estimate.py"/>
+        <source>{0} min</source>
+        <translation>{0} min</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/estimate.py"/>
+        <source>{0} mm</source>
+        <translation>{0} mm</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/estimate.py"/>
+        <source>{0} uncovered</source>
+        <translation>{0} sin cubrir</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/estimate.py"/>
+        <source>{0} x {1} px at zoom {2}</source>
+        <translation>{0} x {1} px con zoom {2}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/estimate.py"/>
+        <source>{0}{1}, each fetched once</source>
+        <translation>{0}{1}, cada una pedida una vez</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/export/geopackage.py"/>
+        <source>{0}: GeoPackages need GDAL's Python module (osgeo), which QGIS brings along; install it, or choose .geojson</source>
+        <translation>{0}: los GeoPackage necesitan el módulo de Python de GDAL (osgeo), que QGIS trae consigo; instalarlo, o elegir .geojson</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/export/geopackage.py"/>
+        <source>{0}: cannot be written ({1})</source>
+        <translation>{0}: no se puede escribir ({1})</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/export/litchi.py"/>
+        <source>Litchi mission at {0} m: must be {1} m above ground or less</source>
+        <translation>misión Litchi a {0} m: debe estar a {1} m sobre el terreno o menos</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/export/litchi.py"/>
+        <source>Litchi mission of one waypoint: takes two or more; plan a list or an area</source>
+        <translation>misión Litchi de un punto de ruta: lleva dos o más; planificar una lista o un área</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/export/litchi.py"/>
+        <source>Litchi mission of {0} waypoints: takes {1} or fewer; plan a smaller area, a greater height or less overlap</source>
+        <translation>misión Litchi de {0} puntos de ruta: lleva {1} o menos; planificar un área menor, una altura mayor o menos solape</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/export/litchi.py"/>
+        <source>Litchi mission with the gimbal lifted to {0} deg: must be {1} to {2}, a tilt of {3} or less</source>
+        <translation>misión Litchi con el estabilizador levantado a {0} grados: debe estar entre {1} y {2}, una inclinación de {3} o menos</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/export/qgroundcontrol.py"/>
+        <source>QGroundControl plan of {0} waypoints: takes {1} or fewer; plan a smaller area, a greater height or less overlap</source>
+        <translation>plan de QGroundControl de {0} puntos de ruta: lleva {1} o menos; planificar un área menor, una altura mayor o menos solape</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/export/rows.py"/>
+        <source>start {0}: the flight of {1} s goes beyond the year 9999; start earlier</source>
+        <translation>inicio {0}: el vuelo de {1} s rebasa el año 9999; empezar antes</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/export/waypoints.py"/>
+        <source>the roll of {0} deg is left out: waypoints have none</source>
+        <translation>se omite el alabeo de {0} grados: los puntos de ruta no lo tienen</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/export/waypoints.py"/>
+        <source>the tilt of {0} deg is flown with the aircraft turned around: same ground, pictures upside down</source>
+        <translation>la inclinación de {0} grados se vuela con la aeronave dada la vuelta: mismo terreno, imágenes invertidas</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/export/waypoints.py"/>
+        <source>the wind is left out: the places are those that were meant</source>
+        <translation>se omite el viento: los lugares son los previstos</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/export/writing.py"/>
+        <source>plan file {0}: must end in {1}</source>
+        <translation>archivo de plan {0}: debe terminar en {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/export/writing.py"/>
+        <source>{0} parts of one flight, {1} to {2}</source>
+        <translation>{0} partes de un vuelo, de {1} a {2}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/framing.py"/>
+        <source>ground sample distance {0} m: the source's own pixels are {1} m here; ask for that or more, or allow enlarged pixels (--upsample)</source>
+        <translation>distancia de muestreo del terreno de {0} m: los píxeles propios de la fuente son aquí de {1} m; pedir eso o más, o permitir píxeles ampliados (--upsample)</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/framing.py"/>
+        <source>picture at latitude {0} from {1} m: reaches beyond the map, which ends at ±{2}; fly lower or nearer to the equator</source>
+        <translation>imagen en la latitud {0} desde {1} m: rebasa el mapa, que termina en ±{2}; volar más bajo o más cerca del ecuador</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/framing.py"/>
+        <source>picture from {0} m at zoom {1}: under one pixel; fly higher or choose a higher zoom</source>
+        <translation>imagen desde {0} m con zoom {1}: menos de un píxel; volar más alto o elegir un zoom mayor</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/framing.py"/>
+        <source>picture of {0} x {1} px: under one pixel; choose a less extreme aspect ratio, a higher zoom or larger pictures (--max-px)</source>
+        <translation>imagen de {0} x {1} px: menos de un píxel; elegir una relación de aspecto menos extrema, un zoom mayor o imágenes mayores (--max-px)</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/framing.py"/>
+        <source>pictures at zoom {0}: larger than the {1} px the source serves; choose a lower zoom</source>
+        <translation>imágenes con zoom {0}: mayores que los {1} px que sirve la fuente; elegir un zoom menor</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/framing.py"/>
+        <source>pictures from {0} m are larger than {1} px at zoom {2}, the source's lowest; fly lower or allow larger pictures (--max-px)</source>
+        <translation>las imágenes desde {0} m son mayores que {1} px con zoom {2}, el menor de la fuente; volar más bajo o permitir imágenes mayores (--max-px)</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/framing.py"/>
+        <source>pictures of {0} x {1} px: camera frames end at {2} px; choose a lower zoom or a larger ground sample distance</source>
+        <translation>imágenes de {0} x {1} px: los encuadres de cámara terminan en {2} px; elegir un zoom menor o una distancia de muestreo del terreno mayor</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/framing.py"/>
+        <source>zoom {0}: the source has {1} to {2}</source>
+        <translation>zoom {0}: la fuente tiene de {1} a {2}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/framing.py"/>
+        <source>zoom {0}: the source's own pixels end at zoom {1}; ask for that, or allow enlarged pixels (--upsample)</source>
+        <translation>zoom {0}: los píxeles propios de la fuente terminan en el zoom {1}; pedir ese, o permitir píxeles ampliados (--upsample)</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/layout.py"/>
+        <source>area reaches latitude {0}: pictures end at ±{1} (Web Mercator)</source>
+        <translation>el área llega a la latitud {0}: las imágenes terminan en ±{1} (Web Mercator)</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/layout.py"/>
+        <source>camera at {0} m, tilted so: from nowhere on the map does it see this area; tilt it less or fly lower</source>
+        <translation>cámara a {0} m, con esta inclinación: desde ningún lugar del mapa ve este área; inclinarla menos o volar más bajo</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/layout.py"/>
+        <source>images without a thousandth of a pixel of ground to count on: the camera looks past the map or the Earth; tilt it less or fly lower</source>
+        <translation>imágenes sin una milésima de píxel de terreno con la que contar: la cámara mira más allá del mapa o de la Tierra; inclinarla menos o volar más bajo</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/layout.py"/>
+        <source>mission of {0} images: the limit is {1}; fly higher, draw a smaller area, or raise it (--max-images)</source>
+        <translation>misión de {0} imágenes: el límite es {1}; volar más alto, dibujar un área menor, o subirlo (--max-images)</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/layout.py"/>
+        <source>overlap {0}: leaves under a thousandth of a pixel between captures; overlap less</source>
+        <translation>solape {0}: deja menos de una milésima de píxel entre capturas; solapar menos</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/layout.py"/>
+        <source>paper layout over {0} deg of longitude: its UTM grid holds to {1} deg from the zone's meridian; use --layout cover</source>
+        <translation>disposición paper en {0} grados de longitud: su cuadrícula UTM vale hasta {1} grados del meridiano del huso; usar --layout cover</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/layout.py"/>
+        <source>rows from {0} m cannot be placed in this area; fly lower</source>
+        <translation>las pasadas desde {0} m no caben en este área; volar más bajo</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/layout.py"/>
+        <source>rows from {0} m cannot be placed so near to a pole; fly lower or farther from it</source>
+        <translation>no se pueden situar pasadas desde {0} m tan cerca de un polo; volar más bajo o más lejos de él</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/layout.py"/>
+        <source>rows from {0} m cannot be placed so that their images cover this area; tilt the camera less, fly lower or take a smaller area</source>
+        <translation>no se pueden situar pasadas desde {0} m de modo que sus imágenes cubran este área; inclinar menos la cámara, volar más bajo o tomar un área menor</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/mission.py"/>
+        <source>area type {0}: must be box, polygon or points</source>
+        <translation>tipo de área {0}: debe ser box, polygon o points</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/mission.py"/>
+        <source>date {0}: must be text without spaces around it, such as 2024-06-21</source>
+        <translation>fecha {0}: debe ser texto sin espacios alrededor, como 2024-06-21</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/mission.py"/>
+        <source>error budget {0} px: must be a number above 0</source>
+        <translation>error admisible de {0} px: debe ser un número mayor que 0</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/mission.py"/>
+        <source>grid angle {0} deg: must be from -180 to 180</source>
+        <translation>ángulo de cuadrícula de {0} grados: debe estar entre -180 y 180</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/mission.py"/>
+        <source>ground height {0} m: must be from {1} to {2}</source>
+        <translation>altura del terreno de {0} m: debe estar entre {1} y {2}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/mission.py"/>
+        <source>ground sample distance {0} m: must be above 0</source>
+        <translation>distancia de muestreo del terreno de {0} m: debe ser mayor que 0</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/mission.py"/>
+        <source>image format</source>
+        <translation>formato de imagen</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/mission.py"/>
+        <source>image size {0} {1} {2}: needs a width and a height of 1 px or more, and 1 or 3 channels</source>
+        <translation>tamaño de imagen {0} {1} {2}: necesita una anchura y una altura de 1 px o más, y 1 o 3 canales</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/mission.py"/>
+        <source>limit of {0} images: must be 1 or more</source>
+        <translation>límite de {0} imágenes: debe ser 1 o más</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/mission.py"/>
+        <source>longest side of a picture {0} px: must be 1 or more</source>
+        <translation>lado mayor de una imagen de {0} px: debe ser 1 o más</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/mission.py"/>
+        <source>map type</source>
+        <translation>tipo de mapa</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/mission.py"/>
+        <source>map types {0}: each may be named once</source>
+        <translation>tipos de mapa {0}: cada uno se puede nombrar una vez</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/mission.py"/>
+        <source>mission field 'area' is {0}: must be an object</source>
+        <translation>el campo de misión 'area' es {0}: debe ser un objeto</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/mission.py"/>
+        <source>mission field {0} is {1}: must be an object</source>
+        <translation>el campo de misión {0} es {1}: debe ser un objeto</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/mission.py"/>
+        <source>mission field {0} is {1}: must be {2}</source>
+        <translation>el campo de misión {0} es {1}: debe ser {2}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/mission.py"/>
+        <source>mission field {0}.{1}: not one of {2}</source>
+        <translation>campo de misión {0}.{1}: no es ninguno de {2}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/mission.py"/>
+        <source>mission field {0}: not one of {1}</source>
+        <translation>campo de misión {0}: no es ninguno de {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/mission.py"/>
+        <source>mission file {0}: cannot be read (it is no text in UTF-8)</source>
+        <translation>archivo de misión {0}: no se puede leer (no es texto en UTF-8)</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/mission.py"/>
+        <source>mission file {0}: cannot be read ({1})</source>
+        <translation>archivo de misión {0}: no se puede leer ({1})</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/mission.py"/>
+        <source>mission is a JSON {0}: must be an object</source>
+        <translation>la misión es un {0} de JSON: debe ser un objeto</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/mission.py"/>
+        <source>mission is not JSON that can be read: nested too deep, or a number too long</source>
+        <translation>la misión no es JSON que se pueda leer: anidado demasiado hondo, o un número demasiado largo</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/mission.py"/>
+        <source>mission is not JSON: {0}</source>
+        <translation>la misión no es JSON: {0}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/mission.py"/>
+        <source>mission schema {0}: this version reads schema {1}</source>
+        <translation>esquema de misión {0}: esta versión lee el esquema {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/mission.py"/>
+        <source>mission with a value of the wrong type: {0}</source>
+        <translation>misión con un valor de tipo erróneo: {0}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/mission.py"/>
+        <source>mission without {0}.{1}: the field is needed</source>
+        <translation>misión sin {0}.{1}: el campo es necesario</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/mission.py"/>
+        <source>mission without {0}: the field is needed</source>
+        <translation>misión sin {0}: el campo es necesario</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/mission.py"/>
+        <source>no map type: give one or more of {0}</source>
+        <translation>ningún tipo de mapa: dar uno o más de {0}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/mission.py"/>
+        <source>order of flight</source>
+        <translation>orden de vuelo</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/mission.py"/>
+        <source>overlap {0}: must be at least 0 and below 1</source>
+        <translation>solape {0}: debe ser al menos 0 y menor que 1</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/mission.py"/>
+        <source>source is empty: name one, or give a URL template or a file</source>
+        <translation>la fuente está vacía: nombrar una, o dar una plantilla de URL o un archivo</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/mission.py"/>
+        <source>start {0}: must be UTC as 2024-06-21T10:30:00Z</source>
+        <translation>inicio {0}: debe ser UTC como 2024-06-21T10:30:00Z</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/mission.py"/>
+        <source>start {0}: no such time ({1})</source>
+        <translation>inicio {0}: no existe tal hora ({1})</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/mission.py"/>
+        <source>zoom {0} and ground sample distance {1} m: give one of the two</source>
+        <translation>zoom {0} y distancia de muestreo del terreno de {1} m: dar uno de los dos</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/mission.py"/>
+        <source>zoom {0}: must be 0 or more</source>
+        <translation>zoom {0}: debe ser 0 o más</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/mission.py"/>
+        <source>{0} {1} deg: must be from {2} to {3}</source>
+        <translation>{0} {1} grados: debe estar entre {2} y {3}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/mission.py"/>
+        <location filename="../../terrainav_plugin/settings.py"/>
+        <source>{0} {1}: must be one of {2}</source>
+        <translation>{0} {1}: debe ser uno de {2}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/options.py"/>
+        <source>{0} {1} {2}: must be a {3}</source>
+        <translation>{0} {1} {2}: debe ser {3}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/options.py"/>
+        <source>{0} {1} {2}: must be one of {3}</source>
+        <translation>{0} {1} {2}: debe ser uno de {3}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/options.py"/>
+        <source>{0} {1} {2}: takes {3} value{4}</source>
+        <translation>{0} {1} {2}: lleva {3} valores{4}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/options.py"/>
+        <source>{0} {1}: must be true or false</source>
+        <translation>{0} {1}: debe ser verdadero o falso</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/plan.py"/>
+        <source>view of a map frame: its picture is a window of the source as it is</source>
+        <translation>vista de un encuadre de mapa: su imagen es una ventana de la fuente tal como es</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/plan.py"/>
+        <source>wind of {0} m/s at {1} m: the gusts throw the camera to the ground; fly higher or in less turbulence</source>
+        <translation>viento de {0} m/s a {1} m: las ráfagas tiran la cámara al suelo; volar más alto o con menos turbulencia</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/presets.py"/>
+        <source>camera {0} is unknown: {1}`terrainav cameras` lists the names</source>
+        <translation>cámara {0} desconocida: {1}`terrainav cameras` enumera los nombres</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/rungs.py"/>
+        <source>condition number</source>
+        <translation>número de condición</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/rungs.py"/>
+        <source>error</source>
+        <translation>error</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/rungs.py"/>
+        <source>footprint</source>
+        <translation>huella</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/rungs.py"/>
+        <source>infinite (horizon)</source>
+        <translation>infinito (horizonte)</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/rungs.py"/>
+        <source>its bound of {0} px and {1} px of the other stages exceed the budget of {2} px</source>
+        <translation>su cota de {0} px y los {1} px de los demás pasos superan los {2} px admisibles</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/rungs.py"/>
+        <source>its cells' own noise is {0} px</source>
+        <translation>el propio ruido de sus celdas es de {0} px</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/rungs.py"/>
+        <source>left out</source>
+        <translation>se omite</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/rungs.py"/>
+        <source>mesh</source>
+        <translation>malla</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/rungs.py"/>
+        <source>method of {0}</source>
+        <translation>método: {0}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/rungs.py"/>
+        <source>method {0}: must be {1} or one of {2}</source>
+        <translation>método {0}: debe ser {1} o uno de {2}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/rungs.py"/>
+        <source>nothing</source>
+        <translation>nada</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/rungs.py"/>
+        <source>terrain</source>
+        <translation>relieve</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/rungs.py"/>
+        <source>terrain: not bounded, up to {0} px per metre of relief</source>
+        <translation>relieve: sin cota, hasta {0} px por metro de relieve</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/rungs.py"/>
+        <source>terrain: not bounded, without limit at the horizon</source>
+        <translation>relieve: sin cota, sin límite en el horizonte</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/rungs.py"/>
+        <source>{0} {1} was asked for, but has no bound here: {2}</source>
+        <translation>se pidió {0} {1}, pero aquí no tiene cota: {2}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/rungs.py"/>
+        <source>{0}, ≤ {1} px</source>
+        <translation>{0}, ≤ {1} px</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/rungs.py"/>
+        <source>{0}, ≤ {1} px (not {2}: {3})</source>
+        <translation>{0}, ≤ {1} px (no {2}: {3})</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/rungs.py"/>
+        <source>{0}: {1}, ≤ {2} px</source>
+        <translation>{0}: {1}, ≤ {2} px</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/rungs.py"/>
+        <source>{0}; left out: {1}; {2}</source>
+        <translation>{0}; se omite: {1}; {2}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/rungs.py"/>
+        <source>≤ {0} px of a budget of {1} px</source>
+        <translation>≤ {0} px de {1} px admisibles</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/sde.py"/>
+        <source>steps of {0} to {1} s: must be 0 or more, and finite</source>
+        <translation>pasos de {0} a {1} s: deben ser 0 o más, y finitos</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/sde.py"/>
+        <source>system without a stationary covariance: it must be stable</source>
+        <translation>sistema sin covarianza estacionaria: debe ser estable</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/settings.py"/>
+        <source>area {0} and coords {1}: give one of the two</source>
+        <translation>área {0} y coords {1}: dar uno de los dos</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/settings.py"/>
+        <source>area {0}: needs a height, --agl</source>
+        <translation>área {0}: necesita una altura, --agl</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/settings.py"/>
+        <source>aspect ratio {0} {1}: width and height must be above 0</source>
+        <translation>relación de aspecto {0} {1}: anchura y altura deben ser mayores que 0</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/settings.py"/>
+        <source>config file {0}: cannot be read as JSON ({1})</source>
+        <translation>archivo de configuración {0}: no se puede leer como JSON ({1})</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/settings.py"/>
+        <source>config file {0}: must hold a JSON object of options</source>
+        <translation>archivo de configuración {0}: debe contener un objeto JSON de opciones</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/settings.py"/>
+        <source>config file {0}: unknown option {1}{2}</source>
+        <translation>archivo de configuración {0}: opción desconocida {1}{2}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/settings.py"/>
+        <source>no coordinates: give --coords, such as --coords "35.16_-89.90_35.115_-89.823_120"</source>
+        <translation>sin coordenadas: dar --coords, como --coords "35.16_-89.90_35.115_-89.823_120"</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/settings.py"/>
+        <source>{0} and {1}: give one of the two</source>
+        <translation>{0} y {1}: dar uno de los dos</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/settings.py"/>
+        <source>{0} {1}: needs {2} as well</source>
+        <translation>{0} {1}: necesita también {2}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/turned.py"/>
+        <source>camera with tilt {0}, roll {1} deg from {2} m: sees past the horizon, where turned rows have no frames; tilt it less, fly lower or fly north-up rows</source>
+        <translation>cámara con inclinación {0}, alabeo {1} grados desde {2} m: ve más allá del horizonte, donde las pasadas giradas no tienen encuadres; inclinarla menos, volar más bajo o volar pasadas con el norte arriba</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/turned.py"/>
+        <source>grid angle {0} deg</source>
+        <translation>ángulo de cuadrícula de {0} grados</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/turned.py"/>
+        <source>grid angle {0} deg: turned rows hold to {1} km from the area's middle, and the area or its images reach {2} km; take a smaller area or north-up rows</source>
+        <translation>ángulo de cuadrícula de {0} grados: las pasadas giradas valen hasta {1} km del centro del área, y el área o sus imágenes llegan a {2} km; tomar un área menor o pasadas con el norte arriba</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/turned.py"/>
+        <source>points cover no area</source>
+        <translation>los puntos no cubren ningún área</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/turned.py"/>
+        <source>points have no rows that could be turned</source>
+        <translation>los puntos no tienen pasadas que se puedan girar</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/turned.py"/>
+        <source>{0}: the layout {1} is north-up; use --layout cover</source>
+        <translation>{0}: la disposición {1} tiene el norte arriba; usar --layout cover</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/user_cameras.py"/>
+        <source>camera name {0}: must be 1 to {1} characters of one line, with single spaces inside</source>
+        <translation>nombre de cámara {0}: debe tener de 1 a {1} caracteres en una línea, con espacios sencillos en su interior</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/user_cameras.py"/>
+        <source>camera name {0}: {1} is taken; choose another</source>
+        <translation>nombre de cámara {0}: {1} ya está en uso; elegir otro</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/user_cameras.py"/>
+        <source>camera {0}: comes with TerrAInav, and stays as it is</source>
+        <translation>cámara {0}: viene con TerrAInav, y se queda como está</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/user_cameras.py"/>
+        <source>camera {0}: is none of your own, which are {1}</source>
+        <translation>cámara {0}: no es ninguna de las propias, que son {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/user_cameras.py"/>
+        <source>camera {0}: must be an object</source>
+        <translation>cámara {0}: debe ser un objeto</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/wind.py"/>
+        <source>airspeed {0} m/s: must be {1} to {2}</source>
+        <translation>velocidad aérea de {0} m/s: debe estar entre {1} y {2}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/wind.py"/>
+        <source>seed {0} of the wind: must be a whole number, 0 or more</source>
+        <translation>semilla {0} del viento: debe ser un número entero, 0 o más</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/wind.py"/>
+        <source>turbulence intensity {0}: gusts of {1} m/s must stay below the airspeed, {2} m/s</source>
+        <translation>intensidad de turbulencia {0}: las ráfagas de {1} m/s deben quedar por debajo de la velocidad aérea, {2} m/s</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/wind.py"/>
+        <source>turbulence intensity {0}: must be 0 or more (sigma / mean wind)</source>
+        <translation>intensidad de turbulencia {0}: debe ser 0 o más (sigma / viento medio)</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/wind.py"/>
+        <source>wind from {0} deg: must be a number</source>
+        <translation>viento desde {0} grados: debe ser un número</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/wind.py"/>
+        <source>wind speed {0} m/s: must be 0 or more</source>
+        <translation>velocidad del viento de {0} m/s: debe ser 0 o más</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/wind.py"/>
+        <source>wind speed {0} m/s: must be below the airspeed, {1} m/s, to fly against it</source>
+        <translation>velocidad del viento de {0} m/s: debe ser menor que la velocidad aérea, {1} m/s, para volar contra él</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/wind.py"/>
+        <source>yaws of shape {0}: must be one, or one for each of {1} exposures</source>
+        <translation>guiñadas de forma {0}: debe ser una, o una para cada una de {1} exposiciones</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/wind.py"/>
+        <source>{0} of shape {1}: must be {2} for {3} exposures</source>
+        <translation>{0} de forma {1}: debe ser {2} para {3} exposiciones</translation>
+    </message>
+    <message>
+        <location filename="../../core/report/measure.py"/>
+        <source>a picture</source>
+        <translation>una imagen</translation>
+    </message>
+    <message>
+        <location filename="../../core/report/measure.py"/>
+        <source>camera frames</source>
+        <translation>encuadres de cámara</translation>
+    </message>
+    <message>
+        <location filename="../../core/report/measure.py"/>
+        <source>file formats</source>
+        <translation>formatos de archivo</translation>
+    </message>
+    <message>
+        <location filename="../../core/report/measure.py"/>
+        <source>footprints</source>
+        <translation>huellas</translation>
+    </message>
+    <message>
+        <location filename="../../core/report/measure.py"/>
+        <source>what was left out</source>
+        <translation>lo que se omitió</translation>
+    </message>
+    <message>
+        <location filename="../../core/report/page.py"/>
+        <source>page</source>
+        <translation>página</translation>
+    </message>
+    <message>
+        <location filename="../../core/report/plots.py"/>
+        <source>report: matplotlib, which draws the diagrams, is not installed; get it with: pip install 'terrainav[report]'</source>
+        <translation>informe: no está instalado matplotlib, que dibuja los diagramas; se obtiene con: pip install 'terrainav[report]'</translation>
+    </message>
+    <message>
+        <location filename="../../core/report/wind_methods.py"/>
+        <source>horizon {0} s: must be 0 or more</source>
+        <translation>horizonte de {0} s: debe ser 0 o más</translation>
+    </message>
+    <message>
+        <location filename="../../core/report/wind_methods.py"/>
+        <source>method {0}: must be one of {1}</source>
+        <translation>método {0}: debe ser uno de {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/report/wind_methods.py"/>
+        <source>step {0} s: must be above 0</source>
+        <translation>paso de {0} s: debe ser mayor que 0</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/entries.py"/>
+        <source>{0}: not a widget that entries know</source>
+        <translation>{0}: no es un elemento que las entradas conozcan</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/layers/connections.py"/>
+        <source>set TERRAINAV_KEY</source>
+        <translation>definir TERRAINAV_KEY</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/layers/jobs.py"/>
+        <source>QGIS could not draw it: {0}</source>
+        <translation>QGIS no ha podido dibujarlo: {0}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/layers/jobs.py"/>
+        <source>QGIS had not drawn it after {0} s</source>
+        <translation>QGIS no lo había dibujado tras {0} s</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/layers/jobs.py"/>
+        <source>cancelled while drawing the map</source>
+        <translation>cancelado mientras se dibujaba el mapa</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/layers/jobs.py"/>
+        <source>picture of {0}x{1} px: too large to be drawn</source>
+        <translation>imagen de {0}x{1} px: demasiado grande para dibujarla</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/layers/pipes.py"/>
+        <source>QGIS could not read it: {0}</source>
+        <translation>QGIS no ha podido leerlo: {0}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/layers/pipes.py"/>
+        <source>no reason given</source>
+        <translation>no se indica el motivo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/layers/source.py"/>
+        <source>{0} shows nothing here</source>
+        <translation>{0} no muestra nada aquí</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/map/failed_images.py"/>
+        <source>failed images of {0}: cannot be written ({1})</source>
+        <translation>imágenes fallidas de {0}: no se pueden escribir ({1})</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/map/mosaic.py"/>
+        <source>file {0}: cannot be replaced ({1}); close what shows it</source>
+        <translation>archivo {0}: no se puede sustituir ({1}); cerrar lo que lo muestra</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/map/on_map.py"/>
+        <source>picture {0}: cannot be read ({1})</source>
+        <translation>imagen {0}: no se puede leer ({1})</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/map/on_map.py"/>
+        <source>picture {0}: cannot be written ({1})</source>
+        <translation>imagen {0}: no se puede escribir ({1})</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/map/on_map.py"/>
+        <source>picture {0}: shows no ground that a map in EPSG:3857 has</source>
+        <translation>imagen {0}: no muestra terreno que tenga un mapa en EPSG:3857</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/map/opened_results.py"/>
+        <source>footprints {0}: QGIS cannot open them</source>
+        <translation>huellas {0}: QGIS no puede abrirlas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/map/opened_results.py"/>
+        <source>picture {0}: QGIS cannot open it</source>
+        <translation>imagen {0}: QGIS no puede abrirla</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/map/overviews.py"/>
+        <source>mosaic {0}: cannot be made ({1})</source>
+        <translation>mosaico {0}: no se puede crear ({1})</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/map/overviews.py"/>
+        <source>mosaic {0}: cannot be written ({1})</source>
+        <translation>mosaico {0}: no se puede escribir ({1})</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/map/overviews.py"/>
+        <source>mosaic: stopped</source>
+        <translation>mosaico: detenido</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/map/world_picture.py"/>
+        <source>background {0}: cannot be written ({1})</source>
+        <translation>fondo {0}: no se puede escribir ({1})</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/map/world_picture.py"/>
+        <source>background: stopped</source>
+        <translation>fondo: detenido</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/network/answer.py"/>
+        <source>a packed body that is broken</source>
+        <translation>un cuerpo comprimido que está dañado</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/network/answer.py"/>
+        <source>redirect to something that is no URL</source>
+        <translation>redirección a algo que no es una URL</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/network/errors.py"/>
+        <source>the proxy asks for a user name and password</source>
+        <translation>el proxy pide usuario y contraseña</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/network/worker.py"/>
+        <source>QGIS could not apply the authentication configuration {0}</source>
+        <translation>QGIS no ha podido aplicar la configuración de autenticación {0}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/network/worker.py"/>
+        <source>QGIS's authentication database is locked: enter its master password, then try again</source>
+        <translation>La base de datos de autenticación de QGIS está bloqueada: introducir su contraseña maestra e intentarlo de nuevo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/settings.py"/>
+        <source>{0} {1}: must be from {2} to {3}</source>
+        <translation>{0} {1}: debe estar entre {2} y {3}</translation>
+    </message>
+    <message>
+        <location filename="../../tools/translations.py"/>
+        <source>could not convert string to float: {0}</source>
+        <translation>no es un número: {0}</translation>
+    </message>
+    <message>
+        <location filename="../../tools/translations.py"/>
+        <source>date {0}: must be {1}, from {2} to now</source>
+        <translation>fecha {0}: debe ser {1}, de {2} hasta hoy</translation>
+    </message>
+    <message>
+        <location filename="../../tools/translations.py"/>
+        <source>roll {0} deg: must be from {1} to {2}</source>
+        <translation>alabeo de {0} grados: debe estar entre {1} y {2}</translation>
+    </message>
+    <message>
+        <location filename="../../tools/translations.py"/>
+        <source>tilt {0} deg: must be from {1} to {2}</source>
+        <translation>inclinación de {0} grados: debe estar entre {1} y {2}</translation>
+    </message>
+    <message>
+        <location filename="../../tools/translations.py"/>
+        <source>{0} from {1} to now; {2}</source>
+        <translation>{0} de {1} hasta hoy; {2}</translation>
+    </message>
+</context>
+</TS>

@@ -1,0 +1,85 @@
+"""The source that is entered, shown as background around the area."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from qgis.core import QgsApplication
+from qgis.PyQt.QtCore import QObject
+
+from ...core.errors import TerrAInavError
+from ..dock import mission_form
+from ..i18n import told
+from ..layers.snapshot import is_of_qgis
+from ..sources import WORLD
+from .background import Background, WorldTask
+
+if TYPE_CHECKING:
+    from ...core.mission.area import Box
+    from ..dock.dock import Dock
+    from ..messages import Messages
+    from ..settings import Settings
+
+
+class SourceOnMap(QObject):
+    """Shows sources as background; the embedded world is drawn first, on a thread of the task manager."""
+
+    def __init__(self, background: Background, dock: Dock, messages: Messages, settings: Settings) -> None:
+        super().__init__()
+        self._background, self._form = background, dock.form
+        self._messages, self._settings = messages, settings
+        self._task: WorldTask | None = None
+
+    def show(self) -> None:
+        """Show what is entered, and zoom to the area."""
+        from ...core.imagery.opening import is_file
+
+        state = self._form.state()
+        box = mission_form.box(state)
+        map_type = state.map_types[0] if state.map_types else "satellite"
+        try:
+            if state.source == WORLD:
+                self._show_world(box, map_type, state.seed)
+                return
+            title = self._form.imagery.title()
+            if is_file(state.source):
+                self._background.show_file(state.source, title)
+            elif not is_of_qgis(state.source):
+                self._background.show_tiles(state.source_name, map_type, title, state.date)
+            self._background.zoom_to(box)
+        except TerrAInavError as wrong:
+            self._messages.warning(told(wrong))
+
+    def close(self) -> None:
+        """End for good."""
+        if self._task is not None:
+            self._task.ended.disconnect()
+            self._task.cancel()
+            self._task = None
+
+    def _show_world(self, box: Box | None, map_type: str, seed: int) -> None:
+        if self._task is not None:
+            return
+        folder = self._settings.backgrounds
+        task = self._background.world_task(box, map_type, seed, folder)
+        title = self._form.imagery.title()
+
+        def show(task: WorldTask | None) -> None:
+            self._task = None
+            self._form.show_on_map.setEnabled(True)
+            if task is not None and task.error:
+                self._messages.error(told(task.error), task.trace)
+            elif task is None or not task.isCanceled():
+                try:
+                    self._background.show_world(box, map_type, seed, folder, title)
+                    self._background.zoom_to(box)
+                except TerrAInavError as wrong:
+                    self._messages.warning(told(wrong))
+
+        if task is None:
+            show(None)
+            return
+        self._task = task
+        self._form.show_on_map.setEnabled(False)
+        task.ended.connect(show)
+        QgsApplication.taskManager().addTask(task)

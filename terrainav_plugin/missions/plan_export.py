@@ -1,0 +1,144 @@
+"""The plan in the panel, written as a file for other programs. In the background: a million rows take a while."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from qgis.core import QgsApplication
+from qgis.PyQt.QtCore import QObject
+from qgis.PyQt.QtWidgets import QFileDialog
+
+from ...core.errors import TerrAInavError
+from ..i18n import told, tr
+from ..runs.after import open_in_system
+from ..task import Task
+
+if TYPE_CHECKING:
+    from ...core.mission.export import Exported
+    from ...core.mission.plan import Plan
+    from ..planner import Planned
+    from ..workflow import Workflow
+
+#: Ending of a name that has none.
+_USUAL = ".kml"
+
+
+class ExportTask(Task):
+    """Writes a plan.
+
+    Attributes
+    ----------
+    exported : Exported or None
+    """
+
+    def __init__(self, plan: Plan, path: Path) -> None:
+        super().__init__(tr("Writing {name}").format(name=path.name))
+        self.path = path
+        self.exported: Exported | None = None
+        self._plan = plan
+
+    def work(self) -> bool:
+        """Write."""
+        from ...core.mission.export import write_plan
+
+        self.exported = write_plan(self._plan, self.path)
+        return True
+
+
+class PlanExport(QObject):
+    """Asks for the file, has it written, and says what its format could not say."""
+
+    def __init__(self, workflow: Workflow) -> None:
+        super().__init__()
+        self._workflow, self._messages = workflow, workflow.messages
+        self._task: ExportTask | None = None
+
+    @property
+    def busy(self) -> bool:
+        """Whether a file is being written."""
+        return self._task is not None
+
+    def close(self) -> None:
+        """End for good; a file that is being written is finished."""
+        if self._task is not None:
+            self._task.ended.disconnect()
+            self._task.waitForFinished()
+            self._task = None
+
+    def ask(self) -> None:
+        """Let the user choose a file, and write the plan of what is entered into it."""
+        if self._task is not None:
+            self._messages.info(
+                tr("{name} is still being written; try again when it is there.").format(
+                    name=self._task.path.name
+                )
+            )
+            return
+        folder = self._workflow.settings.missions
+        name = Path(self._workflow.state().folder.strip()).name or tr("mission")
+        chosen, kind = QFileDialog.getSaveFileName(
+            self._workflow.iface.mainWindow(),
+            tr("TerrAInav: export plan"),
+            str((folder if folder.is_dir() else Path.home()) / f"{name}{_USUAL}"),
+            ";;".join(f"{title} (*{ending})" for ending, title in formats().items()),
+        )
+        if not chosen:
+            return
+        path = with_ending(Path(chosen), kind)
+        refusal = tr("Nothing to export yet: {reason}")
+        self._workflow.with_plan(lambda planned: self._write(planned, path), refusal)
+
+    def _write(self, planned: Planned, path: Path) -> None:
+        from ...core.mission.export import check_plan_ending
+
+        try:
+            check_plan_ending(path)
+        except TerrAInavError as wrong:
+            self._messages.warning(told(wrong))
+            return
+        self._task = ExportTask(planned.plan, path)
+        self._task.ended.connect(self._ended)
+        QgsApplication.taskManager().addTask(self._task)
+
+    def _ended(self, task: ExportTask) -> None:
+        self._task = None
+        if task.error:
+            tell = self._messages.error if task.trace else self._messages.warning
+            tell(told(task.error), task.trace)
+            return
+        if task.exported is None:
+            return
+        files, notes = task.exported
+        text = tr("Plan exported as {names}.").format(names=", ".join(file.name for file in files))
+        folder = files[0].parent
+        open_folder = (tr("Open folder"), lambda: open_in_system(folder))
+        if notes:
+            lines = [told(note) for note in notes]
+            self._messages.warning(f"{text} {' '.join(lines)}", "\n".join(lines), open_folder)
+        else:
+            self._messages.success(text, open_folder)
+
+
+def formats() -> dict[str, str]:
+    """Endings of the files that plans are written to, and what they are for."""
+    return {
+        ".kml": tr("KML for Google Earth"),
+        ".litchi.csv": tr("Litchi mission"),
+        ".plan": tr("QGroundControl plan"),
+        ".gpx": tr("GPX route"),
+        ".gpkg": tr("GeoPackage"),
+        ".csv": tr("Table"),
+        ".geojson": tr("GeoJSON footprints"),
+    }
+
+
+def with_ending(path: Path, kind: str) -> Path:
+    """File with the ending of the kind that is chosen in the dialog, unless it has one of a plan's."""
+    if any(path.name.lower().endswith(ending) for ending in formats()):
+        # Where Litchi is chosen, a .csv is Litchi's; the dialog completes names by the last dot only.
+        if "*.litchi.csv" in kind and not path.name.lower().endswith(".litchi.csv"):
+            return path.with_suffix(".litchi.csv") if path.suffix.lower() == ".csv" else path
+        return path
+    ending = next((ending for ending in formats() if f"(*{ending})" in kind), _USUAL)
+    return path.with_name(path.name + ending)

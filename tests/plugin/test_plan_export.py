@@ -1,0 +1,98 @@
+"""Plans written as files from the panel's menu."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+from osgeo import ogr
+from qgis.PyQt.QtWidgets import QFileDialog
+
+from tests.plugin.test_project import choose_in_menu
+
+
+@pytest.fixture
+def choose_file(monkeypatch):
+    """Choose a file and a kind in the dialog for a file to save."""
+
+    def choose(path, kind=""):
+        monkeypatch.setattr(QFileDialog, "getSaveFileName", lambda *_: (str(path), kind))
+
+    return choose
+
+
+def export(desk):
+    choose_in_menu(desk, "Export plan…")
+    exporting = desk.workflow.missions.plan_export
+    desk.wait(lambda: not desk.workflow.planner.busy and not exporting.busy)
+
+
+@pytest.mark.parametrize(
+    ("ending", "one_a_capture"),
+    [(".kml", False), (".geojson", True), (".gpkg", True), (".csv", True), (".gpx", False)],
+)
+def test_plan_is_written_and_read_by_others(desk, tmp_path, choose_file, ending, one_a_capture):
+    desk.enter_small_mission()
+    plan = desk.wait_planned().plan
+    path = tmp_path / f"survey{ending}"
+    choose_file(path)
+    export(desk)
+    assert any(f"Plan exported as survey{ending}." in text for text in desk.messages())
+    opened = ogr.Open(str(path))
+    assert opened is not None
+    assert opened.GetLayerCount() >= 1
+    if one_a_capture:
+        assert opened.GetLayer(0).GetFeatureCount() == len(plan)
+
+
+def test_plan_for_qgroundcontrol_says_what_it_cannot_hold(desk, tmp_path, choose_file):
+    desk.enter_small_mission()
+    desk.wait_planned()
+    choose_file(tmp_path / "survey.plan")
+    export(desk)
+    assert json.loads((tmp_path / "survey.plan").read_text())["fileType"] == "Plan"
+    (text,) = (text for text in desk.messages() if "Plan exported as survey.plan." in text)
+    assert len(text) > len("Plan exported as survey.plan.")
+
+
+@pytest.mark.parametrize(
+    ("chosen", "kind", "written"),
+    [
+        ("survey", "Litchi mission (*.litchi.csv)", "survey.litchi.csv"),
+        ("survey.csv", "Litchi mission (*.litchi.csv)", "survey.litchi.csv"),
+        ("survey.csv", "Table (*.csv)", "survey.csv"),
+        ("survey.litchi.csv", "Table (*.csv)", "survey.litchi.csv"),
+        ("survey 1.5", "GPX route (*.gpx)", "survey 1.5.gpx"),
+        ("survey", "", "survey.kml"),
+    ],
+)
+def test_name_gets_the_ending_of_the_kind(chosen, kind, written):
+    from terrainav.terrainav_plugin.missions.plan_export import with_ending
+
+    assert with_ending(Path(chosen), kind) == Path(written)
+
+
+def test_what_cannot_be_exported_is_one_line(desk, tmp_path, choose_file):
+    choose_file(tmp_path / "survey.kml")
+    export(desk)
+    assert any(text.startswith("Nothing to export yet: ") for text in desk.messages())
+    desk.enter_small_mission()
+    desk.wait_planned()
+    choose_file(tmp_path / "nowhere" / "survey.kml")
+    (tmp_path / "nowhere").write_text("a file in the way")
+    desk.iface.messageBar().clearWidgets()
+    export(desk)
+    ours = [item.text() for item in desk.iface.messageBar().items() if item.title() == "TerrAInav"]
+    assert len(ours) == 1
+    assert "survey.kml" in ours[0]
+    assert "\n" not in ours[0]
+
+
+def test_closed_dialog_writes_nothing(desk, tmp_path, choose_file):
+    desk.enter_small_mission()
+    desk.wait_planned()
+    choose_file("")
+    export(desk)
+    assert desk.messages() == []
+    assert not list(tmp_path.glob("survey*"))

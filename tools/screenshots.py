@@ -1,0 +1,542 @@
+"""The pictures of the guide: the plugin in the real QGIS, driven as a person does, over the embedded world.
+
+``make screenshots`` runs it and writes ``docs/images/guide-*``. With names of scenes it plays only those.
+
+Examples
+--------
+::
+
+    python tools/qgis_app.py --timeout 1200 tools/screenshots.py
+    python tools/qgis_app.py tools/screenshots.py polygon options
+"""
+
+from __future__ import annotations
+
+import io
+import shutil
+import sqlite3
+import sys
+import tempfile
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import processing
+from osgeo import gdal
+from PIL import Image
+from qgis.core import (
+    QgsApplication,
+    QgsFeature,
+    QgsFillSymbol,
+    QgsGeometry,
+    QgsProject,
+    QgsVectorLayer,
+)
+from qgis.PyQt.QtCore import QBuffer, QPoint, QRect, Qt, QTimer
+from qgis.PyQt.QtGui import QPixmap
+from qgis.PyQt.QtTest import QTest
+from qgis.PyQt.QtWidgets import (
+    QApplication,
+    QComboBox,
+    QDockWidget,
+    QProgressBar,
+    QSlider,
+    QToolButton,
+    QWidget,
+)
+from qgis.utils import iface, plugins
+from stage import (
+    StageError,
+    at,
+    choose,
+    click,
+    click_map,
+    enter,
+    layer_names,
+    press_map,
+    release_map,
+    screen_picture,
+    tidy_messages,
+    wait,
+    wait_until_drawn,
+)
+from terrainav.terrainav_plugin.dock.mission_form import FormState
+from terrainav.terrainav_plugin.dock.options_page import OptionsPage
+
+IMAGES = Path(__file__).resolve().parent.parent / "docs" / "images"
+#: The folder is to be seen in the pictures, so that it has a plain name.
+FOLDER = Path(tempfile.gettempdir()) / "TerrAInav"
+# Written first of all, so that only what this script made is ever cleared away.
+MARK = FOLDER / ".made-for-the-guide"
+
+WINDOW_PX = (1400, 900)
+PANEL_PX, LAYERS_PX = 400, 240
+#: They are part of the plugin's zip.
+MOST_BYTES = 98_000
+WIDEST_PX = 1200
+QUALITIES = range(85, 20, -5)
+
+FIRST = "35.143_-89.889_35.130_-89.867"
+AGRICENTER = "35.16_-89.90_35.115_-89.823"
+LARGE = "35.35_-90.10_35.05_-89.70"
+#: Corners and a hole, in degrees.
+POLYGON = (
+    "Polygon ((-89.892 35.122, -89.872 35.118, -89.852 35.125, -89.848 35.146, -89.862 35.139, -89.872 35.150, "
+    "-89.890 35.147, -89.892 35.122), (-89.880 35.130, -89.870 35.128, -89.868 35.137, -89.878 35.139, -89.880 35.130))"
+)
+#: Images after which the capture is held for its picture.
+HELD_AFTER = 500
+
+
+class Stage:
+    """The plugin, its panel and the map."""
+
+    def __init__(self) -> None:
+        self.plugin = plugins["terrainav"]
+        self.workflow = self.plugin.workflow
+        self.dock, self.form = self.workflow.dock, self.workflow.dock.form
+        self.canvas, self.window = iface.mapCanvas(), iface.mainWindow()
+        self.workflow.settings.missions_folder = str(FOLDER)
+        self.workflow.settings.cache_folder = str(FOLDER / "cache")
+        self.workflow.settings.backgrounds_folder = str(FOLDER / "backgrounds")
+
+    # --- scenery
+
+    def clear(self, name: str = "agricenter") -> None:
+        """Go back to an empty project and the panel as it is at first use, for a mission of a name."""
+        for run in list(self.workflow.runs.runs):
+            run.cancel()
+        wait("end of the runs", lambda: self.workflow.runs.idle)
+        for run in list(self.workflow.runs.runs):
+            self.workflow.runs.dismiss(run)
+        self.workflow.set_preview(False)
+        iface.newProject(False)
+        iface.messageBar().clearWidgets()
+        shutil.rmtree(FOLDER / name, ignore_errors=True)
+        self.form.set_state(FormState(folder=str(FOLDER / name)))
+        self.workflow.show_dock(True)
+        self.settle()
+
+    def settle(self) -> None:
+        """Give the window and its panels their sizes: what has come and gone leaves others."""
+        self.window.resize(*WINDOW_PX)
+        docks = {self.dock: PANEL_PX, self.panel("Layers"): LAYERS_PX}
+        self.window.resizeDocks(list(docks), list(docks.values()), Qt.Orientation.Horizontal)
+        QTest.qWait(100)
+
+    def panel(self, name: str) -> QDockWidget:
+        """Panel of QGIS."""
+        return self.window.findChild(QDockWidget, name)
+
+    def begin(self, coordinates: str, name: str = "agricenter", **entries: object) -> None:
+        """Begin a mission: its coordinates pasted, other entries given, its place on the map."""
+        self.clear(name)
+        self.form.set_state(replace(self.workflow.state(), **entries))
+        self.paste(coordinates)
+        self.show_background()
+
+    def paste(self, coordinates: str) -> None:
+        """Paste coordinates into the northern edge."""
+        edge = self.form.edges["north"]
+        edge.setFocus()
+        edge.selectAll()
+        QApplication.clipboard().setText(coordinates)
+        edge.paste()
+        self.plan()
+
+    def show_background(self) -> None:
+        """Press "Show on map"."""
+        click(self.form.show_on_map)
+        wait("drawing the background", lambda: "Synthetic (offline)" in layer_names())
+        wait_until_drawn()
+
+    def plan(self) -> None:
+        """Wait for the figures of what is entered, their cost timed."""
+        busy = (self.workflow.planner, self.workflow.preview)
+        wait("figures", lambda: not any(part.busy for part in busy))
+        wait(
+            "the methods' cost",
+            lambda: "being timed" not in self.dock.figures.details.text() or not self.workflow.runs.idle,
+        )
+
+    def preview(self) -> None:
+        """Press "Preview"."""
+        click(self.dock.preview)
+        self.wait_previewed()
+
+    def wait_previewed(self) -> None:
+        """Wait until the preview is whole."""
+        preview = self.workflow.preview
+        wait("preview", lambda: preview.shown and not preview.busy)
+        self.plan()
+
+    def capture(self) -> None:
+        """Press "Capture" and wait for the end."""
+        click(self.dock.capture)
+        wait("start of the capture", lambda: not self.workflow.runs.idle)
+        wait("capture", lambda: self.workflow.runs.idle)
+
+    def scroll_to(self, widget: QWidget) -> None:
+        """Bring an entry of the panel into sight."""
+        area = self.form.parent().parent()
+        area.verticalScrollBar().setValue(widget.mapTo(self.form, QPoint(0, 0)).y() - 4)
+
+    def zoom(self, scale: float) -> None:
+        """Zoom the map to a scale, and let the preview follow."""
+        self.canvas.zoomScale(scale)
+        QTest.qWait(200)
+        if self.workflow.preview.shown:
+            self.wait_previewed()
+
+    def unfold(self, role: str) -> None:
+        """Show the legend of a layer of the preview."""
+        layer = self.workflow.preview.layer(role)
+        QgsProject.instance().layerTreeRoot().findLayer(layer).setExpanded(True)
+
+    # --- pictures
+
+    def shoot(self, name: str, part: QRect | None = None, top: QWidget | None = None) -> None:
+        """Write a picture of the window, or of a part of it, with the panel's entries from its beginning or another."""
+        tidy_messages()
+        iface.statusBarIface().clearMessage()
+        # The cursor blinks, and a field in focus is marked.
+        if self.window.focusWidget() is not None:
+            self.window.focusWidget().clearFocus()
+        self.scroll_to(top or self.form.area)
+        wait_until_drawn()
+        for bar in self.window.statusBar().findChildren(QProgressBar):
+            # That of drawing, which QGIS takes away a while after.
+            bar.setVisible(bar.isVisible() and bar.maximum() > 0)
+        QTest.qWait(100)
+        picture = screen_picture(self.window.geometry())
+        write(name, picture if part is None else picture.copy(part))
+
+    def part(self, *widgets: QWidget) -> QRect:
+        """Part of the window that holds widgets."""
+        whole = QRect()
+        for widget in widgets:
+            whole = whole.united(QRect(widget.mapTo(self.window, QPoint(0, 0)), widget.size()))
+        return whole
+
+
+def write(name: str, picture: QPixmap) -> None:
+    """Write a picture as small as it has to be: parts of the panel as PNG, maps as JPEG."""
+    buffer = QBuffer()
+    buffer.open(QBuffer.OpenModeFlag.ReadWrite)
+    picture.save(buffer, "PNG")
+    image = Image.open(io.BytesIO(bytes(buffer.data()))).convert("RGB")
+    path = IMAGES / f"guide-{name}"
+    if image.width > WIDEST_PX:
+        image = image.resize((WIDEST_PX, image.height * WIDEST_PX // image.width), Image.Resampling.LANCZOS)
+    out = io.BytesIO()
+    if path.suffix == ".png":
+        image.quantize(256).save(out, "PNG", optimize=True)
+    for quality in QUALITIES if path.suffix == ".jpg" else ():
+        out = io.BytesIO()
+        image.save(out, "JPEG", quality=quality, optimize=True, progressive=True)
+        if out.tell() <= MOST_BYTES:
+            break
+    if out.tell() > MOST_BYTES:
+        raise StageError(f"picture {path}: {out.tell():,} bytes; must be {MOST_BYTES:,} at most")
+    path.write_bytes(out.getvalue())
+    print(f"{path.name}: {image.width} x {image.height}, {out.tell() / 1000:.0f} kB", flush=True)
+
+
+# --- scenes: the first mission
+
+
+def first_mission(stage: Stage) -> None:
+    """The steps of the guide's first part."""
+    stage.clear("mission-1")
+    stage.shoot("panel.jpg")
+    stage.paste(FIRST)
+    stage.show_background()
+    click(stage.form.draw_box)
+    start, end = at(0.2, 0.22), at(0.78, 0.75)
+    press_map(start, end)
+    stage.shoot("box.jpg")
+    release_map(end)
+    stage.paste(FIRST)
+    enter(stage.form.overlap_along, "30")
+    enter(stage.form.overlap_across, "20")
+    stage.plan()
+    stage.preview()
+    stage.shoot("preview.jpg")
+    stage.zoom(4000)
+    stage.shoot("close.jpg")
+    stage.workflow.zoom_to(stage.workflow.planned.mission.area.bounds)
+    stage.capture()
+    stage.shoot("results.jpg")
+    stage.plugin.actions["view_images"].trigger()
+    viewing = stage.workflow.viewing
+    click_map(at(0.55, 0.45))
+    wait("image", lambda: viewing.seen is not None and not viewing.busy)
+    stage.shoot("viewer.jpg")
+    viewing.stop()
+    viewing.viewer.hide()
+
+
+def camera(stage: Stage) -> None:
+    """A preset, and the same camera by lens and sensor; figures with their details."""
+    stage.begin(FIRST, overlap_along=0.8, overlap_across=0.6)
+    choose(stage.form.camera_group.fov_mode, "sensor")
+    presets = stage.form.camera
+    presets.setCurrentIndex(presets.findText("DJI Phantom 4 Pro"))
+    presets.activated.emit(presets.currentIndex())
+    stage.plan()
+    boxes = stage.form.camera_group.geometry().united(stage.form.flight.geometry())
+    write("camera.png", stage.form.grab(boxes.adjusted(-4, -4, 4, 4)))
+    stage.dock.figures.fold.setChecked(True)
+    stage.settle()
+    stage.shoot("figures.png", stage.part(stage.dock.figures))
+    stage.dock.figures.fold.setChecked(False)
+
+
+# --- scenes: areas and previews
+
+
+def ways_to_an_area(stage: Stage) -> None:
+    """The menu of areas and the list of sources."""
+    stage.clear()
+    menu = stage.form.area.area_from.menu()
+    menu.popup(stage.canvas.mapToGlobal(QPoint(20, 20)))
+    QTest.qWait(300)
+    write("area-menu.png", menu.grab())
+    menu.close()
+    stage.form.source.showPopup()
+    QTest.qWait(300)
+    write("sources.png", stage.form.source.view().window().grab())
+    stage.form.source.hidePopup()
+
+
+def polygon(stage: Stage) -> None:
+    """A selected polygon with a hole, moved on the map."""
+    stage.begin(AGRICENTER)
+    layer = QgsVectorLayer("Polygon?crs=EPSG:4326", "Fields of interest", "memory")
+    feature = QgsFeature()
+    feature.setGeometry(QgsGeometry.fromWkt(POLYGON))
+    layer.dataProvider().addFeatures([feature])
+    layer.renderer().setSymbol(
+        QgsFillSymbol.createSimple({"color": "255,255,255,60", "outline_color": "white"})
+    )
+    QgsProject.instance().addMapLayer(layer)
+    layer.selectAll()
+    iface.setActiveLayer(layer)
+    stage.form.area.area_from.actions_by_name["polygon"].trigger()
+    wait("area", lambda: stage.form.area.words.text().startswith("Polygon"))
+    layer.removeSelection()
+    click(stage.form.area.edit)
+    stage.plan()
+    stage.workflow.zoom_to(stage.workflow.planned.mission.area.bounds)
+    stage.preview()
+    stage.shoot("polygon.jpg")
+
+
+def afar(stage: Stage) -> None:
+    """A mission of many images from so far that they are counted, not drawn."""
+    stage.begin(LARGE, "county", overlap_along=0.8, overlap_across=0.6)
+    stage.preview()
+    stage.unfold("density")
+    stage.shoot("afar.jpg")
+
+
+def overlap(stage: Stage) -> None:
+    """Images coloured by how many show their middle."""
+    stage.begin(FIRST, overlap_along=0.6, overlap_across=0.4)
+    stage.preview()
+    stage.workflow.preview.layer("footprints").styleManager().setCurrentStyle("Overlap count")
+    stage.zoom(7000)
+    stage.unfold("footprints")
+    stage.shoot("overlap.jpg")
+
+
+def turned(stage: Stage) -> None:
+    """A camera that looks ahead, in turned and crossed rows."""
+    stage.begin(FIRST, tilt_deg=30.0, grid_angle_deg=30.0, agl=250.0)
+    stage.preview()
+    stage.shoot("turned.jpg", top=stage.form.flight)
+
+
+def flying(stage: Stage) -> None:
+    """QGIS's temporal controller halfway through the flight."""
+    stage.begin(FIRST, overlap_along=0.6, overlap_across=0.4, start="2024-06-21T10:30:00Z")
+    stage.preview()
+    panel = stage.panel("Temporal Controller")
+    panel.show()
+    click(panel.findChild(QToolButton, "mNavigationAnimated"))
+    # Its button's first entry: the times of all layers.
+    panel.findChild(QToolButton, "mSetRangeButton").defaultAction().trigger()
+    units = panel.findChild(QComboBox, "mTimeStepsComboBox")
+    units.setCurrentIndex(units.findText("minutes"))
+    slider = panel.findChild(QSlider, "mSlider")
+    slider.setValue(slider.maximum() // 2)
+    QTest.qWait(300)
+    stage.wait_previewed()
+    stage.shoot("flying.jpg")
+    click(panel.findChild(QToolButton, "mNavigationOff"))
+    panel.hide()
+
+
+# --- scenes: captures
+
+
+def capturing(stage: Stage) -> None:
+    """One mission held in the middle, and another in line."""
+    stage.begin(AGRICENTER)
+    stage.preview()
+    click(stage.dock.capture)
+    runs = stage.workflow.runs
+    wait(
+        "images",
+        lambda: (
+            bool(runs.runs) and runs.runs[0].progress is not None and runs.runs[0].progress.done >= HELD_AFTER
+        ),
+    )
+    first = runs.runs[0]
+    click(stage.workflow.run_panel.row(first).buttons["pause"])
+    wait("pause", lambda: first.progress.paused)
+    stage.form.folder.setFilePath(str(FOLDER / "mission-2"))
+    stage.form.agl.setValue(200.0)
+    stage.plan()
+    click(stage.dock.capture)
+    wait("line", lambda: len(runs.runs) == 2)
+    stage.shoot("queue.jpg")
+    stage.clear()
+
+
+def failed(stage: Stage) -> None:
+    """Images that a file of tiles with holes in it has not all of."""
+    stage.begin(FIRST, "mission-1")
+    picture = next(
+        layer.source()
+        for layer in QgsProject.instance().mapLayers().values()
+        if layer.providerType() == "gdal"
+    )
+    tiles = FOLDER / "orthophoto.mbtiles"
+    gdal.Translate(str(tiles), picture, format="MBTILES")
+    holed(tiles)
+    stage.clear("mission-1")
+    stage.form.set_state(replace(stage.workflow.state(), source=str(tiles)))
+    stage.paste(FIRST)
+    click(stage.form.show_on_map)
+    wait_until_drawn()
+    stage.capture()
+    stage.shoot("failed.jpg")
+
+
+def holed(tiles: Path) -> None:
+    """Take a tile of the finest zoom out of the middle of a file of tiles."""
+    with sqlite3.connect(tiles) as connection:
+        ((zoom, column, row),) = connection.execute(
+            "SELECT zoom_level, avg(tile_column), avg(tile_row) FROM tiles "
+            "WHERE zoom_level = (SELECT max(zoom_level) FROM tiles)"
+        ).fetchall()
+        connection.execute(
+            "DELETE FROM tiles WHERE zoom_level = ? AND tile_column = ? AND tile_row = ?",
+            (zoom, round(column), round(row)),
+        )
+
+
+# --- scenes: around the panel
+
+
+def algorithms(stage: Stage) -> None:
+    """The plan's algorithm, from the toolbox."""
+    stage.begin(FIRST)
+    dialog = processing.createAlgorithmDialog(
+        "terrainav:plan", {"COORDS": f"{AGRICENTER}_120", "OVERLAP_ALONG": 0.25}
+    )
+    dialog.show()
+    dialog.resize(980, 640)
+    dialog.setFocus()
+    QTest.qWait(500)
+    write("processing.png", dialog.grab())
+    dialog.close()
+
+
+def options(stage: Stage) -> None:
+    """The plugin's page of QGIS's options."""
+    wrong: list[BaseException] = []
+
+    def look() -> None:
+        dialog = QApplication.activeModalWidget()
+        page = None if dialog is None else dialog.findChild(OptionsPage)
+        if page is None or not page.isVisible():
+            QTimer.singleShot(100, look)
+            return
+        try:
+            dialog.resize(1000, 640)
+            dialog.setFocus()
+            QTest.qWait(500)
+            write("options.png", dialog.grab())
+        except BaseException as error:  # noqa: BLE001  raised again where the dialog was opened
+            wrong.append(error)
+        dialog.reject()
+
+    QTimer.singleShot(0, look)
+    stage.plugin.actions["settings"].trigger()
+    if wrong:
+        raise wrong[0]
+
+
+def dark(stage: Stage) -> None:
+    """The panel in QGIS's dark theme."""
+    stage.begin(FIRST)
+    application, theme = QApplication.instance(), QgsApplication.themeName()
+    palette = application.palette()
+    QgsApplication.setUITheme("Night Mapping")
+    stage.preview()
+    stage.shoot("dark.jpg")
+    QgsApplication.setUITheme(theme)
+    application.setPalette(palette)
+
+
+SCENES: dict[str, Callable[[Stage], None]] = {
+    scene.__name__: scene
+    for scene in (
+        first_mission,
+        camera,
+        ways_to_an_area,
+        polygon,
+        afar,
+        overlap,
+        turned,
+        flying,
+        capturing,
+        failed,
+        algorithms,
+        options,
+        dark,
+    )
+}
+
+
+def prepare() -> None:
+    """Start afresh: what an earlier run made goes, anything else stays and stops this one."""
+    if FOLDER.exists() and any(FOLDER.iterdir()) and not MARK.is_file():
+        raise StageError(f"folder {FOLDER}: holds something that was not made for the guide; move it away")
+    shutil.rmtree(FOLDER, ignore_errors=True)
+    FOLDER.mkdir()
+    MARK.touch()
+    IMAGES.mkdir(exist_ok=True)
+
+
+def main(names: list[str]) -> int:
+    """Play scenes, all unless some are named; returns the exit code."""
+    unknown = set(names) - set(SCENES)
+    if unknown:
+        raise StageError(f"scene {min(unknown)!r}: must be one of {', '.join(SCENES)}")
+    prepare()
+    stage = Stage()
+    stage.panel("Browser").close()
+    for name in names or SCENES:
+        SCENES[name](stage)
+    stage.clear()
+    shutil.rmtree(FOLDER)
+    return 0
+
+
+try:
+    sys.exit(main(sys.argv[1:]))
+except StageError as error:
+    sys.exit(f"screenshots: {error}")

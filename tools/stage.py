@@ -1,0 +1,131 @@
+"""What a script does in the real QGIS: waits, clicks, types, drags, and takes pictures of what is on the screen."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+
+from qgis.core import QgsProject
+from qgis.PyQt.QtCore import QEventLoop, QPoint, QRect, Qt, QTimer
+from qgis.PyQt.QtGui import QPixmap
+from qgis.PyQt.QtTest import QTest
+from qgis.PyQt.QtWidgets import QAbstractButton, QComboBox, QLineEdit, QWidget
+from qgis.utils import iface
+
+#: A capture may take minutes on a slow machine; nothing else comes near.
+PATIENCE_S = 900
+POLL_MS = 20
+_LEFT = Qt.MouseButton.LeftButton
+_PLAIN = Qt.KeyboardModifier.NoModifier
+
+
+class StageError(Exception):
+    """Something did not come out as it should."""
+
+
+def wait(what: str, condition: Callable[[], bool]) -> None:
+    """Let the application run until ``condition`` holds."""
+    loop, timer, started = QEventLoop(), QTimer(), time.monotonic()
+    timer.timeout.connect(
+        lambda: loop.quit() if condition() or time.monotonic() - started > PATIENCE_S else None
+    )
+    timer.start(POLL_MS)
+    loop.exec()
+    timer.stop()
+    if not condition():
+        raise StageError(f"{what}: nothing after {PATIENCE_S} s")
+
+
+def wait_until_drawn() -> None:
+    """Let the map be drawn to its end, and its widgets be painted."""
+    canvas = iface.mapCanvas()
+    if not canvas.layers():
+        # Nothing is drawn, and nothing says so.
+        QTest.qWait(10 * POLL_MS)
+        return
+    drawn: list[bool] = []
+    canvas.mapCanvasRefreshed.connect(lambda: drawn.append(True))
+    canvas.refreshAllLayers()
+    wait("drawing the map", lambda: bool(drawn) and not canvas.isDrawing())
+    canvas.mapCanvasRefreshed.disconnect()
+    QTest.qWait(10 * POLL_MS)
+
+
+def tidy_messages() -> None:
+    """Take away QGIS's own word about every task, which it says where the desktop has no notifications."""
+    bar = iface.messageBar()
+    for item in bar.items():
+        if item.title() != "TerrAInav":
+            bar.popWidget(item)
+
+
+def layer_names() -> list[str]:
+    """Names of the project's layers."""
+    return [layer.name() for layer in QgsProject.instance().mapLayers().values()]
+
+
+# --- a person's hands
+
+
+def click(button: QAbstractButton) -> None:
+    """Press a button with the mouse."""
+    if not (button.isVisible() and button.isEnabled()):
+        raise StageError(f"button {button.objectName() or button.text()}: cannot be pressed")
+    QTest.mouseClick(button, _LEFT)
+
+
+def enter(field: QWidget, text: str) -> None:
+    """Replace what is in a text field or a spin box, key by key, and leave it."""
+    edit = field if isinstance(field, QLineEdit) else field.findChild(QLineEdit)
+    edit.setFocus()
+    edit.selectAll()
+    QTest.keyClicks(edit, text)
+    QTest.keyClick(edit, Qt.Key.Key_Tab)
+
+
+def choose(combo: QComboBox, value: object) -> None:
+    """Choose an entry by its data."""
+    index = combo.findData(value)
+    if index < 0:
+        raise StageError(f"chooser {combo.objectName()}: has no {value!r}")
+    combo.setCurrentIndex(index)
+    combo.activated.emit(index)
+
+
+def at(share_x: float, share_y: float) -> QPoint:
+    """Pixel of the map at shares of its width and height."""
+    canvas = iface.mapCanvas()
+    return QPoint(int(canvas.width() * share_x), int(canvas.height() * share_y))
+
+
+def press_map(start: QPoint, end: QPoint) -> None:
+    """Press the left button over the map and drag, without letting go."""
+    viewport = iface.mapCanvas().viewport()
+    QTest.mousePress(viewport, _LEFT, _PLAIN, start)
+    for share in (0.25, 0.5, 0.75, 1.0):
+        QTest.mouseMove(viewport, start + (end - start) * share)
+        QTest.qWait(POLL_MS)
+
+
+def release_map(end: QPoint) -> None:
+    """Let go of the left button."""
+    QTest.mouseRelease(iface.mapCanvas().viewport(), _LEFT, _PLAIN, end)
+
+
+def click_map(place: QPoint) -> None:
+    """Click the map."""
+    QTest.mouseClick(iface.mapCanvas().viewport(), _LEFT, _PLAIN, place)
+
+
+# --- pictures
+
+
+def window_picture() -> QPixmap:
+    """QGIS's whole window."""
+    return iface.mainWindow().grab()
+
+
+def screen_picture(part: QRect) -> QPixmap:
+    """Part of the screen, with what floats above the windows: menus, lists, dialogs."""
+    screen = iface.mainWindow().screen()
+    return screen.grabWindow(0, part.x(), part.y(), part.width(), part.height())
