@@ -2,7 +2,7 @@
 <qgis labelsEnabled="0" symbologyReferenceScale="-1" simplifyMaxScale="1" simplifyDrawingTol="1" version="3.22.16-Białowieża" minScale="100000000" simplifyAlgorithm="0" simplifyLocal="1" hasScaleBasedVisibilityFlag="0" maxScale="0" styleCategories="Symbology|Labeling|Rendering" simplifyDrawingHints="1">
   <renderer-v2 enableorderby="0" type="graduatedSymbol" graduatedMethod="GraduatedColor" attr="images" symbollevels="0" forceraster="0" referencescale="-1">
     <ranges>
-      <range symbol="0" render="true" label="1" lower="0.500000000000000" upper="1.500000000000000"/>
+      <range symbol="0" render="true" label="1" lower="0.000000000000000" upper="1.500000000000000"/>
       <range symbol="1" render="true" label="2" lower="1.500000000000000" upper="2.500000000000000"/>
       <range symbol="2" render="true" label="3–4" lower="2.500000000000000" upper="4.500000000000000"/>
       <range symbol="3" render="true" label="5–8" lower="4.500000000000000" upper="8.500000000000000"/>

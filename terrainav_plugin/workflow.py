@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from qgis.core import QgsProject
 from qgis.gui import QgisInterface
 from qgis.PyQt.QtCore import QObject, Qt, pyqtSignal
-from qgis.PyQt.QtWidgets import QComboBox
+from qgis.PyQt.QtWidgets import QComboBox, QDialog
 
 from ..core.errors import TerrAInavError
 from ..core.mission.area import Box
@@ -94,6 +94,7 @@ class Workflow(QObject):
         self._timed: tuple[Mission, str] | None = None
         self._when_planned: Callable[[Planned], None] | None = None
         self._refusal = ""
+        self._closed = False
         self._zoom_to_preview = False
         self._connect()
         iface.addDockWidget(Qt.DockWidgetArea.RightDockWidgetArea, self.dock)
@@ -148,6 +149,9 @@ class Workflow(QObject):
         refusal : str
             What to say where there is none, with a place for the ``reason``.
         """
+        if self._closed:
+            # Unloaded while a dialog was open that has led here.
+            return
         self._when_planned = act
         self._refusal = refusal or tr("Nothing to capture yet: {reason}")
         if not self._plan(at_once=True):
@@ -189,6 +193,10 @@ class Workflow(QObject):
 
     def close(self) -> None:
         """Leave nothing behind."""
+        self._closed = True
+        # One that stays open would be deleted with the dock while it still runs.
+        for dialog in self.dock.findChildren(QDialog):
+            dialog.reject()
         self.memory.write()
         self.runs.close()
         self.missions.close()

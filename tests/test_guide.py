@@ -73,7 +73,7 @@ def test_help_buttons_find_their_topics():
     sources = "\n".join(
         path.read_text(encoding="utf-8") for path in (ROOT / "terrainav_plugin").rglob("*.py")
     )
-    asked = set(re.findall(r"add_help_button\([\w.]+, \"([\w-]+)\"\)", sources))
+    asked = set(re.findall(r'add_help_button\([\w.]+, (?:tr\()?"([\w-]+)"', sources))
     assert asked >= TOPICS
     assert asked <= anchors(GUIDE)
 

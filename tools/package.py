@@ -46,7 +46,8 @@ class PackageError(Exception):
 
 def git(*arguments: str) -> str:
     """Output of git in this repository."""
-    ran = subprocess.run(["git", *arguments], cwd=ROOT, capture_output=True, text=True, check=False)
+    command = ["git", *arguments]
+    ran = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)  # nosec B603
     if ran.returncode:
         raise PackageError(f"git {arguments[0]}: {ran.stderr.strip()}")
     return ran.stdout.strip()
@@ -110,9 +111,8 @@ def findings(folder: Path) -> list[str]:
 
 
 def _json(module: str, *arguments: str, folder: Path) -> dict[str, list]:
-    ran = subprocess.run(
-        [sys.executable, "-m", module, *arguments], cwd=folder, capture_output=True, text=True, check=False
-    )
+    command = [sys.executable, "-m", module, *arguments]
+    ran = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)  # nosec B603
     try:
         return json.loads(ran.stdout)
     except ValueError:

@@ -342,10 +342,9 @@ def afar(stage: Stage) -> None:
 
 def overlap(stage: Stage) -> None:
     """Images coloured by how many show their middle."""
-    stage.begin(FIRST, overlap_along=0.6, overlap_across=0.4)
+    stage.begin(FIRST, overlap_along=0.7, overlap_across=0.6, agl=250.0)
     stage.preview()
     stage.workflow.preview.layer("footprints").styleManager().setCurrentStyle("Overlap count")
-    stage.zoom(7000)
     stage.unfold("footprints")
     stage.shoot("overlap.jpg")
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import math
+import sys
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -13,6 +13,8 @@ from ..resources import read_json
 
 #: Facts that a field of view follows from, each a way of its own to state it.
 _VIEWS = ("fov_deg", "horizontal_fov_deg", "vertical_fov_deg", "sensor_mm")
+#: JSON has whole numbers of any length.
+_LARGEST = sys.float_info.max
 _KNOWN = (*_VIEWS, "focal_length_mm", "aspect_ratio", "size_px", "source")
 
 
@@ -117,7 +119,7 @@ def _pair(data: Mapping[str, Any], fact: str) -> tuple[float, float]:
 
 def _real(value: Any, wanted: str) -> float:
     # What is true or false counts as a number in Python.
-    if isinstance(value, bool) or not isinstance(value, (int, float)) or not 0.0 < value < math.inf:
+    if isinstance(value, bool) or not isinstance(value, (int, float)) or not 0.0 < value <= _LARGEST:
         raise InvalidInput(wanted)
     return float(value)
 

@@ -32,8 +32,10 @@ _EXTENT_M = 10.0
 #: Places along each side of the area's extent at which images are looked at to find what is common to all.
 _PLACES = 9
 #: Sides of the area bend between its corners, in the plane; they are cut into pieces that leave them by no more than
-#: this share of a rectangle, or into the most pieces for each.
-_BEND_SHARE, _MOST_PIECES = 1e-4, 4096
+#: this share of a rectangle, or have been halved so many times.
+_BEND_SHARE, _MOST_HALVINGS = 1e-4, 12
+#: Shares of a piece at which it is looked how far it leaves its chord: one that bends both ways does not in its middle.
+_LOOKED_AT = (0.25, 0.5, 0.75)
 _ACROSS_DEG = 90.0
 #: Pieces of a rectangle's width and height, about pixels of a picture, to which images' own ones are rounded inward:
 #: those of a million in wind, of which no two sides are level, are too many to be counted as they are.
@@ -203,33 +205,35 @@ def _shape(area: Box | Polygon, plane: LocalPlane, bend_m: float) -> Shape:
         west, east = area.west_deg, area.continuous_east_deg
         corners = [
             (
-                np.array([west, east, east, west]),
-                np.array([area.north_deg, area.north_deg, area.south_deg, area.south_deg]),
+                np.array([west, east, east, west], np.float64),
+                np.array([area.north_deg, area.north_deg, area.south_deg, area.south_deg], np.float64),
             )
         ]
     else:
         corners = area.arrays()
-    pieces = 1
-    while True:
-        found = [_cut(lon, lat, plane, pieces) for lon, lat in corners]
-        bend = max(part[2] for part in found)
-        if bend <= bend_m or pieces >= _MOST_PIECES or not math.isfinite(bend):
-            # Twice what is seen in the middle of the pieces, for those that bend unevenly.
-            return Shape(tuple((x, y) for x, y, _ in found), 2.0 * bend)
-        pieces *= 2
+    found = [_cut(lon, lat, plane, bend_m) for lon, lat in corners]
+    # Twice what is seen, for pieces that bend unevenly.
+    return Shape(tuple((x, y) for x, y, _ in found), 2.0 * max(bend for _, _, bend in found))
 
 
-def _cut(lon_deg: Floats, lat_deg: Floats, plane: LocalPlane, pieces: int) -> tuple[Floats, Floats, float]:
-    """Ring of a polygon in a plane, each side in so many pieces; most that the pieces' middles leave their chords."""
-    shares = np.arange(2 * pieces) / (2.0 * pieces)
-    lon, lat = (
-        (start[:, np.newaxis] + shares * (np.roll(start, -1) - start)[:, np.newaxis]).ravel()
-        for start in (lon_deg, lat_deg)
-    )
-    x, y = plane.forward(lat, lon)
-    ends = x[::2], y[::2]
-    off = [values[1::2] - (end + np.roll(end, -1)) / 2.0 for values, end in zip((x, y), ends)]
-    return *ends, float(np.hypot(*off).max())
+def _cut(lon_deg: Floats, lat_deg: Floats, plane: LocalPlane, bend_m: float) -> tuple[Floats, Floats, float]:
+    """Ring of a polygon in a plane, cut where its sides are bent; the most that its pieces are seen to leave chords."""
+    for halvings in range(_MOST_HALVINGS + 1):
+        x, y = plane.forward(lat_deg, lon_deg)
+        off = np.zeros(len(x))
+        for share in _LOOKED_AT:
+            lon, lat, *chord = (
+                part + share * (np.roll(part, -1) - part) for part in (lon_deg, lat_deg, x, y)
+            )
+            on = plane.forward(lat, lon)
+            off = np.maximum(off, np.hypot(on[0] - chord[0], on[1] - chord[1]))
+        bent = np.flatnonzero(off > bend_m)
+        if halvings == _MOST_HALVINGS or not len(bent):
+            break
+        lon_deg, lat_deg = (
+            np.insert(part, bent + 1, ((part + np.roll(part, -1)) / 2.0)[bent]) for part in (lon_deg, lat_deg)
+        )
+    return x, y, float(off.max())
 
 
 # --- what the images show

@@ -1295,8 +1295,8 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/dock/estimates.py"/>
-        <source>nothing ({count} tiles computed here)</source>
-        <translation>nada ({count} teselas calculadas aquí)</translation>
+        <source>nothing ({count} tiles from this computer)</source>
+        <translation>nada ({count} teselas de este equipo)</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/dock/estimates.py"/>
@@ -2543,13 +2543,13 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/map/preview_layers.py"/>
-        <source>images that show its middle: {count}</source>
-        <translation>imágenes que muestran su centro: {count}</translation>
+        <source>images that show a place here, on average: {count}</source>
+        <translation>imágenes que muestran un punto de aquí, en promedio: {count}</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/map/preview_layers.py"/>
-        <source>images that show this place: {count}</source>
-        <translation>imágenes que muestran este lugar: {count}</translation>
+        <source>images that show its middle: {count}</source>
+        <translation>imágenes que muestran su centro: {count}</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/map/preview_layers.py"/>

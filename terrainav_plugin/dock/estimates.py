@@ -219,7 +219,7 @@ def _tiles(summary: Summary) -> str:
 def _download(summary: Summary) -> str:
     count = f"{summary.unique_tiles * len(summary.map_types):,}"
     if not summary.download_bytes:
-        return tr("nothing ({count} tiles computed here)").format(count=count)
+        return tr("nothing ({count} tiles from this computer)").format(count=count)
     size = size_text(summary.download_bytes)
     return tr("about {size} in {count} tiles").format(size=size, count=count)
 

@@ -35,7 +35,10 @@ def open_results(folder: Path, mission: Mission, mosaics: list[Mosaic]) -> Opene
     OutputError
         Where QGIS cannot open one of them.
     """
-    footprints = _for_main_thread(open_footprints(folder / FOOTPRINTS_FILE, tr("Captured images")))
+    footprints = open_footprints(folder / FOOTPRINTS_FILE, tr("Captured images"))
+    # Of a mission they stay where they are: a project that is opened need not read them for their extent.
+    footprints.setReadExtentFromXml(True)
+    footprints = _for_main_thread(footprints)
     return OpenedResults(
         folder,
         mission,
@@ -55,6 +58,8 @@ def open_footprints(path: Path, title: str) -> QgsVectorLayer:
     layer = QgsVectorLayer(str(path), title, "ogr")
     if not layer.isValid():
         raise OutputError(f"footprints {path}: QGIS cannot open them")
+    # QGIS asks for it on the main thread as soon as the layer is there, and then reads the whole file; it keeps it.
+    layer.extent()
     return layer
 
 

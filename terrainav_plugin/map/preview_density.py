@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 
     from .preview_index import Boxes
 
+    Floats = NDArray[np.float64]
     Numbers = NDArray[np.int64]
 
 #: Least width of a cell on the screen; twice that is never reached.
@@ -25,6 +26,8 @@ _CELL_PX = 8.0
 _MOST_CELLS = 400
 #: Rectangles counted in one go, to bound memory.
 _BATCH = 1 << 17
+#: Levels of a doubling of the number of images: 8 a doubling, a sixth apart at most.
+_FINE_BITS = 3
 #: A polygon of one closed ring of five corners, in well-known binary.
 _RECTANGLE = np.dtype(
     [("order", "<u1"), ("type", "<u4"), ("rings", "<u4"), ("corners", "<u4"), ("at", "<f8", (5, 2))]
@@ -60,39 +63,53 @@ class Cells(NamedTuple):
         return WORLD_M / 2.0**self.level
 
 
-def count_images(boxes: Boxes, cells: Cells) -> Numbers:
-    """How many rectangles show the middle of each cell, exactly; (rows, columns), southernmost row first."""
-    around = 1 << cells.level
-    size = cells.size_m
-    # Each rectangle adds one where it begins and takes it away where it ends; the sums are the counts.
-    steps = np.zeros((cells.rows + 1) * (cells.columns + 1), np.int64)
+def mean_images(boxes: Boxes, cells: Cells) -> Floats:
+    """How many rectangles show a place of each cell on average, exactly; (rows, columns), southernmost row first.
+
+    The mean and not the number at one place of the cell: that of a regular grid of images beats against the grid of
+    the cells, and shows patterns that are not there.
+    """
+    around, size = 1 << cells.level, cells.size_m
+    # What each rectangle covers of rows and columns is the running sum of a few steps at its edges.
+    steps = np.zeros((cells.rows + 1) * (cells.columns + 1))
     for start in range(0, len(boxes.west), _BATCH):
         part = (edge[start : start + _BATCH] for edge in boxes)
-        # First cell whose middle is not west or south of an edge.
-        west, south, east, north = (
-            np.ceil((edge + HALF_WORLD_M) / size - 0.5).astype(np.int64) for edge in part
-        )
-        low, high = (np.clip(edge - cells.row, 0, cells.rows) for edge in (south, north))
+        west, south, east, north = ((edge + HALF_WORLD_M) / size for edge in part)
+        low, high = (np.clip(edge - cells.row, 0.0, cells.rows) for edge in (south, north))
         for shift in (-around, 0, around):
-            left, right = (np.clip(edge + (shift - cells.column), 0, cells.columns) for edge in (west, east))
+            left, right = (
+                np.clip(edge + (shift - cells.column), 0.0, cells.columns) for edge in (west, east)
+            )
             seen = (left < right) & (low < high)
-            corners = (low[seen], left[seen], high[seen], right[seen])
-            _add_steps(steps, cells.columns + 1, *corners)
+            along = _edge_steps(low[seen], high[seen], cells.rows)
+            across = _edge_steps(left[seen], right[seen], cells.columns)
+            for row, tall in along:
+                for column, wide in across:
+                    place = row * (cells.columns + 1) + column
+                    steps += np.bincount(place, tall * wide, minlength=len(steps))
     return steps.reshape(cells.rows + 1, -1).cumsum(axis=0).cumsum(axis=1)[:-1, :-1]
 
 
-def _add_steps(
-    steps: Numbers, width: int, low: Numbers, left: Numbers, high: Numbers, right: Numbers
-) -> None:
-    if not len(low):
-        return
-    for row, column, sign in ((low, left, 1), (low, right, -1), (high, left, -1), (high, right, 1)):
-        steps += sign * np.bincount(row * width + column, minlength=len(steps))
+def _edge_steps(first: Floats, last: Floats, cells: int) -> list[tuple[Numbers, Floats]]:
+    """Places and heights of the steps whose running sum is the share of each cell between two edges, 0 to ``cells``."""
+    steps = []
+    for edge, sign in ((first, 1.0), (last, -1.0)):
+        cell = np.minimum(edge.astype(np.int64), cells - 1)
+        into = edge - cell
+        steps += [(cell, sign * (1.0 - into)), (cell + 1, sign * into)]
+    return steps
 
 
-def density_features(counts: Numbers, cells: Cells) -> list[QgsFeature]:
-    """One feature for each number of images: all cells of that number, neighbours as one rectangle."""
-    padded = np.pad(counts, ((0, 0), (1, 1)))
+def levels(means: Floats) -> Numbers:
+    """Means in steps of a quarter, as whole numbers; of many images in coarser ones, so that there are few."""
+    quarters = np.rint(4.0 * means)
+    step = 2.0 ** np.maximum(np.floor(np.log2(np.maximum(quarters, 1.0))) - _FINE_BITS, 0.0)
+    return (np.rint(quarters / step) * step).astype(np.int64)
+
+
+def density_features(quarters: Numbers, cells: Cells) -> list[QgsFeature]:
+    """One feature for each of the `levels`: all cells of that level, neighbours as one rectangle."""
+    padded = np.pad(quarters, ((0, 0), (1, 1)))
     change = padded[:, 1:] != padded[:, :-1]
     # No cell lies on both sides of the antimeridian.
     border = (1 << cells.level) - cells.column
@@ -119,7 +136,7 @@ def density_features(counts: Numbers, cells: Cells) -> list[QgsFeature]:
         geometry.fromWkb(head + shapes[begin:end].tobytes())
         feature = QgsFeature()
         feature.setGeometry(geometry)
-        feature.setAttributes([int(value[begin])])
+        feature.setAttributes([float(value[begin]) / 4.0])
         features.append(feature)
     return features
 

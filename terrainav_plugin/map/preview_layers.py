@@ -25,7 +25,7 @@ FIELDS = {
         "field=length_m:double&field=images:integer&field=first_lat:double&field=first_lon:double"
         "&field=start:datetime&field=end:datetime"
     ),
-    "density": "field=images:integer",
+    "density": "field=images:double",
 }
 #: Attributes that say from when until when a feature is there.
 _WHEN = {"footprints": ("time", "time_end"), "centres": ("time", "time_end"), "flight": ("start", "end")}
@@ -107,7 +107,7 @@ def _map_tip(role: str) -> str:
             end="[% format_date(\"end\", 'yyyy-MM-dd HH:mm:ss') %]",
         )
     if role == "density":
-        return tr("images that show this place: {count}").format(count='[% "images" %]')
+        return tr("images that show a place here, on average: {count}").format(count='[% "images" %]')
     return ""
 
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from ...core.geodesy.mercator import HALF_WORLD_M
 from .camera_outlines import metres
-from .preview_density import Cells, count_images, density_features
+from .preview_density import Cells, density_features, levels, mean_images
 from .preview_features import Clock, Picked, area_features, centre_features, footprint_features, part_of
 from .preview_flight import Flight
 from .preview_index import Boxes, CaptureIndex, shown_by
@@ -187,7 +187,7 @@ class Scene:
                 windows = windows.take(np.flatnonzero(self.index.longer_m < below_m))
             elif self.index.count(rect) < len(self.plan) // 4:
                 windows = windows.take(self.index.within(rect))
-            self._density = (cells, below_m), density_features(count_images(windows, cells), cells)
+            self._density = (cells, below_m), density_features(levels(mean_images(windows, cells)), cells)
         return self._density[1]
 
 

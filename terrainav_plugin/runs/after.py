@@ -59,7 +59,7 @@ class Endings:
             if run.task.picture is not None and is_open:
                 self._show(lambda: self._load_test_shot(run))
                 return
-        elif run.task.opened is not None and is_open:
+        elif run.task.opened is not None and is_open and (run.result.written or run.result.skipped):
             self._show(lambda: self._load_results(run))
         # Layers that are not shown go away here: they keep their files open, and a run stays listed for long.
         run.task.opened = None

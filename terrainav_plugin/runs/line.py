@@ -53,6 +53,7 @@ class Runs(QObject):
         self.runs: list[Run] = []
         self._endings = Endings(workflow, self)
         self._was_idle = True
+        self._closed = False
 
     @property
     def waiting(self) -> list[Run]:
@@ -119,6 +120,7 @@ class Runs(QObject):
 
     def close(self) -> None:
         """Stop everything and wait for its end, without a word."""
+        self._closed = True
         self._endings.close()
         for run in reversed(self.runs):
             run.close()
@@ -144,6 +146,10 @@ class Runs(QObject):
         return True
 
     def _add(self, run: Run) -> None:
+        if self._closed:
+            # Unloaded while it was asked for the terms.
+            run.close()
+            return
         self._endings.remember(run)
         run.failed_changed.connect(self._endings.show_failed)
         run.ended.connect(self._ended)

@@ -44,10 +44,9 @@ def lines_and_bounds(text: Bytes) -> tuple[Numbers, Floats]:
     lat, _ = _numbers(padded, lon_at + length + len(", "))
     first = np.searchsorted(lon_at, starts)
     filled = np.flatnonzero(first < np.append(first[1:], len(lon_at)))
-    for column, (reduce, values) in enumerate(
-        ((np.minimum, lon), (np.minimum, lat), (np.maximum, lon), (np.maximum, lat))
-    ):
-        bounds[filled, column] = reduce.reduceat(values, first[filled])
+    for column, values in enumerate((lon, lat)):
+        bounds[filled, column] = np.minimum.reduceat(values, first[filled])
+        bounds[filled, column + 2] = np.maximum.reduceat(values, first[filled])
     return starts, bounds
 
 

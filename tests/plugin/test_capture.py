@@ -292,7 +292,8 @@ def test_server_that_is_away_is_one_message(desk):
     assert len(ours) == 1
     assert "127.0.0.1" in ours[0]
     assert images(desk) == []
-    assert desk.group() is None
+    # Nothing to be seen but what is missing.
+    assert desk.layer_names() == ["Failed images"]
 
 
 def test_capture_without_an_area_or_folder_says_so(desk):

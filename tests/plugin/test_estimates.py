@@ -46,7 +46,7 @@ def test_figures_of_a_covered_area():
     summary, lines = lines_of(Mission(area=AREA, agl_m=120.0))
     assert lines["Images"] == f"{summary.images:,} in {summary.rows} rows"
     assert lines["Coverage"].startswith("100 % of 35.03 km²")
-    assert lines["Download"] == f"nothing ({summary.unique_tiles:,} tiles computed here)"
+    assert lines["Download"] == f"nothing ({summary.unique_tiles:,} tiles from this computer)"
 
 
 def test_what_is_left_out_is_said_and_never_reads_as_everything():

@@ -19,7 +19,7 @@ from qgis.PyQt.QtGui import QDesktopServices
 from qgis.PyQt.QtTest import QTest
 from qgis.PyQt.QtWidgets import QAction, QApplication, QDockWidget, QMenu, QPushButton, QTabWidget, QToolBar
 
-from tests.plugin.steps import PATIENCE_MS, SMALL_BOX
+from tests.plugin.steps import PATIENCE_MS, SMALL_BOX, Desk
 
 PLUGIN = "terrainav"
 ROUNDS = 25
@@ -359,6 +359,50 @@ def test_messages_still_shown_go_with_the_plugin(unloaded, iface, qtbot):
         qtbot.wait(20)
         settle()
     assert iface.messageBar().items() == []
+
+
+def test_file_dialog_of_the_panel_closes_with_the_plugin(unloaded, iface, qtbot, monkeypatch, tmp_path):
+    """It runs an event loop of its own, in which the panel must not be deleted under it."""
+    monkeypatch.setenv("TERRAINAV_CONFIG_DIR", str(tmp_path))
+    load()
+    plugin = qgis.utils.plugins[PLUGIN]
+    imagery = plugin.workflow.dock.form.imagery
+    closed = []
+
+    def unload():
+        dialog = QApplication.activeModalWidget()
+        if dialog is None:
+            QTimer.singleShot(20, unload)
+            return
+        dialog.finished.connect(closed.append)
+        assert qgis.utils.unloadPlugin(PLUGIN)
+
+    QTimer.singleShot(20, unload)
+    imagery._browse()
+    assert closed == [0]
+    del plugin, imagery
+    qtbot.wait(50)
+    assert names_of_the_plugin(iface) == []
+
+
+def test_no_run_begins_after_the_plugin_has_gone(unloaded, iface, qtbot, monkeypatch, tmp_path):
+    """Unloaded while it asks whether the terms of the source are agreed to."""
+    monkeypatch.setenv("TERRAINAV_CACHE_DIR", str(tmp_path / "cache"))
+    monkeypatch.setenv("TERRAINAV_CONFIG_DIR", str(tmp_path / "config"))
+    load()
+    desk = Desk(qgis.utils.plugins[PLUGIN], iface, qtbot, tmp_path / "mission")
+    desk.enter_small_mission()
+    runs = desk.workflow.runs
+
+    def agree(*_):
+        assert qgis.utils.unloadPlugin(PLUGIN)
+        return True
+
+    monkeypatch.setattr(runs.questions, "terms_allow", agree)
+    runs.start(desk.workflow.planned, desk.folder)
+    assert runs.runs == []
+    assert not desk.folder.exists()
+    assert QgsApplication.taskManager().countActiveTasks() == 0
 
 
 def test_messages_that_users_close_are_forgotten(plugin, iface):

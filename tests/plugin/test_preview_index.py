@@ -6,10 +6,12 @@ import numpy as np
 import pytest
 from qgis.core import QgsPointXY
 from terrainav.core.geodesy.mercator import HALF_WORLD_M
-from terrainav.terrainav_plugin.map.preview_density import Cells, count_images, density_features
+from terrainav.terrainav_plugin.map.preview_density import Cells, density_features, levels, mean_images
 from terrainav.terrainav_plugin.map.preview_index import Boxes, CaptureIndex, shown_by
 from terrainav.terrainav_plugin.map.preview_view import WORLD, WORLD_M, Rect
 
+# Of edges in metres, 4 nm, in cells of a centimetre, for dozens of images.
+_ROUNDING = 1e-5
 RECTS = [
     Rect(-1e6, -1e6, 1e6, 1e6),
     Rect(19e6, -3e6, 23e6, 2e6),
@@ -63,38 +65,60 @@ def test_query_touches_few_captures_outside_of_the_view():
 
 
 @pytest.mark.parametrize("rect", RECTS)
-def test_density_counts_images_at_the_middle_of_each_cell(boxes, rect):
+def test_density_is_the_mean_number_of_images_over_each_cell(boxes, rect):
     cells = Cells.over(rect, 100.0 / rect.longer_m)
-    counts = count_images(boxes, cells)
-    x = -HALF_WORLD_M + cells.size_m * (cells.column + np.arange(cells.columns) + 0.5)
-    y = -HALF_WORLD_M + cells.size_m * (cells.row + np.arange(cells.rows) + 0.5)
-    assert x[0] - cells.size_m / 2 <= rect.west
-    assert x[-1] + cells.size_m / 2 >= rect.east
-    expected = np.zeros((len(y), len(x)), int)
+    x = -HALF_WORLD_M + cells.size_m * (cells.column + np.arange(cells.columns + 1))
+    y = -HALF_WORLD_M + cells.size_m * (cells.row + np.arange(cells.rows + 1))
+    assert x[0] <= rect.west
+    assert x[-1] >= rect.east
+    expected = np.zeros((cells.rows, cells.columns))
     for west, south, east, north in turned(boxes):
-        across = (west[:, None] <= x) & (x < east[:, None])
-        along = (south[:, None] <= y) & (y < north[:, None])
-        expected += along.astype(int).T @ across.astype(int)
-    assert np.array_equal(counts, expected)
+        across, along = (
+            np.clip(np.minimum(last[:, None], at[1:]) - np.maximum(first[:, None], at[:-1]), 0.0, None)
+            for first, last, at in ((west, east, x), (south, north, y))
+        )
+        expected += along.T @ across / cells.size_m**2
+    assert mean_images(boxes, cells) == pytest.approx(expected, rel=1e-9, abs=_ROUNDING)
 
 
-def test_density_features_hold_the_cells_of_their_count():
+def test_a_regular_mission_has_no_pattern_from_afar():
+    """Images with 60 and 30 % overlap, smaller than a cell: the same everywhere but at the mission's border."""
+    side = 400
+    west, south = (at.ravel() for at in np.meshgrid(np.arange(side) * 40.0, np.arange(side) * 52.5))
+    boxes = Boxes.wrapped(west, south, west + 100.0, south + 75.0)
+    cells = Cells.over(Rect(1000.0, 1000.0, 15_000.0, 19_000.0), 0.04)
+    inner = levels(mean_images(boxes, cells))[2:-2, 2:-2] / 4.0
+    assert cells.size_m > 100.0
+    # One step of the levels about the mean that every place has: all of one colour.
+    assert set(np.unique(inner)) <= {3.5, 3.75}
+
+
+def test_levels_are_few_and_near():
+    means = np.geomspace(0.2, 3e4, 10_000)
+    shown = levels(means) / 4.0
+    assert (np.abs(shown - means) <= np.maximum(0.125, means / 10.0)).all()
+    assert len(np.unique(shown)) < 160
+    assert levels(np.zeros(1)) == [0]
+
+
+def test_density_features_hold_the_cells_of_their_level():
     rect = Rect(HALF_WORLD_M - 300.0, 0.0, HALF_WORLD_M + 300.0, 300.0)
     cells = Cells.over(rect, 0.4)
     rng = np.random.default_rng(6)
-    counts = rng.integers(0, 4, (cells.rows, cells.columns))
-    features = density_features(counts, cells)
-    assert [feature.attributes() for feature in features] == [[1], [2], [3]]
+    quarters = rng.integers(0, 4, (cells.rows, cells.columns))
+    features = density_features(quarters, cells)
+    assert [feature.attributes() for feature in features] == [[0.25], [0.5], [0.75]]
     areas = {feature.attributes()[0]: feature.geometry().area() for feature in features}
     for images, area in areas.items():
-        assert area == pytest.approx((counts == images).sum() * cells.size_m**2, rel=1e-6)
+        assert area == pytest.approx((quarters == 4.0 * images).sum() * cells.size_m**2, rel=1e-6)
     for row in range(cells.rows):
         for column in range(cells.columns):
             x = -HALF_WORLD_M + (cells.column + column + 0.5) * cells.size_m
             x -= WORLD_M if x > HALF_WORLD_M else 0.0
             middle = QgsPointXY(x, -HALF_WORLD_M + (cells.row + row + 0.5) * cells.size_m)
             there = [f.attributes()[0] for f in features if f.geometry().contains(middle)]
-            assert there == [counts[row, column]][: counts[row, column]]
+            expected = quarters[row, column] / 4.0
+            assert there == ([expected] if expected else [])
 
 
 def test_cells_keep_their_places_when_the_map_moves():

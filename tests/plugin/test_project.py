@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import os
 import re
 import shutil
 from contextlib import closing
@@ -270,6 +271,49 @@ def test_folders_may_have_any_name(desk, tmp_path, name):
     viewing.viewer.hide()
 
 
+def test_large_footprints_are_measured_before_the_main_thread_asks(desk, tmp_path, answers, monkeypatch):
+    """QGIS asks a layer for its extent when it is added, which would read the whole file there."""
+    from qgis.core import QgsVectorLayer
+    from qgis.PyQt.QtCore import QThread
+
+    asked, original = [], QgsVectorLayer.extent
+
+    def extent(layer):
+        asked.append(QThread.currentThread() == QgsApplication.instance().thread())
+        return original(layer)
+
+    desk.enter_small_mission()
+    capture_into(desk, desk.folder)
+    desk.iface.newProject(False)
+    monkeypatch.setattr(QgsVectorLayer, "extent", extent)
+    answers["folder"] = desk.folder
+    choose_in_menu(desk, "Open dataset folder…")
+    desk.wait(lambda: not desk.workflow.missions.busy)
+    assert asked[0] is False
+    assert desk.layer("Captured images").readExtentFromXml()
+
+
+@pytest.mark.skipif(not Path("/proc/self/fd").is_dir(), reason="open files are listed on Linux only")
+def test_runs_that_are_over_keep_no_file_open(desk):
+    """Twice into the same folder: the second run's layers are not needed."""
+    desk.enter_small_mission()
+    capture_into(desk, desk.folder)
+    runs = [desk.workflow.runs.runs[-1]]
+    capture_into(desk, desk.folder)
+    runs.append(desk.workflow.runs.runs[-1])
+    desk.wait_for_tasks()
+    desk.iface.newProject(False)
+    desk.canvas.stopRendering()
+
+    def open_files():
+        settle()
+        links = (os.path.realpath(link) for link in Path("/proc/self/fd").iterdir())
+        return [link for link in links if link.startswith(str(desk.folder))]
+
+    desk.wait(lambda: open_files() == [])
+    assert all(run.over for run in runs)
+
+
 def test_mosaic_of_a_cleaned_dataset_is_made_anew(desk, tmp_path, answers):
     """Cleaning has moved images away that the mosaic still names."""
     from terrainav.core.dataset.clean import clean
@@ -278,8 +322,8 @@ def test_mosaic_of_a_cleaned_dataset_is_made_anew(desk, tmp_path, answers):
     capture_into(desk, desk.folder)
     desk.iface.newProject(False)
     images = sorted((desk.folder / "satellite").glob("*.tif"))
-    table = desk.folder / "satellite" / "meta_data.csv"
-    entropies = sorted(float(row["entropies"]) for row in csv.DictReader(table.open(encoding="utf-8-sig")))
+    with (desk.folder / "satellite" / "meta_data.csv").open(encoding="utf-8-sig", newline="") as table:
+        entropies = sorted(float(row["entropies"]) for row in csv.DictReader(table))
     (cleaned,) = clean(desk.folder, entropies[len(entropies) // 2], move=True)
     assert 0 < cleaned.moved < len(images)
     answers["folder"] = desk.folder

@@ -156,7 +156,7 @@ def test_same_folder_is_not_queued_twice(prepared, server):
     prepared.form.agl.setValue(150.0)
     prepared.wait_planned()
     prepared.click(prepared.dock.capture)
-    prepared.wait(lambda: any("needs a folder of its own" in text for text in prepared.messages()))
+    prepared.wait(lambda: any("holds another mission" in text for text in prepared.messages()))
     assert prepared.workflow.runs.runs == [run]
     server.latency_s = 0.0
     prepared.click(prepared.buttons_in_message_bar()["Capture into mission-2"])

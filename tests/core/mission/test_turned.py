@@ -181,6 +181,12 @@ def test_what_rows_count_on_is_in_their_pictures(mission):
             assert (seen <= 1.0 + 1e-9).all()
 
 
+def test_sides_of_an_area_are_cut_alike_whatever_kind_of_numbers_its_corners_are():
+    whole = Mission(Box(80, 0, 79, 60), 20e3, grid_angle_deg=30.0, error_budget_px=1.0)
+    real = whole.with_(area=Box(80.0, 0.0, 79.0, 60.0))
+    assert len(plan(whole, GRID)) == len(plan(real, GRID)) < 1.7 * ideal_count(plan(real, GRID))
+
+
 @pytest.mark.parametrize(
     "name", ["37", "90", "-90", "180", "latitude 60", "wide", "overlap", "ground height"]
 )

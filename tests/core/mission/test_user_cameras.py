@@ -82,6 +82,7 @@ def test_names_that_are_taken():
         ({"fov_deg": 60}, "needs aspect_ratio or size_px"),
         ({"fov_deg": 60, "aspect_ratio": [4, 3], "size_px": [4, 3]}, "give one of the two"),
         ({"fov_deg": "60", "aspect_ratio": [4, 3]}, "fov_deg '60': must be a number above 0"),
+        ({"fov_deg": 10**400, "aspect_ratio": [4, 3]}, "must be a number above 0"),
         ({"fov_deg": True, "aspect_ratio": [4, 3]}, "fov_deg True: must be a number"),
         ({"fov_deg": 180, "aspect_ratio": [4, 3]}, "field of view 180"),
         ({"vertical_fov_deg": 190, "aspect_ratio": [4, 3]}, "vertical field of view 190"),
