@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import html
 import traceback
 from collections.abc import Callable
 from dataclasses import replace
@@ -225,6 +226,7 @@ class Workflow(QObject):
         form.key.selectedConfigIdChanged.connect(self._key_chosen)
         self.dock.preview_toggled.connect(self.set_preview)
         self.dock.test_shot_clicked.connect(self.take_test_shot)
+        self.dock.hint_followed.connect(self._follow_hint)
         self.dock.capture_clicked.connect(self.capture)
         self.running.connect(self.dock.show_busy)
         self.box_tool.refused.connect(self.messages.warning)
@@ -362,7 +364,18 @@ class Workflow(QObject):
     def _show_hint(self, *_: object) -> None:
         hint = ""
         if not self.project.mapLayers():
-            hint = tr("The map is empty. Choose a source below and press “Show on map”.")
+            hint = tr("The map is empty: {link}, or add layers of your own.").format(
+                link=_link("show", tr("show the imagery chosen below"))
+            )
         elif not self.state().has_box:
-            hint = tr("Press “Draw box” and drag over the area, or paste its coordinates.")
+            hint = tr("{link} and drag over the area, or paste its coordinates below.").format(
+                link=_link("draw", tr("Draw a box"))
+            )
         self.dock.show_hint(hint)
+
+    def _follow_hint(self, link: str) -> None:
+        {"show": self.show_on_map, "draw": self.draw_box}[link]()
+
+
+def _link(address: str, text: str) -> str:
+    return f'<a href="{address}">{html.escape(text)}</a>'

@@ -4128,13 +4128,13 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/workflow.py"/>
-        <source>No preview yet: {reason}</source>
-        <translation>Aún sin vista previa: {reason}</translation>
+        <source>Draw a box</source>
+        <translation>Dibujar un rectángulo</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/workflow.py"/>
-        <source>Press “Draw box” and drag over the area, or paste its coordinates.</source>
-        <translation>Pulsar «Dibujar recuadro» y arrastrar sobre el área, o pegar sus coordenadas.</translation>
+        <source>No preview yet: {reason}</source>
+        <translation>Aún sin vista previa: {reason}</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/workflow.py"/>
@@ -4143,8 +4143,8 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/workflow.py"/>
-        <source>The map is empty. Choose a source below and press “Show on map”.</source>
-        <translation>El mapa está vacío. Elegir abajo una fuente y pulsar «Ver en el mapa».</translation>
+        <source>The map is empty: {link}, or add layers of your own.</source>
+        <translation>El mapa está vacío: {link}, o añada capas propias.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/workflow.py"/>
@@ -4170,6 +4170,16 @@
         <location filename="../../terrainav_plugin/workflow.py"/>
         <source>not timed beside a run</source>
         <translation>sin medir mientras hay una captura en curso</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/workflow.py"/>
+        <source>show the imagery chosen below</source>
+        <translation>mostrar las imágenes elegidas abajo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/workflow.py"/>
+        <source>{link} and drag over the area, or paste its coordinates below.</source>
+        <translation>{link} y arrastre sobre el área, o pegue sus coordenadas abajo.</translation>
     </message>
 </context>
 <context>

@@ -35,11 +35,14 @@ class Dock(QgsDockWidget):
     Signals
     -------
     preview_toggled(bool), test_shot_clicked(), capture_clicked()
+    hint_followed(str)
+        Address of the link in the hint.
     """
 
     preview_toggled = pyqtSignal(bool)
     test_shot_clicked = pyqtSignal()
     capture_clicked = pyqtSignal()
+    hint_followed = pyqtSignal(str)
 
     def __init__(self, sources: Sequence[SourceChoice], cameras: Sequence[CameraChoice]) -> None:
         super().__init__(tr("TerrAInav mission"))
@@ -48,6 +51,8 @@ class Dock(QgsDockWidget):
         self.hint = _wrapped_label("hint")
         self.hint.setFrameShape(QFrame.Shape.StyledPanel)
         self.hint.setMargin(6)
+        self.hint.setTextInteractionFlags(Qt.TextInteractionFlag.TextBrowserInteraction)
+        self.hint.linkActivated.connect(self.hint_followed)
         self.figures = Figures()
         self.figures.enlarging_wanted.connect(self.form.allow_enlarged_pixels)
         self.estimates, self.problem = self.figures.estimates, self.figures.problem
@@ -56,7 +61,7 @@ class Dock(QgsDockWidget):
         self.setWidget(self._contents())
 
     def show_hint(self, text: str) -> None:
-        """Say what to do first; an empty text hides the hint."""
+        """Say what to do first, as HTML; an empty text hides the hint."""
         self.hint.setText(text)
         self.hint.setVisible(bool(text))
 

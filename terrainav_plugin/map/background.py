@@ -13,7 +13,7 @@ from ...core.errors import InvalidInput
 from ..i18n import tr
 from ..sources import WORLD, tile_layer_uri
 from ..task import Task
-from .box_geometry import canvas_rectangle
+from .box_geometry import box_of, canvas_rectangle
 from .mission_group import ROLE
 from .world_picture import WorldPicture, choose_picture, render
 
@@ -93,6 +93,15 @@ class Background:
         self._when_settled(
             lambda: self._show_extent(self._canvas.mapSettings().layerExtentToOutputExtent(layer, extent))
         )
+
+    def looked_at(self) -> Box | None:
+        """What the map shows; None for an empty map, or one that shows no place on Earth."""
+        if not self._canvas.layers():
+            return None
+        try:
+            return box_of(self._canvas.extent(), self._canvas.mapSettings().destinationCrs(), self._project)
+        except InvalidInput:
+            return None
 
     def rectangle(self, box: Box) -> QgsRectangle:
         """Rectangle of the canvas around a box; raises InvalidInput where the project's CRS has no such place."""

@@ -8,6 +8,7 @@ from qgis.core import QgsApplication
 from qgis.PyQt.QtCore import QObject
 
 from ...core.errors import TerrAInavError
+from ...core.mission.area import Box
 from ..dock import mission_form
 from ..i18n import told
 from ..layers.snapshot import is_of_qgis
@@ -15,10 +16,12 @@ from ..sources import WORLD
 from .background import Background, WorldTask
 
 if TYPE_CHECKING:
-    from ...core.mission.area import Box
     from ..dock.dock import Dock
     from ..messages import Messages
     from ..settings import Settings
+
+#: Where a first look at the embedded world goes while nothing says where: the fields of the published dataset.
+_FIRST_PLACE = Box(35.16, -89.90, 35.115, -89.823)
 
 
 class SourceOnMap(QObject):
@@ -35,18 +38,21 @@ class SourceOnMap(QObject):
         from ...core.imagery.opening import is_file
 
         state = self._form.state()
-        box = mission_form.box(state)
+        area, seen = mission_form.box(state), self._background.looked_at()
         map_type = state.map_types[0] if state.map_types else "satellite"
         try:
             if state.source == WORLD:
-                self._show_world(box, map_type, state.seed)
+                self._show_world(
+                    area or seen or _FIRST_PLACE, map_type, state.seed, area is None and seen is not None
+                )
                 return
             title = self._form.imagery.title()
             if is_file(state.source):
                 self._background.show_file(state.source, title)
             elif not is_of_qgis(state.source):
                 self._background.show_tiles(state.source_name, map_type, title, state.date)
-            self._background.zoom_to(box)
+            if area is not None or seen is None:
+                self._background.zoom_to(area)
         except TerrAInavError as wrong:
             self._messages.warning(told(wrong))
 
@@ -57,7 +63,8 @@ class SourceOnMap(QObject):
             self._task.cancel()
             self._task = None
 
-    def _show_world(self, box: Box | None, map_type: str, seed: int) -> None:
+    def _show_world(self, box: Box, map_type: str, seed: int, stay: bool) -> None:
+        """Draw and show the embedded world around a box, and zoom there unless the map is to stay where it is."""
         if self._task is not None:
             return
         folder = self._settings.backgrounds
@@ -72,7 +79,8 @@ class SourceOnMap(QObject):
             elif task is None or not task.isCanceled():
                 try:
                     self._background.show_world(box, map_type, seed, folder, title)
-                    self._background.zoom_to(box)
+                    if not stay:
+                        self._background.zoom_to(box)
                 except TerrAInavError as wrong:
                     self._messages.warning(told(wrong))
 

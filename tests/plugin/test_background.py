@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 from osgeo import gdal
 from qgis.core import QgsCoordinateReferenceSystem, QgsProject, QgsVectorLayer
+from qgis.PyQt.QtCore import QPoint, Qt
+from qgis.PyQt.QtTest import QTest
 from terrainav.core.errors import InvalidInput
 from terrainav.core.imagery.opening import open_source
 from terrainav.core.imagery.source import Window
@@ -48,6 +50,45 @@ def test_embedded_world_comes_by_its_name_and_the_map_goes_there(desk):
     assert layer.extent().contains(box)
 
 
+def follow_hint(desk):
+    """Click the link in the hint."""
+    label = desk.dock.hint
+    QTest.qWait(50)
+    for x in range(4, label.width(), 6):
+        for y in range(6, label.height(), 6):
+            QTest.mouseMove(label, QPoint(x, y))
+            QTest.qWait(1)
+            if label.cursor().shape() == Qt.CursorShape.PointingHandCursor:
+                QTest.mouseClick(label, Qt.MouseButton.LeftButton, Qt.KeyboardModifier.NoModifier, QPoint(x, y))
+                return
+    pytest.fail("the hint has no link under the mouse")
+
+
+def test_link_of_the_hint_leads_to_a_first_place_and_then_to_drawing(desk):
+    follow_hint(desk)
+    desk.wait_for_tasks()
+    box = desk.workflow.background.rectangle(Box(35.16, -89.90, 35.115, -89.823))
+    desk.wait(lambda: desk.canvas.extent().contains(box) and desk.canvas.extent().height() < 2 * box.height())
+    follow_hint(desk)
+    assert desk.canvas.mapTool() is desk.workflow.box_tool
+    desk.drag(desk.at(0.4, 0.4), desk.at(0.6, 0.6))
+    assert desk.workflow.state().has_box
+
+
+def test_map_that_shows_a_place_stays_there(desk):
+    layer = QgsVectorLayer("Point?crs=EPSG:4326", "mine", "memory")
+    QgsProject.instance().addMapLayer(layer)
+    desk.look_at("EPSG:3857", (1.2e6, 6.0e6, 1.21e6, 6.01e6))
+    before = desk.canvas.extent()
+    desk.click(desk.form.show_on_map)
+    desk.wait_for_tasks()
+    desk.wait(lambda: len(QgsProject.instance().mapLayers()) == 2)
+    assert desk.canvas.extent() == before
+    (world,) = [one for one in QgsProject.instance().mapLayers().values() if one is not layer]
+    there = desk.canvas.mapSettings().layerExtentToOutputExtent(world, world.extent())
+    assert there.contains(before)
+
+
 def test_background_shows_the_world_where_it_is(desk):
     desk.enter_box("35.16", "-89.90", "35.115", "-89.823")
     layer = show(desk)
@@ -75,9 +116,9 @@ def test_second_time_moves_the_one_layer(desk):
     assert len(QgsProject.instance().mapLayers()) == 1
 
 
-def test_without_an_area_the_whole_world_is_shown(desk):
+def test_without_an_area_it_is_a_place_where_an_area_can_be_drawn(desk):
     layer = show(desk)
-    assert layer.extent().width() == pytest.approx(2 * 20_037_508.342789244)
+    assert 5e3 < layer.extent().width() < 1e5
 
 
 def test_crs_of_a_project_in_use_stays(desk, clean_project):

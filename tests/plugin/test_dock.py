@@ -172,7 +172,7 @@ def test_hint_leads_through_the_first_use(desk):
     from qgis.core import QgsProject, QgsVectorLayer
 
     QgsProject.instance().addMapLayer(QgsVectorLayer("Point?crs=EPSG:4326", "mine", "memory"))
-    assert "Draw box" in desk.dock.hint.text()
+    assert "Draw a box" in desk.dock.hint.text()
     desk.enter_box("35.14", "-89.87", "35.13", "-89.85")
     assert not desk.dock.hint.isVisibleTo(desk.dock)
 

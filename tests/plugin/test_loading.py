@@ -19,7 +19,7 @@ from qgis.PyQt.QtGui import QDesktopServices
 from qgis.PyQt.QtTest import QTest
 from qgis.PyQt.QtWidgets import QAction, QApplication, QDockWidget, QMenu, QPushButton, QTabWidget, QToolBar
 
-from tests.plugin.steps import PATIENCE_MS, SMALL_BOX, Desk
+from tests.plugin.steps import PATIENCE_MS, SMALL_BOX
 
 PLUGIN = "terrainav"
 ROUNDS = 25
@@ -138,6 +138,15 @@ def unloaded(plugin):
     for name in [name for name in sys.modules if name.partition(".")[0] == PLUGIN]:
         del sys.modules[name]
     sys.modules.update(modules)
+    # Packages that QGIS has not forgotten still name the modules of the copy in between.
+    for name, module in modules.items():
+        for child, value in list(vars(module).items()):
+            whole = f"{name}.{child}"
+            if isinstance(value, ModuleType) and value.__name__ == whole and modules.get(whole) is not value:
+                delattr(module, child)
+        package, _, child = name.rpartition(".")
+        if package in modules:
+            setattr(modules[package], child, module)
     qgis.utils._plugin_modules[PLUGIN] = tracked
     assert qgis.utils.startPlugin(PLUGIN)
 
@@ -385,23 +394,25 @@ def test_file_dialog_of_the_panel_closes_with_the_plugin(unloaded, iface, qtbot,
     assert names_of_the_plugin(iface) == []
 
 
-def test_no_run_begins_after_the_plugin_has_gone(unloaded, iface, qtbot, monkeypatch, tmp_path):
+def test_no_run_begins_after_the_plugin_has_gone(unloaded, qtbot, monkeypatch, tmp_path):
     """Unloaded while it asks whether the terms of the source are agreed to."""
     monkeypatch.setenv("TERRAINAV_CACHE_DIR", str(tmp_path / "cache"))
     monkeypatch.setenv("TERRAINAV_CONFIG_DIR", str(tmp_path / "config"))
     load()
-    desk = Desk(qgis.utils.plugins[PLUGIN], iface, qtbot, tmp_path / "mission")
-    desk.enter_small_mission()
-    runs = desk.workflow.runs
+    folder = tmp_path / "mission"
+    workflow = qgis.utils.plugins[PLUGIN].workflow
+    workflow.dock.form.set_state(type(workflow.state())(**SMALL_BOX, folder=str(folder)))
+    qtbot.waitUntil(lambda: workflow.planned is not None and not workflow.planner.busy, timeout=PATIENCE_MS)
+    runs = workflow.runs
 
     def agree(*_):
         assert qgis.utils.unloadPlugin(PLUGIN)
         return True
 
     monkeypatch.setattr(runs.questions, "terms_allow", agree)
-    runs.start(desk.workflow.planned, desk.folder)
+    runs.start(workflow.planned, folder)
     assert runs.runs == []
-    assert not desk.folder.exists()
+    assert not folder.exists()
     assert QgsApplication.taskManager().countActiveTasks() == 0
 
 
