@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Runs the plugin's tests in the QGIS 3.40 of Debian 13, in a small system of its own below the user's cache folder.
-# Needs root and, the first time, some minutes and 2.4 GB. Further arguments go to pytest instead of `tests/plugin`.
+# Needs root and, the first time, some minutes and 2.4 GB. Arguments, paths first, go to pytest instead of `tests/plugin`.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 

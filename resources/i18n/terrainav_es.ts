@@ -4129,7 +4129,7 @@
     <message>
         <location filename="../../terrainav_plugin/workflow.py"/>
         <source>Draw a box</source>
-        <translation>Dibujar un rectángulo</translation>
+        <translation>Dibujar un recuadro</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/workflow.py"/>
