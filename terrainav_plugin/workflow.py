@@ -365,7 +365,7 @@ class Workflow(QObject):
         hint = ""
         if not self.project.mapLayers():
             hint = tr("The map is empty: {link}, or add layers of your own.").format(
-                link=_link("show", tr("show the imagery chosen below"))
+                link=_link("show", tr("show the imagery chosen below and draw a box"))
             )
         elif not self.state().has_box:
             hint = tr("{link} and drag over the area, or paste its coordinates below.").format(
@@ -374,7 +374,10 @@ class Workflow(QObject):
         self.dock.show_hint(hint)
 
     def _follow_hint(self, link: str) -> None:
-        {"show": self.show_on_map, "draw": self.draw_box}[link]()
+        if link == "show":
+            self.source_on_map.show(then=None if self.state().has_box else self.draw_box)
+        else:
+            self.draw_box()
 
 
 def _link(address: str, text: str) -> str:

@@ -4173,8 +4173,8 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/workflow.py"/>
-        <source>show the imagery chosen below</source>
-        <translation>mostrar las imágenes elegidas abajo</translation>
+        <source>show the imagery chosen below and draw a box</source>
+        <translation>mostrar las imágenes elegidas abajo y dibujar un recuadro</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/workflow.py"/>

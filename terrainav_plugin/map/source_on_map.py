@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from qgis.core import QgsApplication
@@ -33,26 +34,27 @@ class SourceOnMap(QObject):
         self._messages, self._settings = messages, settings
         self._task: WorldTask | None = None
 
-    def show(self) -> None:
-        """Show what is entered, and zoom to the area."""
+    def show(self, then: Callable[[], None] | None = None) -> None:
+        """Show what is entered, and zoom to the area; ``then`` is called once it is there."""
         from ...core.imagery.opening import is_file
 
         state = self._form.state()
         area, seen = mission_form.box(state), self._background.looked_at()
         map_type = state.map_types[0] if state.map_types else "satellite"
         try:
+            stay = area is None and seen is not None
             if state.source == WORLD:
-                self._show_world(
-                    area or seen or _FIRST_PLACE, map_type, state.seed, area is None and seen is not None
-                )
+                self._show_world(area or seen or _FIRST_PLACE, map_type, state.seed, stay, then)
                 return
             title = self._form.imagery.title()
             if is_file(state.source):
                 self._background.show_file(state.source, title)
             elif not is_of_qgis(state.source):
                 self._background.show_tiles(state.source_name, map_type, title, state.date)
-            if area is not None or seen is None:
+            if not stay:
                 self._background.zoom_to(area)
+            if then is not None:
+                then()
         except TerrAInavError as wrong:
             self._messages.warning(told(wrong))
 
@@ -63,7 +65,9 @@ class SourceOnMap(QObject):
             self._task.cancel()
             self._task = None
 
-    def _show_world(self, box: Box, map_type: str, seed: int, stay: bool) -> None:
+    def _show_world(
+        self, box: Box, map_type: str, seed: int, stay: bool, then: Callable[[], None] | None
+    ) -> None:
         """Draw and show the embedded world around a box, and zoom there unless the map is to stay where it is."""
         if self._task is not None:
             return
@@ -81,6 +85,8 @@ class SourceOnMap(QObject):
                     self._background.show_world(box, map_type, seed, folder, title)
                     if not stay:
                         self._background.zoom_to(box)
+                    if then is not None:
+                        then()
                 except TerrAInavError as wrong:
                     self._messages.warning(told(wrong))
 

@@ -66,15 +66,28 @@ def follow_hint(desk):
     pytest.fail("the hint has no link under the mouse")
 
 
-def test_link_of_the_hint_leads_to_a_first_place_and_then_to_drawing(desk):
+def test_link_of_the_hint_leads_to_a_first_place_and_to_drawing(desk):
     follow_hint(desk)
     desk.wait_for_tasks()
     box = desk.workflow.background.rectangle(Box(35.16, -89.90, 35.115, -89.823))
     desk.wait(lambda: desk.canvas.extent().contains(box) and desk.canvas.extent().height() < 2 * box.height())
-    follow_hint(desk)
     assert desk.canvas.mapTool() is desk.workflow.box_tool
     desk.drag(desk.at(0.4, 0.4), desk.at(0.6, 0.6))
     assert desk.workflow.state().has_box
+
+
+def test_link_of_the_hint_draws_no_box_where_there_is_one(desk):
+    desk.enter_box("35.16", "-89.90", "35.115", "-89.823")
+    follow_hint(desk)
+    desk.wait_for_tasks()
+    desk.wait(lambda: bool(QgsProject.instance().mapLayers()))
+    assert desk.canvas.mapTool() is not desk.workflow.box_tool
+
+
+def test_link_of_the_hint_draws_on_a_map_of_one_s_own(desk):
+    QgsProject.instance().addMapLayer(QgsVectorLayer("Point?crs=EPSG:4326", "mine", "memory"))
+    follow_hint(desk)
+    assert desk.canvas.mapTool() is desk.workflow.box_tool
 
 
 def test_map_that_shows_a_place_stays_there(desk):
