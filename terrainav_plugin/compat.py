@@ -2,7 +2,15 @@
 
 from __future__ import annotations
 
-from qgis.core import Qgis, QgsField, QgsMapLayerProxyModel, QgsMapLayerType, QgsTask, QgsWkbTypes
+from qgis.core import (
+    Qgis,
+    QgsField,
+    QgsMapLayer,
+    QgsMapLayerProxyModel,
+    QgsMapLayerType,
+    QgsTask,
+    QgsWkbTypes,
+)
 from qgis.PyQt import QtCore, QtGui, QtWidgets
 
 __all__ = [
@@ -17,6 +25,7 @@ __all__ = [
     "QAction",
     "QUndoCommand",
     "QUndoStack",
+    "attribution",
     "field",
 ]
 
@@ -62,6 +71,13 @@ _KINDS = {
 }
 #: From this version on (3.38) fields are made with Qt 6's types, under Qt 5, too.
 _WITH_META_TYPES = 33800
+
+
+def attribution(layer: QgsMapLayer) -> str:
+    """Whom a layer's server asks to credit."""
+    if hasattr(layer, "serverProperties"):
+        return layer.serverProperties().attribution()
+    return layer.attribution()
 
 
 def field(name: str, kind: str) -> QgsField:

@@ -51,7 +51,7 @@ exec unshare --mount --pid --fork --kill-child bash -euo pipefail -c '
         bash -euo pipefail -c '\''
             cd "$1" && shift
             limit=$1 && shift
-            make --silent setup
+            make --silent translations
             dpkg-query --show --showformat="\${Package} \${Version}\n" qgis python3 python3-numpy >&2
             exec .venv/bin/python tools/qgis_app.py --timeout "$limit" --pytest "${@:-tests/plugin}"
         '\'' bash "$place" "$limit" "$@"

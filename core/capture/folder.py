@@ -77,7 +77,10 @@ def _refuse_foreign(path: Path, map_types: Iterable[str]) -> None:
     for name in (JOURNAL_FILE, PLAN_FILE, FOOTPRINTS_FILE, *map_types):
         found = path / name
         # A run that was killed as it began leaves an empty journal.
-        if found.exists() and not (name == JOURNAL_FILE and found.is_file() and found.stat().st_size == 0):
+        if not found.exists() or (name == JOURNAL_FILE and found.is_file() and found.stat().st_size == 0):
+            continue
+        # What a run makes comes after its mark: one that has begun meanwhile is told from foreign files by that.
+        if _mark_of(path) is None:
             raise OutputError(
                 f"folder {path}: holds {name} but no {MISSION_FILE}, so it is not this mission's; choose another folder"
             )

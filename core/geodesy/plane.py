@@ -9,6 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 from pyproj import Proj
 
+from .proj_arrays import through_proj
+
 Floats = NDArray[np.float64]
 
 #: Noise of positions in degrees and of the projection, metres: seen are 4 nm.
@@ -38,7 +40,7 @@ class LocalPlane:
 
     def forward(self, lat_deg: Floats, lon_deg: Floats) -> tuple[Floats, Floats]:
         """Positions in metres along the axes, of positions in degrees (any shape)."""
-        east, north = _projection(self.lat_deg)(lon_deg - self.lon_deg, np.asarray(lat_deg, np.float64))
+        east, north = through_proj(_projection(self.lat_deg), lon_deg - self.lon_deg, lat_deg)
         sine, cosine = self._turn()
         return east * cosine - north * sine, east * sine + north * cosine
 
@@ -46,8 +48,8 @@ class LocalPlane:
         """Latitude and longitude in degrees of positions (any shape); longitudes are continuous with the middle's."""
         sine, cosine = self._turn()
         east, north = x_m * cosine + y_m * sine, y_m * cosine - x_m * sine
-        dlon, lat = _projection(self.lat_deg)(east, north, inverse=True)
-        return np.asarray(lat, np.float64), self.lon_deg + np.asarray(dlon, np.float64)
+        dlon, lat = through_proj(_projection(self.lat_deg), east, north, inverse=True)
+        return lat, self.lon_deg + dlon
 
     def north_deg(self, lat_deg: Floats, lon_deg: Floats) -> Floats:
         """Direction of true north at positions (any shape), degrees clockwise from the plane's second axis."""

@@ -9,6 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 from pyproj import Proj
 
+from .proj_arrays import through_proj
+
 Floats = NDArray[np.float64]
 
 
@@ -31,12 +33,12 @@ class UTMZone:
 
     def forward(self, lon_deg: Floats, lat_deg: Floats) -> tuple[Floats, Floats]:
         """Easting and northing in metres of positions in degrees (any shape)."""
-        x, y = _projection(self)(np.asarray(lon_deg, np.float64), np.asarray(lat_deg, np.float64))
+        x, y = through_proj(_projection(self), lon_deg, lat_deg)
         return np.asarray(x, np.float64), np.asarray(y, np.float64)
 
     def inverse(self, x_m: Floats, y_m: Floats) -> tuple[Floats, Floats]:
         """Longitude (wrapped) and latitude in degrees of eastings and northings in metres (any shape)."""
-        lon, lat = _projection(self)(np.asarray(x_m, np.float64), np.asarray(y_m, np.float64), inverse=True)
+        lon, lat = through_proj(_projection(self), x_m, y_m, inverse=True)
         return np.asarray(lon, np.float64), np.asarray(lat, np.float64)
 
 

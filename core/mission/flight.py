@@ -10,6 +10,7 @@ from pyproj import Geod
 
 from ..geodesy.ellipsoid import WGS84
 from ..geodesy.mercator import wrap_lon_deg
+from ..geodesy.proj_arrays import through_proj
 from .wind import Wind
 
 Floats = NDArray[np.float64]
@@ -31,7 +32,8 @@ class Legs(NamedTuple):
 def legs(lat_deg: Floats, lon_deg: Floats) -> Legs:
     """Legs between captures at positions in degrees, (n,) each, n >= 1."""
     lon = wrap_lon_deg(lon_deg)
-    forward, _, distance = Geod(a=WGS84.a_m, b=WGS84.b_m).inv(lon[:-1], lat_deg[:-1], lon[1:], lat_deg[1:])
+    ellipsoid = Geod(a=WGS84.a_m, b=WGS84.b_m)
+    forward, _, distance = through_proj(ellipsoid.inv, lon[:-1], lat_deg[:-1], lon[1:], lat_deg[1:])
     return Legs(forward, distance)
 
 

@@ -24,6 +24,7 @@ from qgis.PyQt.QtGui import QColor
 
 from ...core.errors import InvalidInput
 from ...core.geodesy.mercator import HALF_WORLD_M, PixelGrid, fitting_zoom
+from ..compat import attribution
 from ..i18n import tr
 from ..map.mission_group import ROLE
 from .connections import is_connection
@@ -242,7 +243,7 @@ def _attribution(layers: list[QgsMapLayer]) -> str:
     """Rights and attributions of layers, each once."""
     words: dict[str, None] = {}
     for layer in layers:
-        stated = [*layer.metadata().rights(), layer.attribution()]
+        stated = [*layer.metadata().rights(), attribution(layer)]
         words.update(dict.fromkeys(text.strip() for text in stated if text and text.strip()))
     return "; ".join(words)
 

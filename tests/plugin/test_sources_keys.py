@@ -27,7 +27,11 @@ KEY = "marker/key+of&this=test"
 # As QGIS takes it in an address, where it unpacks what is packed.
 PLAIN_KEY = "another-marker-key-of-this-test"
 BASIC = "Basic " + base64.b64encode(f"{USER}:{PASSWORD}".encode()).decode()
-XYZ_SETTINGS = "qgis/connections-xyz"
+# Where QGIS keeps its connections has changed in 3.30.
+_NEW = Qgis.QGIS_VERSION_INT >= 33000
+XYZ_SETTINGS = "connections/xyz/items" if _NEW else "qgis/connections-xyz"
+WMS_SETTINGS = "connections/ows/items/wms/connections/items" if _NEW else "qgis/connections-wms"
+WMS_CREDENTIALS = "connections/ows/items/wms/credentials/items" if _NEW else "qgis/WMS"
 
 
 def spellings(secret):
@@ -40,7 +44,7 @@ def no_credentials(monkeypatch):
     monkeypatch.delenv("TERRAINAV_KEY", raising=False)
     QgsSettings().remove("TerrAInav/authcfg")
     yield
-    for root in ("TerrAInav/authcfg", XYZ_SETTINGS, "qgis/connections-wms", "qgis/WMS"):
+    for root in ("TerrAInav/authcfg", XYZ_SETTINGS, WMS_SETTINGS, WMS_CREDENTIALS):
         QgsSettings().remove(root)
 
 
@@ -292,8 +296,8 @@ def test_layer_of_a_service_is_kept_as_an_own_source(desk, configured, screensho
         )
         body = wms_document("1.3.0", f"{server.url}/wms", f"<Layer><Title>All</Title>{crs}{layers}</Layer>")
         server.answers["/wms"] = (200, {"Content-Type": "text/xml"}, body)
-        QgsSettings().setValue("qgis/connections-wms/Survey/url", server.url + "/wms")
-        QgsSettings().setValue("qgis/WMS/Survey/authcfg", authcfg)
+        QgsSettings().setValue(f"{WMS_SETTINGS}/Survey/url", server.url + "/wms")
+        QgsSettings().setValue(f"{WMS_CREDENTIALS}/Survey/authcfg", authcfg)
         assert QgsOwsConnection.connectionList("WMS") == ["Survey"]
         dialog = ServiceDialog(service("Survey"), desk.iface.mainWindow())
         dialog.show()

@@ -12,6 +12,7 @@ from pyproj.exceptions import ProjError
 
 from ...errors import InvalidInput
 from ...geodesy.mercator import HALF_WORLD_M, PixelGrid, fitting_zoom
+from ...geodesy.proj_arrays import through_proj
 from ..source import Window
 from .files import Facts
 
@@ -110,7 +111,7 @@ class Place:
         else:
             x, y = np.meshgrid(x, y)
         if self._to_map is not None:
-            x, y = self._to_map.transform(x, y, direction=TransformDirection.INVERSE)
+            x, y = through_proj(self._to_map.transform, x, y, direction=TransformDirection.INVERSE)
         if self._period is not None:
             # A raster across the antimeridian counts on where the map begins anew.
             away = np.abs(x - self._centre_x) > self._period / 2.0
@@ -136,8 +137,8 @@ class Place:
         x, y = self._coordinates(column, row)
         if self._to_map is None:
             return x, y
-        x, y = self._to_map.transform(x, y)
-        return np.asarray(x, np.float64), np.asarray(y, np.float64)
+        x, y = through_proj(self._to_map.transform, x, y)
+        return x, y
 
     def _turn(self) -> float | None:
         """Once around the Earth in the system's own unit; None where its coordinates do not turn."""
