@@ -52,6 +52,11 @@ class Scene:
     ground: Ellipsoid = WGS84
 
     @property
+    def one_size_px(self) -> tuple[int, int]:
+        """Width and height of the pictures of a scene whose pictures are of one size."""
+        return int(np.ravel(self.width_px)[0]), int(np.ravel(self.height_px)[0])
+
+    @property
     def radius_m(self) -> float:
         """Least radius of curvature of the ground, R = b²/a."""
         return self.ground.b_m**2 / self.ground.a_m

@@ -95,7 +95,7 @@ def mesh(rays: ImageRays, tolerance_px: float) -> Cells:
         What a cell's bound must not exceed; 0 leaves every pixel that sees the Earth to a ray of its own.
     """
     noise = float(mesh_noise_px(rays.scene)[0])
-    box = _first_boxes(int(rays.scene.width_px), int(rays.scene.height_px))
+    box = _first_boxes(*rays.scene.one_size_px)
     fitting: list[tuple[Numbers, Floats, Floats, Floats]] = []
     loose = [np.empty((0, 4), np.int64)]
     while len(box):

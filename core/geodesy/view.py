@@ -222,7 +222,7 @@ def view(
     rays = ImageRays.of(scene)
     by_rays = by_rays or tolerance_px == 0.0
     cells = mesh(rays, _EXTENT_TOLERANCE_PX if by_rays else tolerance_px)
-    width, height = int(scene.width_px), int(scene.height_px)
+    width, height = scene.one_size_px
     samples, sky, unmapped = _loose(rays, cells, grid, zooms)
     return View(
         width,
@@ -286,7 +286,7 @@ def _loose(
     rays: ImageRays, cells: Cells, grid: PixelGrid, zooms: tuple[int, int]
 ) -> tuple[list[Samples], NDArray[np.bool_], NDArray[np.bool_]]:
     """Samples of the pixels that need rays of their own; the masks of the sky and of ground without a map."""
-    width, height = int(rays.scene.width_px), int(rays.scene.height_px)
+    width, height = rays.scene.one_size_px
     sky, unmapped = np.ones((height, width), bool), np.zeros((height, width), bool)
     for left, top, right, bottom in cells.box.tolist():
         sky[top:bottom, left:right] = False

@@ -269,7 +269,7 @@ def turned_coverage(
     area, plane = mission.area, passes[0].plane
     if isinstance(area, Points):
         raise InvalidInput("points cover no area")
-    shape = _shape(area, plane, _BEND_SHARE * float(min(*passes[0].sides.size_m)))
+    shape = _shape(area, plane, _BEND_SHARE * float(np.min(passes[0].sides.size_m)))
     x, y = (np.concatenate(values) for values in zip(*shape.rings))
     bend = shape.bend_m
     west, south, east, north = x.min() - bend, y.min() - bend, x.max() + bend, y.max() + bend

@@ -133,7 +133,7 @@ def mesh_error_px(plan: Plan, tolerance_px: float) -> Error:
 
 def _traced(rays: ImageRays) -> list[float]:
     """Greatest error of rays through an image, none where it sees no ground that is on the map."""
-    across, down = (float(np.ravel(size)[0]) for size in (rays.scene.width_px, rays.scene.height_px))
+    across, down = rays.scene.one_size_px
     step = max(across, down) / _RAYS
     x, y = (
         part.ravel()

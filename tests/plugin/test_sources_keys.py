@@ -97,6 +97,10 @@ def tiles():
 
 
 def connect_xyz(name, **told):
+    if _NEW and "referer" in told:
+        told["http-header"] = {"referer": told.pop("referer")}
+    if _NEW and "tilePixelRatio" in told:
+        told["tile-pixel-ratio"] = told.pop("tilePixelRatio")
     for key, value in told.items():
         QgsSettings().setValue(f"{XYZ_SETTINGS}/{name}/{key}", value)
 
