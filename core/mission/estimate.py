@@ -224,7 +224,9 @@ def length_text(value_m: float) -> str:
 
 def area_text(value_m2: float) -> str:
     """Area in km², or in m² below a tenth of one."""
-    return f"{value_m2 / 1e6:,.4g} km²" if value_m2 >= 1e5 else f"{value_m2:,.4g} m²"
+    value, unit = (value_m2 / 1e6, "km²") if value_m2 >= 1e5 else (value_m2, "m²")
+    # Four digits, but never a power of ten.
+    return f"{value:,.0f} {unit}" if value >= 1e4 else f"{value:,.4g} {unit}"
 
 
 def size_text(count: float) -> str:

@@ -5949,11 +5949,6 @@
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
-        <source>{0} km²</source>
-        <translation>{0} km²</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/estimate.py"/>
         <source>{0} min</source>
         <translation>{0} min</translation>
     </message>

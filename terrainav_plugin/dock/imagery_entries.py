@@ -188,6 +188,7 @@ class ImageryEntries(QgsCollapsibleGroupBoxBasic):
         self.limits = QLabel()
         self.limits.setObjectName("limits")
         self.limits.setWordWrap(True)
+        self.limits.setTextFormat(Qt.TextFormat.RichText)
         self.limits.setTextInteractionFlags(Qt.TextInteractionFlag.TextBrowserInteraction)
         self.limits.setOpenExternalLinks(True)
         self._form.addRow(self.limits)

@@ -38,6 +38,8 @@ _ORDERS = ("serpentine", "one-way")
 _FORMATS = ("tif", "jpg", "png")
 _FRAMES = ("auto", "map", "camera")
 _RESAMPLINGS = ("nearest", "bilinear", "bicubic", "lanczos")
+#: A share typed in percent is refused in words; a spin box would make it the highest one that it takes.
+_MOST_TYPED = 100.0
 #: Parameters that are fields of a mission as they are.
 _SAME = {
     "OVERLAP_ALONG": "overlap_along",
@@ -171,8 +173,8 @@ def _add_camera(algorithm: Algorithm, listed: bool) -> None:
 
 def _add_layout(algorithm: Algorithm) -> None:
     share = tr("Share of a picture that the next one shows again, 0 to below 1.")
-    algorithm.add(_number("OVERLAP_ALONG", tr("Overlap along rows (share)"), 0.0, 0.0, 0.99), share)
-    algorithm.add(_number("OVERLAP_ACROSS", tr("Overlap across rows (share)"), 0.0, 0.0, 0.99), share)
+    algorithm.add(_number("OVERLAP_ALONG", tr("Overlap along rows (share)"), 0.0, 0.0, _MOST_TYPED), share)
+    algorithm.add(_number("OVERLAP_ACROSS", tr("Overlap across rows (share)"), 0.0, 0.0, _MOST_TYPED), share)
     algorithm.add(
         _choice("LAYOUT", tr("Layout"), _LAYOUTS, "cover"),
         tr("cover leaves nothing out; paper is the published UTM grid."),

@@ -715,3 +715,9 @@ def test_the_main_thread_is_never_kept_by_an_algorithm_beside_it(tmp_path, qtbot
     assert done
     assert len(turns) > 10
     assert json.loads((tmp_path / "out" / "mission.json").read_text())["agl_m"] == 120.0
+
+
+def test_overlap_in_percent_is_refused_and_not_made_another():
+    text = refusal("plan", EXTENT=EXTENT, AGL=120, OVERLAP_ALONG=80, FOOTPRINTS="memory:")
+    assert "overlap" in text
+    assert "80" in text

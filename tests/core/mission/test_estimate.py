@@ -8,7 +8,7 @@ from dataclasses import replace
 import pytest
 from terrainav.core.geodesy.mercator import PixelGrid
 from terrainav.core.mission.area import Box, Points
-from terrainav.core.mission.estimate import OFFLINE, ONLINE, estimate, percent
+from terrainav.core.mission.estimate import OFFLINE, ONLINE, area_text, estimate, percent
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 
@@ -119,3 +119,17 @@ def test_a_limit_of_the_source_on_requests_is_time():
     slow = estimate(worked_out, replace(ONLINE, requests_per_s=2.0))
     assert slow.seconds == pytest.approx(worked_out.requests / 2.0)
     assert slow.seconds > estimate(worked_out, replace(ONLINE, requests_per_s=1e6)).seconds
+
+
+@pytest.mark.parametrize(
+    ("area_m2", "text"),
+    [
+        (0.5, "0.5 m²"),
+        (9876.54, "9,877 m²"),
+        (25_012.3, "25,012 m²"),
+        (2.5e5, "0.25 km²"),
+        (1.2345e10, "12,345 km²"),
+    ],
+)
+def test_areas_are_written_without_powers_of_ten(area_m2, text):
+    assert area_text(area_m2) == text
