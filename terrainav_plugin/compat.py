@@ -69,13 +69,15 @@ _KINDS = {
     "yes_no": ("Bool", "Bool"),
     "time": ("QDateTime", "DateTime"),
 }
+#: From this version on (3.38) a layer's credit is among its properties for servers.
+_WITH_SERVER_ATTRIBUTION = 33800
 #: From this version on (3.38) fields are made with Qt 6's types, under Qt 5, too.
 _WITH_META_TYPES = 33800
 
 
 def attribution(layer: QgsMapLayer) -> str:
     """Whom a layer's server asks to credit."""
-    if hasattr(layer, "serverProperties"):
+    if Qgis.QGIS_VERSION_INT >= _WITH_SERVER_ATTRIBUTION:
         return layer.serverProperties().attribution()
     return layer.attribution()
 
