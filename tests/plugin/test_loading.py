@@ -23,6 +23,8 @@ from tests.plugin.steps import PATIENCE_MS, SMALL_BOX
 
 PLUGIN = "terrainav"
 ROUNDS = 25
+#: Of all that takes long to use.
+USES = 8
 
 
 def settle():
@@ -248,7 +250,7 @@ def test_nothing_is_left_behind_by_what_was_used(unloaded, iface, qtbot, tmp_pat
     # No homepage is opened where the guide is not there.
     monkeypatch.setattr(QDesktopServices, "openUrl", lambda _url: True)
     before = None
-    for number in range(ROUNDS):
+    for number in range(USES):
         load()
         use_everything(iface, qtbot, tmp_path / f"mission-{number}")
         assert qgis.utils.unloadPlugin(PLUGIN)
