@@ -8,6 +8,7 @@ from qgis.core import (
     QgsMapLayer,
     QgsMapLayerProxyModel,
     QgsMapLayerType,
+    QgsProcessingAlgorithm,
     QgsTask,
     QgsWkbTypes,
 )
@@ -26,6 +27,7 @@ __all__ = [
     "QUndoCommand",
     "QUndoStack",
     "attribution",
+    "chosen_fields",
     "field",
 ]
 
@@ -60,6 +62,11 @@ else:
 TASK_FLAGS = QgsTask.Flag.CanCancel
 if hasattr(QgsTask.Flag, "Silent"):
     TASK_FLAGS |= QgsTask.Flag.Silent
+
+#: Names of fields that were chosen: the method of an algorithm, called with it, the parameters, a name and the context.
+chosen_fields = (
+    getattr(QgsProcessingAlgorithm, "parameterAsStrings", None) or QgsProcessingAlgorithm.parameterAsFields
+)
 
 #: Types of attributes: their name in Qt 6, and in the QVariant of Qt 5.
 _KINDS = {

@@ -9,7 +9,7 @@ PYTHON=/usr/bin/python3
 PACKAGES=(
     qgis python3-qgis xvfb git qttools5-dev-tools
     python3-venv python3-gdal python3-matplotlib python3-numpy python3-owslib python3-pil python3-pyproj python3-pyqt5.qtsvg python3-requests
-    ca-certificates fonts-dejavu-core libgl1-mesa-dri proj-bin
+    ca-certificates fonts-dejavu-core libgl1-mesa-dri libimage-exiftool-perl proj-bin
 )
 STAMP=.venv/terrainav-setup
 
@@ -93,6 +93,9 @@ make_environment() {
     # Only its stubs are read; in a folder of its own nothing takes it for the Qt that QGIS has.
     .venv/bin/python -m pip install --quiet --disable-pip-version-check --no-input --no-deps \
         --target .venv/qt6 'PyQt6==6.8.*' 'PyQt6-sip>=13.8,<14'
+    # What results are compared with; it brings a numpy of its own, which must not meet QGIS's.
+    "$PYTHON" -m venv .venv/peers
+    .venv/peers/bin/python -m pip install --quiet --disable-pip-version-check --no-input 'scikit-image>=0.24,<1'
     verify_shared_modules
 }
 

@@ -16,7 +16,7 @@ from qgis.core import (
 )
 
 from ...core.errors import InvalidInput
-from ..compat import POINT
+from ..compat import POINT, chosen_fields
 from ..i18n import tr
 
 if TYPE_CHECKING:
@@ -65,7 +65,7 @@ def area_of_layer(
         raise InvalidInput(tr("area {name}: has no features").format(name=source.sourceName()))
     if source.wkbType() and _is_points(features):
         fields = [
-            next(iter(algorithm.parameterAsStrings(parameters, name, context)), None)
+            next(iter(chosen_fields(algorithm, parameters, name, context)), None)
             for name in ("AGL_FIELD", "YAW_FIELD")
         ]
         points = _points(features, *fields, agl_m)

@@ -47,6 +47,7 @@ LEFT, TOP = 32_819 * 256 + 37, 51_874 * 256 + 91
 WINDOW = Window(ZOOM, LEFT, TOP, 600, 400)
 # Within half a second, and what a loaded machine needs to notice.
 CANCELLED_S = 0.5
+SOURCES = []
 
 
 @pytest.fixture
@@ -65,8 +66,18 @@ def tiles_layer(server, name="tiles"):
     return add(QgsRasterLayer(f"type=xyz&url={url}&zmin=0&zmax=19", name, "wms"))
 
 
+@pytest.fixture(autouse=True)
+def sources():
+    """Those that a test has opened, which are closed when it is over, also where it has not come to that."""
+    del SOURCES[:]
+    yield
+    for source in SOURCES:
+        source.close()
+
+
 def opened(name, **options):
-    return LayerSource(take_snapshot(name, QgsProject.instance()), **options)
+    SOURCES.append(LayerSource(take_snapshot(name, QgsProject.instance()), **options))
+    return SOURCES[-1]
 
 
 def off_the_main_thread(work):

@@ -69,12 +69,12 @@ def test_centres_and_flight_line_follow_the_plan(previewed):
 def test_preview_follows_a_changed_height_in_place(previewed):
     ids = [previewed.layer(name).id() for name in LAYERS]
     before = previewed.layer("Planned images").featureCount()
-    previewed.form.agl.setValue(60.0)
-    previewed.wait(lambda: previewed.layer("Planned images").featureCount() != before)
+    previewed.form.agl.setValue(90.0)
+    previewed.wait(lambda: previewed.layer("Planned images").featureCount() > before)
     previewed.wait_planned()
-    assert (
-        previewed.layer("Planned images").featureCount() == previewed.workflow.planned.summary.images > before
-    )
+    images = previewed.workflow.planned.summary.images
+    previewed.wait(lambda: previewed.layer("Planned images").featureCount() == images)
+    assert images > before
     assert [previewed.layer(name).id() for name in LAYERS] == ids
     assert previewed.layer_names() == LAYERS
 
