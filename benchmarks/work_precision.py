@@ -14,6 +14,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import NamedTuple
 
+from terrainav.core.drawing import check_matplotlib
 from terrainav.core.files import make_folder, write_whole
 from terrainav.core.imagery.world import WorldSource
 from terrainav.core.mission.area import Area, Box, Points
@@ -240,7 +241,7 @@ def main() -> int:
     parser.add_argument("--docs", type=Path, default=ROOT / "docs", help="folder to write to (default docs)")
     parser.add_argument("--quick", action="store_true", help="time every method once")
     arguments = parser.parse_args()
-    plots.check_matplotlib()
+    check_matplotlib()
     images = arguments.docs / "images"
     make_folder(images)
     results = list(run(arguments.quick))

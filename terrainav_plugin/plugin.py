@@ -76,6 +76,7 @@ class TerrAInavPlugin:
         self._add("test_shot", tr("&Test shot"), self._toggle_point_tool, checkable=True)
         self._add("capture", tr("&Capture"), lambda: self._use(lambda w: w.capture()))
         self._add("view_images", tr("&View images"), self._toggle_view_tool, checkable=True)
+        self._add("clean_dataset", tr("C&lean dataset…"), lambda: self._use(lambda w: w.cleaning.open()))
         self._menu.addSeparator()
         self._add("settings", tr("&Settings…"), self.show_settings, in_toolbar=False)
         self._add("help", tr("&Help"), self._show_help, in_toolbar=False)

@@ -16,6 +16,7 @@ from qgis.PyQt.QtWidgets import QComboBox, QDialog
 
 from ..core.errors import TerrAInavError
 from ..core.mission.area import Box
+from .dataset.cleaning import Cleaning
 from .dock import mission_form
 from .dock.camera_choices import camera_choices
 from .dock.dock import Dock
@@ -87,9 +88,11 @@ class Workflow(QObject):
             self.dock.run_list,
             zoom=lambda run: self.zoom_to(run.mission.area.bounds),
             open_folder=lambda run: open_in_system(run.folder),
+            clean=lambda run: self.cleaning.open(run.folder),
         )
         self.missions = Missions(self)
         self.viewing = Viewing(self.project, iface, messages)
+        self.cleaning = Cleaning(self)
         self.shelf = SourceShelf(self.project, self.dock.form.imagery, messages, iface.mainWindow())
         self.planned: Planned | None = None
         self._timed: tuple[Mission, str] | None = None
@@ -202,6 +205,7 @@ class Workflow(QObject):
         self.runs.close()
         self.missions.close()
         self.viewing.close()
+        self.cleaning.close()
         self.source_on_map.close()
         self.planner.close()
         for signal in (self.project.layersAdded, self.project.layersRemoved, self.project.cleared):

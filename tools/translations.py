@@ -40,17 +40,28 @@ PLUGIN, CORE = "TerrAInav", "TerrAInav core"
 TOLD = (
     "core/capture",
     "core/dataset",
+    "core/drawing.py",
     "core/geodesy",
     "core/imagery",
     "core/mission",
     "core/report",
     "terrainav_plugin",
 )
+#: Modules in them of which the plugin makes no use.
+UNTOLD = (
+    "core/dataset/augment.py",
+    "core/dataset/convert.py",
+    "core/dataset/keras_loader.py",
+    "core/dataset/loading.py",
+    "core/dataset/torch_loader.py",
+    "core/dataset/vbn.py",
+)
 #: Modules whose texts are all for users: the parts of messages and figures, and reasons that others put into theirs.
 WORDS = (
     "core/capture/cost.py",
     "core/capture/pipeline.py",
     "core/dataset/clean.py",
+    "core/dataset/deciding.py",
     "core/dataset/images.py",
     "core/dataset/table.py",
     "core/geodesy/accuracy.py",
@@ -232,8 +243,9 @@ def found() -> Texts:
     for path in sorted((ROOT / "terrainav_plugin").rglob("*.py")):
         _add(texts[PLUGIN], plugin_texts(path), path)
     for room in TOLD:
-        for path in sorted((ROOT / room).rglob("*.py")):
-            _add(texts[CORE], core_texts(path), path)
+        for path in sorted((ROOT / room).rglob("*.py")) or [ROOT / room]:
+            if path.relative_to(ROOT).as_posix() not in UNTOLD:
+                _add(texts[CORE], core_texts(path), path)
     _add(texts[CORE], BESIDES, Path(__file__).resolve())
     return texts
 

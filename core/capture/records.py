@@ -19,11 +19,13 @@ from ..imagery.source import Part, Source, Window
 from ..mission.framing import sampled_zooms
 from ..mission.plan import Plan
 from .control_points import ControlPoints
+from .description import Description
+from .exposure import Exposures
 from .georeference import Georeference
 from .journal import Outcome
 from .perspective import camera_parts, render
 from .picture import assemble, resized
-from .writers import Description, Place, write_picture
+from .writers import Place, write_picture
 
 Floats = NDArray[np.float64]
 Pixels = NDArray[np.uint8]
@@ -121,8 +123,20 @@ def parts_of(plan: Plan, source: Source, index: int) -> list[Part]:
     return camera_parts(plan.view(index), float(plan.lon_deg[index]))
 
 
-def job_of(plan: Plan, index: int, source: Source, map_type: str, folder: Path) -> PictureJob:
-    """Job of one capture."""
+def exposures_of(plan: Plan) -> Exposures | None:
+    """What the pictures' tags say of the camera, where their format has room for it."""
+    return Exposures(plan) if plan.mission.image_format == "jpg" else None
+
+
+def job_of(
+    plan: Plan,
+    index: int,
+    source: Source,
+    map_type: str,
+    folder: Path,
+    exposures: Exposures | None = None,
+) -> PictureJob:
+    """Job of one capture; with ``exposures`` its picture is tagged as a drone's."""
     mission = plan.mission
     width, height = int(plan.width_px[index]), int(plan.height_px[index])
     if mission.img_size:
@@ -154,6 +168,7 @@ def job_of(plan: Plan, index: int, source: Source, map_type: str, folder: Path) 
             imagery_date=source.date,
             effective_gsd_m_per_px=_effective_gsd_m(plan, index),
             more=_camera_metadata(plan, shot),
+            exposure=None if exposures is None else exposures.at(index),
             **pose,
         ),
     )

@@ -20,8 +20,9 @@ from ..imagery.source import Part, Source, Window
 from ..mission.plan import Plan
 from .folder import check_captured, complete_pictures, open_folder, write_plan_files
 from .journal import FAILED, Journal, Outcome
+from .odm import write_odm_files
 from .pipeline import Pipeline, sweep
-from .records import Made, PictureJob, job_of, make_picture, parts_of, table_of
+from .records import Made, PictureJob, exposures_of, job_of, make_picture, parts_of, table_of
 from .result import CaptureResult, Failure, Progress
 from .writers import check_size, file_endings
 
@@ -268,8 +269,9 @@ class _Run:
                 connections=connections,
                 workers=workers,
             )
+            exposures = exposures_of(self._plan)
             jobs = (
-                (job_of(self._plan, index, self._source, map_type, folder), self._parts(index))
+                (job_of(self._plan, index, self._source, map_type, folder, exposures), self._parts(index))
                 for index in order
             )
             earlier = self._requests
@@ -283,9 +285,21 @@ class _Run:
             finally:
                 self._requests = earlier + pipeline.requests
         finally:
-            table = table_of(self._plan, self._source, self._outcomes[map_type])
-            table.with_other(self._other_columns[map_type]).save(folder / TABLE_FILE)
+            self._write_tables(map_type)
             self._listener.tell(partial(self._progress, map_type), at_once=True)
+
+    def _write_tables(self, map_type: str) -> None:
+        """Write what tells of all pictures of a map type that are done or have failed so far."""
+        folder, outcomes = self._folder / map_type, self._outcomes[map_type]
+        table = table_of(self._plan, self._source, outcomes)
+        table.with_other(self._other_columns[map_type]).save(folder / TABLE_FILE)
+        if self._plan.mission.image_format == "jpg":
+            there = [
+                index
+                for index in range(len(self._plan))
+                if self._status(map_type, index) not in (FAILED, None)
+            ]
+            write_odm_files(folder, self._plan, np.array(there, np.int64))
 
     def _users(self, map_type: str, order: list[int]) -> Counter[Window] | None:
         """How many of the pictures to be made need each part; None where cancelled meanwhile."""

@@ -9,6 +9,9 @@ from typing import NamedTuple
 
 HEADER_BYTES = 8
 _ENTRY_BYTES = 12
+_LARGEST_LONG = (1 << 32) - 1
+#: Denominators, finest first.
+_SHARES = tuple(10**digits for digits in range(9, -1, -1))
 
 
 class Kind(IntEnum):
@@ -19,6 +22,7 @@ class Kind(IntEnum):
     SHORT = 3
     LONG = 4
     RATIONAL = 5
+    UNDEFINED = 7
     DOUBLE = 12
 
 
@@ -29,20 +33,34 @@ class Tag(NamedTuple):
     """One tag: its number, the type of its values, and the values.
 
     ASCII has a str (written as UTF-8, as GDAL and ExifTool read it); RATIONAL has numerators and
-    denominators in turn.
+    denominators in turn; UNDEFINED has bytes.
     """
 
     number: int
     kind: Kind
-    values: str | Sequence[int] | Sequence[float]
+    values: str | bytes | Sequence[int] | Sequence[float]
 
     def packed(self) -> tuple[int, bytes]:
         """Count and bytes of the values."""
         if isinstance(self.values, str):
             data = self.values.replace("\0", " ").encode("utf-8", "replace") + b"\0"
             return len(data), data
+        if isinstance(self.values, bytes):
+            return len(self.values), self.values
         data = struct.pack(f"<{len(self.values)}{_FORMATS[self.kind]}", *self.values)
         return (len(self.values) // 2 if self.kind is Kind.RATIONAL else len(self.values)), data
+
+
+def rational(value: float) -> list[int]:
+    """Numerator and denominator, of 32 bits each, next to a number of 0 or more; the denominator is a power of ten.
+
+    From 1 to 2^32 nine digits are kept, below as many decimals; what lies above becomes the largest number, and
+    what is not 0 stays so.
+    """
+    if value >= _LARGEST_LONG:
+        return [_LARGEST_LONG, 1]
+    share = next(share for share in _SHARES if value * share < _LARGEST_LONG)
+    return [max(round(value * share), int(value > 0.0)), share]
 
 
 def header() -> bytes:

@@ -3,12 +3,9 @@
 from __future__ import annotations
 
 import io
-import os
 import zlib
-from contextlib import suppress
-from dataclasses import dataclass
 from pathlib import Path
-from typing import BinaryIO, Union
+from typing import Union
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,113 +13,27 @@ from PIL import Image, PngImagePlugin
 
 from ..errors import InvalidInput
 from ..files import write_whole
-from ..geodesy.mercator import wrap_lon_deg
 from .control_points import ControlPoints
-from .georeference import Georeference, plain_text, xml_text
+from .description import SOFTWARE, Description
+from .georeference import Georeference, xml_text
+from .jpeg import jpeg
 from .tiff import HEADER_BYTES, Kind, Tag, directory, header
 
 Pixels = NDArray[np.uint8]
 
-SOFTWARE = "TerrAInav"
-#: JPEG at this quality, without halving the colours' resolution, is within about a grey level of the source.
-JPEG_QUALITY = 95
 #: libjpeg's limit (JPEG_MAX_DIMENSION).
 JPEG_LONGEST_PX = 65_500
 #: Only runs are searched for: on photographs that is four times as fast as zlib's default level and smaller too,
 #: as the predictor has left little else to find; drawn maps are small either way.
 _ZLIB_STRATEGY = zlib.Z_RLE
 _ZLIB_LEVEL = 6
-#: What every JPEG ends with (ITU-T T.81, B.1.1.3).
-_JPEG_END = b"\xff\xd9"
 #: Bytes of pixels in a TIFF strip, so that readers of a large picture need not unpack all of it.
 _STRIP_BYTES = 1 << 18
-#: Denominator of the seconds of arc in EXIF positions: 3 micrometres of ground, and the numerator fits 32 bits.
-_ARC_SECOND_SHARE = 10_000_000
-#: Finest denominator of an EXIF altitude first; heights beyond 4,294 km keep whole metres.
-_ALTITUDE_SHARES = (1000, 1)
 _WITH_ALPHA = 4
-#: Denominator of an EXIF heading.
-_HEADING_SHARE = 1_000_000
 
 #: Where a picture lies: a map frame by its edges, a camera frame by points.
 Place = Union[Georeference, ControlPoints]
 _WORLD_FILES = {"jpg": ".jgw", "png": ".pgw"}
-
-
-@dataclass(frozen=True)
-class Description:
-    """What a picture's own metadata says about it.
-
-    Parameters
-    ----------
-    name : str
-        Of the picture, without ending.
-    map_type : str
-    source, attribution : str
-        Title of the source as people see it, and the credit it asks for; without characters that files have no
-        form for.
-    zoom : int
-    lat_deg, lon_deg, agl_m, yaw_deg, tilt_deg, roll_deg : float
-        Pose of the camera; the longitude may be continuous beyond ±180.
-    imagery_date : str
-        Empty where the source does not say.
-    effective_gsd_m_per_px : float or None
-        Metres of ground that the picture tells apart, which enlarged pixels do not make smaller.
-    more : tuple of (str, str)
-        Names and values that are added to the metadata.
-    """
-
-    name: str
-    map_type: str
-    source: str
-    attribution: str
-    zoom: int
-    lat_deg: float
-    lon_deg: float
-    agl_m: float
-    yaw_deg: float = 0.0
-    tilt_deg: float = 0.0
-    roll_deg: float = 0.0
-    imagery_date: str = ""
-    effective_gsd_m_per_px: float | None = None
-    more: tuple[tuple[str, str], ...] = ()
-
-    def __post_init__(self) -> None:
-        for field in ("source", "attribution", "imagery_date"):
-            object.__setattr__(self, field, plain_text(getattr(self, field)))
-
-    @property
-    def title(self) -> str:
-        """One line for people."""
-        return f"{self.name} {self.map_type}, {self.source}"
-
-    @property
-    def wrapped_lon_deg(self) -> float:
-        """Longitude in [-180, 180)."""
-        return float(wrap_lon_deg(np.asarray(self.lon_deg)))
-
-    def metadata(self) -> dict[str, str]:
-        """Names and values as GDAL shows them, the same in every format."""
-        numbers = {
-            "LAT_DEG": self.lat_deg,
-            "LON_DEG": self.wrapped_lon_deg,
-            "AGL_M": self.agl_m,
-            "YAW_DEG": self.yaw_deg,
-            "TILT_DEG": self.tilt_deg,
-            "ROLL_DEG": self.roll_deg,
-        }
-        if self.effective_gsd_m_per_px is not None:
-            numbers["EFFECTIVE_GSD_M_PER_PX"] = self.effective_gsd_m_per_px
-        return {
-            "NAME": self.name,
-            "MAP_TYPE": self.map_type,
-            "SOURCE": self.source,
-            "ATTRIBUTION": self.attribution,
-            "ZOOM": str(self.zoom),
-            **{key: repr(value) for key, value in numbers.items()},
-            **({"IMAGERY_DATE": self.imagery_date} if self.imagery_date else {}),
-            **dict(self.more),
-        }
 
 
 def file_endings(image_format: str, *, on_map: bool = True) -> tuple[str, ...]:
@@ -259,77 +170,6 @@ def _gdal_metadata(description: Description) -> str:
         for key, value in description.metadata().items()
     )
     return "<GDALMetadata>\n" + "".join(items) + "</GDALMetadata>\n"
-
-
-def jpeg(pixels: Pixels, description: Description) -> bytes:
-    """A JPEG with EXIF: who, what, and the camera's position and heading."""
-    image = Image.fromarray(np.ascontiguousarray(pixels[..., :3]) if pixels.ndim > 2 else pixels)
-    exif = b"Exif\0\0" + _exif(description)
-
-    def encoded(file: BinaryIO) -> bytes:
-        with file:
-            image.save(file, "JPEG", quality=JPEG_QUALITY, subsampling=0, exif=exif)
-            file.seek(0)
-            return file.read()
-
-    with suppress(OSError):
-        data = encoded(_encoders_file())
-        # Pillow does not look whether all that it writes is taken: a file that may not grow is cut short.
-        if data.endswith(_JPEG_END):
-            return data
-    return encoded(io.BytesIO())
-
-
-def _encoders_file() -> BinaryIO:
-    """A file in memory, one of the operating system's where it has such.
-
-    Pillow lets go of Python's lock only while it encodes into a file that the operating system knows.
-    """
-    if hasattr(os, "memfd_create"):
-        return os.fdopen(os.memfd_create("terrainav"), "w+b")
-    return io.BytesIO()
-
-
-def _exif(description: Description) -> bytes:
-    """EXIF 2.3 block; the altitude is the height above the ground, which lies at 0 m here."""
-    lat, lon = description.lat_deg, description.wrapped_lon_deg
-    position = [
-        Tag(0, Kind.BYTE, [2, 3, 0, 0]),  # GPSVersionID
-        Tag(1, Kind.ASCII, "S" if lat < 0.0 else "N"),
-        Tag(2, Kind.RATIONAL, _degrees_minutes_seconds(lat)),
-        Tag(3, Kind.ASCII, "W" if lon < 0.0 else "E"),
-        Tag(4, Kind.RATIONAL, _degrees_minutes_seconds(lon)),
-        Tag(5, Kind.BYTE, [0]),  # altitude above sea level
-        Tag(6, Kind.RATIONAL, _altitude(description.agl_m)),
-        Tag(16, Kind.ASCII, "T"),  # heading from true north
-        Tag(17, Kind.RATIONAL, [round(description.yaw_deg % 360.0 * _HEADING_SHARE), _HEADING_SHARE]),
-    ]
-
-    def with_position_at(offset: int) -> bytes:
-        tags = [
-            Tag(270, Kind.ASCII, description.title),
-            Tag(274, Kind.SHORT, [1]),  # orientation: as it is
-            Tag(305, Kind.ASCII, SOFTWARE),
-            Tag(33432, Kind.ASCII, description.attribution),
-            Tag(34853, Kind.LONG, [offset]),
-        ]
-        return directory(tags, HEADER_BYTES)
-
-    position_at = HEADER_BYTES + len(with_position_at(0))
-    return header() + with_position_at(position_at) + directory(position, position_at)
-
-
-def _degrees_minutes_seconds(angle_deg: float) -> list[int]:
-    """Numerators and denominators of degrees, minutes and seconds."""
-    shares = round(abs(angle_deg) * 3600 * _ARC_SECOND_SHARE)
-    minutes, seconds = divmod(shares, 60 * _ARC_SECOND_SHARE)
-    degrees, minutes = divmod(minutes, 60)
-    return [degrees, 1, minutes, 1, seconds, _ARC_SECOND_SHARE]
-
-
-def _altitude(agl_m: float) -> list[int]:
-    share = next(share for share in _ALTITUDE_SHARES if round(agl_m * share) < 1 << 32 or share == 1)
-    return [round(agl_m * share), share]
 
 
 def png(pixels: Pixels, description: Description) -> bytes:

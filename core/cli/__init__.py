@@ -1,4 +1,4 @@
-"""The command ``terrainav``: plan, capture, clean, report, sources, cameras, cache."""
+"""The command ``terrainav``: plan, capture, clean, split, load, convert, pairs, report, sources, cameras, cache."""
 
 from __future__ import annotations
 
@@ -12,15 +12,23 @@ from ..errors import Cancelled, InvalidInput, TerrAInavError
 from .caching import run_cache
 from .cameras import run_cameras
 from .cleaning import run_clean
+from .converting import run_convert
 from .exits import BAD_INPUT, DONE, FAILED, STOPPED
 from .flying import run_capture, run_plan, run_report
 from .listing import run_sources
+from .loading import run_load
 from .options import normalised, parser
+from .pairing import run_pairs
+from .splitting import run_split
 
 _COMMANDS: dict[str, Callable[[argparse.Namespace], int]] = {
     "plan": run_plan,
     "capture": run_capture,
     "clean": run_clean,
+    "split": run_split,
+    "convert": run_convert,
+    "pairs": run_pairs,
+    "load": run_load,
     "report": run_report,
     "sources": run_sources,
     "cameras": run_cameras,

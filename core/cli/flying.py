@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from ..imagery.source import Source
 
 #: Failed pictures named on the terminal; all are in the journal and the tables.
-_NAMED_FAILURES = 10
+NAMED_FAILURES = 10
 _BAR_WIDTH = 30
 #: Requests that a report may make for the few pictures it measures on.
 _REPORT_REQUESTS = 200
@@ -122,13 +122,14 @@ def run_plan(arguments: argparse.Namespace) -> int:
     return DONE
 
 
-class _Bar:
+class Bar:
     """Progress on one line of the error output, where that is a terminal; a line a map type elsewhere."""
 
     def __init__(self, quiet: bool) -> None:
         self._live = not quiet and sys.stderr.isatty()
 
     def __call__(self, progress: Progress) -> None:
+        """Show how far a capture is."""
         if not self._live:
             return
         finished = progress.done + progress.failed + progress.skipped
@@ -146,7 +147,7 @@ class _Bar:
 
 
 @contextmanager
-def _interruptible() -> Iterator[list[int]]:
+def interruptible() -> Iterator[list[int]]:
     """Collect interrupts (Ctrl-C) in a list instead of raising; the second one raises as usual."""
     received: list[int] = []
 
@@ -167,8 +168,8 @@ def run_capture(arguments: argparse.Namespace) -> int:
     if not values["data_dir"]:
         # As from a variable that is not set: the current folder, which it would stand for, is not meant.
         raise InvalidInput("data folder '': must be the name of a folder, such as . for the current one")
-    bar = _Bar(arguments.quiet)
-    with _opened(mission, values, plan_only=False) as source, _interruptible() as interrupts:
+    bar = Bar(arguments.quiet)
+    with _opened(mission, values, plan_only=False) as source, interruptible() as interrupts:
         result = _run(mission, source, values, arguments, bar, lambda: bool(interrupts))
     _print_result(result, arguments.json)
     if result.cancelled:
@@ -182,7 +183,7 @@ def _run(
     source: Source,
     values: dict[str, Any],
     arguments: argparse.Namespace,
-    bar: _Bar,
+    bar: Bar,
     cancelled: Callable[[], bool],
 ) -> CaptureResult:
     from ..capture.runner import capture
@@ -237,11 +238,11 @@ def _print_result(result: CaptureResult, as_json: bool) -> None:
     print(
         f"{result.requests:,} requests for {result.unique_parts:,} unique parts; dataset in {result.folder}"
     )
-    for failure in result.failed[:_NAMED_FAILURES]:
+    for failure in result.failed[:NAMED_FAILURES]:
         print(f"failed: {failure.map_type}/{failure.name}: {failure.reason}", file=sys.stderr)
-    if len(result.failed) > _NAMED_FAILURES:
+    if len(result.failed) > NAMED_FAILURES:
         print(
-            f"failed: {len(result.failed) - _NAMED_FAILURES:,} more, named in {result.folder}",
+            f"failed: {len(result.failed) - NAMED_FAILURES:,} more, named in {result.folder}",
             file=sys.stderr,
         )
 

@@ -6,9 +6,10 @@ import argparse
 from collections.abc import Sequence
 from typing import Any, NoReturn
 
-from ..dataset.clean import DEFAULT_ENTROPY
 from ..mission.options import OPTIONS
+from .dataset_options import add_dataset_commands
 from .exits import BAD_INPUT
+from .parsing import add_json
 
 _SERVICE_HELP = """
 A source is a name of the list; a URL template with {z} {x} {y} (or {-y}, {q}, {bbox-epsg-3857} for a WMS), and
@@ -36,7 +37,7 @@ def parser() -> argparse.ArgumentParser:
     whole.add_argument("--version", action="store_true", help="print the version")
     commands = whole.add_subparsers(dest="command", metavar="COMMAND", parser_class=_Parser)
     _add_flying(commands)
-    _add_clean(commands)
+    add_dataset_commands(commands)
     _add_sources(commands)
     _add_cameras(commands)
     _add_cache(commands)
@@ -95,27 +96,6 @@ def _add_flying(commands: Any) -> None:
     _add_consent(reporting)
 
 
-def _add_clean(commands: Any) -> None:
-    cleaning = commands.add_parser(
-        "clean", help="reject the images of a dataset with too little to see; deletes nothing"
-    )
-    cleaning.add_argument("folder", metavar="OUT", help="the dataset's folder")
-    cleaning.add_argument(
-        "--entropy",
-        type=float,
-        default=DEFAULT_ENTROPY,
-        metavar="BITS",
-        help="reject images below it, 0 to 8 (default %(default)s); the roadmap's entropies decide for all map types",
-    )
-    what = cleaning.add_mutually_exclusive_group()
-    what.add_argument(
-        "--move", action="store_true", help="also move them to a folder `rejected` beside the others"
-    )
-    what.add_argument("--undo", action="store_true", help="move all images back, and take the marks away")
-    cleaning.add_argument("--dry-run", action="store_true", help="change nothing, print the counts")
-    _add_json(cleaning, False)
-
-
 def _add_consent(command: argparse.ArgumentParser) -> None:
     command.add_argument(
         "--accept-terms", action="store_true", help="agree to the terms of a source that asks for it"
@@ -152,16 +132,16 @@ def _add_sources(commands: Any) -> None:
         epilog=_SERVICE_HELP,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    _add_json(listing, False)
+    add_json(listing)
     actions = listing.add_subparsers(dest="action", metavar="ACTION", parser_class=_Parser)
     every = actions.add_parser("list", help="list them (also without an action)")
-    _add_json(every, argparse.SUPPRESS)
+    add_json(every, argparse.SUPPRESS)
 
     showing = actions.add_parser(
         "show", help="everything about one, or the layers of a wmts: or wms: address"
     )
     showing.add_argument("source", metavar="SOURCE", help="a name, URL template, or wmts: or wms: address")
-    _add_json(showing, argparse.SUPPRESS)
+    add_json(showing, argparse.SUPPRESS)
 
     adding = actions.add_parser(
         "add",
@@ -199,10 +179,10 @@ def _add_sources(commands: Any) -> None:
 
 def _add_cameras(commands: Any) -> None:
     listing = commands.add_parser("cameras", help="list cameras by name; add or remove one of your own")
-    _add_json(listing, False)
+    add_json(listing)
     actions = listing.add_subparsers(dest="action", metavar="ACTION", parser_class=_Parser)
     every = actions.add_parser("list", help="list them (also without an action)")
-    _add_json(every, argparse.SUPPRESS)
+    add_json(every, argparse.SUPPRESS)
 
     adding = actions.add_parser(
         "add", help="keep a camera of your own under a name, by one field of view, or its sensor and lens"
@@ -235,17 +215,13 @@ def _add_cache(commands: Any) -> None:
         "names", nargs="*", metavar="NAME", help="files or titles as `cache list` shows them"
     )
     _add_cache_dir(caching, None)
-    _add_json(caching, False)
+    add_json(caching)
     for action in (every, clearing):
         _add_cache_dir(action, argparse.SUPPRESS)
-        _add_json(action, argparse.SUPPRESS)
+        add_json(action, argparse.SUPPRESS)
 
 
 def _add_cache_dir(command: argparse.ArgumentParser, default: Any) -> None:
     command.add_argument(
         "--cache-dir", metavar="DIR", default=default, help="another folder than the usual one"
     )
-
-
-def _add_json(command: argparse.ArgumentParser, default: Any) -> None:
-    command.add_argument("--json", action="store_true", default=default, help="print as JSON")

@@ -6,25 +6,22 @@ time, so that a run that was interrupted can be finished by another one or taken
 
 from __future__ import annotations
 
-import math
 import os
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
-import numpy as np
-from numpy.typing import NDArray
-
+from ..drawing import check_matplotlib
 from ..errors import Cancelled, InvalidInput
 from ..files import clear_partial
 from ..lock import open_locked
-from .folder import JOURNAL_FILE, TABLE_FILE, map_type_folders
+from .deciding import Deciding, Report, deciding_entropies
+from .figures import draw_all
+from .folder import JOURNAL_FILE, TABLE_FILE, image_folder, map_type_folders
 from .images import Images, Move
 from .table import Table
 from .thresholds import otsu
-
-Floats = NDArray[np.float64]
 
 #: Column of the table: why an image is rejected; empty for one that is kept. A table that has none is not cleaned.
 REJECTED = "rejected"
@@ -32,10 +29,6 @@ REJECTED = "rejected"
 DEFAULT_ENTROPY = 2.1
 #: Of 256 grey levels, in bits.
 HIGHEST_ENTROPY = 8.0
-#: The map type whose entropies decide for all of a place, where there are such images.
-DECIDING = "roadmap"
-#: What `clean` and `undo` tell of: the share done, 0 to 1; an answer of False stops them.
-Report = Callable[[float], bool]
 
 
 @dataclass(frozen=True)
@@ -55,6 +48,8 @@ class Cleaned:
         Images moved out of the way, and back.
     suggested : float or None
         Threshold that parts the deciding entropies best (see `otsu`); None where all are the same.
+    figures : tuple of str
+        Paths of the diagrams that were written.
     """
 
     map_type: str
@@ -65,6 +60,7 @@ class Cleaned:
     moved: int
     returned: int
     suggested: float | None
+    figures: tuple[str, ...] = ()
 
 
 def clean(
@@ -73,12 +69,13 @@ def clean(
     *,
     move: bool = False,
     dry_run: bool = False,
+    plot: str | os.PathLike[str] | None = None,
     progress: Report | None = None,
 ) -> tuple[Cleaned, ...]:
     """Reject images with an entropy below a threshold, of every map type of a dataset.
 
     The roadmap's entropies decide for the other map types too, where its images are there; elsewhere the image's own
-    do (the paper's section Post Processing). Rejected rows say why in the column ``rejected``. An image that is
+    do (see `deciding_entropies`). Rejected rows say why in the column ``rejected``. An image that is
     no longer rejected is moved back from where an earlier run has put it.
 
     Parameters
@@ -90,8 +87,12 @@ def clean(
     move : bool
         Move rejected images, with the files that belong to them, to the folder ``rejected`` beside them.
     dry_run : bool
-        Change nothing.
+        Change nothing in the dataset.
+    plot : path or None
+        Folder for the diagrams of the entropies (see `figures.save_figures`), which are written before anything is
+        changed, in a dry run too.
     progress : callable
+        Told the share done, 0 to 1; an answer of False stops it.
 
     Returns
     -------
@@ -104,22 +105,27 @@ def clean(
         A folder that is no dataset, a table that cannot be read or says otherwise than the files, an image that
         cannot be read: nothing is changed then.
     OutputError
-        Another run is at work in the folder, or something cannot be written or moved.
+        Another run is at work in the folder, something cannot be written or moved, or matplotlib is not there to draw
+        with.
     Cancelled
         ``progress`` said so: to be finished by the next run, or taken back.
     """
     if not 0.0 <= threshold <= HIGHEST_ENTROPY:
         raise InvalidInput(f"entropy {threshold}: must be from 0 to {HIGHEST_ENTROPY:g} bits")
-    with _held(Path(folder), map_type_folders(folder), only_read=dry_run) as folders:
-        loaded = {map_type: _Loaded(path) for map_type, path in folders.items()}
-        deciding = loaded[DECIDING].by_stem() if DECIDING in loaded else {}
-        steps = [_judged(map_type, one, deciding, threshold, move) for map_type, one in loaded.items()]
+    if plot is not None:
+        check_matplotlib()
+    with held(folder, only_read=dry_run):
+        deciding = deciding_entropies(folder, progress=_part_of(progress, 0.0))
+        steps = [_judged(map_type, one, threshold, move) for map_type, one in deciding.items()]
+        drawn = {} if plot is None else draw_all(deciding, plot, threshold)
         if not dry_run:
             _carry_out(
-                [(one.folder, table, moves) for one, (_, table, moves) in zip(loaded.values(), steps)],
-                progress,
+                [(one.folder, table, moves) for one, (_, table, moves) in zip(deciding.values(), steps)],
+                _part_of(progress, 0.5),
             )
-    return tuple(cleaned for cleaned, _, _ in steps)
+    return tuple(
+        replace(cleaned, figures=tuple(map(str, drawn.get(cleaned.map_type, ())))) for cleaned, _, _ in steps
+    )
 
 
 def undo(
@@ -130,10 +136,12 @@ def undo(
     Parameters, errors and result are those of `clean`; ``rejected`` counts the marks that were taken away. All that
     lies in a folder ``rejected`` returns, also what no table names.
     """
-    with _held(Path(folder), map_type_folders(folder), only_read=dry_run) as folders:
+    folders = map_type_folders(folder)
+    with held(folder, only_read=dry_run):
         results, steps = [], []
         for map_type, path in folders.items():
-            table, images = Table.load(path / TABLE_FILE), Images(path)
+            table = Table.load(path / TABLE_FILE)
+            images = Images(image_folder(path, table.img_names))
             moves = images.all_back()
             marks = table.other.get(REJECTED, ())
             failed = table.status.count("failed")
@@ -151,61 +159,35 @@ def undo(
 
 
 @contextmanager
-def _held(folder: Path, folders: dict[str, Path], *, only_read: bool) -> Iterator[dict[str, Path]]:
-    """Keep captures out of a folder, unless it is only read."""
-    with ExitStack() as held:
-        journal = folder / JOURNAL_FILE
+def held(folder: str | os.PathLike[str], *, only_read: bool) -> Iterator[None]:
+    """Keep captures and other runs out of a dataset's folder, unless it is only read; raises OutputError."""
+    with ExitStack() as locks:
+        journal = Path(folder) / JOURNAL_FILE
         if not only_read and journal.is_file():
-            held.enter_context(open_locked(journal))
-        yield folders
+            locks.enter_context(open_locked(journal))
+        yield
 
 
-class _Loaded:
-    """The table and the images of a map type, which agree, and the entropies of all images that are there.
-
-    Attributes
-    ----------
-    entropies : array (n,)
-        NaN for rows of images that could not be made.
-    """
-
-    def __init__(self, folder: Path) -> None:
-        self.folder = folder
-        self.table = Table.load(folder / TABLE_FILE)
-        self.images = Images(folder)
-        there = np.array([status != "failed" for status in self.table.status], np.bool_)
-        self.images.check(self.table.img_names, there)
-        self.entropies = np.where(there, self.table.entropies, np.nan)
-        for index in np.flatnonzero(there & ~np.isfinite(self.entropies)):
-            self.entropies[index] = self.images.entropy_of(self.table.img_names[index])
-
-    def by_stem(self) -> dict[str, float]:
-        """Entropies of the images that are there by their names without ending."""
-        stems = (Path(name).stem for name in self.table.img_names)
-        return {stem: value for stem, value in zip(stems, self.entropies.tolist()) if not math.isnan(value)}
+def _part_of(progress: Report | None, start: float) -> Report | None:
+    """Report for the half of the work that starts there."""
+    return None if progress is None else lambda share: progress(start + share / 2.0)
 
 
 def _judged(
-    map_type: str, loaded: _Loaded, deciding: dict[str, float], threshold: float, move: bool
+    map_type: str, deciding: Deciding, threshold: float, move: bool
 ) -> tuple[Cleaned, Table | None, list[Move]]:
     """What is to be done to a map type: counts, the table if it changes, and files to be moved."""
-    names = loaded.table.img_names
-    there = ~np.isnan(loaded.entropies)
-    decisive, by_roadmap = loaded.entropies.copy(), np.zeros(len(names), np.bool_)
-    if map_type != DECIDING:
-        of_roadmap = np.array([deciding.get(Path(name).stem, math.nan) for name in names], np.float64)
-        by_roadmap = there & ~np.isnan(of_roadmap)
-        decisive = np.where(by_roadmap, of_roadmap, decisive)
+    names, there, decisive = deciding.names, deciding.there, deciding.entropies
     # A row without an image compares as not below.
     below = decisive < threshold
     marks = tuple(
         f"{'roadmap ' if by else ''}entropy {value:.3f} below {threshold:g}" if low else ""
-        for low, by, value in zip(below.tolist(), by_roadmap.tolist(), decisive.tolist())
+        for low, by, value in zip(below.tolist(), deciding.by_roadmap.tolist(), decisive.tolist())
     )
     table = None
-    if loaded.table.other.get(REJECTED) != marks:
-        table = loaded.table.replaced({**loaded.table.other, REJECTED: marks})
-    out, back = loaded.images.moves(
+    if deciding.table.other.get(REJECTED) != marks:
+        table = deciding.table.replaced({**deciding.table.other, REJECTED: marks})
+    out, back = deciding.images.moves(
         [name for name, low in zip(names, below.tolist()) if low and move],
         [name for name, low in zip(names, below.tolist()) if not low],
     )
@@ -214,7 +196,7 @@ def _judged(
         int(there.sum()),
         int((~there).sum()),
         int(below.sum()),
-        int(by_roadmap.sum()),
+        int(deciding.by_roadmap.sum()),
         len({one.stem for one in out}),
         len({one.stem for one in back}),
         otsu(decisive[there]),

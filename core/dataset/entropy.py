@@ -8,7 +8,7 @@ from PIL import Image
 
 from ..errors import InvalidInput
 
-#: Pixels that are counted at a time: more than that no longer fit the processor's cache, and take three times as long.
+#: Pixels made grey at a time: more than that no longer fit the processor's cache, and take three times as long.
 _BAND_PX = 1 << 19
 
 
@@ -36,11 +36,22 @@ def entropy(image: NDArray[np.uint8]) -> float:
             f"image of shape {image.shape} and type {image.dtype}: must be (height, width) or (height, width, 3) of "
             "uint8 with at least one pixel"
         )
-    rows = max(_BAND_PX // image.shape[1], 1)
-    counts = np.zeros(256, np.float64)
-    for top in range(0, len(image), rows):
-        band = Image.fromarray(np.ascontiguousarray(image[top : top + rows]))
-        counts += (band if image.ndim == 2 else band.convert("L")).histogram()
-    share = counts[counts > 0.0] / counts.sum()
+    grey = Image.fromarray(np.ascontiguousarray(image)) if image.ndim == 2 else _grey(image)
     # Adding 0 turns the -0 of a single level into 0.
-    return float(-np.sum(share * np.log2(share))) + 0.0
+    return float(grey.entropy()) + 0.0
+
+
+def _grey(image: NDArray[np.uint8]) -> Image.Image:
+    """Grey image (mode L) of an RGB one (h, w, 3)."""
+    height, width = image.shape[:2]
+    rows = max(_BAND_PX // width, 1)
+    bands = (
+        (top, Image.fromarray(np.ascontiguousarray(image[top : top + rows])).convert("L"))
+        for top in range(0, height, rows)
+    )
+    if rows >= height:
+        return next(bands)[1]
+    grey = Image.new("L", (width, height))
+    for top, band in bands:
+        grey.paste(band, (0, top))
+    return grey

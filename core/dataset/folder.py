@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import os
+import re
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from ..errors import InvalidInput
@@ -14,6 +16,13 @@ FOOTPRINTS_FILE = "footprints.geojson"
 TABLE_FILE = "meta_data.csv"
 #: Beside the images of a map type: those that cleaning has moved out of the way.
 REJECTED_FOLDER = "rejected"
+#: The map type whose entropies decide for all of a place, where there are such images.
+DECIDING = "roadmap"
+
+#: Folders of the published dataset end in the overlap of its images: `satellite_0`, `satellite_0.6`.
+_OVERLAP = re.compile(r"_\d+(\.\d+)?")
+#: Beside a table of the published dataset: the folder of its images.
+_RASTERS = "raster_images_*"
 
 
 def map_type_folders(folder: str | os.PathLike[str]) -> dict[str, Path]:
@@ -29,7 +38,10 @@ def map_type_folders(folder: str | os.PathLike[str]) -> dict[str, Path]:
         if (path / TABLE_FILE).is_file():
             # A name like `.` tells nothing.
             parent = path.resolve().parent
-            if (parent / MISSION_FILE).is_file():
+            deciding = deciding_name(path.resolve().name)
+            if (parent / MISSION_FILE).is_file() or (
+                deciding != path.resolve().name and (parent / deciding / TABLE_FILE).is_file()
+            ):
                 raise InvalidInput(f"folder {folder}: is one map type of the dataset {parent}; give that one")
             return {path.resolve().name: path}
         found = sorted(one for one in path.iterdir() if (one / TABLE_FILE).is_file())
@@ -41,3 +53,74 @@ def map_type_folders(folder: str | os.PathLike[str]) -> dict[str, Path]:
             "of a capture"
         )
     return {one.name: one for one in found}
+
+
+def map_type_of(name: str) -> str:
+    """Map type of a folder of this name: ``satellite`` of ``satellite_0``, as published folders are called."""
+    return name[: len(name) - len(_ending(name))]
+
+
+def deciding_name(name: str) -> str:
+    """Name of the folder whose entropies decide for the one of this name: ``roadmap_0`` for ``satellite_0``."""
+    return DECIDING + _ending(name)
+
+
+def deciding_folder(name: str, among: Iterable[str]) -> str | None:
+    """Of the folders of a dataset, the one that decides for another: with its ending, or without.
+
+    None where there is neither, or where it decides for itself.
+    """
+    there = set(among)
+    found = next((one for one in (deciding_name(name), DECIDING) if one in there), None)
+    return None if found == name else found
+
+
+def _ending(name: str) -> str:
+    """Overlap at the end of a published folder's name, empty where there is none."""
+    start = name.rfind("_")
+    return name[start:] if start > 0 and _OVERLAP.fullmatch(name, start) else ""
+
+
+def raster_folders(folder: Path) -> list[Path]:
+    """Folders of images inside a published map type's, by name."""
+    return sorted(one for one in folder.glob(_RASTERS) if one.is_dir())
+
+
+def image_folder(folder: Path, names: Sequence[str]) -> Path:
+    """Where the images of a map type lie: beside the table, or in the one folder of images that holds them.
+
+    Parameters
+    ----------
+    folder : Path
+        Of a map type.
+    names : sequence of str
+        Images of its table.
+
+    Raises
+    ------
+    InvalidInput
+        Where several folders hold as many of them, or one cannot be read.
+    """
+    inside = raster_folders(folder)
+    if not inside:
+        return folder
+    counts = {one: len(_listed(one).intersection(names)) for one in (folder, *inside)}
+    most = max(counts.values())
+    best = [one for one, count in counts.items() if count == most]
+    if most and len(best) > 1:
+        raise InvalidInput(
+            f"folder {folder}: the images of its {TABLE_FILE} are in {best[0].name} and in {best[1].name} as well; "
+            "move one of the two away"
+        )
+    return best[0]
+
+
+def _listed(folder: Path) -> set[str]:
+    """Names in a folder of images and among its rejected ones."""
+    try:
+        found = {one.name for one in folder.iterdir()}
+        if (folder / REJECTED_FOLDER).is_dir():
+            found.update(one.name for one in (folder / REJECTED_FOLDER).iterdir())
+    except OSError as wrong:
+        raise InvalidInput(f"folder {folder}: cannot be read ({wrong.strerror})") from wrong
+    return found

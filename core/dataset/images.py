@@ -16,10 +16,15 @@ from PIL import Image
 
 from ..errors import InvalidInput, OutputError
 from .entropy import entropy
-from .folder import REJECTED_FOLDER
+from .folder import REJECTED_FOLDER, raster_folders
 
+#: Files that one message names.
+_NAMED = 3
+#: What Pillow raises for a file that is no whole image, or too large a one.
+UNREADABLE = (OSError, ValueError, SyntaxError, Image.DecompressionBombError)
+_DEGREES = r"-?\d+(?:\.\d+)?(?:e-\d+)?"
 #: Images' names without ending, of captures and of the published dataset: column, row, latitude, longitude, zoom.
-_NAME = re.compile(r"\d+_\d+_-?\d+(\.\d+)?_-?\d+(\.\d+)?_\d+")
+NAME = re.compile(rf"(\d+)_(\d+)_({_DEGREES})_({_DEGREES})_(\d+)")
 
 
 @dataclass(frozen=True)
@@ -60,7 +65,8 @@ class Images:
         twice = sorted(self._kept & (self._rejected | beside) | self._rejected & others)
         if twice:
             raise InvalidInput(
-                f"folder {folder}: {_some(twice)} lies in it and in {REJECTED_FOLDER} as well; remove one of the two"
+                f"folder {folder}: {some(twice)} {_is(twice)} in it and in {REJECTED_FOLDER} as well; remove one "
+                "of the two"
             )
 
     def check(self, names: Sequence[str], there: NDArray[np.bool_]) -> None:
@@ -83,25 +89,26 @@ class Images:
         stems = Counter(Path(name).stem for name in names)
         twice = [stem for stem, count in stems.items() if count > 1]
         if twice:
-            raise InvalidInput(f"folder {self._folder}: the table has {_some(twice)} in more than one row")
+            raise InvalidInput(f"folder {self._folder}: the table has {some(twice)} in more than one row")
         files = self._kept | self._rejected
         lost = [name for name, made in zip(names, there.tolist()) if made and name not in files]
         if lost:
             raise InvalidInput(
-                f"folder {self._folder}: {_some(lost)} of the table is not there; put it back, or capture it again "
-                "(--resume)"
+                f"folder {self._folder}: {some(lost)} of the table {_is(lost)} not there; put "
+                f"{'it' if len(lost) == 1 else 'them'} back, or capture again (--resume)"
             )
         endings = {Path(name).suffix for name in names}
         unknown = sorted(
             name
             for name in files
             if Path(name).suffix in endings
-            and _NAME.fullmatch(Path(name).stem)
+            and NAME.fullmatch(Path(name).stem)
             and Path(name).stem not in stems
         )
         if unknown:
             raise InvalidInput(
-                f"folder {self._folder}: {_some(unknown)} is not in the table; finish the capture (--resume)"
+                f"folder {self._folder}: {some(unknown)} {_is(unknown)} not in the table; finish the capture "
+                "(--resume), or remove what does not belong to it"
             )
 
     def entropy_of(self, name: str) -> float:
@@ -110,7 +117,7 @@ class Images:
         try:
             with Image.open(path) as image:
                 return entropy(np.asarray(image.convert("L" if image.mode == "L" else "RGB")))
-        except (OSError, ValueError, SyntaxError, Image.DecompressionBombError) as wrong:
+        except UNREADABLE as wrong:
             raise InvalidInput(f"image {path}: cannot be read ({wrong})") from wrong
 
     def moves(self, out: Iterable[str], back: Iterable[str]) -> tuple[list[Move], list[Move]]:
@@ -138,7 +145,7 @@ class Images:
         """Moves of all that lies among the rejected images."""
         origin = self._folder / REJECTED_FOLDER
         return [
-            Move(_stem(name, _NAME.fullmatch), origin / name, self._folder / name)
+            Move(_stem(name, NAME.fullmatch), origin / name, self._folder / name)
             for name in sorted(self._rejected)
         ]
 
@@ -155,8 +162,9 @@ class Images:
     @staticmethod
     def remove_if_empty(folder: Path) -> None:
         """Remove the folder of rejected images of a map type where nothing lies in it."""
-        with contextlib.suppress(OSError):
-            (folder / REJECTED_FOLDER).rmdir()
+        for one in (folder, *raster_folders(folder)):
+            with contextlib.suppress(OSError):
+                (one / REJECTED_FOLDER).rmdir()
 
 
 def _stem(name: str, known: Callable[[str], object]) -> str:
@@ -180,6 +188,11 @@ def _files_and_others(folder: Path) -> tuple[set[str], set[str]]:
     return files, kinds.keys() - files
 
 
-def _some(names: Sequence[str]) -> str:
-    """The first name, and how many there are beside it."""
-    return names[0] + (f" (and {len(names) - 1:,} more)" if len(names) > 1 else "")
+def some(names: Sequence[str]) -> str:
+    """The first names, and how many there are beside them."""
+    more = len(names) - _NAMED
+    return ", ".join(names[:_NAMED]) + (f" and {more:,} more" if more > 0 else "")
+
+
+def _is(names: Sequence[str]) -> str:
+    return "is" if len(names) == 1 else "are"

@@ -25,8 +25,8 @@ Numbers = NDArray[np.int64]
 _HEADERS = {"lat_deg": "Lat", "lon_deg": "Lon", "zoom": "Alt"}
 #: Older spellings that readers accept.
 _OLD_HEADERS = {"row": "rows"}
-#: Columns of the published dataset, which every table has; all others may be missing.
-_NEEDED = ("img_names", "columns", "rows", "lat_deg", "lon_deg", "zoom", "entropies")
+#: Columns of the published dataset, which every table has; all others may be missing, and their cells empty.
+_NEEDED = ("img_names", "columns", "rows", "lat_deg", "lon_deg", "zoom")
 _WHOLE = ("columns", "rows", "zoom")
 _TEXT = ("img_names", "source", "attribution", "imagery_date", "status", "reason")
 #: Columns of whole numbers, written as such; readers of other datasets may find none in them.
@@ -54,7 +54,7 @@ class Table:
     zoom : array of int64
         Headed ``Alt``, as published.
     entropies : array
-        Bits; NaN for images that could not be made.
+        Bits; NaN for images that could not be made, or whose entropy nobody has worked out.
     pose_lat_deg, pose_lon_deg, agl_m, yaw_deg, tilt_deg, roll_deg : array
         Poses of the camera.
     left_px, top_px, width_px, height_px : array
@@ -117,6 +117,20 @@ class Table:
     def __len__(self) -> int:
         return len(self.img_names)
 
+    @classmethod
+    def of(cls, known: Mapping[str, Any], other: Mapping[str, tuple[str, ...]]) -> Table:
+        """Table of some columns, by the names of fields; all others are not known.
+
+        Parameters
+        ----------
+        known : mapping of str to array or tuple of str
+            At least those that every table has.
+        other : mapping of str to tuple of str
+        """
+        count = len(known["img_names"])
+        unknown = {name: ("",) * count if name in _TEXT else np.full(count, np.nan) for name in FIELDS}
+        return cls(**{**unknown, **known}, other=other)
+
     def with_other(self, columns: Mapping[str, Mapping[str, str]]) -> Table:
         """Copy with these columns as those that are not ours.
 
@@ -146,8 +160,7 @@ class Table:
 
     def _blocks(self) -> Iterator[str]:
         """Text of the headers and then of some rows at a time, as cells take far more memory than numbers."""
-        headers = [_HEADERS.get(name, name) for name in FIELDS]
-        yield _csv([[*headers, *self.other]])
+        yield _csv([[*HEADERS, *self.other]])
         for start in range(0, len(self), _ROWS_A_BLOCK):
             rows = slice(start, start + _ROWS_A_BLOCK)
             own = [_texts(name, getattr(self, name)[rows]) for name in FIELDS]
@@ -176,19 +189,16 @@ class Table:
                 index = headers.index(header)
                 cells = [(line, row[index]) for line, row in rows]
                 columns[field_name] = _column(field_name, header, cells, faults)
-            else:
-                columns[field_name] = ("",) * len(rows) if field_name in _TEXT else np.full(len(rows), np.nan)
         if faults:
             first = [f"line {line} {fault}" for line, fault in sorted(faults)[:_FAULTS_NAMED]]
             more = [f"and {len(faults) - _FAULTS_NAMED} more"] if len(faults) > _FAULTS_NAMED else []
             raise InvalidInput(f"{name}: {'; '.join(first + more)}")
-        ours = {_HEADERS.get(field_name, field_name) for field_name in FIELDS}
         other = {
             header: tuple(row[index] for _, row in rows)
             for index, header in enumerate(headers)
-            if header and header not in ours
+            if header and header not in HEADERS
         }
-        return cls(**columns, other=other)
+        return cls.of(columns, other)
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Table:
@@ -213,7 +223,7 @@ def other_columns(path: Path) -> dict[str, dict[str, str]]:
             return {}
         with path.open(encoding="utf-8-sig", newline="") as file:
             headers = set(next(csv.reader(file), []))
-        if headers <= {_HEADERS.get(name, name) for name in FIELDS}:
+        if headers <= set(HEADERS):
             return {}
         table = Table.load(path)
     except (OSError, UnicodeDecodeError, csv.Error, InvalidInput) as wrong:
@@ -223,6 +233,8 @@ def other_columns(path: Path) -> dict[str, dict[str, str]]:
 
 #: Fields of `Table` that are columns of ours, in the order they are written.
 FIELDS = tuple(f.name for f in fields(Table) if f.name != "other")
+#: What they are headed.
+HEADERS = tuple(_HEADERS.get(name, name) for name in FIELDS)
 
 
 def _csv(rows: Iterable[Sequence[str]]) -> str:
@@ -246,12 +258,13 @@ def _number(value: float, *, whole: bool) -> str:
 
 def _records(
     text: str, name: str, faults: list[tuple[int, str]]
-) -> tuple[list[str], list[tuple[int, list[str]]]]:
+) -> tuple[list[str], list[tuple[int, tuple[str, ...]]]]:
     """Headers in their new spelling, and the line number and cells of each row that has as many."""
     reader = csv.reader(io.StringIO(text, newline=""), strict=True)
     try:
         headers = [_OLD_HEADERS.get(header, header) for header in next(reader, [])]
-        rows = [(reader.line_num, row) for row in reader if row]
+        # The garbage collector soon forgets tuples of texts; lists it looks through again and again.
+        rows = [(reader.line_num, tuple(row)) for row in reader if row]
     except csv.Error as wrong:
         raise InvalidInput(f"{name}: line {reader.line_num} is not CSV ({wrong})") from wrong
     needed = [_HEADERS.get(field_name, field_name) for field_name in _NEEDED]
@@ -272,7 +285,7 @@ def _column(
     """Values of a column; cells that cannot be read are added to ``faults``."""
     if name in _TEXT:
         return tuple(cell for _, cell in cells)
-    may_be_empty = name == "entropies" or name not in _NEEDED
+    may_be_empty = name not in _NEEDED
     values = np.full(len(cells), np.nan)
     for index, (line, cell) in enumerate(cells):
         if not cell and may_be_empty:

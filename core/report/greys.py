@@ -12,10 +12,12 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
+from ..capture.description import Description
+from ..capture.jpeg import JPEG_QUALITY, jpeg
 from ..capture.picture import assemble
 from ..capture.records import job_of
 from ..capture.resample import KERNELS, sample
-from ..capture.writers import JPEG_QUALITY, Description, Place, geotiff, jpeg, png
+from ..capture.writers import Place, geotiff, png
 from ..imagery.source import Source, Window, tile_parts
 from ..imagery.world import World, WorldSource
 from ..mission.plan import Plan

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
+from ..drawing import check_matplotlib
 from ..files import make_folder, write_whole
 from ..imagery.source import Source
 from ..mission.plan import Plan
@@ -63,7 +64,7 @@ def write_report(
     PartError, SourceError
         No picture can be had from the source.
     """
-    plots.check_matplotlib()
+    check_matplotlib()
     make_folder(folder)
     found = measure(plan, source, map_type=map_type, quick=quick, progress=progress)
     if progress is not None:

@@ -1,33 +1,19 @@
-"""Diagrams of what was measured, as PNG. The only module that draws, and that needs matplotlib."""
+"""Diagrams of what was measured, as PNG. The only module of the report that needs matplotlib."""
 
 from __future__ import annotations
 
 import importlib
-import io
 import math
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
-from ..errors import OutputError
+from ..drawing import BLACK, BLUE, FONT, GREEN, ORANGE, PURPLE, VERMILION, dress, new_figure, png
 from .flight import Flight
 from .greys import BANDS, Resampling
 from .measure import Measured
 from .wind_methods import METHODS
 
-#: Okabe and Ito's palette, which people with any kind of colour vision tell apart.
-BLACK, ORANGE, SKY, GREEN, YELLOW, BLUE, VERMILION, PURPLE = (
-    "#000000",
-    "#E69F00",
-    "#56B4E9",
-    "#009E73",
-    "#F0E442",
-    "#0072B2",
-    "#D55E00",
-    "#CC79A7",
-)
 _GREY = "#777777"
-_DPI = 130
-_FONT = {"label": 11, "title": 13, "note": 9}
 #: Decades of error below which points are drawn at the edge: they are exact for every use.
 _LEAST_PX = 1e-11
 #: Points of one stage this close, as a share of both axes, share one label.
@@ -69,45 +55,6 @@ _METHODS = dict(
 )
 
 
-def check_matplotlib() -> None:
-    """Raise OutputError where matplotlib is not there to draw with."""
-    _figure_class()
-
-
-def _figure_class() -> Any:
-    # The object interface with its own canvas: no state of pyplot's, and no display.
-    try:
-        return importlib.import_module("matplotlib.figure").Figure
-    except ImportError as missing:
-        raise OutputError(
-            "report: matplotlib, which draws the diagrams, is not installed; get it with: pip install "
-            "'terrainav[report]'"
-        ) from missing
-
-
-def _figure(width: float, height: float) -> Any:
-    figure = _figure_class()(figsize=(width, height), dpi=_DPI, facecolor="white", constrained_layout=True)
-    importlib.import_module("matplotlib.backends.backend_agg").FigureCanvasAgg(figure)
-    return figure
-
-
-def _png(figure: Any) -> bytes:
-    buffer = io.BytesIO()
-    # Without the date and version that matplotlib writes by itself: the same figure gives the same bytes.
-    figure.savefig(buffer, format="png", metadata={"Software": None})
-    return buffer.getvalue()
-
-
-def _dress(axes: Any, title: str, across: str, up: str) -> None:
-    axes.set_title(title, fontsize=_FONT["title"], loc="left", pad=10)
-    axes.set_xlabel(across, fontsize=_FONT["label"])
-    axes.set_ylabel(up, fontsize=_FONT["label"])
-    axes.grid(True, which="major", color="#dddddd", linewidth=0.7)
-    axes.set_axisbelow(True)
-    for side in ("top", "right"):
-        axes.spines[side].set_visible(False)
-
-
 def _logarithmic(axes: Any, which: str) -> None:
     """Logarithmic axes with plain text at their ticks: mathematical text warns with some versions of its parser."""
     for name in which:
@@ -136,9 +83,9 @@ def work_precision(
 
     Filled markers are measured, thin whiskers reach to the bounds, and a ring marks what was chosen.
     """
-    figure = _figure(10.0, 6.6)
+    figure = new_figure(10.0, 6.6)
     axes = figure.add_subplot()
-    _dress(axes, title, "error in the image, px", "seconds a capture, one core")
+    dress(axes, title, "error in the image, px", "seconds a capture, one core")
     _logarithmic(axes, "xy")
     least = _left_edge(stages, floor_px)
     drawn: list[tuple[float, float]] = []
@@ -182,7 +129,7 @@ def work_precision(
         xytext=(4, -4),
         textcoords="offset points",
         va="top",
-        fontsize=_FONT["note"],
+        fontsize=FONT["note"],
     )
     bounds = [one.rung.bound_px for stage in stages.values() for one in stage if one.error_px is not None]
     right = max([budget_px, *(bound for bound in bounds if math.isfinite(bound)), *(x for x, _ in drawn)])
@@ -192,7 +139,7 @@ def work_precision(
     for colour, points, above in lines:
         _label_points(axes, colour, points, above=above)
     _legend_of_marks(axes)
-    return _png(figure)
+    return png(figure)
 
 
 def _left_edge(stages: dict[str, tuple[Measured, ...]], floor_px: float) -> float:
@@ -225,7 +172,7 @@ def _label_points(
             va="bottom" if above else "top",
             rotation=40 if above else 0,
             rotation_mode="anchor",
-            fontsize=_FONT["note"],
+            fontsize=FONT["note"],
             color=colour,
             zorder=5,
         )
@@ -260,7 +207,7 @@ def _legend_of_marks(axes: Any) -> None:
     ]
     axes.legend(
         handles=handles,
-        fontsize=_FONT["note"],
+        fontsize=FONT["note"],
         frameon=False,
         loc="upper center",
         ncol=3,
@@ -270,9 +217,9 @@ def _legend_of_marks(axes: Any) -> None:
 
 def resampling(found: Resampling) -> bytes:
     """Grey levels of error against spatial frequency, one line a kernel, over the picture's own detail."""
-    figure = _figure(10.0, 5.2)
+    figure = new_figure(10.0, 5.2)
     axes = figure.add_subplot()
-    _dress(
+    dress(
         axes,
         f"Resampling between the pixels of zoom {found.zoom}: error by detail",
         "spatial frequency, cycles a source pixel (0.5 is the finest pattern along one axis)",
@@ -295,21 +242,21 @@ def resampling(found: Resampling) -> bytes:
     values = [value for one in found.kernels for value in one.by_band if value > 0.0]
     axes.set_ylim(min(values, default=0.1) / 2.0, max([*found.signal, *values, 1.0]) * 1.6)
     axes.set_xlim(0.0, BANDS[-1])
-    axes.legend(fontsize=_FONT["note"], frameon=False, ncol=3)
-    return _png(figure)
+    axes.legend(fontsize=FONT["note"], frameon=False, ncol=3)
+    return png(figure)
 
 
 def flight(found: Flight) -> bytes:
     """Two diagrams of the integrators: error against run time, and error against the step with its stable limit."""
-    figure = _figure(12.5, 5.4)
+    figure = new_figure(12.5, 5.4)
     work, steps = figure.subplots(1, 2)
-    _dress(
+    dress(
         work,
         f"Flight in wind from one exposure to the next, {found.interval_s:.3g} s",
         "relative error of the covariance",
         "seconds an exposure, one core",
     )
-    _dress(steps, "Covariance that each method settles at", "step, s", "relative error of the covariance")
+    dress(steps, "Covariance that each method settles at", "step, s", "relative error of the covariance")
     for axes in (work, steps):
         _logarithmic(axes, "xy")
     for method, look in _METHODS.items():
@@ -335,7 +282,7 @@ def flight(found: Flight) -> bytes:
                 xycoords=("data", "axes fraction"),
                 xytext=(6, 0),
                 textcoords="offset points",
-                fontsize=_FONT["note"],
+                fontsize=FONT["note"],
                 color=look.colour,
             )
     steps.axvline(found.interval_s, color=_GREY, linestyle="--", linewidth=1.0)
@@ -346,8 +293,8 @@ def flight(found: Flight) -> bytes:
         xytext=(-5, 0),
         textcoords="offset points",
         ha="right",
-        fontsize=_FONT["note"],
+        fontsize=FONT["note"],
         color=_GREY,
     )
-    work.legend(fontsize=_FONT["note"], frameon=False)
-    return _png(figure)
+    work.legend(fontsize=FONT["note"], frameon=False)
+    return png(figure)

@@ -39,6 +39,319 @@
         <translation>la configuración de autenticación {id} no existe (o ya no existe): elegir otra</translation>
     </message>
     <message>
+        <location filename="../../terrainav_plugin/dataset/chart.py"/>
+        <source>Drag the line: images with less entropy (bits) are rejected.
+Arrow keys move it by {step}, with Shift by {shift}, Page keys by {page} bits.</source>
+        <translation>Arrastrar la línea: se rechazan las imágenes con menos entropía (bits).
+Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page} bits.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/chart.py"/>
+        <source>Threshold {bits} bits</source>
+        <translation>Umbral {bits} bits</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/chart.py"/>
+        <location filename="../../terrainav_plugin/viewer/details.py"/>
+        <source>{bits} bits</source>
+        <translation>{bits} bits</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/charts.py"/>
+        <source>Entropy (bits)</source>
+        <translation>Entropía (bits)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/charts.py"/>
+        <source>Image, in the order of the flight</source>
+        <translation>Imagen, en el orden del vuelo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/charts.py"/>
+        <location filename="../../terrainav_plugin/dock/estimates.py"/>
+        <location filename="../../terrainav_plugin/processing/clean.py"/>
+        <source>Images</source>
+        <translation>Imágenes</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/clean_panel.py"/>
+        <source> bits</source>
+        <translation> bits</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/clean_panel.py"/>
+        <source>&amp;Image by image</source>
+        <translation>&amp;Imagen por imagen</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/clean_panel.py"/>
+        <source>&amp;Mark</source>
+        <translation>&amp;Marcar</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/clean_panel.py"/>
+        <source>&amp;Threshold</source>
+        <translation>Um&amp;bral</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/clean_panel.py"/>
+        <source>&lt;b&gt;{kept}&lt;/b&gt; of {count} images kept, &lt;b&gt;{rejected}&lt;/b&gt; rejected ({percent} %)</source>
+        <translation>&lt;b&gt;{kept}&lt;/b&gt; de {count} imágenes se conservan, &lt;b&gt;{rejected}&lt;/b&gt; se rechazan ({percent} %)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/clean_panel.py"/>
+        <source>Choose the folder of a dataset.</source>
+        <translation>Elegir la carpeta de un conjunto de datos.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/clean_panel.py"/>
+        <source>Cleaned before: {marked} images marked, {moved} files moved away.</source>
+        <translation>Limpiado antes: {marked} imágenes marcadas, {moved} archivos apartados.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/clean_panel.py"/>
+        <source>Cross out the images on the map that would be rejected</source>
+        <translation>Tachar en el mapa las imágenes que se rechazarían</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/clean_panel.py"/>
+        <source>Dataset &amp;folder</source>
+        <translation>&amp;Carpeta del conjunto de datos</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/clean_panel.py"/>
+        <source>Hi&amp;stogram</source>
+        <translation>Hi&amp;stograma</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/clean_panel.py"/>
+        <source>Images with less entropy are rejected: 0 bits is a single grey, 8 bits the most there can be</source>
+        <translation>Se rechazan las imágenes con menos entropía: 0 bits es un solo gris, 8 bits lo máximo que puede haber</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/clean_panel.py"/>
+        <source>Map t&amp;ype</source>
+        <translation>&amp;Tipo de mapa</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/clean_panel.py"/>
+        <source>Map type that is shown; cleaning is of all map types, each with this threshold</source>
+        <translation>Tipo de mapa que se muestra; se limpian todos los tipos de mapa, cada uno con este umbral</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/clean_panel.py"/>
+        <source>Mark rejected images, and move their files to a folder “rejected” beside the others</source>
+        <translation>Marcar las imágenes rechazadas y mover sus archivos a una carpeta «rejected» junto a las demás</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/clean_panel.py"/>
+        <source>Move &amp;away</source>
+        <translation>&amp;Apartar</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/clean_panel.py"/>
+        <source>Not cleaned yet.</source>
+        <translation>Sin limpiar todavía.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/clean_panel.py"/>
+        <source>Note in the dataset's table which images are rejected, and why</source>
+        <translation>Anotar en la tabla del conjunto de datos qué imágenes se rechazan, y por qué</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/clean_panel.py"/>
+        <source>Of a capture, or of images with a meta_data.csv beside them</source>
+        <translation>De una captura, o de imágenes con un meta_data.csv al lado</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/clean_panel.py"/>
+        <source>On the ma&amp;p</source>
+        <translation>En el ma&amp;pa</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/clean_panel.py"/>
+        <location filename="../../terrainav_plugin/dock/imagery_entries.py"/>
+        <location filename="../../terrainav_plugin/viewer/viewer.py"/>
+        <source>Roadmap</source>
+        <translation>Callejero</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/clean_panel.py"/>
+        <source>S&amp;uggest</source>
+        <translation>S&amp;ugerir</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/clean_panel.py"/>
+        <location filename="../../terrainav_plugin/dock/imagery_entries.py"/>
+        <location filename="../../terrainav_plugin/viewer/viewer.py"/>
+        <source>Satellite</source>
+        <translation>Satélite</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/clean_panel.py"/>
+        <source>Save pi&amp;ctures…</source>
+        <translation>Guardar &amp;gráficos…</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/clean_panel.py"/>
+        <source>St&amp;op</source>
+        <translation>&amp;Detener</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/clean_panel.py"/>
+        <source>Stop; what is done so far can be finished, or undone</source>
+        <translation>Detener; lo hecho hasta ahora se puede terminar, o deshacer</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/clean_panel.py"/>
+        <source>Take all marks away, and put all files back in their place</source>
+        <translation>Quitar todas las marcas y devolver todos los archivos a su sitio</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/clean_panel.py"/>
+        <source>TerrAInav: clean dataset</source>
+        <translation>TerrAInav: limpiar conjunto de datos</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/clean_panel.py"/>
+        <source>TerrAInav: dataset to be cleaned</source>
+        <translation>TerrAInav: conjunto de datos que limpiar</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/clean_panel.py"/>
+        <location filename="../../terrainav_plugin/dock/estimates.py"/>
+        <location filename="../../terrainav_plugin/dock/imagery_entries.py"/>
+        <location filename="../../terrainav_plugin/viewer/viewer.py"/>
+        <source>Terrain</source>
+        <translation>Relieve</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/clean_panel.py"/>
+        <source>The roadmap decides for all of them.</source>
+        <translation>Para todas decide el callejero.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/clean_panel.py"/>
+        <source>The roadmap decides for {count} of them.</source>
+        <translation>Para {count} de ellas decide el callejero.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/clean_panel.py"/>
+        <source>Threshold in bits that parts the entropies in two groups best, by Otsu's method: the dotted line</source>
+        <translation>Umbral en bits que mejor separa las entropías en dos grupos, por el método de Otsu: la línea de puntos</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/clean_panel.py"/>
+        <source>U&amp;ndo</source>
+        <translation>Des&amp;hacer</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/clean_panel.py"/>
+        <source>Write both charts of every map type as PNG; needs the Python package matplotlib</source>
+        <translation>Escribir los dos gráficos de cada tipo de mapa en PNG; necesita el paquete de Python matplotlib</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/clean_panel.py"/>
+        <source>{count} images could not be made.</source>
+        <translation>{count} imágenes no se pudieron hacer.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/clean_task.py"/>
+        <source>Cleaning {name}</source>
+        <translation>Limpiando {name}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/clean_task.py"/>
+        <source>Pictures of {name}</source>
+        <translation>Gráficos de {name}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/cleaning.py"/>
+        <location filename="../../terrainav_plugin/missions/plan_export.py"/>
+        <location filename="../../terrainav_plugin/runs/after.py"/>
+        <source>Open folder</source>
+        <translation>Abrir carpeta</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/cleaning.py"/>
+        <source>Reading {name}…</source>
+        <translation>Leyendo {name}…</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/cleaning.py"/>
+        <source>TerrAInav: folder for the pictures</source>
+        <translation>TerrAInav: carpeta para los gráficos</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/cleaning.py"/>
+        <source>Update mosaic</source>
+        <translation>Actualizar mosaico</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/cleaning.py"/>
+        <source>{count} pictures written to {folder}.</source>
+        <translation>{count} gráficos escritos en {folder}.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/cleaning.py"/>
+        <source>{name}: stopped. Press the button again to finish, or Undo to put all back.</source>
+        <translation>{name}: detenido. Pulsar otra vez el botón para terminar, o Deshacer para devolverlo todo a su sitio.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/examples.py"/>
+        <source>Just above: kept</source>
+        <translation>Justo por encima: se conservan</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/examples.py"/>
+        <source>Just below: rejected</source>
+        <translation>Justo por debajo: se rechazan</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/examples.py"/>
+        <source>{name}
+{bits} bits; press to show it on the map</source>
+        <translation>{name}
+{bits} bits; pulsar para verla en el mapa</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/outlines.py"/>
+        <location filename="../../terrainav_plugin/viewer/footprint_file.py"/>
+        <source>footprints {path}: cannot be read ({reason})</source>
+        <translation>huellas {path}: no se pueden leer ({reason})</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/outlines.py"/>
+        <location filename="../../terrainav_plugin/viewer/footprint_file.py"/>
+        <source>footprints: stopped</source>
+        <translation>huellas: detenido</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/outlines.py"/>
+        <source>the map's CRS cannot be drawn in ({reason})</source>
+        <translation>en el SRC del mapa no se puede dibujar ({reason})</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/words.py"/>
+        <source>{moved} moved away.</source>
+        <translation>{moved} apartadas.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/words.py"/>
+        <source>{rejected} images are no longer marked, {returned} moved back.</source>
+        <translation>{rejected} imágenes ya no están marcadas, {returned} devueltas a su sitio.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/words.py"/>
+        <source>{rejected} of {images} images are marked as rejected.</source>
+        <translation>{rejected} de {images} imágenes están marcadas como rechazadas.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/words.py"/>
+        <source>{returned} moved back.</source>
+        <translation>{returned} devueltas a su sitio.</translation>
+    </message>
+    <message>
         <location filename="../../terrainav_plugin/dock/add_source_dialog.py"/>
         <source> a second</source>
         <translation> por segundo</translation>
@@ -1216,12 +1529,6 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/dock/estimates.py"/>
-        <location filename="../../terrainav_plugin/processing/clean.py"/>
-        <source>Images</source>
-        <translation>Imágenes</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/estimates.py"/>
         <source>Left out</source>
         <translation>Se omite</translation>
     </message>
@@ -1249,13 +1556,6 @@
         <location filename="../../terrainav_plugin/dock/estimates.py"/>
         <source>Picture</source>
         <translation>Imagen</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/estimates.py"/>
-        <location filename="../../terrainav_plugin/dock/imagery_entries.py"/>
-        <location filename="../../terrainav_plugin/viewer/viewer.py"/>
-        <source>Terrain</source>
-        <translation>Relieve</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/dock/estimates.py"/>
@@ -1618,18 +1918,6 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/dock/imagery_entries.py"/>
-        <location filename="../../terrainav_plugin/viewer/viewer.py"/>
-        <source>Roadmap</source>
-        <translation>Callejero</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/imagery_entries.py"/>
-        <location filename="../../terrainav_plugin/viewer/viewer.py"/>
-        <source>Satellite</source>
-        <translation>Satélite</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/imagery_entries.py"/>
         <source>Show on map</source>
         <translation>Ver en el mapa</translation>
     </message>
@@ -1924,6 +2212,11 @@
         <location filename="../../terrainav_plugin/dock/run_row.py"/>
         <source>Capture only the failed images again</source>
         <translation>Capturar de nuevo solo las imágenes fallidas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/run_row.py"/>
+        <source>Clean this dataset of images with too little to see</source>
+        <translation>Limpiar este conjunto de datos de imágenes con demasiado poco que ver</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/dock/run_row.py"/>
@@ -2588,6 +2881,11 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/missions/missions.py"/>
+        <source>&amp;Clean dataset…</source>
+        <translation>&amp;Limpiar conjunto de datos…</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/missions/missions.py"/>
         <source>&amp;Export plan…</source>
         <translation>&amp;Exportar plan…</translation>
     </message>
@@ -2641,6 +2939,11 @@
         <location filename="../../terrainav_plugin/missions/missions.py"/>
         <source>Nothing to save yet: {reason}</source>
         <translation>Aún no hay nada que guardar: {reason}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/missions/missions.py"/>
+        <source>Of the mission in the panel: images with too little to see</source>
+        <translation>De la misión del panel: imágenes con demasiado poco que ver</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/missions/missions.py"/>
@@ -2724,12 +3027,6 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/missions/plan_export.py"/>
-        <location filename="../../terrainav_plugin/runs/after.py"/>
-        <source>Open folder</source>
-        <translation>Abrir carpeta</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/missions/plan_export.py"/>
         <source>Plan exported as {names}.</source>
         <translation>Plan exportado como {names}.</translation>
     </message>
@@ -2793,6 +3090,11 @@
         <location filename="../../terrainav_plugin/plugin.py"/>
         <source>&amp;View images</source>
         <translation>&amp;Ver imágenes</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/plugin.py"/>
+        <source>C&amp;lean dataset…</source>
+        <translation>&amp;Limpiar conjunto de datos…</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/plugin.py"/>
@@ -2903,6 +3205,7 @@
     <message>
         <location filename="../../terrainav_plugin/processing/capture.py"/>
         <location filename="../../terrainav_plugin/processing/clean.py"/>
+        <location filename="../../terrainav_plugin/processing/split.py"/>
         <source>Dataset folder</source>
         <translation>Carpeta del conjunto de datos</translation>
     </message>
@@ -3021,6 +3324,26 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/clean.py"/>
+        <source>Entropy of each image</source>
+        <translation>Entropía de cada imagen</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/clean.py"/>
+        <source>Folder of the diagrams</source>
+        <translation>Carpeta de los diagramas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/clean.py"/>
+        <source>Histogram and bar plot of the entropies as PNG, for each map type; needs matplotlib.</source>
+        <translation>Histograma y gráfico de barras de las entropías en PNG, para cada tipo de mapa; necesita matplotlib.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/clean.py"/>
+        <source>Histogram of the entropies</source>
+        <translation>Histograma de las entropías</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/clean.py"/>
         <source>Images below it are rejected; 0 to 8.</source>
         <translation>Las imágenes por debajo se rechazan; 0 a 8.</translation>
     </message>
@@ -3046,6 +3369,7 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/clean.py"/>
+        <location filename="../../terrainav_plugin/processing/split.py"/>
         <source>Nothing is changed.</source>
         <translation>No se cambia nada.</translation>
     </message>
@@ -3056,11 +3380,13 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/clean.py"/>
+        <location filename="../../terrainav_plugin/processing/split.py"/>
         <source>Of a capture, or of images with a meta_data.csv beside them.</source>
         <translation>De una captura, o de imágenes con un meta_data.csv al lado.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/clean.py"/>
+        <location filename="../../terrainav_plugin/processing/split.py"/>
         <source>Only count</source>
         <translation>Solo contar</translation>
     </message>
@@ -3083,6 +3409,11 @@
         <location filename="../../terrainav_plugin/processing/clean.py"/>
         <source>The suggested threshold parts the entropies by Otsu's method.</source>
         <translation>El umbral sugerido separa las entropías por el método de Otsu.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/clean.py"/>
+        <source>Undo has no threshold: no diagrams are drawn.</source>
+        <translation>Deshacer no tiene umbral: no se dibujan diagramas.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/clean.py"/>
@@ -3351,6 +3682,7 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <location filename="../../terrainav_plugin/processing/split.py"/>
         <source>Seed</source>
         <translation>Semilla</translation>
     </message>
@@ -3675,6 +4007,146 @@
         <translation>el informe no está terminado</translation>
     </message>
     <message>
+        <location filename="../../terrainav_plugin/processing/split.py"/>
+        <source>By a hash of seed and name, in the table's order, or by blocks of ground.</source>
+        <translation>Por un hash de semilla y nombre, en el orden de la tabla o por bloques de terreno.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/split.py"/>
+        <source>Divides images into training, validation and test, and scales their positions.</source>
+        <translation>Divide las imágenes en entrenamiento, validación y prueba, y escala sus posiciones.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/split.py"/>
+        <source>Frame and scaler of the labels (JSON)</source>
+        <translation>Sistema y escalador de las etiquetas (JSON)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/split.py"/>
+        <source>Frame of the labels</source>
+        <translation>Sistema de las etiquetas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/split.py"/>
+        <source>Gap between parts (m)</source>
+        <translation>Separación entre partes (m)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/split.py"/>
+        <source>How to split</source>
+        <translation>Cómo dividir</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/split.py"/>
+        <source>Images in no part</source>
+        <translation>Imágenes en ninguna parte</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/split.py"/>
+        <source>Share of test</source>
+        <translation>Proporción de prueba</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/split.py"/>
+        <source>Share of training</source>
+        <translation>Proporción de entrenamiento</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/split.py"/>
+        <source>Share of validation</source>
+        <translation>Proporción de validación</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/split.py"/>
+        <source>Side of the blocks (m)</source>
+        <translation>Lado de los bloques (m)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/split.py"/>
+        <source>Split a dataset</source>
+        <translation>Dividir un conjunto de datos</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/split.py"/>
+        <source>Test images</source>
+        <translation>Imágenes de prueba</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/split.py"/>
+        <source>The images lie in {count} UTM zones ({zones}); one frame is for all of them: {frame}.</source>
+        <translation>Las imágenes están en {count} zonas UTM ({zones}); un solo sistema sirve para todas: {frame}.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/split.py"/>
+        <source>The same seed gives the same split.</source>
+        <translation>La misma semilla da la misma división.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/split.py"/>
+        <source>The three shares add up to 1.</source>
+        <translation>Las tres proporciones suman 1.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/split.py"/>
+        <source>Training images</source>
+        <translation>Imágenes de entrenamiento</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/split.py"/>
+        <source>Validation images</source>
+        <translation>Imágenes de validación</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/split.py"/>
+        <source>With blocks only: least distance between the ground of two parts.</source>
+        <translation>Solo con bloques: distancia mínima entre el terreno de dos partes.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/split.py"/>
+        <source>With blocks only; empty finds one that comes near the shares.</source>
+        <translation>Solo con bloques; vacío busca uno que se acerque a las proporciones.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/split.py"/>
+        <source>Writes the part of each image to the column “split” of the tables: train, validation or test. Images of one place are in the same part in all map types; failed and rejected ones are in none.</source>
+        <translation>Escribe la parte de cada imagen en la columna «split» de las tablas: train, validation o test. Las imágenes de un mismo lugar están en la misma parte en todos los tipos de mapa; las fallidas y las rechazadas no están en ninguna.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/split.py"/>
+        <source>dataset,split,training,validation,test,blocks,labels,machine learning</source>
+        <translation>conjunto de datos,dividir,entrenamiento,validación,prueba,bloques,etiquetas,aprendizaje automático</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/split.py"/>
+        <source>labels.json has the frame and the scaler of the images' positions, fitted on the training part: utm is the zone of the middle, mission a plane about the middle.</source>
+        <translation>labels.json contiene el sistema y el escalador de las posiciones de las imágenes, ajustado con la parte de entrenamiento: utm es la zona del centro, mission un plano en torno al centro.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/split.py"/>
+        <source>shuffled follows a hash of the seed and the image's name, the same on every computer; in-order follows the table; blocks divides the ground, so that none is in images of two parts: images in between are marked “gap”, as are those that see the horizon.</source>
+        <translation>shuffled sigue un hash de la semilla y del nombre de la imagen, el mismo en cualquier ordenador; in-order sigue la tabla; blocks divide el terreno, de modo que ninguno está en imágenes de dos partes: las imágenes intermedias se marcan «gap», igual que las que ven el horizonte.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/split.py"/>
+        <source>utm, mercator, mission, or a projected system in metres such as EPSG:32616.</source>
+        <translation>utm, mercator, mission o un sistema proyectado en metros como EPSG:32616.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/split.py"/>
+        <source>{images} images are in no part: they see the horizon or a pole.</source>
+        <translation>{images} imágenes no están en ninguna parte: ven el horizonte o un polo.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/split.py"/>
+        <source>{images} images are in no part: too near to another part's ground.</source>
+        <translation>{images} imágenes no están en ninguna parte: demasiado cerca del terreno de otra parte.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/split.py"/>
+        <source>{part}: {images} images ({share} %).</source>
+        <translation>{part}: {images} imágenes ({share} %).</translation>
+    </message>
+    <message>
         <location filename="../../terrainav_plugin/runs/after.py"/>
         <source>Camera frames make no mosaic: “View images” shows them one by one.</source>
         <translation>Los encuadres de cámara no forman mosaico: «Ver imágenes» los muestra uno a uno.</translation>
@@ -3982,11 +4454,6 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/viewer/details.py"/>
-        <source>{bits} bits</source>
-        <translation>{bits} bits</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/viewer/details.py"/>
         <source>{gsd} m/px</source>
         <translation>{gsd} m/px</translation>
     </message>
@@ -4004,16 +4471,6 @@
         <location filename="../../terrainav_plugin/viewer/details.py"/>
         <source>{}°, {}°, {}°</source>
         <translation>{}°, {}°, {}°</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/viewer/footprint_file.py"/>
-        <source>footprints {path}: cannot be read ({reason})</source>
-        <translation>huellas {path}: no se pueden leer ({reason})</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/viewer/footprint_file.py"/>
-        <source>footprints: stopped</source>
-        <translation>huellas: detenido</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/viewer/footprint_file.py"/>
@@ -4248,6 +4705,11 @@
         <translation>diario {0}: no está abierto</translation>
     </message>
     <message>
+        <location filename="../../core/capture/jpeg.py"/>
+        <source>description of a picture in {0} bytes: a JPEG has room for {1}; choose tif or png, or shorten the source's attribution</source>
+        <translation>descripción de una imagen en {0} bytes: un JPEG tiene sitio para {1}; elija tif o png, o abrevie la atribución de la fuente</translation>
+    </message>
+    <message>
         <location filename="../../core/capture/perspective.py"/>
         <source>no imagery at {0} of the samples that the picture is made of</source>
         <translation>no hay imágenes en {0} de las muestras de las que se hace la imagen</translation>
@@ -4279,6 +4741,7 @@
     </message>
     <message>
         <location filename="../../core/capture/runner.py"/>
+        <location filename="../../core/dataset/dataset.py"/>
         <location filename="../../core/imagery/staticmap.py"/>
         <location filename="../../core/imagery/xyz.py"/>
         <source>map type {0}: {1} has {2}</source>
@@ -4330,6 +4793,48 @@
         <translation>{0}entropía {1} por debajo de {2}</translation>
     </message>
     <message>
+        <location filename="../../core/dataset/dataset.py"/>
+        <source>channels {0}: must be 1 or 3</source>
+        <translation>canales {0}: deben ser 1 o 3</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/dataset.py"/>
+        <source>image {0}: has {1} x {2} px, and {3} x {4} px in the table; capture it again, or put the table right</source>
+        <translation>imagen {0}: tiene {1} x {2} px, y {3} x {4} px en la tabla; captúrela de nuevo o corrija la tabla</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/dataset.py"/>
+        <source>layout {0}: must be one of {1}</source>
+        <translation>disposición {0}: debe ser una de {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/deciding.py"/>
+        <source>stopped while entropies were worked out: nothing was changed</source>
+        <translation>detenido mientras se calculaban las entropías: no se ha cambiado nada</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/decode.py"/>
+        <source>image {0}: cannot be read (of no format that Pillow knows)</source>
+        <translation>imagen {0}: no se puede leer (no es de ningún formato que Pillow conozca)</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/decode.py"/>
+        <location filename="../../core/dataset/ground.py"/>
+        <location filename="../../core/dataset/images.py"/>
+        <source>image {0}: cannot be read ({1})</source>
+        <translation>imagen {0}: no se puede leer ({1})</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/decode.py"/>
+        <source>image {0}: has pixels of Pillow's mode {1}; 8-bit grey or colour would be right</source>
+        <translation>imagen {0}: tiene píxeles del modo {1} de Pillow; lo correcto es gris o color de 8 bits</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/decode.py"/>
+        <source>image {0}: is not there; put it back, or capture it again (--resume)</source>
+        <translation>imagen {0}: no está; devuélvala a su sitio o captúrela de nuevo (--resume)</translation>
+    </message>
+    <message>
         <location filename="../../core/dataset/entropy.py"/>
         <source>image of shape {0} and type {1}: must be (height, width) or (height, width, 3) of uint8 with at least one pixel</source>
         <translation>imagen de forma {0} y tipo {1}: debe ser (altura, anchura) o (altura, anchura, 3) de uint8 con al menos un píxel</translation>
@@ -4345,9 +4850,55 @@
         <translation>carpeta {0}: es un tipo de mapa del conjunto de datos {1}; dar ese</translation>
     </message>
     <message>
+        <location filename="../../core/dataset/folder.py"/>
+        <source>folder {0}: the images of its {1} are in {2} and in {3} as well; move one of the two away</source>
+        <translation>carpeta {0}: las imágenes de su {1} están en {2} y también en {3}; retire una de las dos</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/frames.py"/>
+        <source>frame {0}: PROJ knows no such system; give the code of another one</source>
+        <translation>sistema {0}: PROJ no lo conoce; indique el código de otro</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/frames.py"/>
+        <source>frame {0}: is {1}, no projected system in metres, which labels need; give the code of one</source>
+        <translation>sistema {0}: es {1}, y no un sistema proyectado en metros, que las etiquetas necesitan; indique el código de uno</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/frames.py"/>
+        <source>frame {0}: must be {1} or a code like EPSG:32616</source>
+        <translation>sistema {0}: debe ser {1} o un código como EPSG:32616</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/frames.py"/>
+        <source>frame {0}: of {1} positions; needs one or more, with latitudes from -90 to 90</source>
+        <translation>sistema {0}: de {1} posiciones; necesita una o más, con latitudes de -90 a 90</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/frames.py"/>
+        <source>frame {0}: {1} cannot hold all positions, such as {2} {3}; choose mission or utm</source>
+        <translation>sistema {0}: {1} no abarca todas las posiciones, como {2} {3}; elija mission o utm</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/ground.py"/>
+        <source>folder {0}: the window of {1} in the table lies elsewhere than its Lat and Lon; put the table right, or split without blocks</source>
+        <translation>carpeta {0}: la ventana de {1} en la tabla no está en su Lat y Lon; corrija la tabla o divida sin bloques</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/ground.py"/>
+        <source>{0}: cannot be read ({1}); it tells the ground of a turned camera's images, without which there are no blocks of it: put it back, or split without blocks</source>
+        <translation>{0}: no se puede leer ({1}); dice qué terreno muestran las imágenes de una cámara girada, sin lo cual no hay bloques: devuélvalo a su sitio o divida sin bloques</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/ground.py"/>
+        <source>{0}: has no row of {1}; put back the capture's own</source>
+        <translation>{0}: no tiene fila de {1}; reponga el de la propia captura</translation>
+    </message>
+    <message>
         <location filename="../../core/dataset/images.py"/>
-        <source> (and {0} more)</source>
-        <translation> (y {0} más)</translation>
+        <location filename="../../core/imagery/services/capabilities.py"/>
+        <source> and {0} more</source>
+        <translation> y {0} más</translation>
     </message>
     <message>
         <location filename="../../core/dataset/images.py"/>
@@ -4371,23 +4922,129 @@
     </message>
     <message>
         <location filename="../../core/dataset/images.py"/>
-        <source>folder {0}: {1} is not in the table; finish the capture (--resume)</source>
-        <translation>carpeta {0}: {1} no está en la tabla; terminar la captura (--resume)</translation>
+        <source>folder {0}: {1} of the table {2} not there; put {3} back, or capture again (--resume)</source>
+        <translation>carpeta {0}: {1} de la tabla {2} no está en ella; reponga {3} o capture de nuevo (--resume)</translation>
     </message>
     <message>
         <location filename="../../core/dataset/images.py"/>
-        <source>folder {0}: {1} lies in it and in {2} as well; remove one of the two</source>
-        <translation>carpeta {0}: {1} está en ella y también en {2}; quitar uno de los dos</translation>
+        <source>folder {0}: {1} {2} in it and in {3} as well; remove one of the two</source>
+        <translation>carpeta {0}: {1} {2} en ella y también en {3}; quite uno de los dos</translation>
     </message>
     <message>
         <location filename="../../core/dataset/images.py"/>
-        <source>folder {0}: {1} of the table is not there; put it back, or capture it again (--resume)</source>
-        <translation>carpeta {0}: {1} de la tabla no está; devolverlo a su sitio o capturarlo de nuevo (--resume)</translation>
+        <source>folder {0}: {1} {2} not in the table; finish the capture (--resume), or remove what does not belong to it</source>
+        <translation>carpeta {0}: {1} {2} no figura en la tabla; termine la captura (--resume) o quite lo que no le pertenece</translation>
     </message>
     <message>
-        <location filename="../../core/dataset/images.py"/>
-        <source>image {0}: cannot be read ({1})</source>
-        <translation>imagen {0}: no se puede leer ({1})</translation>
+        <location filename="../../core/dataset/labels.py"/>
+        <source>labels: no image is in the training part, which the scaler is fitted on; split anew</source>
+        <translation>etiquetas: ninguna imagen está en la parte de entrenamiento, a la que se ajusta el escalador; divida de nuevo</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/labels.py"/>
+        <source>labels: scaler of {0} columns; need {1}</source>
+        <translation>etiquetas: escalador de {0} columnas; se necesitan {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/labels.py"/>
+        <source>labels: the dataset has no image that is there and not rejected; capture or clean anew</source>
+        <translation>etiquetas: el conjunto de datos no tiene ninguna imagen presente y no rechazada; capture o limpie de nuevo</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/labels.py"/>
+        <source>names {0}, not {1}</source>
+        <translation>nombra {0}, no {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/labels.py"/>
+        <location filename="../../core/imagery/raster/source.py"/>
+        <source>{0}: cannot be read ({1})</source>
+        <translation>{0}: no se puede leer ({1})</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/labels.py"/>
+        <source>{0}: cannot be read ({1}); have it made anew by split</source>
+        <translation>{0}: no se puede leer ({1}); haga que la división lo cree de nuevo</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/published.py"/>
+        <source>table {0}: {1}{2}</source>
+        <translation>tabla {0}: {1}{2}</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/scaling.py"/>
+        <source>scaler: has {0} means and {1} scales; need as many of each</source>
+        <translation>escalador: tiene {0} medias y {1} escalas; se necesitan tantas de unas como de otras</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/scaling.py"/>
+        <source>scaler: mean {0}; must be finite numbers</source>
+        <translation>escalador: media {0}; deben ser números finitos</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/scaling.py"/>
+        <source>scaler: scale {0}; must be finite numbers above 0</source>
+        <translation>escalador: escala {0}; deben ser números finitos mayores que 0</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/scaling.py"/>
+        <source>scaler: {0} values to fit it to; needs one or more, all finite numbers</source>
+        <translation>escalador: {0} valores a los que ajustarlo; necesita uno o más, todos números finitos</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/split.py"/>
+        <source>blocks of {0} m: must be above 0 m</source>
+        <translation>bloques de {0} m: deben ser mayores que 0 m</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/split.py"/>
+        <source>folder {0}: has no image that is there and not rejected, so there is nothing to split</source>
+        <translation>carpeta {0}: no tiene ninguna imagen presente y no rechazada, así que no hay nada que dividir</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/split.py"/>
+        <source>folder {0}: the ground that its images show is not known (they see the horizon, or come from no map), so there are no blocks of it; split shuffled or in-order</source>
+        <translation>carpeta {0}: no se sabe qué terreno muestran sus imágenes (ven el horizonte o no vienen de ningún mapa), así que no hay bloques; divida con shuffled o in-order</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/split.py"/>
+        <source>gap of {0} m: must be from 0 to {1} m</source>
+        <translation>separación de {0} m: debe ser de 0 a {1} m</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/split.py"/>
+        <source>shares {0}: add up to {1}; must add up to 1</source>
+        <translation>proporciones {0}: suman {1}; deben sumar 1</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/split.py"/>
+        <source>shares {0}: must be finite and not below 0</source>
+        <translation>proporciones {0}: deben ser finitas y no menores que 0</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/split.py"/>
+        <source>shares {0}: must be three, of {1}</source>
+        <translation>proporciones {0}: deben ser tres, de {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/split.py"/>
+        <source>split by {0}: {1} images up to {2} m wide with a gap of {3} m leave one of {4} without images; choose a smaller gap, other blocks or shares, or a dataset of more ground</source>
+        <translation>división por {0}: {1} imágenes de hasta {2} m de ancho con una separación de {3} m dejan una de {4} sin imágenes; elija una separación menor, otros bloques o proporciones, o un conjunto con más terreno</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/split.py"/>
+        <source>split into {0}: needs {1} images or more; the dataset has {2}</source>
+        <translation>división en {0}: necesita {1} imágenes o más; el conjunto tiene {2}</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/split.py"/>
+        <source>split {0}: has no blocks and no gap; choose blocks, or leave their sizes out</source>
+        <translation>división {0}: no tiene bloques ni separación; elija bloques u omita sus tamaños</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/split.py"/>
+        <source>split {0}: must be one of {1}</source>
+        <translation>división {0}: debe ser una de {1}</translation>
     </message>
     <message>
         <location filename="../../core/dataset/table.py"/>
@@ -4453,6 +5110,11 @@
         <location filename="../../core/dataset/table.py"/>
         <source>{0}; repair the table, or remove it to have it written anew</source>
         <translation>{0}; reparar la tabla, o quitarla para que se escriba de nuevo</translation>
+    </message>
+    <message>
+        <location filename="../../core/drawing.py"/>
+        <source>matplotlib, which draws the diagrams, is not installed; get it with: pip install 'terrainav[report]'</source>
+        <translation>no está instalado matplotlib, que dibuja los diagramas; se obtiene con: pip install 'terrainav[report]'</translation>
     </message>
     <message>
         <location filename="../../core/geodesy/accuracy.py"/>
@@ -5193,11 +5855,6 @@
     </message>
     <message>
         <location filename="../../core/imagery/raster/source.py"/>
-        <source>{0}: cannot be read ({1})</source>
-        <translation>{0}: no se puede leer ({1})</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/raster/source.py"/>
         <source>{0}: cannot be read here: {1}</source>
         <translation>{0}: no se puede leer aquí: {1}</translation>
     </message>
@@ -5225,11 +5882,6 @@
         <location filename="../../core/imagery/raster/source.py"/>
         <source>{0}: there is no such file</source>
         <translation>{0}: no existe tal archivo</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/services/capabilities.py"/>
-        <source> and {0} more</source>
-        <translation> y {0} más</translation>
     </message>
     <message>
         <location filename="../../core/imagery/services/capabilities.py"/>
@@ -6627,11 +7279,6 @@
         <location filename="../../core/report/page.py"/>
         <source>page</source>
         <translation>página</translation>
-    </message>
-    <message>
-        <location filename="../../core/report/plots.py"/>
-        <source>report: matplotlib, which draws the diagrams, is not installed; get it with: pip install 'terrainav[report]'</source>
-        <translation>informe: no está instalado matplotlib, que dibuja los diagramas; se obtiene con: pip install 'terrainav[report]'</translation>
     </message>
     <message>
         <location filename="../../core/report/wind_methods.py"/>

@@ -22,12 +22,13 @@ class RunRow(QFrame):
         One of `RunRow.DEEDS`.
     """
 
-    DEEDS = PAUSE, RESUME, CANCEL, FAILED, ZOOM, OPEN, DISMISS = (
+    DEEDS = PAUSE, RESUME, CANCEL, FAILED, ZOOM, CLEAN, OPEN, DISMISS = (
         "pause",
         "resume",
         "cancel",
         "capture_failed",
         "zoom",
+        "clean",
         "open_folder",
         "dismiss",
     )
@@ -87,6 +88,7 @@ class RunRow(QFrame):
             self.CANCEL: (of_qgis("/mTaskCancel.svg"), tr("Cancel; images that are finished are kept")),
             self.FAILED: (icon("capture_failed"), tr("Capture only the failed images again")),
             self.ZOOM: (of_qgis("/mActionZoomToLayer.svg"), tr("Zoom the map to this mission")),
+            self.CLEAN: (icon("clean_dataset"), tr("Clean this dataset of images with too little to see")),
             self.OPEN: (of_qgis("/mActionFileOpen.svg"), tr("Open the folder of the images")),
             self.DISMISS: (of_qgis("/mIconClose.svg"), tr("Take this capture off the list; its images stay")),
         }

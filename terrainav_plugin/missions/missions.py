@@ -92,6 +92,9 @@ class Missions(QObject):
         failed = menu.addAction(tr("Capture only the &failed images"), self.capture_failed)
         failed.setToolTip(tr("Of the mission in the panel: those that could not be made earlier"))
         failed.setEnabled((self._folder() / FAILED_FILE).is_file())
+        clean = menu.addAction(tr("&Clean dataset…"), self.clean)
+        clean.setToolTip(tr("Of the mission in the panel: images with too little to see"))
+        clean.setEnabled((self._folder() / MISSION_FILE).is_file())
 
     # --- opening
 
@@ -215,6 +218,10 @@ class Missions(QObject):
     def capture_failed(self) -> None:
         """Capture only those images of the mission in the panel that have failed."""
         self._workflow.capture(only_failed=True)
+
+    def clean(self) -> None:
+        """Open the window in which the dataset of the mission in the panel is cleaned."""
+        self._workflow.cleaning.open(self._folder())
 
     # --- how
 

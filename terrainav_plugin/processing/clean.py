@@ -8,11 +8,13 @@ from typing import TYPE_CHECKING, Any
 from qgis.core import (
     QgsProcessingContext,
     QgsProcessingFeedback,
+    QgsProcessingOutputFile,
     QgsProcessingOutputFolder,
     QgsProcessingOutputNumber,
     QgsProcessingParameterBoolean,
     QgsProcessingParameterEnum,
     QgsProcessingParameterFile,
+    QgsProcessingParameterFolderDestination,
     QgsProcessingParameterNumber,
 )
 
@@ -91,7 +93,15 @@ class Clean(Algorithm):
             tr("Mark rejected images in the table, move them as well, or put all back."),
         )
         self.add(QgsProcessingParameterBoolean("DRY_RUN", tr("Only count"), False), tr("Nothing is changed."))
+        self.add(
+            QgsProcessingParameterFolderDestination(
+                "DIAGRAMS", tr("Folder of the diagrams"), optional=True, createByDefault=False
+            ),
+            tr("Histogram and bar plot of the entropies as PNG, for each map type; needs matplotlib."),
+        )
         self.addOutput(QgsProcessingOutputFolder("FOLDER", tr("Dataset folder")))
+        self.addOutput(QgsProcessingOutputFile("HISTOGRAM", tr("Histogram of the entropies")))
+        self.addOutput(QgsProcessingOutputFile("BARS", tr("Entropy of each image")))
         for name, title in (
             ("IMAGES", tr("Images")),
             ("REJECTED", tr("Images rejected, or put back")),
@@ -110,11 +120,21 @@ class Clean(Algorithm):
         threshold = self.parameterAsDouble(parameters, "ENTROPY", context)
         action = self.parameterAsEnumString(parameters, "ACTION", context)
         dry_run = self.parameterAsBool(parameters, "DRY_RUN", context)
+        diagrams = self.parameterAsString(parameters, "DIAGRAMS", context)
+        if diagrams and action == _UNDO:
+            feedback.pushWarning(tr("Undo has no threshold: no diagrams are drawn."))
 
         def work(watch: Watch) -> tuple[Cleaned, ...]:
             if action == _UNDO:
                 return undo(folder, dry_run=dry_run, progress=watch.progress)
-            return clean(folder, threshold, move=action == _MOVE, dry_run=dry_run, progress=watch.progress)
+            return clean(
+                folder,
+                threshold,
+                move=action == _MOVE,
+                dry_run=dry_run,
+                plot=diagrams or None,
+                progress=watch.progress,
+            )
 
         cleaned = run_beside(work, feedback)
         for one in cleaned:
@@ -136,6 +156,8 @@ class Clean(Algorithm):
             "REJECTED": sum(one.rejected for one in cleaned),
             "MOVED": sum(one.moved + one.returned for one in cleaned),
             **({} if suggested is None else {"SUGGESTED": suggested}),
+            # Of the map type that comes first: the others lie beside it.
+            **dict(zip(("HISTOGRAM", "BARS"), next((one.figures for one in cleaned if one.figures), ()))),
         }
 
 

@@ -35,6 +35,7 @@ class Provider(QgsProcessingProvider):
         from .clean import Clean
         from .plan import Plan
         from .report import AccuracyReport
+        from .split import Split
 
-        for algorithm in (Plan, Capture, CaptureFailed, Clean, AccuracyReport):
+        for algorithm in (Plan, Capture, CaptureFailed, Clean, Split, AccuracyReport):
             self.addAlgorithm(algorithm(listed=True))

@@ -21,7 +21,7 @@ class RunPanel(QObject):
 
     Parameters
     ----------
-    zoom, open_folder : callable
+    zoom, open_folder, clean : callable
         What to do with a run whose row asks for it.
     """
 
@@ -31,6 +31,7 @@ class RunPanel(QObject):
         shown: RunList,
         zoom: Callable[[Run], None],
         open_folder: Callable[[Run], None],
+        clean: Callable[[Run], None],
     ) -> None:
         super().__init__()
         self._runs, self._list = runs, shown
@@ -42,6 +43,7 @@ class RunPanel(QObject):
             RunRow.FAILED: runs.capture_failed,
             RunRow.ZOOM: zoom,
             RunRow.OPEN: open_folder,
+            RunRow.CLEAN: clean,
             RunRow.DISMISS: runs.dismiss,
         }
         runs.listed.connect(self._add)
@@ -89,4 +91,6 @@ def _deeds_of(run: Run) -> set[str]:
     if run.stage is Stage.STOPPING:
         return set()
     deeds = {RunRow.ZOOM, RunRow.OPEN, RunRow.DISMISS}
+    if run.stage in (Stage.DONE, Stage.INCOMPLETE) and not run.test_shot:
+        deeds.add(RunRow.CLEAN)
     return deeds | ({RunRow.FAILED} if run.task.failed else set())

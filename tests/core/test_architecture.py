@@ -33,7 +33,7 @@ ON_DEMAND = {
     "owslib",
 }
 
-ROOMS = ("geodesy", "mission", "imagery", "dataset", "capture", "report")
+ROOMS = ("geodesy", "mission", "imagery", "dataset", "capture", "report", "pairs")
 
 # Room -> rooms it may import. What lies in `core` itself (errors, the shipped tables) knows no room and is
 # open to all.
@@ -45,6 +45,7 @@ ARROWS = {
     "dataset": {"core", "geodesy"},
     "capture": {"core", "geodesy", "mission", "imagery", "dataset"},
     "report": {"core", "geodesy", "mission", "imagery", "dataset", "capture"},
+    "pairs": {"core", "geodesy", "mission", "imagery", "dataset", "capture"},
     "cli": {"core", *ROOMS},
 }
 

@@ -20,6 +20,7 @@ from qgis.PyQt.QtTest import QTest
 from qgis.PyQt.QtWidgets import QAction, QApplication, QDockWidget, QMenu, QPushButton, QTabWidget, QToolBar
 
 from tests.plugin.steps import PATIENCE_MS, SMALL_BOX
+from tests.support.datasets import write_dataset
 
 PLUGIN = "terrainav"
 ROUNDS = 25
@@ -203,6 +204,10 @@ def use_everything(iface, qtbot, folder):
     workflow.dock.form.set_state(form_state(**SMALL_BOX, folder=str(folder)))
     qtbot.waitUntil(lambda: not workflow.planner.busy, timeout=PATIENCE_MS)
     plugin.actions["capture"].trigger()
+    plugin.actions["clean_dataset"].trigger()
+    workflow.cleaning.open(write_dataset(folder.with_name(f"{folder.name}-there")))
+    qtbot.waitUntil(lambda: workflow.cleaning.marks.item is not None, timeout=PATIENCE_MS)
+    workflow.cleaning.panel.buttons["mark"].click()
     close_dialog()
     plugin.actions["settings"].trigger()
     plugin.actions["help"].trigger()

@@ -29,6 +29,7 @@ from qgis.core import (
 )
 from qgis.PyQt import sip
 from qgis.PyQt.QtCore import QDateTime, Qt
+from qgis.PyQt.QtGui import QImage
 from terrainav.core.dataset.table import Table
 from terrainav.core.geodesy.camera import Camera
 from terrainav.core.geodesy.mercator import HALF_WORLD_M
@@ -48,7 +49,7 @@ BOX = Box(35.16, -89.90, 35.156, -89.895)
 EXTENT = "-89.90,-89.895,35.156,35.16 [EPSG:4326]"
 #: Far longer than anything here takes.
 NEVER_S = 60.0
-NAMES = {"plan", "capture", "capturefailed", "clean", "accuracyreport"}
+NAMES = {"plan", "capture", "capturefailed", "clean", "split", "accuracyreport"}
 
 
 @pytest.fixture(autouse=True)
@@ -610,6 +611,23 @@ def test_cleaning_marks_moves_and_puts_back(tmp_path):
     assert (back["REJECTED"], back["MOVED"]) == (moved["REJECTED"], moved["MOVED"])
     assert tables(folder) == before
     assert "is no dataset" in refusal("clean", DATASET=str(tmp_path))
+
+
+def test_cleaning_draws_its_diagrams(tmp_path):
+    pytest.importorskip("matplotlib")
+    folder, diagrams = tmp_path / "out", tmp_path / "diagrams"
+    run("capture", EXTENT=EXTENT, AGL=200, FOLDER=str(folder))
+    before = tables(folder)
+    result = run("clean", DATASET=str(folder), ENTROPY=3, DRY_RUN=True, DIAGRAMS=str(diagrams))
+    assert tables(folder) == before
+    assert {result["HISTOGRAM"], result["BARS"]} == {str(path) for path in diagrams.iterdir()}
+    for path in diagrams.iterdir():
+        assert not QImage(str(path)).isNull()
+    without = run("clean", DATASET=str(folder), DRY_RUN=True)
+    assert not {"HISTOGRAM", "BARS", "DIAGRAMS"} & set(without)
+    feedback = Feedback()
+    run("clean", feedback, DATASET=str(folder), ACTION="undo", DIAGRAMS=str(tmp_path / "none"))
+    assert any("no diagrams" in text for text in feedback.warnings)
 
 
 def test_the_report_is_a_page(tmp_path):

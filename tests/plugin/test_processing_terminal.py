@@ -76,7 +76,7 @@ def results(process):
 
 def test_the_algorithms_are_listed_and_explained(terminal):
     listed = terminal("list").stdout
-    for name in ("plan", "capture", "capturefailed", "clean", "accuracyreport"):
+    for name in ("plan", "capture", "capturefailed", "clean", "split", "accuracyreport"):
         assert f"terrainav:{name}\t" in listed
     told = terminal("help", "terrainav:plan").stdout
     assert "fetches no imagery" in told

@@ -7,7 +7,7 @@ from qgis.PyQt.QtGui import QKeySequence
 from qgis.PyQt.QtWidgets import QToolBar
 from terrainav.terrainav_plugin import plugin as plugin_module
 
-BUTTONS = ["dock", "draw_box", "preview", "test_shot", "capture", "view_images"]
+BUTTONS = ["dock", "draw_box", "preview", "test_shot", "capture", "view_images", "clean_dataset"]
 
 
 def test_toolbar_and_menu_hold_all_actions(plugin, iface):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import random
 import shutil
@@ -74,6 +75,10 @@ def check_interrupted(folder: Path, whole: dict[str, object]) -> None:
     for name, path in left.items():
         if name.endswith("meta_data.csv"):
             assert set(Table.load(path).status) <= {"done"}
+        elif name.endswith("geo.txt"):
+            assert set(path.read_bytes().splitlines()) <= set(whole[name].splitlines())
+        elif name.endswith("cameras.json"):
+            assert set(json.loads(path.read_bytes())) <= set(json.loads(whole[name]))
         elif not name.endswith(".part"):
             assert path.read_bytes() == whole[name], f"{name} is torn"
     for line in lines:

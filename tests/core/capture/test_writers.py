@@ -8,9 +8,10 @@ import re
 import numpy as np
 import pytest
 from PIL import Image
-from terrainav.core.capture import writers
+from terrainav.core.capture import jpeg, writers
+from terrainav.core.capture.description import Description
 from terrainav.core.capture.georeference import Georeference
-from terrainav.core.capture.writers import Description, check_size, file_endings, write_picture
+from terrainav.core.capture.writers import check_size, file_endings, write_picture
 from terrainav.core.errors import InvalidInput, OutputError
 from terrainav.core.geodesy.mercator import HALF_WORLD_M, PixelGrid
 
@@ -337,9 +338,9 @@ def test_gdal_reads_positions_out_of_the_pixels(gdal, tmp_path):
 @pytest.mark.parametrize("channels", [1, 3])
 def test_a_jpeg_has_the_same_bytes_on_systems_without_files_in_memory(monkeypatch, channels):
     pixels = picture(301, 77, channels)
-    usual = writers.jpeg(pixels, DESCRIPTION)
-    monkeypatch.delattr(writers.os, "memfd_create", raising=False)
-    assert writers.jpeg(pixels, DESCRIPTION) == usual
+    usual = jpeg.jpeg(pixels, DESCRIPTION)
+    monkeypatch.delattr(jpeg.os, "memfd_create", raising=False)
+    assert jpeg.jpeg(pixels, DESCRIPTION) == usual
 
 
 def test_the_date_and_the_effective_resolution_are_in_the_metadata():

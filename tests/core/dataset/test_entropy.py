@@ -1,7 +1,11 @@
 from __future__ import annotations
 
+import json
 import math
+import os
+import subprocess
 from collections import Counter
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -67,3 +71,66 @@ def test_large_pictures_are_counted_whole():
 def test_what_is_no_image_is_refused(image):
     with pytest.raises(InvalidInput, match="must be"):
         entropy(image)
+
+
+# --- against scikit-image, which has an environment of its own
+
+PEER = Path(__file__).parents[3] / ".venv" / "peers" / "bin" / "python"
+#: Images (name.npy) of a folder: made grey as Pillow does it there, and scikit-image's entropy of that.
+PEER_CODE = """
+import json, pathlib, sys
+import numpy as np
+from PIL import Image
+from skimage.measure import shannon_entropy
+
+found = {}
+for path in pathlib.Path(sys.argv[1]).glob("*.npy"):
+    found[path.stem] = float(shannon_entropy(np.asarray(Image.fromarray(np.load(path)).convert("L"))))
+print(json.dumps(found))
+"""
+
+
+def kinds_of_images():
+    """Images of every kind that a map or a camera gives, in colour and grey, and the extremes of the measure."""
+    random = np.random.default_rng(4)
+    x = np.arange(131)[None, :] + np.zeros((97, 1))
+    photograph = (
+        120.0 + 60.0 * np.sin(x / 17.0)[..., None] * [1.0, 0.8, 0.5] + random.normal(0, 9, (97, 131, 3))
+    )
+    roadmap = np.full((480, 640, 3), (242, 240, 233), np.uint8)
+    roadmap[200:220], roadmap[:, 300:312] = (255, 255, 255), (254, 216, 93)
+    one_pixel = np.full((64, 64), 7, np.uint8)
+    one_pixel[3, 5] = 8
+    images = {
+        "photograph": photograph.clip(0, 255).astype(np.uint8),
+        "roadmap": roadmap,
+        "noise": random.integers(0, 256, (64, 80, 3), np.uint8),
+        "large": random.normal(90.0, 25.0, (900, 1100, 3)).clip(0, 255).astype(np.uint8),
+        "ramp": np.arange(256, dtype=np.uint8).reshape(16, 16),
+        "level": np.full((9, 7), 200, np.uint8),
+        "one-pixel": one_pixel,
+        "single": np.zeros((1, 1), np.uint8),
+    }
+    for levels in (2, 3, 17, 200):
+        images[f"levels-{levels}"] = random.integers(0, levels, (50, 60), np.uint8)
+    return images
+
+
+def test_it_is_scikit_images_shannon_entropy(tmp_path):
+    if not PEER.is_file():
+        # The set-up of the tests makes it.
+        if os.environ.get("CI") == "true":
+            pytest.fail(f"{PEER} is not there")
+        pytest.skip(f"{PEER}, an environment with scikit-image, is not there; tools/setup.sh makes it")
+    images = kinds_of_images()
+    for name, image in images.items():
+        np.save(tmp_path / f"{name}.npy", image)
+    peer = subprocess.run(
+        [PEER, "-I", "-c", PEER_CODE, tmp_path], capture_output=True, text=True, check=False
+    )
+    assert peer.returncode == 0, peer.stderr
+    theirs = json.loads(peer.stdout)
+    assert theirs.keys() == images.keys()
+    assert {name: entropy(image) for name, image in images.items()} == pytest.approx(
+        theirs, rel=0, abs=ROUNDING
+    )

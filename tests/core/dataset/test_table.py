@@ -71,6 +71,27 @@ def test_published_tables_are_read(tmp_path):
     assert dict(table.other) == {}
 
 
+def test_entropies_may_be_missing():
+    table = Table.from_csv("img_names,columns,rows,Lat,Lon,Alt\na.jpg,0,1,35.1,-89.9,17\n")
+    assert np.isnan(table.entropies).all()
+    assert len(table) == 1
+
+
+def test_tables_of_some_columns_know_nothing_of_the_others():
+    known = {
+        "img_names": ("a.jpg", "b.jpg"),
+        "columns": np.arange(2),
+        "rows": np.zeros(2, np.int64),
+        "lat_deg": np.array([1.0, 2.0]),
+        "lon_deg": np.array([3.0, 4.0]),
+        "zoom": np.full(2, 17),
+    }
+    table = Table.of(known, {"split": ("train", "")})
+    assert table.status == ("", "")
+    assert np.isnan(table.agl_m).all()
+    assert_same(Table.from_csv(table.to_csv()), table)
+
+
 def test_an_empty_table_is_a_table():
     empty = make_table(
         **{n: (() if isinstance(getattr(make_table(), n), tuple) else np.empty(0)) for n in FIELDS}
@@ -104,7 +125,10 @@ def test_positions_must_be_finite(cell):
     ("text", "message"),
     [
         ("", "has no column img_names"),
-        ("img_names,columns,rows,Lat,Lon,Alt\n", "has no column entropies"),
+        (
+            "img_names,columns,rows,Lat,Lon,entropies\n",
+            "has no column Alt; needs img_names,columns,rows,Lat,Lon,Alt$",
+        ),
         (f'{PUBLISHED}\n"a.tif,0', "line 2 is not CSV"),
     ],
 )

@@ -1,0 +1,113 @@
+"""What OpenDroneMap takes beside a map type's JPEG images: where each one was taken, and with which camera.
+
+``geo.txt`` is for its option ``--geo``: the CRS, then a line for each image with its longitude, latitude, height over
+the ellipsoid in metres, yaw, pitch and roll in degrees (see `xmp`), and accuracies across and in height in metres.
+OpenDroneMap looks its images up in it: lines of those that cleaning has moved away do no harm. ``cameras.json`` is for
+``--cameras``.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..files import write_whole
+from ..geodesy.mercator import wrap_lon_deg
+from ..mission.plan import Plan
+from .exif import MAKE, FocalTags
+from .exposure import Optics, body_of, optics_of
+
+GEO_FILE = "geo.txt"
+CAMERAS_FILE = "cameras.json"
+
+Numbers = NDArray[np.int64]
+#: Rows that are text at a time.
+_ROWS_A_BLOCK = 2000
+
+
+def write_odm_files(folder: Path, plan: Plan, at: Numbers) -> None:
+    """Write both files for the images that are there.
+
+    Parameters
+    ----------
+    folder : Path
+        Of a map type.
+    plan : Plan
+        Of JPEG images.
+    at : array (k,) of int64
+        Indices of the captures whose images are there, in the plan's order.
+
+    Raises
+    ------
+    OutputError
+    """
+    optics = optics_of(plan, at)
+    write_whole(folder / GEO_FILE, _geo_blocks(plan, at, optics))
+    cameras = json.dumps(cameras_of(plan, optics), indent=1, ensure_ascii=False) + "\n"
+    write_whole(folder / CAMERAS_FILE, cameras.encode("utf-8"))
+
+
+def _geo_blocks(plan: Plan, at: Numbers, optics: Optics) -> Iterator[bytes]:
+    yield b"EPSG:4326\n"
+    for start in range(0, len(at), _ROWS_A_BLOCK):
+        rows = slice(start, start + _ROWS_A_BLOCK)
+        poses = plan.poses.take(at[rows])
+        accuracies = Optics(*(values[rows] for values in optics)).accuracy_m(poses.agl_m)
+        numbers = np.stack(
+            [
+                wrap_lon_deg(poses.lon_deg),
+                poses.lat_deg,
+                plan.mission.ground_height_m + poses.agl_m,
+                *poses.attitude,
+                *(np.round(accuracy, 6) for accuracy in accuracies),
+            ],
+            axis=1,
+        )
+        lines = (
+            f"{plan.names[index]}.jpg {' '.join(map(repr, row))}\n"
+            for index, row in zip(at[rows].tolist(), numbers.tolist())
+        )
+        yield "".join(lines).encode("utf-8")
+
+
+def cameras_of(plan: Plan, optics: Optics) -> dict[str, dict[str, Any]]:
+    """Cameras by the names that OpenSfM and OpenDroneMap give them from an image's tags.
+
+    A name has an image's size and the focal length in its widths, cut to six characters, so that images of one camera
+    at other latitudes, or one pixel wider, may have others. The model is Brown's without distortion, as it has a focal
+    length along rows and one along columns. Both count in the longer side of the image, and stand in the middle of
+    those of the images that share a name.
+    """
+    body = body_of(plan.mission.camera)
+    found: dict[str, list[tuple[float, ...]]] = {}
+    for width, height, focal_x, focal_y in np.unique(np.stack(optics[:4], axis=1), axis=0).tolist():
+        ratio = FocalTags.of(body.focal_length_mm, focal_x, focal_y).ratio(int(width))
+        found.setdefault(_camera_name(body.model, int(width), int(height), ratio), []).append(
+            (width, height, focal_x, focal_y)
+        )
+    return {name: _camera(np.array(found[name])) for name in sorted(found)}
+
+
+def _camera_name(model: str, width_px: int, height_px: int, focal_ratio: float) -> str:
+    size = f"{width_px} {height_px}"
+    return f"v2 {MAKE} {model} {size} perspective {str(focal_ratio)[:6]}".lower()
+
+
+def _camera(sizes_and_focals: NDArray[np.float64]) -> dict[str, Any]:
+    width, height, focal_x, focal_y = (
+        (sizes_and_focals.min(axis=0) + sizes_and_focals.max(axis=0)) / 2.0
+    ).tolist()
+    longer = max(width, height)
+    return {
+        "projection_type": "brown",
+        "width": int(width),
+        "height": int(height),
+        "focal_x": focal_x / longer,
+        "focal_y": focal_y / longer,
+        **dict.fromkeys(("c_x", "c_y", "k1", "k2", "k3", "p1", "p2"), 0.0),
+    }

@@ -1,0 +1,171 @@
+"""Datasets of others as ours: the same images, with tables that have our columns."""
+
+from __future__ import annotations
+
+import os
+import shutil
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+from PIL import Image
+
+from ..errors import Cancelled, InvalidInput, OutputError
+from ..files import PARTIAL_ENDING, make_folder
+from .dataset import Dataset, ImageSet, read_dataset
+from .folder import MISSION_FILE, REJECTED_FOLDER, TABLE_FILE
+from .images import UNREADABLE, some
+from .published import framed
+from .table import Table
+
+Floats = NDArray[np.float64]
+#: What `convert` tells of: the share done, 0 to 1; an answer of False stops it.
+Report = Callable[[float], bool]
+
+
+@dataclass(frozen=True)
+class Converted:
+    """What was converted of one map type.
+
+    Parameters
+    ----------
+    map_type : str
+    images, failed : int
+        Images that were copied; rows without an image.
+    framed : int
+        Images of which it is known what ground they show.
+    """
+
+    map_type: str
+    images: int
+    failed: int
+    framed: int
+
+
+def convert(
+    folder: str | os.PathLike[str],
+    target: str | os.PathLike[str],
+    layout: str = "TerrAInav",
+    *,
+    progress: Report | None = None,
+) -> tuple[Converted, ...]:
+    """Make a dataset of ours from one of another's; the source is only read.
+
+    Images are copied as they are, those that cleaning has moved to ``rejected`` too. Tables get sizes of images;
+    published ones also poses straight down with the north up, heights where the name of the folder of images
+    has them, and windows: the image about ``Lat``, ``Lon`` at the zoom ``Alt``, in pixels of 256 px tiles. Published
+    images may be made of tiles of a higher zoom than ``Alt``, to be told from the flight's height and field of view;
+    where that gives no whole number of zooms, windows are left unknown.
+
+    Parameters
+    ----------
+    folder, target : path
+        The source; a folder that is not there yet, or empty.
+    layout : str
+        Of the source, see `LAYOUTS`.
+    progress : callable
+
+    Raises
+    ------
+    InvalidInput
+        As `read_dataset` does, for images that cannot be read, and a source that is a capture: nothing is written.
+    OutputError
+        A target that is in use, or that cannot be written: nothing of it is left.
+    Cancelled
+        ``progress`` said so: nothing is left.
+    """
+    source, out = Path(folder), Path(target)
+    _check_places(source, out)
+    dataset = read_dataset(source, layout)
+    tables = {name: _converted(one, layout) for name, one in dataset.image_sets.items()}
+    _write(dataset, tables, out, progress)
+    return tuple(
+        Converted(
+            name,
+            int(one.there.sum()),
+            int((~one.there).sum()),
+            int(np.isfinite(tables[name].left_px[one.there]).sum()),
+        )
+        for name, one in dataset.image_sets.items()
+    )
+
+
+def _check_places(source: Path, target: Path) -> None:
+    if (source / MISSION_FILE).is_file():
+        raise InvalidInput(f"folder {source}: is a capture, whose tables are ours already")
+    inner, outer = target.resolve(), source.resolve()
+    if outer == inner or outer in inner.parents or inner in outer.parents:
+        raise InvalidInput(f"folder {target}: must lie outside {source}, which is left as it is")
+    try:
+        if target.exists() and (not target.is_dir() or any(target.iterdir())):
+            raise OutputError(f"folder {target}: is there already; choose a new or empty folder")
+    except OSError as wrong:
+        raise OutputError(f"folder {target}: cannot be read ({wrong.strerror})") from wrong
+
+
+def _converted(images: ImageSet, layout: str) -> Table:
+    """Table with the sizes of the images, and their windows and poses where the layout tells them."""
+    width, height = _sizes(images)
+    status = tuple("done" if made else "failed" for made in images.there.tolist())
+    table = replace(images.table, image_width_px=width, image_height_px=height, status=status)
+    return table if layout == "VBN" else framed(table, images.image_folder.name)
+
+
+def _sizes(images: ImageSet) -> tuple[Floats, Floats]:
+    """Widths and heights (n,) in px, NaN for rows without an image."""
+    sizes = np.full((len(images), 2), np.nan)
+    wrong = []
+    for index in np.flatnonzero(images.there).tolist():
+        path = images.path(index)
+        try:
+            with Image.open(path) as image:
+                sizes[index] = image.size
+        except UNREADABLE:
+            wrong.append(path.name)
+    if wrong:
+        raise InvalidInput(f"folder {images.image_folder}: no images that can be read: {some(wrong)}")
+    return sizes[:, 0], sizes[:, 1]
+
+
+def _write(dataset: Dataset, tables: Mapping[str, Table], target: Path, progress: Report | None) -> None:
+    """Make the target under another name, and give it its own when it is whole."""
+    partial = target.with_name(target.name + PARTIAL_ENDING)
+    make_folder(target.parent)
+    try:
+        partial.mkdir()
+    except FileExistsError as wrong:
+        raise OutputError(
+            f"folder {partial}: is left of an interrupted conversion, or another is at work; remove it"
+        ) from wrong
+    except OSError as wrong:
+        raise OutputError(f"folder {partial}: cannot be made ({wrong.strerror})") from wrong
+    try:
+        _fill(partial, dataset.image_sets, tables, progress)
+        if target.exists():
+            target.rmdir()
+        os.replace(partial, target)
+    except OSError as wrong:
+        raise OutputError(f"folder {target}: cannot be written ({wrong.strerror})") from wrong
+    finally:
+        shutil.rmtree(partial, ignore_errors=True)
+
+
+def _fill(
+    folder: Path, image_sets: Mapping[str, ImageSet], tables: Mapping[str, Table], progress: Report | None
+) -> None:
+    total = sum(int(one.there.sum()) for one in image_sets.values())
+    done = 0
+    for name, images in image_sets.items():
+        for index in np.flatnonzero(images.there).tolist():
+            if progress is not None and not progress(done / total):
+                raise Cancelled("stopped: nothing was converted")
+            origin = images.path(index)
+            moved = origin.parent.name == REJECTED_FOLDER and origin.parent != images.image_folder
+            place = folder / name / (REJECTED_FOLDER if moved else "")
+            place.mkdir(parents=True, exist_ok=True)
+            shutil.copyfile(origin, place / origin.name)
+            done += 1
+        (folder / name).mkdir(exist_ok=True)
+        tables[name].save(folder / name / TABLE_FILE)

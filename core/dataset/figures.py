@@ -1,0 +1,228 @@
+"""Diagrams of a dataset's entropies: a bar an image, and their histogram, each with the threshold of cleaning.
+
+They are the paper's (section Post Processing). Matplotlib is imported when they are drawn.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..drawing import BLACK, BLUE, FONT, VERMILION, check_matplotlib, dress, new_figure, png
+from ..files import make_folder, write_whole
+from .deciding import Deciding, deciding_entropies
+from .thresholds import otsu
+
+Floats = NDArray[np.float64]
+
+#: Files of the figures of a map type.
+HISTOGRAM, BARS = "entropy-histogram-{map_type}.png", "entropy-bars-{map_type}.png"
+#: Of 256 grey levels, in bits.
+_HIGHEST = 8.0
+#: Bits of a bar of the histogram.
+_BIN = 0.1
+#: Most bars side by side, each at least a pixel wide; and rows of the picture that takes their place for more.
+_COLUMNS, _ROWS = 1000, 480
+#: Bars up to which there are gaps between them, and half of a gap.
+_FEW, _MARGIN = 150, 0.1
+_WIDTH_IN, _HEIGHT_IN = 10.0, 5.0
+#: Light and dark, which shows without colours too.
+_REJECTED, _KEPT = "#9A9A9A", BLUE
+
+
+def draw_histogram(
+    axes: Any, values: Floats, threshold: float, *, suggested: float | None = None, title: str = ""
+) -> None:
+    """Draw how many images have which entropy, with the threshold as a red line.
+
+    Parameters
+    ----------
+    axes : matplotlib Axes
+    values : array (n,)
+        Bits; NaN is left out.
+    threshold : float
+        Bits; images below it are rejected. It lies between two bars, so that none is of both kinds.
+    suggested : float or None
+        Another threshold, drawn as a dotted line.
+    title : str
+    """
+    there = values[~np.isnan(values)]
+    dress(axes, title, "entropy, bits", f"images, per {_BIN:g} bit")
+    steps = np.arange(np.floor(-threshold / _BIN), np.ceil((_HIGHEST - threshold) / _BIN) + 1.0)
+    # Rounding may take the last edge just below the highest entropy, and images at it with it.
+    edges = np.append(threshold + steps * _BIN, _HIGHEST + _BIN)
+    counts = np.histogram(there, edges)[0]
+    low = edges[:-1] < threshold
+    rejected = there < threshold
+    for which, colour, label in (
+        (low, _REJECTED, _share("rejected", int(rejected.sum()), len(there))),
+        (~low, _KEPT, _share("kept", int((~rejected).sum()), len(there))),
+    ):
+        axes.bar(
+            edges[:-1][which],
+            counts[which],
+            width=_BIN,
+            align="edge",
+            color=colour,
+            edgecolor="white",
+            linewidth=0.5,
+            label=label,
+        )
+    axes.axvline(threshold, color=VERMILION, linewidth=2.2, label=f"threshold {threshold:g} bits")
+    if suggested is not None:
+        axes.axvline(suggested, color=BLACK, linewidth=1.5, linestyle=":", label=_suggestion(suggested))
+    axes.set_xlim(0.0, _HIGHEST)
+    axes.yaxis.get_major_locator().set_params(integer=True)
+    _legend(axes)
+
+
+def draw_bars(
+    axes: Any, values: Floats, threshold: float, *, suggested: float | None = None, title: str = ""
+) -> None:
+    """Draw the entropy of each image in the order of the table, with the threshold as a red line.
+
+    Bars of more than a thousand images are narrower than a pixel: several in a row share a column then, which is the
+    darker the more of their bars reach there.
+
+    Parameters
+    ----------
+    axes, threshold, suggested, title
+        As of `draw_histogram`.
+    values : array (n,)
+        Bits; NaN has no bar.
+    """
+    per_column = max(-(-len(values) // _COLUMNS), 1)
+    across = "image, in the order of the table"
+    if per_column > 1:
+        across += f" ({per_column:,} to a column, the darker the more of them reach there)"
+    dress(axes, title, across, "entropy, bits")
+    axes.axhline(threshold, color=VERMILION, linewidth=2.2, label=f"threshold {threshold:g} bits")
+    if suggested is not None:
+        axes.axhline(suggested, color=BLACK, linewidth=1.5, linestyle=":", label=_suggestion(suggested))
+    there = values[~np.isnan(values)]
+    low = int((there < threshold).sum())
+    labels = _share("rejected", low, len(there)), _share("kept", len(there) - low, len(there))
+    for kept, colour, label in zip((False, True), (_REJECTED, _KEPT), labels):
+        if per_column > 1:
+            axes.bar([0.0], [0.0], color=colour, label=label)
+        else:
+            _stand(axes, np.where((values >= threshold) == kept, values, np.nan), colour, label)
+    if per_column > 1:
+        shades = _shades(values, threshold, per_column)
+        extent = (0.0, float(shades.shape[1] * per_column), 0.0, _HIGHEST)
+        axes.imshow(shades, extent=extent, origin="lower", aspect="auto", interpolation="nearest", zorder=1.0)
+    axes.set_xlim(0.0, max(len(values), 1))
+    axes.set_ylim(0.0, _HIGHEST)
+    axes.xaxis.set_major_formatter(lambda value, _position: f"{value:,.0f}")
+    axes.xaxis.get_major_locator().set_params(integer=True)
+    _legend(axes)
+
+
+def save_figures(
+    folder: str | os.PathLike[str], target: str | os.PathLike[str], threshold: float
+) -> list[Path]:
+    """Write both figures of each map type of a dataset as PNG; figures of an earlier run are replaced.
+
+    They show the entropies that decide (see `deciding_entropies`): what cleaning at this threshold rejects and keeps.
+
+    Parameters
+    ----------
+    folder : path
+        Of a dataset; it is only read.
+    target : path
+        Folder of the figures, made if it is not there.
+    threshold : float
+        Bits.
+
+    Returns
+    -------
+    list of Path
+
+    Raises
+    ------
+    InvalidInput
+        A folder that is no dataset.
+    OutputError
+        Where they cannot be written, or matplotlib is not installed.
+    """
+    check_matplotlib()
+    drawn = draw_all(deciding_entropies(folder), target, threshold)
+    return [path for paths in drawn.values() for path in paths]
+
+
+def draw_all(
+    deciding: Mapping[str, Deciding], target: str | os.PathLike[str], threshold: float
+) -> dict[str, list[Path]]:
+    """Write both figures of each map type that has images; returns their paths by map type."""
+    drawn = {}
+    for map_type, one in deciding.items():
+        there = one.entropies[one.there]
+        if not len(there):
+            continue
+        title = f"{map_type}: {len(there):,} images by {_whose(one)}"
+        paths = []
+        for name, draw in ((HISTOGRAM, draw_histogram), (BARS, draw_bars)):
+            figure = new_figure(_WIDTH_IN, _HEIGHT_IN)
+            draw(figure.add_subplot(), one.entropies, threshold, suggested=otsu(there), title=title)
+            make_folder(target)
+            path = Path(target) / name.format(map_type=map_type)
+            write_whole(path, png(figure))
+            paths.append(path)
+        drawn[map_type] = paths
+    return drawn
+
+
+def _whose(deciding: Deciding) -> str:
+    by_roadmap, there = int(deciding.by_roadmap.sum()), int(deciding.there.sum())
+    if by_roadmap == 0:
+        return "their entropies"
+    if by_roadmap == there:
+        return "the entropies of the roadmap"
+    return f"the entropies of the roadmap, {there - by_roadmap:,} by their own"
+
+
+def _share(what: str, count: int, total: int) -> str:
+    return f"{what}: {count:,}" + (f" ({count / total:.1%})" if total else "")
+
+
+def _suggestion(suggested: float) -> str:
+    return f"Otsu's method: {suggested:.2f} bits"
+
+
+def _legend(axes: Any) -> None:
+    """Legend below everything else, where nothing can be drawn over."""
+    axes.legend(fontsize=FONT["note"], frameon=False, loc="upper center", bbox_to_anchor=(0.5, -0.12), ncol=4)
+
+
+def _stand(axes: Any, heights: Floats, colour: str, label: str) -> None:
+    """Bars of one colour as a single shape, which is drawn at once; NaN has none."""
+    margin = _MARGIN if len(heights) <= _FEW else 0.0
+    left = np.arange(len(heights)) + margin
+    right, tops, feet = left + 1.0 - 2.0 * margin, np.nan_to_num(heights), np.zeros(len(heights))
+    x = np.stack([left, left, right, right], axis=1).ravel()
+    y = np.stack([feet, tops, tops, feet], axis=1).ravel()
+    axes.fill_between(x, y, color=colour, linewidth=0.0, label=label)
+
+
+def _shades(values: Floats, threshold: float, per_column: int) -> Floats:
+    """Colours (rows, columns, 3) of bars that share columns, as each bar covers its part of one.
+
+    From the bottom up, 0 to 8 bits; red, green and blue from 0 to 1.
+    """
+    columns = np.arange(len(values)) // per_column
+    images = np.bincount(columns)
+    shape = len(images), _ROWS + 1
+    rows = np.rint(np.nan_to_num(values) * (_ROWS / _HIGHEST)).astype(np.int64)
+    shades = np.ones((_ROWS, shape[0], 3))
+    for which, colour in ((values < threshold, _REJECTED), (values >= threshold, _KEPT)):
+        tops = np.bincount(columns[which] * shape[1] + rows[which], minlength=shape[0] * shape[1])
+        # A bar covers every row below its top.
+        reaching = np.cumsum(tops.reshape(shape)[:, ::-1], axis=1)[:, ::-1][:, 1:].T / images
+        red_green_blue = np.array([int(colour[at : at + 2], 16) for at in (1, 3, 5)]) / 255.0
+        shades += reaching[..., np.newaxis] * (red_green_blue - 1.0)
+    return shades

@@ -1,0 +1,313 @@
+"""Splitting: each image of a dataset goes to the training, the validation or the test part.
+
+What decides is a hash of the seed and the image's name, so that every machine and every version of every library comes
+to the same split, and an image's part does not depend on what is in its pixels.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import math
+import os
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import InvalidInput
+from .blocks import blocks_of, deviation, largest_side_m, parted
+from .clean import held
+from .dataset import ImageSet, read_dataset
+from .folder import TABLE_FILE
+from .frames import middle_of
+from .ground import Boxes, boxes_of
+from .labels import LABELS_FILE, Labels, labels_of_tables
+from .parts import GAP, PARTS, SPLIT, taken
+from .table import Table
+
+Numbers = NDArray[np.int64]
+
+#: The paper's.
+SHARES = (0.8, 0.1, 0.1)
+SEED = 2024
+#: How images are put in order, or by what they are split.
+WAYS = ("shuffled", "in-order", "blocks")
+#: Shares written as decimals add up to 1 within their rounding.
+_SUM_OFF = 1e-9
+#: Sides of blocks that are tried where none is asked for, times the longest side of an image and its gap.
+_TRIED = (16.0, 12.0, 8.0, 6.0, 4.0, 3.0, 2.0, 1.5, 1.0, 0.75, 0.5)
+#: The first of them is taken whose shares are this near to those asked for: large blocks lose few images to the gap.
+_NEAR_ENOUGH = 0.02
+#: Widest gap, metres: beyond, it is no local one, and the sine of its angle no measure.
+_WIDEST_GAP_M = 1_000_000.0
+
+
+@dataclass(frozen=True)
+class Split:
+    """A split as it was made, or would be.
+
+    Parameters
+    ----------
+    images : mapping of str to int
+        Places of each part; a place has one image of each map type.
+    gap : int
+        Places that are in no part, as their ground is shared with another one's, or too near to it.
+    unknown : int
+        Places that are in no part (``gap`` in the table as well), as nobody knows the ground that they show: images
+        that see the horizon or a pole, or come from no map.
+    left_out : int
+        Places whose images have failed or have been rejected, which are not asked for.
+    how : str
+    seed : int
+    block_m, gap_m : float or None
+        Side of the blocks and least distance between parts; None without blocks.
+    blocks : int or None
+        Number of blocks.
+    labels : Labels
+        Frame and scaler, as saved.
+    """
+
+    images: Mapping[str, int]
+    gap: int
+    unknown: int
+    left_out: int
+    how: str
+    seed: int
+    block_m: float | None
+    gap_m: float | None
+    blocks: int | None
+    labels: Labels
+
+    @property
+    def shares(self) -> dict[str, float]:
+        """Shares reached, of the places that are in a part."""
+        return {part: count / sum(self.images.values()) for part, count in self.images.items()}
+
+
+def split(
+    folder: str | os.PathLike[str],
+    shares: Sequence[float] = SHARES,
+    *,
+    seed: int = SEED,
+    how: str = "shuffled",
+    block_m: float | None = None,
+    gap_m: float = 0.0,
+    frame: str = "utm",
+    dry_run: bool = False,
+) -> Split:
+    """Write the part of each image to the tables of a dataset (column ``split``), and its labels' frame and scaler.
+
+    Images of one place, which have the same name, are in the same part in every map type. Failed and rejected ones are
+    in none. An earlier split is replaced.
+
+    Parameters
+    ----------
+    folder : path
+        Of a dataset.
+    shares : sequence of three floats
+        Of training, validation and test; they add up to 1. A part may have 0.
+    seed : int
+        Of the order.
+    how : {"shuffled", "in-order", "blocks"}
+        By the hash of seed and name; in the table's order; or by blocks of ground, in the order of their hashes, such
+        that no ground is in images of two parts.
+    block_m : float or None
+        Side of the blocks; None finds one.
+    gap_m : float
+        With blocks: least distance between the ground of two parts.
+    frame : str
+        Of the labels (see `labels.frame_of`).
+    dry_run : bool
+        Change nothing.
+
+    Raises
+    ------
+    InvalidInput
+        A folder that is no dataset, a table that says otherwise than the files, or a split that cannot be made: nothing
+        is changed then.
+    OutputError
+        Another run is at work in the folder, or it cannot be written.
+    """
+    wanted = _checked(shares, how, block_m, gap_m)
+    with held(folder, only_read=dry_run):
+        sets = list(read_dataset(folder).image_sets.values())
+        places = _places(sets)
+        if not places:
+            raise InvalidInput(
+                f"folder {folder}: has no image that is there and not rejected, so there is nothing to split"
+            )
+        block_side: float | None = None
+        count: int | None = None
+        unknown = 0
+        if how == "blocks":
+            of_place, block_side, count, unknown = _by_blocks(
+                Path(folder), sets, places, wanted, seed, block_m, float(gap_m)
+            )
+        else:
+            order = shuffled(places, seed) if how == "shuffled" else list(places)
+            of_place = dict(zip(order, _counted(len(order), wanted)))
+        tables = [_with_parts(images, of_place) for images in sets]
+        labels = labels_of_tables(tables, frame)
+        if not dry_run:
+            for images, table in zip(sets, tables):
+                table.save(images.folder / TABLE_FILE)
+            labels.save(Path(folder) / LABELS_FILE)
+    parts = list(of_place.values())
+    everything = {Path(name).stem for images in sets for name in images.table.img_names}
+    return Split(
+        images={part: parts.count(part) for part in PARTS},
+        gap=parts.count(GAP) - unknown,
+        unknown=unknown,
+        left_out=len(everything) - len(places),
+        how=how,
+        seed=seed,
+        block_m=block_side,
+        gap_m=float(gap_m) if how == "blocks" else None,
+        blocks=count,
+        labels=labels,
+    )
+
+
+def shuffled(names: Sequence[str] | Mapping[str, object], seed: int = SEED) -> list[str]:
+    """Names in the order of the SHA-256 of ``seed:name``, the same everywhere."""
+    return sorted(names, key=lambda name: hashlib.sha256(f"{seed}:{name}".encode()).digest())
+
+
+def _checked(
+    shares: Sequence[float], how: str, block_m: float | None, gap_m: float
+) -> tuple[float, float, float]:
+    said = ", ".join(f"{share:g}" for share in shares)
+    if len(shares) != len(PARTS):
+        raise InvalidInput(f"shares {said}: must be three, of {', '.join(PARTS)}")
+    if not all(math.isfinite(share) and share >= 0.0 for share in shares):
+        raise InvalidInput(f"shares {said}: must be finite and not below 0")
+    if abs(math.fsum(shares) - 1.0) > _SUM_OFF:
+        raise InvalidInput(f"shares {said}: add up to {math.fsum(shares):g}; must add up to 1")
+    if how not in WAYS:
+        raise InvalidInput(f"split {how!r}: must be one of {', '.join(WAYS)}")
+    if how != "blocks" and (block_m is not None or gap_m):
+        raise InvalidInput(
+            f"split {how!r}: has no blocks and no gap; choose blocks, or leave their sizes out"
+        )
+    if block_m is not None and not (math.isfinite(block_m) and block_m > 0.0):
+        raise InvalidInput(f"blocks of {block_m} m: must be above 0 m")
+    if not 0.0 <= gap_m <= _WIDEST_GAP_M:
+        raise InvalidInput(f"gap of {gap_m} m: must be from 0 to {_WIDEST_GAP_M:,.0f} m")
+    train, validation, test = map(float, shares)
+    return train, validation, test
+
+
+def _places(sets: Sequence[ImageSet]) -> dict[str, list[tuple[int, int]]]:
+    """Map type and row of the images of each place, in the tables' order; of those that are taken."""
+    places: dict[str, list[tuple[int, int]]] = {}
+    for number, images in enumerate(sets):
+        for row in np.flatnonzero(taken(images.table)).tolist():
+            places.setdefault(Path(images.table.img_names[row]).stem, []).append((number, row))
+    return places
+
+
+def _counted(count: int, shares: Sequence[float]) -> list[str]:
+    """Parts of so many images in order: numbers by largest remainder, and at least one for each part asked for."""
+    asked = [part for part, share in zip(PARTS, shares) if share > 0.0]
+    if count < len(asked):
+        raise InvalidInput(
+            f"split into {', '.join(asked)}: needs {len(asked)} images or more; the dataset has {count}"
+        )
+    exact = [round(share * count, 6) for share in shares]
+    counts = [math.floor(one) for one in exact]
+    by_remainder = sorted(range(len(exact)), key=lambda one: (counts[one] - exact[one], one))
+    for one in by_remainder[: count - sum(counts)]:
+        counts[one] += 1
+    for one, share in enumerate(shares):
+        if share > 0.0 and not counts[one]:
+            counts[counts.index(max(counts))] -= 1
+            counts[one] = 1
+    return [part for part, size in zip(PARTS, counts) for _ in range(size)]
+
+
+def _by_blocks(
+    folder: Path,
+    sets: Sequence[ImageSet],
+    places: Mapping[str, list[tuple[int, int]]],
+    shares: tuple[float, float, float],
+    seed: int,
+    block_m: float | None,
+    gap_m: float,
+) -> tuple[dict[str, str], float, int, int]:
+    """Part of each place, the side and the number of the blocks, and the number of places whose ground is not known."""
+    boxes = _ground(folder, sets, places)
+    known = boxes.known
+    names = [name for name, there in zip(places, known.tolist()) if there]
+    if not names:
+        raise InvalidInput(
+            f"folder {folder}: the ground that its images show is not known (they see the horizon, or come from no "
+            "map), so there are no blocks of it; split shuffled or in-order"
+        )
+    boxes = boxes.take(known)
+    base = largest_side_m(boxes) + gap_m
+    best: tuple[float, float, Numbers, int] | None = None
+    for side in [times * base for times in _TRIED] if block_m is None else [float(block_m)]:
+        block = blocks_of(boxes, side)
+        part = parted(boxes, block, _block_order(names, block, seed), shares, gap_m)
+        off = deviation(part, shares)
+        if math.isfinite(off) and (best is None or off < best[0]):
+            best = off, side, part, int(block.max()) + 1
+        if off <= _NEAR_ENOUGH:
+            break
+    if best is None:
+        tried = f"blocks of {block_m:g} m" if block_m is not None else "blocks"
+        asked = ", ".join(part for part, share in zip(PARTS, shares) if share > 0.0)
+        raise InvalidInput(
+            f"split by {tried}: {len(names)} images up to {base - gap_m:.0f} m wide with a gap of {gap_m:g} m leave "
+            f"one of {asked} without images; choose a smaller gap, other blocks or shares, or a dataset of more ground"
+        )
+    _, side, part, count = best
+    of_known = dict(zip(names, (PARTS[one] if one >= 0 else GAP for one in part.tolist())))
+    return {name: of_known.get(name, GAP) for name in places}, side, count, int((~known).sum())
+
+
+def _block_order(names: Sequence[str], block: Numbers, seed: int) -> list[int]:
+    """Blocks in the order of the hashes of their first images by name."""
+    first: dict[str, int] = {}
+    seen: set[int] = set()
+    for name, one in sorted(zip(names, block.tolist())):
+        if one not in seen:
+            seen.add(one)
+            first[name] = one
+    return [first[name] for name in shuffled(first, seed)]
+
+
+def _ground(folder: Path, sets: Sequence[ImageSet], places: Mapping[str, list[tuple[int, int]]]) -> Boxes:
+    """Boxes of the ground of each place, of the images of all map types together."""
+    number = {name: index for index, name in enumerate(places)}
+    of_set: list[list[tuple[int, int]]] = [[] for _ in sets]
+    for name, found in places.items():
+        for one, row in found:
+            of_set[one].append((row, number[name]))
+    rows = [np.array([row for row, _ in pairs], np.intp) for pairs in of_set]
+    lat, lon = (
+        np.concatenate([getattr(images.table, name)[at] for images, at in zip(sets, rows)])
+        for name in ("lat_deg", "lon_deg")
+    )
+    _, middle_lon = middle_of(lat, lon)
+    edges = np.array([[np.inf], [-np.inf], [np.inf], [-np.inf]]).repeat(len(places), axis=1)
+    for images, at, pairs in zip(sets, rows, of_set):
+        place = np.array([one for _, one in pairs], np.intp)
+        boxes = boxes_of(images, at, folder, middle_lon)
+        # minimum and maximum pass NaN on: a place of which one image is not known is not known.
+        for lowest in (0, 2):
+            np.minimum.at(edges[lowest], place, boxes[lowest])
+            np.maximum.at(edges[lowest + 1], place, boxes[lowest + 1])
+    return Boxes(*edges)
+
+
+def _with_parts(images: ImageSet, of_place: Mapping[str, str]) -> Table:
+    """Table of a map type with its column of parts."""
+    table = images.table
+    cells = tuple(
+        of_place[Path(name).stem] if there else ""
+        for name, there in zip(table.img_names, taken(table).tolist())
+    )
+    return table.replaced({**table.other, SPLIT: cells})

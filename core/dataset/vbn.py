@@ -1,0 +1,202 @@
+"""The paper's Night Vision supplement: simulated camera images, and a text of metadata for each."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from ..errors import InvalidInput
+from .table import HEADERS, Table
+
+IMAGE_FOLDER, TEXT_FOLDER = "JPG2", "MetaData2"
+#: Key of the camera's position in a text: latitude and longitude in degrees, altitude in metres, between two words.
+POSITION = "Platform_position_LatLongAlt"
+#: Column of the table for the altitude, whose datum is not told.
+ALTITUDE = "altitude_m"
+#: Ending of the images.
+_IMAGE_ENDING = ".jpg"
+#: Faults that one message names.
+_NAMED = 3
+
+
+class Position(NamedTuple):
+    """Where a camera was."""
+
+    lat_deg: float
+    lon_deg: float
+    altitude_m: float
+
+
+def read_vbn(folder: Path) -> tuple[Table, Path]:
+    """Table of the images of a supplement, and the folder where they lie.
+
+    Images and texts belong together by their names without ending or, where no two have the same, by their order
+    (2 before 10). A text whose image is not there gives a row that has failed; of texts without names in common with
+    images there may be one more than images, as the supplement has it.
+
+    The table has our columns: positions as ``Lat`` and ``Lon`` and as the camera's pose, ``altitude_m``, and every
+    other key of the texts under its own name. There is no grid and no map: columns count the images, rows are 0 and
+    so is the zoom.
+
+    Raises
+    ------
+    InvalidInput
+        No such folder, images without a text, texts that cannot be read: they are named.
+    """
+    images = _files(folder, IMAGE_FOLDER, _IMAGE_ENDING)
+    texts = _files(folder, TEXT_FOLDER, ".txt")
+    if not images:
+        raise InvalidInput(f"folder {folder / IMAGE_FOLDER}: has no {_IMAGE_ENDING} images")
+    pairs = _paired(folder, images, texts)
+    faults: list[str] = []
+    found = [_metadata(folder / TEXT_FOLDER / text, faults) for _, text in pairs]
+    if faults:
+        raise InvalidInput(f"folder {folder / TEXT_FOLDER}: {_some(faults)}")
+    rows = [one for one in found if one is not None]
+    return _table([image for image, _ in pairs], set(images), rows), folder / IMAGE_FOLDER
+
+
+def position_of(value: str) -> Position:
+    """Position that a line of metadata has behind its colon.
+
+    The numbers are what is left without the first and the last piece between spaces, of which either may be empty.
+
+    Raises
+    ------
+    InvalidInput
+    """
+    for pieces in (_without_words(value), value.split(" ")[1:-1]):
+        numbers = [_number(piece) for piece in pieces]
+        if len(numbers) == 3 and all(map(math.isfinite, numbers)):
+            position = Position(*numbers)
+            if abs(position.lat_deg) > 90.0 or abs(position.lon_deg) > 360.0:
+                raise InvalidInput(f"{POSITION} {value.strip()!r} is not on the Earth")
+            return position
+    raise InvalidInput(f"{POSITION} {value.strip()!r} is not a word and latitude, longitude, altitude")
+
+
+def _without_words(value: str) -> list[str]:
+    """Pieces of a value without a first and a last one that are no numbers."""
+    pieces = value.split()
+    if pieces and math.isnan(_number(pieces[0])):
+        pieces = pieces[1:]
+    if pieces and math.isnan(_number(pieces[-1])):
+        pieces = pieces[:-1]
+    return pieces
+
+
+def _number(text: str) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        return math.nan
+
+
+def _files(folder: Path, name: str, ending: str) -> list[str]:
+    """Names of the files in a folder of the supplement, by number."""
+    try:
+        found = [one.name for one in (folder / name).iterdir() if one.suffix.lower() == ending]
+    except OSError as wrong:
+        raise InvalidInput(
+            f"folder {folder}: is no VBN dataset, as {name} in it cannot be read ({wrong.strerror})"
+        ) from wrong
+    return sorted(found, key=_natural)
+
+
+def _natural(name: str) -> list[tuple[int, str]]:
+    """Key that sorts names by the numbers in them, 2 before 10."""
+    return [
+        (int(piece), "") if piece.isdigit() else (-1, piece) for piece in re.findall(r"[0-9]+|[^0-9]+", name)
+    ]
+
+
+def _paired(folder: Path, images: Sequence[str], texts: Sequence[str]) -> list[tuple[str, str]]:
+    """Image and text of each row; an image's name that is not there where a text has none."""
+    by_stem = {Path(image).stem: image for image in images}
+    stems = {Path(text).stem for text in texts}
+    if len(by_stem) < len(images) or len(stems) < len(texts):
+        counts = Counter((Path(one).suffix.lower(), Path(one).stem) for one in (*images, *texts))
+        twice = [stem + ending for (ending, stem), count in counts.items() if count > 1]
+        raise InvalidInput(
+            f"folder {folder}: {_some(twice, ', ')} more than once; remove or rename all but one"
+        )
+    if not stems & by_stem.keys():
+        if len(texts) - len(images) not in (0, 1):
+            raise InvalidInput(
+                f"folder {folder}: has {len(images):,} images in {IMAGE_FOLDER} and {len(texts):,} texts in "
+                f"{TEXT_FOLDER}, with no name in common; needs one text for each image"
+            )
+        spare = [Path(text).stem + _IMAGE_ENDING for text in texts[len(images) :]]
+        return list(zip([*images, *spare], texts))
+    without = [image for stem, image in by_stem.items() if stem not in stems]
+    if without:
+        raise InvalidInput(
+            f"folder {folder}: {_some(without, ', ')} of {IMAGE_FOLDER} without a text in {TEXT_FOLDER}; put it there, "
+            "or remove the image"
+        )
+    return [(by_stem.get(Path(text).stem, Path(text).stem + _IMAGE_ENDING), text) for text in texts]
+
+
+def _metadata(path: Path, faults: list[str]) -> tuple[Position, dict[str, str]] | None:
+    """Position and all other keys of a text; what is wrong with it is added to ``faults``."""
+    try:
+        lines = path.read_text(encoding="utf-8-sig").splitlines()
+    except (OSError, UnicodeDecodeError) as wrong:
+        faults.append(f"{path.name} cannot be read ({wrong})")
+        return None
+    pairs = [line.partition(":") for line in lines if line.strip()]
+    bad = [key for key, colon, _ in pairs if not colon]
+    if bad:
+        faults.append(f"{path.name} has {bad[0].strip()!r}, not key: value")
+        return None
+    values = {key.strip(): value for key, _, value in pairs}
+    if len(values) < len(pairs):
+        faults.append(f"{path.name} has a key more than once")
+        return None
+    if POSITION not in values:
+        faults.append(f"{path.name} has no {POSITION}")
+        return None
+    try:
+        position = position_of(values.pop(POSITION))
+    except InvalidInput as wrong:
+        faults.append(f"{path.name}: {wrong}")
+        return None
+    return position, {key: value.strip() for key, value in values.items()}
+
+
+def _table(
+    names: Sequence[str], there: set[str], rows: Sequence[tuple[Position, Mapping[str, str]]]
+) -> Table:
+    count = len(names)
+    lat, lon, altitude = np.array([position for position, _ in rows], np.float64).reshape(count, 3).T
+    made = [name in there for name in names]
+    other = {ALTITUDE: tuple(map(repr, altitude.tolist()))}
+    for key in dict.fromkeys(key for _, values in rows for key in values):
+        header = f"VBN {key}" if not key or key in HEADERS or key in other else key
+        other[header] = tuple(values.get(key, "") for _, values in rows)
+    return Table.of(
+        {
+            "img_names": tuple(names),
+            "columns": np.arange(count, dtype=np.int64),
+            "rows": np.zeros(count, np.int64),
+            "zoom": np.zeros(count, np.int64),
+            "lat_deg": lat,
+            "lon_deg": lon,
+            "pose_lat_deg": lat,
+            "pose_lon_deg": lon,
+            "status": tuple("done" if one else "failed" for one in made),
+            "reason": tuple("" if one else f"no image in {IMAGE_FOLDER}" for one in made),
+        },
+        other,
+    )
+
+
+def _some(faults: Sequence[str], between: str = "; ") -> str:
+    more = [f"and {len(faults) - _NAMED:,} more"] if len(faults) > _NAMED else []
+    return between.join([*faults[:_NAMED], *more])

@@ -1,0 +1,312 @@
+"""The run that makes a cross-view dataset: captures, then the folders that University-1652's readers expect."""
+
+from __future__ import annotations
+
+import csv
+import filecmp
+import io
+import json
+import os
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from ..capture.journal import FAILED, Journal, Outcome
+from ..capture.result import CaptureResult, Failure, Progress
+from ..capture.runner import DEFAULT_CONNECTIONS, capture
+from ..dataset.folder import JOURNAL_FILE, REJECTED_FOLDER
+from ..errors import InvalidInput, OutputError
+from ..files import make_folder, write_whole
+from ..geodesy.mercator import wrap_lon_deg
+from ..imagery.source import Source
+from ..lock import open_locked
+from .parts import TEST, TRAIN
+from .planning import DRONE, SATELLITE, PairPlan
+
+SETTINGS_FILE, TABLE_FILE = "pairs.json", "pairs.csv"
+CAPTURES_FOLDER = "captures"
+#: Held while a run is at work in a folder.
+_LOCK_FILE = "run.lock"
+COLUMNS = (
+    *("id", "name", "part", "view", "image", "status", "reason", "place_lat_deg", "place_lon_deg"),
+    *("lat_deg", "lon_deg", "agl_m", "yaw_deg", "tilt_deg", "roll_deg", "width_px", "height_px"),
+    *("file", "query_file", "captured"),
+)
+
+
+@dataclass(frozen=True)
+class PairResult:
+    """What a run did.
+
+    Parameters
+    ----------
+    folder : Path
+    total, written, skipped, requests, unique_parts, seconds, cancelled
+        Of all captures together, as a CaptureResult has them.
+    failed : tuple of Failure
+        By the captures' names, which stand for the map types.
+    left_out : tuple of str
+        Ids of places without a satellite view or any view of the drone, which are in no part's folders.
+    """
+
+    folder: Path
+    total: int
+    written: int
+    skipped: int
+    requests: int
+    unique_parts: int
+    seconds: float
+    cancelled: bool
+    failed: tuple[Failure, ...]
+    left_out: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class _Image:
+    """One image of a place: what it is called in the parts' folders, and the picture of a capture that it is."""
+
+    view: str
+    name: str
+    mission: str
+    index: int
+
+
+def capture_pairs(
+    worked_out: PairPlan,
+    source: Source,
+    folder: str | os.PathLike[str],
+    *,
+    connections: int = DEFAULT_CONNECTIONS,
+    workers: int | None = None,
+    resume: bool = False,
+    progress: Callable[[Progress], object] | None = None,
+    cancelled: Callable[[], bool] | None = None,
+) -> PairResult:
+    """Capture the views of all places, and lay them out as University-1652 has them.
+
+    The captures are datasets like any other, in ``captures/satellite`` and ``captures/drone`` (one for each tilt where
+    there are several). Their images are placed in ``train/<view>/<id>``, ``test/query_<view>/<id>`` and
+    ``test/gallery_<view>/<id>`` as further names of the same files (hard links), or as copies where the disk has no
+    such. A place without a satellite view, or without any view of the drone, is left out of all of them. The same
+    settings leave the same bytes, in one go or in several.
+
+    Parameters
+    ----------
+    worked_out : PairPlan
+    source : Source
+        With the pixel grid that the plan was made for.
+    resume : bool
+        Go on with a folder that holds these settings: what is missing or has failed is made.
+    connections, workers, progress, cancelled
+        As for `capture`; progress names the capture as its map type.
+
+    Returns
+    -------
+    PairResult
+
+    Raises
+    ------
+    InvalidInput
+        A map type the source does not have, a plan for another pixel grid: before anything is written.
+    OutputError
+        A folder that cannot be written, or holds other settings, these ones without ``resume``, or foreign files.
+    SourceError
+        The source cannot serve; what was finished is kept.
+    """
+    _check(worked_out, source)
+    path = Path(folder)
+    wanted = (json.dumps(worked_out.to_dict(), indent=1, ensure_ascii=False) + "\n").encode("utf-8")
+    _refuse(path, wanted, resume=resume)
+    make_folder(path / CAPTURES_FOLDER)
+    with open_locked(path / CAPTURES_FOLDER / _LOCK_FILE):
+        # Another run may have made the folder its own meanwhile.
+        _refuse(path, wanted, resume=resume, ours=True)
+        write_whole(path / SETTINGS_FILE, wanted, durable=True)
+        results: dict[str, CaptureResult] = {}
+        for name, plan in worked_out.plans.items():
+            results[name] = capture(
+                plan,
+                source,
+                path / CAPTURES_FOLDER / name,
+                connections=connections,
+                workers=workers,
+                resume=True,
+                progress=None if progress is None else _named(progress, name),
+                cancelled=cancelled,
+            )
+            if results[name].cancelled:
+                return _result(path, worked_out, results, ())
+        return _result(path, worked_out, results, _lay_out(path, worked_out))
+
+
+def _check(worked_out: PairPlan, source: Source) -> None:
+    """Refuse what the captures would refuse one after the other."""
+    map_type = worked_out.settings.map_type
+    if source.map_types and map_type not in source.map_types:
+        raise InvalidInput(f"map type {map_type!r}: {source.title} has {', '.join(source.map_types)}")
+    if any(plan.grid != source.grid for plan in worked_out.plans.values()):
+        raise InvalidInput(
+            f"pairs are planned for another pixel grid than that of {source.title}: plan with the source's own"
+        )
+
+
+def _refuse(path: Path, wanted: bytes, *, resume: bool, ours: bool = False) -> None:
+    """Refuse a folder that is not for these settings."""
+    mark = path / SETTINGS_FILE
+    try:
+        found = mark.read_bytes() if mark.exists() else None
+    except OSError as wrong:
+        raise OutputError(f"folder {path}: cannot read {SETTINGS_FILE} ({wrong.strerror})") from wrong
+    if found is not None:
+        if found != wanted:
+            raise OutputError(f"folder {path}: holds pairs of other settings; choose another folder")
+        if not resume:
+            raise OutputError(
+                f"folder {path}: already holds these pairs; resume them (--resume) or choose another folder"
+            )
+        return
+    inside = path / CAPTURES_FOLDER
+    foreign = [path / name for name in (TRAIN, TEST, TABLE_FILE) if (path / name).exists()]
+    if inside.exists() and not ours:
+        # A run that was killed as it began leaves its lock.
+        foreign += (
+            [one for one in sorted(inside.iterdir()) if one.name != _LOCK_FILE]
+            if inside.is_dir()
+            else [inside]
+        )
+    if foreign:
+        raise OutputError(
+            f"folder {path}: holds {foreign[0].relative_to(path).as_posix()} but no {SETTINGS_FILE}, so it is not of "
+            "these pairs; choose another folder"
+        )
+
+
+def _named(progress: Callable[[Progress], object], name: str) -> Callable[[Progress], object]:
+    return lambda report: progress(replace(report, map_type=name))
+
+
+def _result(
+    path: Path, worked_out: PairPlan, results: Mapping[str, CaptureResult], left_out: tuple[str, ...]
+) -> PairResult:
+    done = results.values()
+    return PairResult(
+        folder=path,
+        total=worked_out.images,
+        written=sum(one.written for one in done),
+        skipped=sum(one.skipped for one in done),
+        requests=sum(one.requests for one in done),
+        unique_parts=sum(one.unique_parts for one in done),
+        seconds=sum(one.seconds for one in done),
+        cancelled=any(one.cancelled for one in done),
+        failed=tuple(
+            replace(failure, map_type=name) for name, one in results.items() for failure in one.failed
+        ),
+        left_out=left_out,
+    )
+
+
+def _lay_out(path: Path, worked_out: PairPlan) -> tuple[str, ...]:
+    """Place the images, write their table; returns the ids of the places that are left out."""
+    outcomes: dict[str, dict[str, Outcome]] = {}
+    for name in worked_out.plans:
+        journal = Journal(path / CAPTURES_FOLDER / name / JOURNAL_FILE)
+        outcomes[name] = {picture: outcome for (_, picture), outcome in journal.outcomes.items()}
+    rows: list[dict[str, object]] = []
+    left_out: list[str] = []
+    for place, one in enumerate(worked_out.ids):
+        images = list(_images(worked_out, place))
+        found = [outcomes[image.mission].get(_picture(worked_out, image)) for image in images]
+        made = [outcome is not None and outcome.status != FAILED for outcome in found]
+        complete = made[0] and any(made[1:])
+        if not complete:
+            left_out.append(one)
+        for image, outcome, there in zip(images, found, made):
+            captured = _captured(path, worked_out, image) if there else None
+            files = _files(worked_out.parts[place], one, image) if there and complete else []
+            for file in files:
+                if captured is not None:
+                    _put(path / file, captured)
+            reason = "" if outcome is None else outcome.reason
+            shown = captured.relative_to(path).as_posix() if captured is not None else ""
+            rows.append(_row(worked_out, place, image, reason, there, files, shown))
+    text = io.StringIO()
+    table = csv.DictWriter(text, COLUMNS, lineterminator="\n")
+    table.writeheader()
+    table.writerows(rows)
+    write_whole(path / TABLE_FILE, text.getvalue().encode("utf-8"))
+    return tuple(left_out)
+
+
+def _images(worked_out: PairPlan, place: int) -> Iterator[_Image]:
+    """Images of a place, the satellite's first."""
+    yield _Image(SATELLITE, f"{worked_out.ids[place]}.jpg", SATELLITE, place)
+    shots = worked_out.shots(place)
+    digits = max(2, len(str(len(shots))))
+    for number, (mission, index) in enumerate(shots, 1):
+        yield _Image(DRONE, f"image-{number:0{digits}d}.jpeg", mission, index)
+
+
+def _picture(worked_out: PairPlan, image: _Image) -> str:
+    return worked_out.plans[image.mission].names[image.index]
+
+
+def _captured(path: Path, worked_out: PairPlan, image: _Image) -> Path:
+    """File of a captured picture; cleaning may have moved it."""
+    folder = path / CAPTURES_FOLDER / image.mission / worked_out.settings.map_type
+    name = f"{_picture(worked_out, image)}.jpg"
+    moved = folder / REJECTED_FOLDER / name
+    return moved if moved.exists() and not (folder / name).exists() else folder / name
+
+
+def _files(part: str, one: str, image: _Image) -> list[str]:
+    """Where an image goes: of a test's images to the gallery, and those that are asked for to the queries as well."""
+    if part == TRAIN:
+        return [f"{TRAIN}/{image.view}/{one}/{image.name}"]
+    kinds = ("gallery", "query") if part == TEST else ("gallery",)
+    return [f"{TEST}/{kind}_{image.view}/{one}/{image.name}" for kind in kinds]
+
+
+def _put(target: Path, captured: Path) -> None:
+    """Give a captured image another name, or make a copy of it; what is there already has to be the same."""
+    try:
+        if target.exists():
+            if target.samefile(captured) or filecmp.cmp(target, captured, shallow=False):
+                return
+            raise OutputError(
+                f"image {target}: is not the one that was captured ({captured}), and nothing is overwritten; move it "
+                "away"
+            )
+        make_folder(target.parent)
+        try:
+            os.link(captured, target)
+        except OSError:
+            # File systems without further names for a file, such as FAT and some network drives.
+            write_whole(target, captured.read_bytes())
+    except OSError as wrong:
+        raise OutputError(f"image {target}: cannot be placed ({wrong.strerror})") from wrong
+
+
+def _row(
+    worked_out: PairPlan, place: int, image: _Image, reason: str, there: bool, files: list[str], captured: str
+) -> dict[str, object]:
+    plan, where = worked_out.plans[image.mission], worked_out.places[place]
+    width, height, _ = plan.mission.img_size or (0, 0, 0)
+    pose = {name: float(values[image.index]) for name, values in zip(plan.poses._fields, plan.poses)}
+    pose["lon_deg"] = float(wrap_lon_deg(plan.lon_deg[image.index : image.index + 1])[0])
+    return {
+        "id": worked_out.ids[place],
+        "name": where.name,
+        "part": worked_out.parts[place],
+        "view": image.view,
+        "image": image.name,
+        "status": "done" if there else "failed",
+        "reason": reason,
+        "place_lat_deg": where.lat_deg,
+        "place_lon_deg": where.lon_deg,
+        **pose,
+        "width_px": width,
+        "height_px": height,
+        "file": files[0] if files else "",
+        "query_file": files[1] if len(files) > 1 else "",
+        "captured": captured,
+    }

@@ -1,0 +1,154 @@
+"""Which places are for training and which for testing, so that no ground is in both."""
+
+from __future__ import annotations
+
+import hashlib
+import math
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import InvalidInput
+from .places import Place, cartesian_m
+
+Floats = NDArray[np.float64]
+Numbers = NDArray[np.int64]
+
+#: Places are trained on, asked for and found, or only in the way of finding.
+PARTS = TRAIN, TEST, DISTRACTOR = ("train", "test", "distractor")
+#: University-1652's buildings: 701 to train on, 701 to ask for, 250 more that are only in the galleries.
+SHARES = (701.0, 701.0, 250.0)
+#: Distances worked out at a time.
+_BLOCK = 1 << 22
+
+
+class Parts(NamedTuple):
+    """Part of each place, and whether any ground is seen from places of two parts."""
+
+    of: tuple[str, ...]
+    ground_shared: bool
+
+
+def check_shares(shares: Sequence[float]) -> None:
+    """Refuse shares that are not three numbers >= 0, some above."""
+    if len(shares) != len(PARTS):
+        raise InvalidInput(f"split {_text(shares)}: give three shares, for {', '.join(PARTS)}s")
+    if not all(math.isfinite(share) and share >= 0.0 for share in shares) or sum(shares) <= 0.0:
+        raise InvalidInput(f"split {_text(shares)}: shares must be 0 or more, and one above")
+    if shares[2] > 0.0 and shares[1] == 0.0:
+        raise InvalidInput(f"split {_text(shares)}: distractors are of a test; give it a share, or them none")
+
+
+def _text(shares: Sequence[float]) -> str:
+    return " ".join(f"{share:g}" for share in shares)
+
+
+def part_places(
+    places: Sequence[Place],
+    shares: Sequence[float],
+    seed: int,
+    reach_m: Floats,
+    *,
+    gap_m: float = 0.0,
+    allow_shared_ground: bool = False,
+) -> Parts:
+    """Share places out.
+
+    Places from which the same ground is seen go to the same part, all together. The order is that of a hash of seed
+    and coordinates, whatever the order of the list.
+
+    Parameters
+    ----------
+    shares : three numbers
+        For training, testing and distractors, relative to their sum.
+    reach_m : array (n,)
+        Farthest ground in any view of each place.
+    gap_m : float
+        Ground to leave between what is seen in two parts, >= 0.
+    allow_shared_ground : bool
+        Share places out one by one; only the places are then different.
+
+    Raises
+    ------
+    InvalidInput
+        Where a part that should hold places would be left empty.
+    """
+    check_shares(shares)
+    if not (math.isfinite(gap_m) and gap_m >= 0.0):
+        raise InvalidInput(f"gap {gap_m} m: must be 0 or more")
+    wanted = _counts(len(places), shares)
+    for name, share, count in zip(PARTS[:2], shares, wanted):
+        if share > 0.0 and count == 0:
+            raise InvalidInput(
+                f"{len(places)} places, split {_text(shares)}: none is left for {name}; give more places, or other "
+                "shares"
+            )
+    together = _neighbours(places, reach_m, gap_m)
+    order = _order(places, seed)
+    groups = np.arange(len(places)) if allow_shared_ground else together
+    part = _filled(groups, order, wanted)
+    for index, name in enumerate(PARTS):
+        if wanted[index] and not (part == index).any():
+            raise InvalidInput(
+                f"{len(places)} places, split {_text(shares)}: {_crowd(reach_m, gap_m)}, and none is left for {name}; "
+                "give places farther apart, views that see less (lower, less tilted), a smaller --gap, or "
+                "--allow-shared-ground"
+            )
+    shared = any(len(set(part[together == group].tolist())) > 1 for group in np.unique(together))
+    return Parts(tuple(PARTS[index] for index in part.tolist()), shared)
+
+
+def _crowd(reach_m: Floats, gap_m: float) -> str:
+    farthest_m = float(np.max(reach_m))
+    if math.isinf(farthest_m):
+        return "some views see the horizon, so that all places share ground"
+    return f"places nearer than {2.0 * farthest_m + gap_m:,.0f} m share ground and stay together"
+
+
+def _counts(count: int, shares: Sequence[float]) -> list[int]:
+    """Whole numbers in these shares, by the largest remainders."""
+    exact = [count * share / sum(shares) for share in shares]
+    counts = [math.floor(one) for one in exact]
+    by_remainder = sorted(range(len(shares)), key=lambda at: counts[at] - exact[at])
+    for at in by_remainder[: count - sum(counts)]:
+        counts[at] += 1
+    return counts
+
+
+def _order(places: Sequence[Place], seed: int) -> list[int]:
+    def key(index: int) -> bytes:
+        text = f"{seed}:{places[index].lat_deg!r}:{places[index].lon_deg!r}"
+        return hashlib.blake2b(text.encode(), digest_size=16).digest()
+
+    return sorted(range(len(places)), key=key)
+
+
+def _filled(groups: Numbers, order: list[int], wanted: list[int]) -> Numbers:
+    """Index of the part of each place: the largest groups first, each where most places are missing."""
+    members: dict[int, list[int]] = {}
+    for index in order:
+        members.setdefault(int(groups[index]), []).append(index)
+    part = np.zeros(len(groups), np.int64)
+    missing = list(wanted)
+    for group in sorted(members.values(), key=len, reverse=True):
+        chosen = max(range(len(missing)), key=missing.__getitem__)
+        part[group] = chosen
+        missing[chosen] -= len(group)
+    return part
+
+
+def _neighbours(places: Sequence[Place], reach_m: Floats, gap_m: float) -> Numbers:
+    """Number of the group of each place: those whose views meet, over others or directly."""
+    points = cartesian_m(np.array([p.lat_deg for p in places]), np.array([p.lon_deg for p in places]))
+    group = np.arange(len(places))
+    rows = max(_BLOCK // len(places), 1)
+    for start in range(0, len(places), rows):
+        block = slice(start, start + rows)
+        distance = np.sqrt(sum((points[block, np.newaxis, axis] - points[:, axis]) ** 2 for axis in range(3)))
+        near = distance < reach_m[block, np.newaxis] + reach_m + gap_m
+        for others in near:
+            met = np.unique(group[others])
+            group[np.isin(group, met)] = met[0]
+    return group

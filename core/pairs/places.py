@@ -1,0 +1,196 @@
+"""Places of a cross-view dataset: read from a file, or spread over a box."""
+
+from __future__ import annotations
+
+import hashlib
+import itertools
+import math
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import InvalidInput
+from ..geodesy.ellipsoid import WGS84
+from ..geodesy.mercator import MAX_LAT_DEG
+from ..mission.area import Box, check_lat_lon
+
+Floats = NDArray[np.float64]
+
+_FORMATS = (
+    "a file of lines `lat lon` or `lat lon name` (or the paper's `lat lon agl`), or a box "
+    "latTL_lonTL_latBR_lonBR with a number of places"
+)
+_NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
+_BETWEEN = r"[\s,;_]+"
+_LINE = re.compile(rf"({_NUMBER}){_BETWEEN}({_NUMBER})(?:{_BETWEEN}(.*))?")
+#: Hyphens, dashes and signs that text processors make of a minus.
+_MINUS = str.maketrans(dict.fromkeys("\u2212\u2013\ufe63\uff0d", "-"))
+#: Rest of a line of the paper's file: a height, and perhaps a yaw.
+_HEIGHT = re.compile(rf"{_NUMBER}(?:{_BETWEEN}{_NUMBER})?")
+#: Decimals of a place that is chosen: 1 cm, and the same on machines whose sines differ in the last digit.
+_DECIMALS = 7
+#: Points in a row that find no room before a box counts as full: less than a hundredth of it is free then.
+_MISSES = 1000
+
+
+@dataclass(frozen=True)
+class Place:
+    """A point on the ground that is looked at from above.
+
+    Parameters
+    ----------
+    lat_deg, lon_deg : float
+        Latitude within Web Mercator, ±85.0511 degrees; longitude within ±360.
+    name : str
+        What people call it; may be empty.
+    """
+
+    lat_deg: float
+    lon_deg: float
+    name: str = ""
+
+    def __post_init__(self) -> None:
+        check_lat_lon(self.lat_deg, self.lon_deg)
+        if abs(self.lat_deg) > MAX_LAT_DEG:
+            raise InvalidInput(f"latitude {self.lat_deg}: the map ends at ±{MAX_LAT_DEG:.4f}")
+
+
+def read_places(path: str | Path) -> tuple[Place, ...]:
+    """Places of a text file, one a line: ``lat lon``, or ``lat lon name``.
+
+    Commas, semicolons and underscores separate as well as spaces; empty lines and those that begin with # are none.
+    Where every line goes on with a number or two, it is the paper's coordinate file, ``lat lon agl [yaw]``: its heights
+    and yaws are of captures, not of places, and are not used.
+
+    Raises
+    ------
+    InvalidInput
+        Names the line that cannot be read, or is of the same place as one before; or no line holds a place.
+    """
+    try:
+        lines = Path(path).read_text(encoding="utf-8-sig").splitlines()
+    except (OSError, UnicodeDecodeError) as wrong:
+        raise InvalidInput(f"places {path}: cannot be read as text ({wrong}); give {_FORMATS}") from wrong
+    places: list[Place] = []
+    met: dict[tuple[float, float], int] = {}
+    for number, line in enumerate(lines, 1):
+        if not line.strip() or line.lstrip().startswith("#"):
+            continue
+        place = _place(line, f"places {path}, line {number}:")
+        before = met.setdefault((place.lat_deg, place.lon_deg), number)
+        if before != number:
+            raise InvalidInput(
+                f"places {path}, line {number}: the place of line {before} again; give each once"
+            )
+        places.append(place)
+    if not places:
+        raise InvalidInput(f"places {path}: holds none; give {_FORMATS}")
+    if all(_HEIGHT.fullmatch(place.name) for place in places):
+        return tuple(Place(place.lat_deg, place.lon_deg) for place in places)
+    return tuple(places)
+
+
+def _place(line: str, where: str) -> Place:
+    stripped = line.strip()
+    found = _LINE.fullmatch(stripped.translate(_MINUS))
+    if found is None:
+        raise InvalidInput(f"{where} {stripped!r} is not `lat lon` or `lat lon name`")
+    lat, lon, rest = found.groups()
+    # The signs of a name stay what they are: the translation changes no length.
+    name = "" if rest is None else stripped[len(stripped) - len(rest) :]
+    try:
+        return Place(float(lat), float(lon), name.strip())
+    except InvalidInput as wrong:
+        raise InvalidInput(f"{where} {wrong}") from wrong
+
+
+def read_box(text: str) -> Box:
+    """Box of ``latTL_lonTL_latBR_lonBR``, or of the paper's form with a height after it, which is not used.
+
+    Raises
+    ------
+    InvalidInput
+    """
+    fields = [field for field in re.split(_BETWEEN, text.translate(_MINUS).strip()) if field]
+    try:
+        values = [float(field) for field in fields]
+    except ValueError as wrong:
+        raise InvalidInput(f"places {text!r}: no such file, and no box; give {_FORMATS}") from wrong
+    if len(values) not in (4, 5):
+        raise InvalidInput(f"places {text!r}: {len(values)} numbers; give {_FORMATS}")
+    return Box(*values[:4])
+
+
+def spread_places(box: Box, count: int, spacing_m: float, seed: int) -> tuple[Place, ...]:
+    """Places spread over a box, evenly by area, none nearer to another than a distance.
+
+    They come from a hash of the seed: the same on every machine, and the first ones of a larger count.
+
+    Parameters
+    ----------
+    spacing_m : float
+        Least distance, straight through the ground, >= 0.
+
+    Raises
+    ------
+    InvalidInput
+        Where the box has no room for so many.
+    """
+    if count < 1:
+        raise InvalidInput(f"{count} places: must be 1 or more")
+    if not (math.isfinite(spacing_m) and spacing_m >= 0.0):
+        raise InvalidInput(f"spacing {spacing_m} m: must be 0 or more")
+    for lat in (box.south_deg, box.north_deg):
+        Place(lat, box.west_deg)
+    places: list[Place] = []
+    taken = np.empty((count, 3))
+    misses = 0
+    for lat, lon in _darts(box, seed):
+        point = cartesian_m(np.array(lat), np.array(lon))
+        nearest = np.sqrt(np.min(np.sum((taken[: len(places)] - point) ** 2, axis=-1), initial=np.inf))
+        if nearest == 0.0 or nearest < spacing_m:
+            misses += 1
+            if misses == _MISSES:
+                break
+            continue
+        misses = 0
+        taken[len(places)] = point
+        places.append(Place(lat, lon))
+        if len(places) == count:
+            return tuple(places)
+    raise InvalidInput(
+        f"{count:,} places {spacing_m:,.0f} m apart: the box has room for {len(places):,}; give a larger box, fewer "
+        "places, views that see less, or a smaller --spacing"
+    )
+
+
+def _darts(box: Box, seed: int) -> Iterator[tuple[float, float]]:
+    """Points of a box without end, evenly by the area of a sphere."""
+    south, north = (math.sin(math.radians(lat)) for lat in (box.south_deg, box.north_deg))
+    for number in itertools.count():
+        digest = hashlib.blake2b(f"{seed}:{number}".encode(), digest_size=16).digest()
+        across, up = (int.from_bytes(part, "big") / 2.0**64 for part in (digest[:8], digest[8:]))
+        lat = math.degrees(math.asin(south + (north - south) * up))
+        lon = box.west_deg + box.span_deg * across
+        yield (
+            round(min(max(lat, box.south_deg), box.north_deg), _DECIMALS),
+            round(lon - 360.0 * (lon > 180.0), _DECIMALS),
+        )
+
+
+def cartesian_m(lat_deg: Floats, lon_deg: Floats) -> Floats:
+    """Points of the WGS84 ellipsoid from the Earth's centre, (..., 3) in metres (EPSG method 9602)."""
+    phi, theta = np.radians(lat_deg), np.radians(lon_deg)
+    normal = WGS84.normal_radius_m(lat_deg)
+    return np.stack(
+        [
+            normal * np.cos(phi) * np.cos(theta),
+            normal * np.cos(phi) * np.sin(theta),
+            normal * (1.0 - WGS84.e2) * np.sin(phi),
+        ],
+        axis=-1,
+    )

@@ -1,0 +1,345 @@
+"""A cross-view dataset worked out before anything is fetched: its missions, its parts, what it needs."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import InvalidInput
+from ..geodesy.camera import Camera
+from ..geodesy.ellipsoid import WGS84, Ellipsoid
+from ..geodesy.mercator import PixelGrid, u_to_lon, v_to_lat
+from ..mission.area import Box, Points
+from ..mission.mission import DEFAULT_BUDGET_PX, Mission
+from ..mission.plan import Plan, plan
+from .parts import PARTS, SHARES, check_shares, part_places
+from .places import Place, cartesian_m, spread_places
+from .views import View, reach_m, spiral, standing_poses
+
+Floats = NDArray[np.float64]
+
+#: University-1652's pictures.
+DEFAULT_SIZE_PX = 512
+#: What the drone's camera has where nothing else is said: the paper's field of view, in University-1652's squares.
+DEFAULT_CAMERA = Camera(78.8, 1.0)
+SATELLITE, DRONE = "satellite", "drone"
+#: A satellite view is made smaller from a window at least as large, so that it is sharp: of the two zooms that
+#: could serve, the finer.
+_FINER = 2
+#: Decimals of the heights and distances that are worked out: 1 mm, the same on machines that differ in the last digit.
+_DECIMALS = 3
+
+
+@dataclass(frozen=True)
+class PairSettings:
+    """What is asked for.
+
+    Parameters
+    ----------
+    views : tuple of View
+        Of each place by the drone, in the order of the images.
+    camera : Camera
+        The drone's.
+    size_px : int
+        Longer side of the drone's images, and side of the satellite's.
+    satellite_m : float or None
+        Ground that the satellite view is wide, metres; None for as wide as the widest of the drone's views is at the
+        place.
+    source, map_type, date
+        Of the imagery, as a Mission has them.
+    seed : int
+        Of the embedded world, and of the order in which places are shared out.
+    shares : three numbers
+        Places to train on, to test with, and distractors, relative to their sum.
+    gap_m : float
+        Ground left between what is seen in two parts, >= 0.
+    allow_shared_ground : bool
+        Share places out one by one, even if the same ground is seen in two parts.
+    upsample, ground_height_m, error_budget_px, accept_error, resampling
+        As a Mission has them.
+    """
+
+    views: tuple[View, ...] = field(default_factory=spiral)
+    camera: Camera = DEFAULT_CAMERA
+    size_px: int = DEFAULT_SIZE_PX
+    satellite_m: float | None = None
+    source: str = "world"
+    map_type: str = "satellite"
+    date: str = ""
+    seed: int = 2024
+    shares: tuple[float, float, float] = SHARES
+    gap_m: float = 0.0
+    allow_shared_ground: bool = False
+    upsample: bool = False
+    ground_height_m: float = 0.0
+    error_budget_px: float = DEFAULT_BUDGET_PX
+    accept_error: bool = False
+    resampling: str = "bilinear"
+
+    def __post_init__(self) -> None:
+        if not self.views:
+            raise InvalidInput("no views: needs one or more")
+        if self.size_px < 1:
+            raise InvalidInput(f"size of images {self.size_px} px: must be 1 or more")
+        if self.satellite_m is not None and not (math.isfinite(self.satellite_m) and self.satellite_m > 0.0):
+            raise InvalidInput(f"width of the satellite view {self.satellite_m} m: must be above 0")
+        check_shares(self.shares)
+
+    @property
+    def satellite_width_m(self) -> float:
+        """Ground that the satellite view is wide."""
+        if self.satellite_m is not None:
+            return self.satellite_m
+        slant_m = max(view.agl_m / math.cos(math.radians(view.tilt_deg)) for view in self.views)
+        return round(self.camera.ground_size_m(slant_m)[0], _DECIMALS)
+
+    @property
+    def image_size_px(self) -> tuple[int, int]:
+        """Width and height of the drone's images."""
+        aspect = self.camera.aspect_ratio
+        width, height = (1.0, 1.0 / aspect) if aspect >= 1.0 else (aspect, 1.0)
+        return max(round(self.size_px * width), 1), max(round(self.size_px * height), 1)
+
+    @property
+    def ground(self) -> Ellipsoid:
+        """The ground that heights are over."""
+        return WGS84.raised(self.ground_height_m)
+
+    def missions(self, places: Sequence[Place]) -> dict[str, Mission]:
+        """Missions by name: ``satellite``, and ``drone`` or, where there are several tilts, one for each of them."""
+        lat = np.array([place.lat_deg for place in places])
+        lon = np.array([place.lon_deg for place in places])
+        tilts = list(dict.fromkeys(view.tilt_deg for view in self.views))
+        names = [DRONE] if len(tilts) == 1 else [f"{DRONE}_{tilt:g}" for tilt in tilts]
+        drones = {name: self._drone(lat, lon, tilt) for name, tilt in zip(names, tilts)}
+        return {SATELLITE: self._satellite(lat, lon), **drones}
+
+    def _mission(self, points: Points, **more: Any) -> Mission:
+        return Mission(
+            points,
+            points.poses[0][2],
+            map_types=(self.map_type,),
+            source=self.source,
+            date=self.date,
+            seed=self.seed,
+            image_format="jpg",
+            upsample=self.upsample,
+            ground_height_m=self.ground_height_m,
+            error_budget_px=self.error_budget_px,
+            resampling=self.resampling,
+            **more,
+        )
+
+    def _satellite(self, lat_deg: Floats, lon_deg: Floats) -> Mission:
+        """Squares of the map, each as a camera straight above sees its sides' midpoints."""
+        camera = Camera.from_horizontal_fov(self.camera.horizontal_fov_deg, 1.0)
+        agl_m = round(self.satellite_width_m / camera.ground_size_m(1.0)[0], _DECIMALS)
+        shrunk = np.cos(np.radians(lat_deg))
+        return self._mission(
+            Points(tuple((lat, lon, agl_m) for lat, lon in zip(lat_deg.tolist(), lon_deg.tolist()))),
+            camera=camera,
+            # One zoom serves all latitudes: the pictures of the lowest are to be as sharp as those of the highest.
+            max_px=math.ceil(self.size_px * _FINER * float(shrunk.max() / shrunk.min())),
+            img_size=(self.size_px, self.size_px, 3),
+            frame="map",
+            # A satellite looks straight down everywhere: how far that is from one camera's picture is no error of it.
+            accept_error=True,
+        )
+
+    def _drone(self, lat_deg: Floats, lon_deg: Floats, tilt_deg: float) -> Mission:
+        chosen = [view for view in self.views if view.tilt_deg == tilt_deg]
+        standing = [standing_poses(lat_deg, lon_deg, view, self.ground) for view in chosen]
+        # Place by place, and the views of each in their order.
+        where = np.stack([(poses.lat_deg, poses.lon_deg, poses.agl_m) for poses in standing], axis=-1)
+        return self._mission(
+            Points(
+                tuple(map(tuple, where.transpose(1, 2, 0).reshape(-1, 3).tolist())),
+                tuple(view.yaw_deg for view in chosen) * len(lat_deg),
+            ),
+            camera=self.camera,
+            tilt_deg=tilt_deg,
+            max_px=self.size_px,
+            img_size=(*self.image_size_px, 3),
+            frame="camera",
+            accept_error=self.accept_error,
+        )
+
+
+def places_in_box(
+    box: Box, count: int, settings: PairSettings, spacing_m: float | None = None
+) -> tuple[Place, ...]:
+    """Places spread over a box by the settings' seed.
+
+    Parameters
+    ----------
+    spacing_m : float or None
+        Least distance between places; None for one at which no two see the same ground.
+
+    Raises
+    ------
+    InvalidInput
+        A box without room for so many, or views to the horizon where no spacing is given.
+    """
+    if spacing_m is None:
+        lat = np.array([box.south_deg, box.north_deg, min(max(0.0, box.south_deg), box.north_deg)])
+        for one in lat:
+            Place(float(one), box.west_deg)
+        # A hundredth more for the satellite's window, whose edges are those of pixels.
+        satellite_m = settings.satellite_width_m * math.sqrt(0.5) * 1.01
+        farthest_m = max(
+            float(reach_m(lat, settings.views, settings.camera, settings.ground).max()), satellite_m
+        )
+        if math.isinf(farthest_m):
+            raise InvalidInput(
+                "some views see the horizon, so that all places share ground: give --spacing, or tilt less"
+            )
+        spacing_m = 2.0 * farthest_m + settings.gap_m
+    return spread_places(box, count, spacing_m, settings.seed)
+
+
+@dataclass(frozen=True, eq=False)
+class PairPlan:
+    """A cross-view dataset worked out: n places with k views each.
+
+    Attributes
+    ----------
+    settings : PairSettings
+    places : tuple of Place
+    plans : mapping of str to Plan
+        By the missions' names, the satellite's first.
+    parts : tuple of str
+        ``train``, ``test`` or ``distractor`` for each place.
+    ground_shared : bool
+        Whether ground may be in two parts.
+    reach_m : float
+        Farthest ground from a place that is in any of its images.
+    """
+
+    settings: PairSettings
+    places: tuple[Place, ...]
+    plans: Mapping[str, Plan]
+    parts: tuple[str, ...]
+    ground_shared: bool
+    reach_m: float
+
+    @cached_property
+    def ids(self) -> tuple[str, ...]:
+        """Names of the places' folders: four digits, or more where there are more than 10,000."""
+        digits = max(4, len(str(len(self.parts) - 1)))
+        return tuple(f"{index:0{digits}d}" for index in range(len(self.parts)))
+
+    @property
+    def images(self) -> int:
+        """Images of all views, each counted once."""
+        return sum(len(one) for one in self.plans.values())
+
+    @property
+    def requests(self) -> int:
+        """Parts to fetch; those that satellite and drone both need are counted for each."""
+        return sum(one.requests for one in self.plans.values())
+
+    @property
+    def bounds_deg(self) -> tuple[float, float, float, float]:
+        """West, south, east, north of the places."""
+        bounds = Points(tuple((place.lat_deg, place.lon_deg, 1.0) for place in self.places)).bounds
+        return bounds.west_deg, bounds.south_deg, bounds.east_deg, bounds.north_deg
+
+    @property
+    def counts(self) -> dict[str, int]:
+        """Places of each part."""
+        return {part: self.parts.count(part) for part in PARTS}
+
+    def shots(self, place: int) -> list[tuple[str, int]]:
+        """Mission and index in its plan of each view of a place, in the order of the settings' views."""
+        tilts: dict[float, str] = {
+            one.mission.tilt_deg: name for name, one in self.plans.items() if name != SATELLITE
+        }
+        before = dict.fromkeys(tilts.values(), 0)
+        found = []
+        for view in self.settings.views:
+            name = tilts[view.tilt_deg]
+            found.append((name, place * (len(self.plans[name]) // len(self.parts)) + before[name]))
+            before[name] += 1
+        return found
+
+    def to_dict(self) -> dict[str, Any]:
+        """JSON-ready mapping: the same settings give the same text."""
+        settings = self.settings
+        left_out = ("area", "agl_m", "tilt_deg", "max_px", "frame")
+        drone = self.plans[self.shots(0)[0][0]].mission.to_dict()
+        return {
+            "schema": 1,
+            "layout": "University-1652",
+            "parts": {
+                "shares": list(settings.shares),
+                "places": self.counts,
+                "gap_m": settings.gap_m,
+                "ground_shared": self.ground_shared,
+                "reach_m": round(self.reach_m, 1) if math.isfinite(self.reach_m) else None,
+            },
+            "size_px": settings.size_px,
+            "satellite_m": settings.satellite_width_m,
+            "mission": {name: value for name, value in drone.items() if name not in left_out},
+            "missions": {name: f"captures/{name}/mission.json" for name in self.plans},
+            "views": [
+                {"agl_m": view.agl_m, "yaw_deg": view.yaw_deg, "tilt_deg": view.tilt_deg}
+                for view in settings.views
+            ],
+            "places": [
+                {
+                    "id": one,
+                    "lat_deg": place.lat_deg,
+                    "lon_deg": place.lon_deg,
+                    "name": place.name,
+                    "part": part,
+                }
+                for one, place, part in zip(self.ids, self.places, self.parts)
+            ],
+        }
+
+
+def plan_pairs(places: Sequence[Place], settings: PairSettings, grid: PixelGrid) -> PairPlan:
+    """Work a cross-view dataset out on a source's pixel grid; fetches nothing.
+
+    Parameters
+    ----------
+    places : sequence of Place
+        Their order is that of the ids.
+
+    Raises
+    ------
+    InvalidInput
+        No places, views that cannot be had, as `plan` has it, or places that cannot be shared out.
+    """
+    if not places:
+        raise InvalidInput("no places: needs one or more")
+    plans = {name: plan(mission, grid) for name, mission in settings.missions(places).items()}
+    lat = np.array([place.lat_deg for place in places])
+    seen_m = reach_m(lat, settings.views, settings.camera, settings.ground)
+    farthest_m = np.maximum(seen_m, _window_reach_m(plans[SATELLITE]))
+    parts = part_places(
+        places,
+        settings.shares,
+        settings.seed,
+        farthest_m,
+        gap_m=settings.gap_m,
+        allow_shared_ground=settings.allow_shared_ground,
+    )
+    return PairPlan(settings, tuple(places), plans, parts.of, parts.ground_shared, float(farthest_m.max()))
+
+
+def _window_reach_m(satellite: Plan) -> Floats:
+    """Distance from each place to the farthest corner of its satellite view, (n,)."""
+    world = satellite.grid.world_px(satellite.zoom)
+    left, top, right, bottom = (np.asarray(edge, np.float64) / world for edge in satellite.windows.bounds_px)
+    middle = cartesian_m(satellite.lat_deg, satellite.lon_deg)
+    corners = [cartesian_m(v_to_lat(v), u_to_lon(u)) for u in (left, right) for v in (top, bottom)]
+    distances = [np.sqrt(np.sum((corner - middle) ** 2, axis=-1)) for corner in corners]
+    farthest: Floats = np.max(distances, axis=0)
+    return farthest

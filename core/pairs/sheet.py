@@ -1,0 +1,140 @@
+"""A contact sheet of cross-view pairs: some places, each with its satellite view and some of the drone's."""
+
+from __future__ import annotations
+
+import csv
+import io
+import os
+from pathlib import Path
+
+import numpy as np
+from PIL import Image, ImageDraw
+
+from ..errors import InvalidInput
+from ..files import write_whole
+from .capturing import TABLE_FILE
+from .planning import DRONE, SATELLITE
+
+#: Places and views of the drone that are shown, at most.
+PLACES, VIEWS = 3, 6
+#: Side of a cell, room for its caption and between cells, px.
+_CELL_PX, _CAPTION_PX, _GAP_PX = 200, 16, 6
+#: Of the ring around the place.
+_RING_PX = 7
+_PAPER, _INK = (255, 255, 255), (32, 32, 32)
+_QUALITY = 85
+
+Row = dict[str, str]
+
+
+def contact_sheet(
+    folder: str | os.PathLike[str],
+    target: str | os.PathLike[str],
+    *,
+    places: int = PLACES,
+    views: int = VIEWS,
+) -> Path:
+    """Draw a contact sheet of a dataset that `capture_pairs` has made, as a JPEG; a ring is around the place.
+
+    Parameters
+    ----------
+    folder : path
+    target : path
+        Of the sheet, ``.jpg``.
+    places, views : int
+        Shown of each part in turn, and of the drone for each place, evenly along its flight; >= 1.
+
+    Returns
+    -------
+    Path
+        The target.
+
+    Raises
+    ------
+    InvalidInput
+        No such dataset, one without images, or an image that cannot be read.
+    OutputError
+        A target that cannot be written.
+    """
+    path, file = Path(folder), Path(target)
+    check_sheet(file)
+    if min(places, views) < 1:
+        raise InvalidInput(f"sheet of {places} places and {views} views: must be 1 or more")
+    rows = _by_place(path)
+    chosen = [_even(one, views) for one in _in_turn(rows)[:places]]
+    step = _CELL_PX + _GAP_PX
+    height = _CELL_PX + _CAPTION_PX + _GAP_PX
+    columns = max(map(len, chosen))
+    sheet = Image.new("RGB", (columns * step + _GAP_PX, len(chosen) * height + _GAP_PX), _PAPER)
+    draw = ImageDraw.Draw(sheet)
+    for line, shown in enumerate(chosen):
+        for column, row in enumerate(shown):
+            left, top = _GAP_PX + column * step, _GAP_PX + line * height
+            sheet.paste(_cell(path / row["file"]), (left, top))
+            draw.text((left, top + _CELL_PX + 2), _caption(row), fill=_INK)
+    buffer = io.BytesIO()
+    sheet.save(buffer, "JPEG", quality=_QUALITY)
+    write_whole(file, buffer.getvalue())
+    return file
+
+
+def check_sheet(target: str | os.PathLike[str]) -> None:
+    """Refuse a sheet that is no JPEG by its name."""
+    if Path(target).suffix.lower() not in (".jpg", ".jpeg"):
+        raise InvalidInput(f"sheet {os.fspath(target)!r}: must end in .jpg")
+
+
+def _by_place(folder: Path) -> list[list[Row]]:
+    """Rows of the images of each place that are there, the satellite's first."""
+    try:
+        text = (folder / TABLE_FILE).read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as wrong:
+        raise InvalidInput(
+            f"folder {folder}: holds no {TABLE_FILE} that can be read; capture pairs first"
+        ) from wrong
+    places: dict[str, list[Row]] = {}
+    for row in csv.DictReader(io.StringIO(text)):
+        if row.get("file") and row.get("view") in (SATELLITE, DRONE):
+            places.setdefault(row["id"], []).append(row)
+    if not places:
+        raise InvalidInput(f"folder {folder}: its {TABLE_FILE} names no image")
+    return list(places.values())
+
+
+def _in_turn(places: list[list[Row]]) -> list[list[Row]]:
+    """Places of all parts in turn, so that a few show each of them."""
+    met: dict[str, int] = {}
+    order = []
+    for rows in places:
+        part = rows[0]["part"]
+        met[part] = met.get(part, -1) + 1
+        order.append(met[part])
+    return [places[at] for at in sorted(range(len(places)), key=order.__getitem__)]
+
+
+def _even(rows: list[Row], views: int) -> list[Row]:
+    """The satellite's row, and as many of the drone's, evenly from the first to the last."""
+    satellite, drone = rows[:1], rows[1:]
+    count = min(views, len(drone))
+    return satellite + [drone[at * (len(drone) - 1) // max(count - 1, 1)] for at in range(count)]
+
+
+def _cell(file: Path) -> Image.Image:
+    try:
+        with Image.open(file) as image:
+            cell = image.convert("RGB")
+    except OSError as wrong:
+        raise InvalidInput(f"image {file}: cannot be read ({wrong})") from wrong
+    cell.thumbnail((_CELL_PX, _CELL_PX), Image.LANCZOS)
+    # The place is in the middle of every view.
+    middle = np.array(cell.size) / 2.0
+    draw = ImageDraw.Draw(cell)
+    for radius, colour in ((_RING_PX, _INK), (_RING_PX - 1, _PAPER)):
+        draw.ellipse([*(middle - radius), *(middle + radius)], outline=colour)
+    return cell
+
+
+def _caption(row: Row) -> str:
+    if row["view"] == SATELLITE:
+        return f"{row['id']} {row['part']}, satellite"
+    return f"{float(row['agl_m']):.0f} m, yaw {float(row['yaw_deg']):.0f}, tilt {float(row['tilt_deg']):.0f}"

@@ -1,0 +1,175 @@
+"""From where the drone looks at a place: rings or a spiral around it, each camera's axis through the place."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import InvalidInput
+from ..geodesy.camera import Camera
+from ..geodesy.ellipsoid import WGS84, Ellipsoid, trace
+from ..geodesy.footprint import ground_corners
+from ..geodesy.poses import Poses
+from ..mission.area import check_agl, check_yaw
+from .places import cartesian_m
+
+Floats = NDArray[np.float64]
+
+#: University-1652's flight (Zheng, Wei, Yang 2020, section 3): three rounds from 256 m down to 121.5 m, 54 views.
+HEIGHTS_M, ROUNDS, VIEWS = (256.0, 121.5), 3, 54
+DEFAULT_TILT_DEG = 45.0
+#: From a tilt of 80 degrees the camera stands 5.7 heights off; beyond, a place is a strip below the horizon.
+MOST_TILT_DEG = 80.0
+#: Cameras are placed to 10 micrometres, far below a pixel, so that noise of the last digits does not show.
+_DECIMALS = 10
+#: Places are settled when no axis misses by more than this, 0.1 micrometre; each pass gains the digits of
+#: stand-off over the Earth's radius, so that a handful are enough and more say that something is wrong.
+_SETTLED_DEG, _PASSES = 1e-12, 40
+_AXIS = ((0.0, 0.0),)
+#: The sides of a footprint bulge beyond the straight lines between its corners by less than this share of its size.
+_BULGE = 1.001
+
+
+@dataclass(frozen=True)
+class View:
+    """One view of every place.
+
+    Parameters
+    ----------
+    agl_m : float
+        Height of the camera above the ground, > 0.
+    yaw_deg : float
+        Direction in which it looks, clockwise from north: at 0 it stands south of the place.
+    tilt_deg : float
+        From straight down, 0..80.
+    """
+
+    agl_m: float
+    yaw_deg: float
+    tilt_deg: float
+
+    def __post_init__(self) -> None:
+        check_agl(self.agl_m)
+        check_yaw(self.yaw_deg)
+        if not 0.0 <= self.tilt_deg <= MOST_TILT_DEG:
+            raise InvalidInput(
+                f"tilt {self.tilt_deg} deg: must be from 0 (straight down) to {MOST_TILT_DEG:g}"
+            )
+
+
+def rings(heights_m: Sequence[float], yaws: int, tilts_deg: Sequence[float]) -> tuple[View, ...]:
+    """Views in rings around a place: for each tilt and each height, so many yaws evenly around.
+
+    Raises
+    ------
+    InvalidInput
+    """
+    _check(heights_m, tilts_deg)
+    if yaws < 1:
+        raise InvalidInput(f"{yaws} yaws: must be 1 or more")
+    return tuple(
+        View(float(height), 360.0 * at / yaws, float(tilt))
+        for tilt in tilts_deg
+        for height in heights_m
+        for at in range(yaws)
+    )
+
+
+def spiral(
+    heights_m: Sequence[float] = HEIGHTS_M,
+    count: int = VIEWS,
+    rounds: float = ROUNDS,
+    tilts_deg: Sequence[float] = (DEFAULT_TILT_DEG,),
+) -> tuple[View, ...]:
+    """Views along a spiral that falls from the greatest height to the least, one spiral for each tilt.
+
+    Parameters
+    ----------
+    count : int
+        Views of a spiral, evenly along it.
+    rounds : float
+        Times it goes around, > 0.
+
+    Raises
+    ------
+    InvalidInput
+    """
+    _check(heights_m, tilts_deg)
+    if count < 1:
+        raise InvalidInput(f"{count} views: must be 1 or more")
+    if not (math.isfinite(rounds) and 0.0 < rounds <= count):
+        raise InvalidInput(f"{rounds:g} rounds of {count} views: must be above 0, and no more than the views")
+    top, bottom = float(max(heights_m)), float(min(heights_m))
+    fall = (top - bottom) / max(count - 1, 1)
+    return tuple(
+        View(round(top - fall * at, 6), round(360.0 * rounds * at / count % 360.0, 9), float(tilt))
+        for tilt in tilts_deg
+        for at in range(count)
+    )
+
+
+def _check(heights_m: Sequence[float], tilts_deg: Sequence[float]) -> None:
+    for values, what in ((heights_m, "height"), (tilts_deg, "tilt")):
+        if not values:
+            raise InvalidInput(f"no {what}: give one or more")
+        if len(set(values)) != len(values):
+            raise InvalidInput(
+                f"{what}s {' '.join(f'{value:g}' for value in values)}: each may be named once"
+            )
+    for height in heights_m:
+        check_agl(height)
+
+
+def standing_poses(lat_deg: Floats, lon_deg: Floats, view: View, ground: Ellipsoid = WGS84) -> Poses:
+    """Poses from which the camera's axis meets the ground at places.
+
+    Found by tracing the axis to the ground and moving the camera by what it misses.
+
+    Parameters
+    ----------
+    lat_deg, lon_deg : array (n,)
+        Places.
+    ground : Ellipsoid
+        That the heights are over.
+
+    Raises
+    ------
+    InvalidInput
+        An axis that passes the Earth.
+    """
+    agl = np.full(lat_deg.shape, view.agl_m)
+    axis = Camera().rays_enu(_AXIS, view.yaw_deg, view.tilt_deg)[0]
+    lat, lon = lat_deg.copy(), lon_deg.copy()
+    for _ in range(_PASSES):
+        seen = trace(lat, agl, np.broadcast_to(axis, (*lat.shape, 3)), ground)
+        if not seen.hit.all():
+            break
+        miss_lat, miss_lon = lat_deg - seen.lat_deg, lon_deg - (lon + seen.dlon_deg)
+        lat, lon = np.clip(lat + miss_lat, -90.0, 90.0), lon + miss_lon
+        if max(np.abs(miss_lat).max(), np.abs(miss_lon).max()) <= _SETTLED_DEG:
+            return Poses.turned(
+                np.round(lat, _DECIMALS), np.round(lon, _DECIMALS), agl, view.yaw_deg, view.tilt_deg, 0.0
+            )
+    raise InvalidInput(
+        f"view from {view.agl_m:g} m at a tilt of {view.tilt_deg:g} deg: the camera cannot look at the place; fly "
+        "lower or tilt less"
+    )
+
+
+def reach_m(lat_deg: Floats, views: Sequence[View], camera: Camera, ground: Ellipsoid = WGS84) -> Floats:
+    """Farthest ground, from places at latitudes (n,), that the drone sees in any of its views; metres.
+
+    Measured straight through the Earth, as all distances between places are. Infinite where a view sees the horizon.
+    """
+    lon = np.zeros_like(lat_deg)
+    middle = cartesian_m(lat_deg, lon)[:, np.newaxis]
+    farthest = np.zeros(lat_deg.shape)
+    for view in views:
+        seen = ground_corners(camera, standing_poses(lat_deg, lon, view, ground), ground)
+        distance = np.sqrt(np.sum((cartesian_m(seen.lat_deg, seen.lon_deg) - middle) ** 2, axis=-1))
+        farthest = np.maximum(farthest, np.where(seen.hit, distance * _BULGE, np.inf).max(axis=-1))
+    return farthest

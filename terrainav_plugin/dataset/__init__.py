@@ -1,0 +1,1 @@
+"""A dataset cleaned by eye: its entropies, a threshold, and what would be rejected by it."""

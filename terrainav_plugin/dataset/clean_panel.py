@@ -1,0 +1,311 @@
+"""The window in which a dataset is cleaned: shows what it is given, and asks for the rest."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+
+from qgis.core import QgsApplication
+from qgis.gui import QgsDockWidget, QgsFileWidget
+from qgis.PyQt.QtCore import QSignalBlocker, Qt, pyqtSignal
+from qgis.PyQt.QtWidgets import (
+    QCheckBox,
+    QComboBox,
+    QDoubleSpinBox,
+    QFormLayout,
+    QHBoxLayout,
+    QLabel,
+    QProgressBar,
+    QPushButton,
+    QTabWidget,
+    QVBoxLayout,
+    QWidget,
+)
+
+from ..i18n import tr
+from .chart import DECIMALS, HIGHEST, LOWEST
+from .charts import Bars, Histogram
+from .clean_task import MARK, MOVE, UNDO
+from .entropies import Entropies
+from .examples import ExampleStrip
+
+#: The paper's threshold, in bits.
+USUAL_THRESHOLD = 2.1
+_STEP_BITS = 0.05
+_BAR_HEIGHT_PX = 6
+
+
+class CleanPanel(QgsDockWidget):
+    """Shows what a threshold would do to a dataset.
+
+    Signals
+    -------
+    folder_chosen(str)
+    map_type_chosen(str)
+    threshold_changed(float)
+        Bits, by whatever the user has moved.
+    on_map_toggled(bool)
+    deed_wanted(str)
+        One of `MARK`, `MOVE` and `UNDO`.
+    pictures_wanted(), stop_wanted()
+    """
+
+    folder_chosen = pyqtSignal(str)
+    map_type_chosen = pyqtSignal(str)
+    threshold_changed = pyqtSignal(float)
+    on_map_toggled = pyqtSignal(bool)
+    deed_wanted = pyqtSignal(str)
+    pictures_wanted = pyqtSignal()
+    stop_wanted = pyqtSignal()
+
+    def __init__(self) -> None:
+        super().__init__(tr("TerrAInav: clean dataset"))
+        self.setObjectName("terrainav_clean")
+        self.entropies: Entropies | None = None
+        self._busy = False
+        self._make_entries()
+        self.charts = (Histogram(), Bars())
+        self.tabs = QTabWidget()
+        self.tabs.setObjectName("charts")
+        self.tabs.addTab(self.charts[0], tr("Hi&stogram"))
+        self.tabs.addTab(self.charts[1], tr("&Image by image"))
+        for chart in self.charts:
+            chart.look = self.tabs
+            chart.threshold_moved.connect(self.threshold.setValue)
+            chart.show_threshold(self.threshold.value())
+        self.counts = _label("counts")
+        self.notes = _label("notes")
+        self.strip = ExampleStrip()
+        self._make_buttons()
+        self.setWidget(self._contents())
+        self.show_hint(tr("Choose the folder of a dataset."))
+
+    # --- what is shown
+
+    def show_folder(self, folder: str) -> None:
+        """Name a folder without a word."""
+        with QSignalBlocker(self.folder):
+            self.folder.setFilePath(folder)
+
+    def show_hint(self, text: str) -> None:
+        """Show a text in place of entropies."""
+        self.entropies = None
+        for chart in self.charts:
+            chart.show_hint(text)
+        self.counts.setText("")
+        self.notes.setText("")
+        self.strip.clear()
+        with QSignalBlocker(self.map_type):
+            self.map_type.clear()
+        self._enable()
+
+    def show_entropies(self, found: Mapping[str, Entropies], map_type: str) -> None:
+        """Show a map type of a dataset, and offer the others."""
+        with QSignalBlocker(self.map_type):
+            self.map_type.clear()
+            for name in found:
+                self.map_type.addItem(title_of(name), name)
+            self.map_type.setCurrentIndex(list(found).index(map_type))
+        self.entropies = found[map_type]
+        for chart in self.charts:
+            chart.show_bits(self.entropies.bits, self.entropies.suggested)
+        self._show_counts()
+        self._enable()
+
+    def show_busy(self, busy: bool, percent: float = 0.0) -> None:
+        """Show that something is being done, and how far it is."""
+        self._busy = busy
+        self.bar.setVisible(busy)
+        self.stop.setVisible(busy)
+        self.bar.setValue(int(percent))
+        self._enable()
+
+    def _threshold_set(self, bits: float) -> None:
+        for chart in self.charts:
+            chart.show_threshold(bits)
+        self._show_counts()
+        self.threshold_changed.emit(bits)
+
+    def _show_counts(self) -> None:
+        found = self.entropies
+        if found is None:
+            return
+        rejected, count = found.rejected(self.threshold.value()), len(found)
+        self.counts.setText(
+            tr("<b>{kept}</b> of {count} images kept, <b>{rejected}</b> rejected ({percent} %)").format(
+                kept=f"{count - rejected:,}",
+                count=f"{count:,}",
+                rejected=f"{rejected:,}",
+                percent=f"{100.0 * rejected / max(count, 1):.1f}",
+            )
+        )
+        notes = []
+        if found.by_roadmap:
+            notes.append(
+                tr("The roadmap decides for all of them.")
+                if found.by_roadmap == len(found)
+                else tr("The roadmap decides for {count} of them.").format(count=f"{found.by_roadmap:,}")
+            )
+        if found.failed:
+            notes.append(tr("{count} images could not be made.").format(count=f"{found.failed:,}"))
+        if found.marked or found.moved:
+            notes.append(
+                tr("Cleaned before: {marked} images marked, {moved} files moved away.").format(
+                    marked=f"{found.marked:,}", moved=f"{found.moved:,}"
+                )
+            )
+        self.notes.setText(" ".join(notes) or tr("Not cleaned yet."))
+
+    def _enable(self) -> None:
+        """Let be pressed what can be done now."""
+        there = self.entropies is not None and not self._busy
+        some = there and len(self.entropies) > 0
+        for widget in (self.map_type, self.threshold, *self.charts, self.tabs, self.on_map, self.save):
+            widget.setEnabled(some)
+        self.suggest.setEnabled(some and self.entropies.suggested is not None)
+        self.folder.setEnabled(not self._busy)
+        self.buttons[MARK].setEnabled(some)
+        self.buttons[MOVE].setEnabled(some)
+        self.buttons[UNDO].setEnabled(there)
+
+    def _suggest(self) -> None:
+        if self.entropies is not None and self.entropies.suggested is not None:
+            self.threshold.setValue(self.entropies.suggested)
+
+    # --- how it is made
+
+    def _make_entries(self) -> None:
+        self.folder = QgsFileWidget()
+        self.folder.setObjectName("clean_folder")
+        self.folder.setStorageMode(QgsFileWidget.StorageMode.GetDirectory)
+        self.folder.setDialogTitle(tr("TerrAInav: dataset to be cleaned"))
+        self.folder.setToolTip(tr("Of a capture, or of images with a meta_data.csv beside them"))
+        self.folder.fileChanged.connect(self.folder_chosen)
+        self.map_type = QComboBox()
+        self.map_type.setObjectName("clean_map_type")
+        self.map_type.setToolTip(
+            tr("Map type that is shown; cleaning is of all map types, each with this threshold")
+        )
+        self.map_type.activated.connect(
+            lambda index: self.map_type_chosen.emit(self.map_type.itemData(index))
+        )
+        self.threshold = QDoubleSpinBox()
+        self.threshold.setObjectName("threshold")
+        self.threshold.setRange(LOWEST, HIGHEST)
+        self.threshold.setDecimals(DECIMALS)
+        self.threshold.setSingleStep(_STEP_BITS)
+        self.threshold.setSuffix(tr(" bits"))
+        self.threshold.setValue(USUAL_THRESHOLD)
+        self.threshold.setToolTip(
+            tr("Images with less entropy are rejected: 0 bits is a single grey, 8 bits the most there can be")
+        )
+        self.threshold.valueChanged.connect(self._threshold_set)
+        self.suggest = _button(
+            "suggest",
+            tr("S&uggest"),
+            tr(
+                "Threshold in bits that parts the entropies in two groups best, by Otsu's method: the dotted line"
+            ),
+        )
+        self.suggest.clicked.connect(lambda _checked: self._suggest())
+        self.on_map = QCheckBox(tr("On the ma&p"))
+        self.on_map.setObjectName("on_map")
+        self.on_map.setToolTip(tr("Cross out the images on the map that would be rejected"))
+        self.on_map.setChecked(True)
+        self.on_map.toggled.connect(self.on_map_toggled)
+
+    def _make_buttons(self) -> None:
+        self.buttons = {
+            MARK: _button(
+                MARK, tr("&Mark"), tr("Note in the dataset's table which images are rejected, and why")
+            ),
+            MOVE: _button(
+                MOVE,
+                tr("Move &away"),
+                tr("Mark rejected images, and move their files to a folder “rejected” beside the others"),
+            ),
+            UNDO: _button(
+                UNDO, tr("U&ndo"), tr("Take all marks away, and put all files back in their place")
+            ),
+        }
+        for deed, button in self.buttons.items():
+            button.clicked.connect(lambda _=False, deed=deed: self.deed_wanted.emit(deed))
+        self.save = _button(
+            "save_pictures",
+            tr("Save pi&ctures…"),
+            tr("Write both charts of every map type as PNG; needs the Python package matplotlib"),
+        )
+        self.save.clicked.connect(lambda _checked: self.pictures_wanted.emit())
+        self.bar = QProgressBar()
+        self.bar.setObjectName("clean_progress")
+        self.bar.setTextVisible(False)
+        self.bar.setFixedHeight(_BAR_HEIGHT_PX)
+        self.stop = _button("stop", tr("St&op"), tr("Stop; what is done so far can be finished, or undone"))
+        self.stop.setIcon(QgsApplication.getThemeIcon("/mTaskCancel.svg"))
+        self.stop.clicked.connect(lambda _checked: self.stop_wanted.emit())
+        self.bar.hide()
+        self.stop.hide()
+
+    def _contents(self) -> QWidget:
+        form = QFormLayout()
+        form.setFieldGrowthPolicy(QFormLayout.FieldGrowthPolicy.AllNonFixedFieldsGrow)
+        _add_row(form, tr("Dataset &folder"), self.folder)
+        _add_row(form, tr("Map t&ype"), self.map_type)
+        line = QHBoxLayout()
+        label = QLabel(tr("&Threshold"))
+        label.setBuddy(self.threshold)
+        for widget in (label, self.threshold, self.suggest):
+            line.addWidget(widget)
+        line.addStretch(1)
+        line.addWidget(self.on_map)
+        deeds = QHBoxLayout()
+        deeds.addWidget(self.save)
+        deeds.addStretch(1)
+        for widget in (self.stop, self.buttons[UNDO], self.buttons[MARK], self.buttons[MOVE]):
+            deeds.addWidget(widget)
+        contents = QWidget()
+        layout = QVBoxLayout(contents)
+        layout.setContentsMargins(6, 6, 6, 6)
+        layout.addLayout(form)
+        layout.addWidget(self.tabs, 1)
+        layout.addLayout(line)
+        layout.addWidget(self.counts)
+        layout.addWidget(self.notes)
+        layout.addWidget(self.strip)
+        layout.addWidget(self.bar)
+        layout.addLayout(deeds)
+        return contents
+
+
+def title_of(map_type: str) -> str:
+    """What a map type is called: its folder's name where it is none of the usual ones."""
+    return {"satellite": tr("Satellite"), "roadmap": tr("Roadmap"), "terrain": tr("Terrain")}.get(
+        map_type, map_type
+    )
+
+
+def folder_of(text: str) -> Path:
+    """Folder that has been entered."""
+    return Path(text.strip()).expanduser()
+
+
+def _add_row(form: QFormLayout, title: str, widget: QWidget) -> None:
+    label = QLabel(title)
+    label.setBuddy(widget)
+    form.addRow(label, widget)
+
+
+def _label(name: str) -> QLabel:
+    label = QLabel()
+    label.setObjectName(name)
+    label.setWordWrap(True)
+    label.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
+    return label
+
+
+def _button(name: str, text: str, tip: str) -> QPushButton:
+    button = QPushButton(text)
+    button.setObjectName(name)
+    button.setToolTip(tip)
+    button.setAutoDefault(False)
+    return button

@@ -1,0 +1,79 @@
+"""What the panel's buttons start: cleaning, its undoing, and pictures of the entropies. In the background."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from ..i18n import tr
+from ..task import Task
+
+if TYPE_CHECKING:
+    from ...core.dataset.clean import Cleaned
+
+MARK, MOVE, UNDO = "mark", "move", "undo"
+
+
+class CleanTask(Task):
+    """Rejects images of a dataset, or puts all back.
+
+    Parameters
+    ----------
+    folder : Path
+    deed : str
+        `MARK`, `MOVE` or `UNDO`.
+    threshold : float
+        Bits.
+
+    Attributes
+    ----------
+    cleaned : tuple of Cleaned
+        What was done, by map type; empty until then.
+    """
+
+    def __init__(self, folder: Path, deed: str, threshold: float) -> None:
+        super().__init__(tr("Cleaning {name}").format(name=folder.name))
+        self.folder, self.deed, self.threshold = folder, deed, threshold
+        self.cleaned: tuple[Cleaned, ...] = ()
+
+    def work(self) -> bool:
+        """Clean."""
+        from ...core.dataset.clean import clean, undo
+
+        if self.deed == UNDO:
+            self.cleaned = undo(self.folder, progress=self._go_on)
+        else:
+            self.cleaned = clean(self.folder, self.threshold, move=self.deed == MOVE, progress=self._go_on)
+        return True
+
+    def _go_on(self, share: float) -> bool:
+        self.setProgress(100.0 * share)
+        return not self.isCanceled()
+
+
+class PicturesTask(Task):
+    """Writes the charts of a dataset as pictures.
+
+    Parameters
+    ----------
+    folder, target : Path
+        Of the dataset, and of the pictures.
+    threshold : float
+        Bits.
+
+    Attributes
+    ----------
+    written : list of Path
+    """
+
+    def __init__(self, folder: Path, target: Path, threshold: float) -> None:
+        super().__init__(tr("Pictures of {name}").format(name=folder.name))
+        self.folder, self.target, self.threshold = folder, target, threshold
+        self.written: list[Path] = []
+
+    def work(self) -> bool:
+        """Draw and write."""
+        from ...core.dataset.figures import save_figures
+
+        self.written = save_figures(self.folder, self.target, self.threshold)
+        return True

@@ -1,0 +1,277 @@
+"""From a dataset's folder to entropies, examples, crosses on the map, and what the buttons do."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from qgis.core import QgsApplication
+from qgis.PyQt.QtCore import QObject, QPoint, QRect, Qt, QTimer
+from qgis.PyQt.QtWidgets import QFileDialog
+
+from ...core.dataset.folder import DECIDING, MISSION_FILE
+from ..i18n import told, tr
+from ..missions.recent import recent
+from ..runs.after import open_in_system
+from ..task import Task
+from ..viewer.worker import Worker
+
+if TYPE_CHECKING:
+    from ..workflow import Workflow
+    from .clean_panel import CleanPanel
+    from .clean_task import CleanTask, PicturesTask
+    from .entropies import Entropies
+    from .examples import Shown
+    from .marks import Marks
+
+_SIZE_PX = (700, 620)
+_CORNER_PX = (12, 36)
+#: Examples and crosses come when the threshold has rested for so long: it is dragged lightly however many there are.
+_REST_MS = 60
+#: How much more than an image the map shows that is zoomed to it.
+_MARGIN = 4.0
+
+
+class Cleaning(QObject):
+    """The window, what is on the map with it, and the work that it starts."""
+
+    def __init__(self, workflow: Workflow) -> None:
+        super().__init__()
+        self._workflow, self._iface, self._messages = workflow, workflow.iface, workflow.messages
+        self._canvas = workflow.iface.mapCanvas()
+        self.panel: CleanPanel | None = None
+        self.marks: Marks | None = None
+        self.task: Task | None = None
+        self._folder: Path | None = None
+        self._found: dict[str, Entropies] = {}
+        self._map_type = ""
+        self._asked = 0
+        # Pictures are wanted while a long table is still being read, and the other way round.
+        self._reader, self._pictures = Worker(), Worker()
+        self._reader.refused.connect(self._refused)
+        self._rested = QTimer(self)
+        self._rested.setSingleShot(True)
+        self._rested.setInterval(_REST_MS)
+        self._rested.timeout.connect(self._follow)
+
+    @property
+    def busy(self) -> bool:
+        """Whether something is still to come."""
+        following = (
+            self._rested.isActive() or self._pictures.busy or (self.marks is not None and self.marks.busy)
+        )
+        return self.task is not None or self._reader.busy or following
+
+    def open(self, folder: Path | None = None) -> None:
+        """Show the window, for a dataset: the one captured last unless another is given."""
+        panel = self._shown_panel()
+        folder = folder or self._folder or self._last()
+        if folder is not None and self.task is None:
+            panel.show_folder(str(folder))
+            self._read(folder)
+
+    def close(self) -> None:
+        """End for good."""
+        self._asked += 1
+        self._rested.stop()
+        if self.task is not None:
+            self.task.ended.disconnect()
+            self.task.progressChanged.disconnect()
+            self.task.cancel()
+            self.task.waitForFinished()
+            self.task = None
+        self._reader.close()
+        self._pictures.close()
+        if self.panel is not None:
+            self.panel.visibilityChanged.disconnect(self._visibility_changed)
+            self.marks.close()
+            self._iface.removeDockWidget(self.panel)
+            self.panel.deleteLater()
+            self.panel = self.marks = None
+
+    # --- from a folder to what is shown
+
+    def _last(self) -> Path | None:
+        """Folder of the dataset captured last, or else of the mission in the panel, or of the one opened last."""
+        captured = [run.folder for run in self._workflow.runs.runs if not run.test_shot]
+        in_panel = Path(self._workflow.state().folder.strip()).expanduser()
+        for folder in (*reversed(captured), in_panel, *recent()):
+            if (folder / MISSION_FILE).is_file():
+                return folder
+        return None
+
+    def _folder_chosen(self, text: str) -> None:
+        from .clean_panel import folder_of
+
+        if text.strip():
+            self._read(folder_of(text))
+
+    def _read(self, folder: Path) -> None:
+        """Read a dataset; one that is being read is given up."""
+        from .entropies import read_entropies
+
+        self._folder, self._found = folder, {}
+        self.marks.hide()
+        self._shown_panel().show_hint(tr("Reading {name}…").format(name=folder.name))
+        self._asked += 1
+        number = self._asked
+        self._reader.ask(partial(read_entropies, folder, lambda: number != self._asked), self._show)
+
+    def _show(self, found: dict[str, Entropies]) -> None:
+        self._found = found
+        # Of several, the roadmap is the one that is there for the others' sake.
+        of_pictures = [name for name in found if not name.startswith(DECIDING)] or list(found)
+        self._show_map_type(self._map_type if self._map_type in found else of_pictures[0])
+
+    def _show_map_type(self, map_type: str) -> None:
+        if map_type in self._found and self.panel is not None:
+            self._map_type = map_type
+            self.panel.show_entropies(self._found, map_type)
+            self._follow()
+
+    def _refused(self, message: str) -> None:
+        if self.panel is not None:
+            self.panel.show_hint(told(message))
+
+    # --- what follows the threshold
+
+    def _follow(self, *_: object) -> None:
+        """Show examples and crosses for the threshold as it is now."""
+        from .examples import COUNT, read_examples
+
+        panel, found = self.panel, self._found.get(self._map_type)
+        if panel is None or found is None:
+            return
+        threshold, ratio = panel.threshold.value(), panel.devicePixelRatioF()
+        self._pictures.ask(
+            lambda: read_examples(found.examples(threshold, COUNT), ratio),
+            partial(self._show_examples, found),
+        )
+        if panel.on_map.isChecked() and panel.isVisible() and self._folder is not None:
+            self.marks.show(self._folder, partial(found.rejected_stems, threshold))
+        else:
+            self.marks.hide()
+
+    def _show_examples(self, found: Entropies, shown: tuple[list[Shown], list[Shown]]) -> None:
+        if self.panel is not None and self.panel.entropies is found:
+            self.panel.strip.show_examples(*shown)
+
+    def _zoom_to(self, row: int) -> None:
+        found = self._found.get(self._map_type)
+        extent = None if found is None else self.marks.extent_of(found.stems[row])
+        if extent is None:
+            return
+        extent.scale(_MARGIN)
+        self._canvas.setExtent(extent)
+        self._canvas.refresh()
+
+    # --- what the buttons do
+
+    def _do(self, deed: str) -> None:
+        from .clean_task import CleanTask
+
+        if self.task is None and self._folder is not None:
+            self._start(CleanTask(self._folder, deed, self.panel.threshold.value()), self._cleaned)
+
+    def _save_pictures(self) -> None:
+        from .clean_task import PicturesTask
+
+        folder = self._folder
+        if self.task is not None or folder is None:
+            return
+        chosen = QFileDialog.getExistingDirectory(
+            self.panel, tr("TerrAInav: folder for the pictures"), str(folder)
+        )
+        if chosen and self.panel is not None and self.task is None:
+            task = PicturesTask(folder, Path(chosen), self.panel.threshold.value())
+            self._start(task, self._pictures_saved)
+
+    def _start(self, task: Task, ended: Callable[[Task], None]) -> None:
+        self.task = task
+        task.progressChanged.connect(lambda percent: self.panel.show_busy(True, percent))
+        task.ended.connect(partial(self._ended, ended))
+        self.panel.show_busy(True)
+        QgsApplication.taskManager().addTask(task)
+
+    def _stop(self) -> None:
+        if self.task is not None:
+            self.task.cancel()
+
+    def _ended(self, tell: Callable[[Task], None], task: Task) -> None:
+        self.task = None
+        if self.panel is not None:
+            self.panel.show_busy(False)
+        if task.error:
+            say = self._messages.error if task.trace else self._messages.warning
+            say(told(task.error), task.trace)
+        else:
+            tell(task)
+
+    def _cleaned(self, task: CleanTask) -> None:
+        from .words import cleaned_text
+
+        if not task.cleaned:
+            self._messages.info(
+                tr("{name}: stopped. Press the button again to finish, or Undo to put all back.").format(
+                    name=task.folder.name
+                )
+            )
+        else:
+            moved = any(one.moved or one.returned for one in task.cleaned)
+            update = (tr("Update mosaic"), lambda: self._workflow.missions.open_dataset(task.folder))
+            mosaics = moved and any(task.folder.glob("*.vrt"))
+            self._messages.success(
+                f"{task.folder.name}: {cleaned_text(task.deed, task.cleaned)}", update if mosaics else None
+            )
+        self._read(task.folder)
+
+    def _pictures_saved(self, task: PicturesTask) -> None:
+        self._messages.success(
+            tr("{count} pictures written to {folder}.").format(count=len(task.written), folder=task.target),
+            (tr("Open folder"), lambda: open_in_system(task.target)),
+        )
+
+    # --- the window
+
+    def _shown_panel(self) -> CleanPanel:
+        if self.panel is None:
+            from .clean_panel import CleanPanel
+            from .marks import Marks
+
+            self.marks = Marks(self._canvas)
+            self.marks.refused.connect(lambda message: self._messages.warning(told(message)))
+            panel = self.panel = CleanPanel()
+            panel.folder_chosen.connect(self._folder_chosen)
+            panel.map_type_chosen.connect(self._show_map_type)
+            panel.threshold_changed.connect(lambda _bits: self._rested.start())
+            panel.on_map_toggled.connect(self._follow)
+            panel.deed_wanted.connect(self._do)
+            panel.pictures_wanted.connect(self._save_pictures)
+            panel.stop_wanted.connect(self._stop)
+            panel.strip.chosen.connect(self._zoom_to)
+            panel.visibilityChanged.connect(self._visibility_changed)
+            # Floating before it is added: it is wide, and would widen the panels that it is put beside for good.
+            panel.setParent(self._iface.mainWindow())
+            panel.setFloating(True)
+            self._iface.addDockWidget(Qt.DockWidgetArea.LeftDockWidgetArea, panel)
+            panel.setGeometry(self._place())
+        self.panel.setUserVisible(True)
+        return self.panel
+
+    def _place(self) -> QRect:
+        """Where the window is at first: over the map's corner, and whole on the screen."""
+        corner = self._canvas.mapToGlobal(QPoint(*_CORNER_PX))
+        screen = self._iface.mainWindow().screen().availableGeometry()
+        wide, high = min(_SIZE_PX[0], screen.width()), min(_SIZE_PX[1], screen.height())
+        left = max(min(corner.x(), screen.right() - wide), screen.left())
+        # The window's own title comes on top.
+        return QRect(left, max(min(corner.y(), screen.bottom() - high), screen.top()), wide, high)
+
+    def _visibility_changed(self, visible: bool) -> None:
+        """The crosses go with the window."""
+        if visible:
+            self._follow()
+        else:
+            self.marks.hide()

@@ -1,0 +1,168 @@
+"""``geo.txt`` and ``cameras.json`` read as OpenDroneMap reads them, beside the tags of the photos themselves."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+from terrainav.core.capture.runner import capture
+from terrainav.core.dataset.clean import clean
+from terrainav.core.dataset.table import Table
+from terrainav.core.geodesy.camera import Camera
+from terrainav.core.mission.area import Box, Points
+from terrainav.core.mission.mission import Mission
+from terrainav.core.mission.plan import plan
+from terrainav.core.mission.wind import Wind
+
+from tests.support.photos import angles, camera_id, exiftool, focal_ratio, position
+from tests.support.sources import FailingSource, PatternSource, missing
+
+AREA = Box(35.1425, -89.866, 35.1395, -89.861)
+MISSION = Mission(AREA, 120.0, image_format="jpg", ground_height_m=80.0)
+FILES = ("geo.txt", "cameras.json")
+
+
+def planned(mission=MISSION):
+    return plan(mission, PatternSource().grid)
+
+
+def geo(folder) -> dict[str, list[float]]:
+    """Numbers by image: the loop of `GeoFile` in opendm/geo.py."""
+    crs, *lines = (folder / "geo.txt").read_text().strip().split("\n")
+    assert crs == "EPSG:4326"
+    rows = {parts[0]: [float(part) for part in parts[1:]] for parts in map(str.split, lines)}
+    assert {len(row) for row in rows.values()} <= {8}
+    assert len(rows) == len(lines)
+    return rows
+
+
+def cameras(folder) -> dict[str, dict]:
+    """Cameras as `get_opensfm_camera_models` of opendm/camera.py wants them."""
+    read = json.loads((folder / "cameras.json").read_text())
+    assert all(name.startswith("v2 ") and len(name.split(" ")) >= 6 for name in read)
+    return read
+
+
+def written(folder) -> dict[str, bytes]:
+    return {name: (folder / name).read_bytes() for name in (*FILES, "meta_data.csv")}
+
+
+@pytest.mark.parametrize(
+    "mission",
+    [
+        MISSION,
+        MISSION.with_(img_size=(200, 77, 3)),
+        MISSION.with_(yaw_deg=200.0, tilt_deg=25.0, roll_deg=-10.0, max_px=120),
+        MISSION.with_(camera=Camera(70.0, 0.7), frame="camera", max_px=120),
+        MISSION.with_(wind=Wind(8.0, 250.0, 0.1), max_px=120),
+        Mission(Points(((-16.5, 179.9999, 60.0), (-16.5, -179.9999, 500.0))), 60.0, image_format="jpg"),
+    ],
+    ids=["map frames", "resized", "turned", "upright", "wind", "heights across the antimeridian"],
+)
+def test_both_files_say_what_the_photos_say(tmp_path, mission):
+    worked_out = planned(mission)
+    assert capture(worked_out, PatternSource(), tmp_path).failed == ()
+    folder = tmp_path / "satellite"
+    rows, models = geo(folder), cameras(folder)
+    names = [f"{name}.jpg" for name in worked_out.names]
+    assert list(rows) == names
+    used = set()
+    for name, tags in zip(names, exiftool(*(folder / name for name in names))):
+        lon, lat, altitude, yaw, pitch, roll, across, in_height = rows[name]
+        # Half of the last digits of the tags.
+        assert position(tags) == pytest.approx((lat, lon, altitude), abs=1e-7)
+        assert angles(tags) == [yaw, pitch, roll]
+        assert across == pytest.approx(tags["XMP-Camera:GPSXYAccuracy"], abs=1e-6)
+        assert in_height == pytest.approx(tags["XMP-Camera:GPSZAccuracy"], abs=1e-6)
+        model = models[camera_id(tags)]
+        used.add(camera_id(tags))
+        width, height = tags["ExifIFD:ExifImageWidth"], tags["ExifIFD:ExifImageHeight"]
+        assert (model["width"], model["height"]) == (width, height)
+        # Names are cut after four decimals, and cameras that share one stand in its middle.
+        cut = 1e-4 * width / max(width, height)
+        assert model["focal_x"] == pytest.approx(focal_ratio(tags) * width / max(width, height), abs=cut)
+        shape = tags["ExifIFD:FocalPlaneYResolution"] / tags["ExifIFD:FocalPlaneXResolution"]
+        assert model["focal_y"] / model["focal_x"] == pytest.approx(shape, rel=1e-6)
+        assert {model[name] for name in ("c_x", "c_y", "k1", "k2", "k3", "p1", "p2")} == {0.0}
+    assert used == set(models)
+    if worked_out.size_px is not None:
+        camera = mission.camera
+        (model,) = models.values()
+        longer = max(worked_out.size_px)
+        exact = [size / longer / 2.0 / tan for size, tan in zip(worked_out.size_px, camera.half_tangents)]
+        assert [model["focal_x"], model["focal_y"]] == pytest.approx(exact, rel=1e-12)
+
+
+def test_poses_have_all_their_digits(tmp_path):
+    worked_out = planned()
+    capture(worked_out, PatternSource(), tmp_path)
+    rows = np.array(list(geo(tmp_path / "satellite").values()))
+    assert np.array_equal(rows[:, 0], worked_out.lon_deg)
+    assert np.array_equal(rows[:, 1], worked_out.lat_deg)
+    assert np.array_equal(rows[:, 2], worked_out.agl_m + 80.0)
+
+
+def test_only_images_that_are_there_are_listed_until_all_are(tmp_path):
+    """In one go, in two with an interruption, and with failures that are made good: the same bytes in the end."""
+    worked_out = planned()
+    capture(worked_out, PatternSource(), tmp_path / "whole")
+    whole = written(tmp_path / "whole" / "satellite")
+    assert set(whole) == {*FILES, "meta_data.csv"}
+
+    parts, interrupted = tmp_path / "parts", iter([False] * 20)
+    capture(worked_out, PatternSource(), parts, only=[1, 4], cancelled=lambda: False)
+    assert list(geo(parts / "satellite")) == [f"{worked_out.names[index]}.jpg" for index in (1, 4)]
+    capture(
+        worked_out, PatternSource(wait_s=0.01), parts, resume=True, cancelled=lambda: next(interrupted, True)
+    )
+    assert set(geo(parts / "satellite")) == {path.name for path in (parts / "satellite").glob("*.jpg")}
+    capture(worked_out, PatternSource(), parts, resume=True)
+    assert written(parts / "satellite") == whole
+
+    source, holes = PatternSource(), tmp_path / "holes"
+    window = source.parts(_window(worked_out, 0))[0].window
+    result = capture(worked_out, FailingSource({window: missing()}), holes)
+    failed = {f"{failure.name}.jpg" for failure in result.failed}
+    assert failed
+    there = {path.name for path in (holes / "satellite").glob("*.jpg")}
+    assert set(geo(holes / "satellite")) == there == {f"{name}.jpg" for name in worked_out.names} - failed
+    capture(worked_out, PatternSource(), holes, only_failed=True)
+    assert written(holes / "satellite") == whole
+
+
+def _window(worked_out, index):
+    from terrainav.core.capture.records import window_of
+
+    return window_of(worked_out, index)
+
+
+def test_a_run_of_which_nothing_came_lists_nothing(tmp_path):
+    worked_out = planned()
+    capture(worked_out, PatternSource(), tmp_path, only=[])
+    assert (tmp_path / "satellite" / "geo.txt").read_text() == "EPSG:4326\n"
+    assert cameras(tmp_path / "satellite") == {}
+
+
+def test_each_map_type_has_its_own_and_other_formats_none(tmp_path):
+    capture(planned(MISSION.with_(map_types=("satellite", "roadmap"))), PatternSource(), tmp_path / "jpg")
+    for map_type in ("satellite", "roadmap"):
+        assert len(geo(tmp_path / "jpg" / map_type)) == len(planned())
+    capture(planned(MISSION.with_(image_format="png")), PatternSource(), tmp_path / "png")
+    assert not {path.name for path in (tmp_path / "png" / "satellite").iterdir()} & set(FILES)
+
+
+def test_cleaning_leaves_them_and_they_still_tell_of_what_is_there(tmp_path):
+    """Images are looked up by name, so that lines of those that were moved away are left alone."""
+    worked_out = planned()
+    capture(worked_out, PatternSource(), tmp_path)
+    folder = tmp_path / "satellite"
+    before = written(folder)
+    entropies = Table.load(folder / "meta_data.csv").entropies
+    clean(tmp_path, float(np.median(entropies)), move=True)
+    left = {path.name for path in folder.glob("*.jpg")}
+    assert 0 < len(left) < len(worked_out)
+    assert left < set(geo(folder))
+    assert {name: (folder / name).read_bytes() for name in FILES} == {name: before[name] for name in FILES}
+    capture(worked_out, PatternSource(), tmp_path, resume=True)
+    assert {name: (folder / name).read_bytes() for name in FILES} == {name: before[name] for name in FILES}

@@ -1,0 +1,239 @@
+"""Splits: who is in which part, that it is the same everywhere, and that what cannot be split is left alone."""
+
+from __future__ import annotations
+
+import math
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from terrainav.core.capture.runner import capture
+from terrainav.core.dataset.clean import clean
+from terrainav.core.dataset.labels import LABELS_FILE, Labels
+from terrainav.core.dataset.parts import PARTS, SPLIT, part_of, taken
+from terrainav.core.dataset.split import shuffled, split
+from terrainav.core.dataset.table import Table
+from terrainav.core.errors import InvalidInput, OutputError
+from terrainav.core.lock import open_locked
+from terrainav.core.mission.area import Box
+from terrainav.core.mission.mission import Mission
+from terrainav.core.mission.plan import plan
+
+from tests.core.dataset.grounds import dataset_of
+from tests.support.command import command
+from tests.support.sources import PatternSource
+
+run = pytest.fixture(command, name="run")
+
+AREA = Box(35.16, -89.90, 35.1555, -89.8945)
+
+
+@pytest.fixture(scope="module")
+def captured(tmp_path_factory):
+    """Folder of a capture of two map types; not to be changed."""
+    folder = tmp_path_factory.mktemp("captured") / "out"
+    source = PatternSource(("satellite", "roadmap"))
+    mission = Mission(AREA, 60.0, image_format="jpg", map_types=("satellite", "roadmap"), max_px=64)
+    assert capture(plan(mission, source.grid), source, folder).failed == ()
+    return folder
+
+
+def in_row(tmp_path, count, **changes) -> Path:
+    """Dataset of windows of 10 px side by side at zoom 19."""
+    return dataset_of(
+        tmp_path / "out", 19, [(100_000_000 + 10 * i, 50_000_000, 10, 10) for i in range(count)], **changes
+    )
+
+
+def parts_in(folder: Path, map_type: str = "satellite") -> dict[str, str]:
+    table = Table.load(folder / map_type / "meta_data.csv")
+    return {Path(name).stem: part for name, part in zip(table.img_names, part_of(table))}
+
+
+def contents(folder: Path) -> dict[Path, bytes]:
+    return {path: path.read_bytes() for path in sorted(folder.rglob("*")) if path.is_file()}
+
+
+def test_order_is_that_of_the_hashes_on_every_machine():
+    names = [
+        "0_0_35.1_-89.9_19",
+        "1_0_35.1_-89.8_19",
+        "2_0_35.1_-89.7_19",
+        "0_1_35.0_-89.9_19",
+        "1_1_35.0_-89.8_19",
+    ]
+    # sha256sum of `2024:0_0_35.1_-89.9_19` and so on, sorted.
+    assert [names.index(name) for name in shuffled(names, 2024)] == [0, 2, 3, 1, 4]
+    assert [names.index(name) for name in shuffled(names, 7)] == [3, 0, 1, 4, 2]
+    assert shuffled(names[::-1], 2024) == shuffled(names, 2024)
+
+
+@pytest.mark.parametrize("how", ["shuffled", "in-order"])
+@pytest.mark.parametrize("count", [3, 4, 7, 10, 99])
+def test_every_image_is_in_one_part_and_the_shares_are_kept(tmp_path, how, count):
+    folder = in_row(tmp_path, count)
+    made = split(folder, how=how)
+    counts = list(made.images.values())
+    assert sum(counts) == count
+    assert min(counts) >= 1
+    assert list(parts_in(folder).values()).count("train") == made.images["train"]
+    if count >= 10:
+        assert all(abs(size - share * count) < 1.0 for size, share in zip(counts, (0.8, 0.1, 0.1)))
+    assert (made.gap, made.unknown, made.left_out) == (0, 0, 0)
+    assert math.fsum(made.shares.values()) == pytest.approx(1.0)
+
+
+def test_in_order_follows_the_table_and_shuffled_the_hashes(tmp_path):
+    folder = in_row(tmp_path, 10)
+    split(folder, (0.5, 0.3, 0.2), how="in-order")
+    assert list(parts_in(folder).values()) == ["train"] * 5 + ["validation"] * 3 + ["test"] * 2
+    split(folder, (0.5, 0.3, 0.2))
+    parts = parts_in(folder)
+    assert [parts[name] for name in shuffled(parts)] == ["train"] * 5 + ["validation"] * 3 + ["test"] * 2
+    other = split(folder, (0.5, 0.3, 0.2), seed=1)
+    assert other.seed == 1
+    assert parts_in(folder) != parts
+
+
+def test_part_may_have_a_share_of_none(tmp_path):
+    folder = in_row(tmp_path, 5)
+    assert dict(split(folder, (0.8, 0.2, 0.0)).images) == {"train": 4, "validation": 1, "test": 0}
+    assert dict(split(folder, (1.0, 0.0, 0.0), how="blocks").images) == {
+        "train": 5,
+        "validation": 0,
+        "test": 0,
+    }
+
+
+@pytest.mark.parametrize("how", ["shuffled", "in-order", "blocks"])
+def test_same_place_has_the_same_part_in_all_map_types_and_again(captured, tmp_path, how):
+    folder = tmp_path / "out"
+    shutil.copytree(captured, folder)
+    first = split(folder, how=how)
+    assert parts_in(folder) == parts_in(folder, "roadmap")
+    assert sum(first.images.values()) + first.gap == len(parts_in(folder))
+    assert min(first.images.values()) > 0
+    written = contents(folder)
+    assert split(folder, how=how) == first
+    assert contents(folder) == written
+    assert Labels.load(folder / LABELS_FILE) == first.labels
+    assert first.labels.images == first.images["train"]
+    capture(
+        plan(
+            Mission(AREA, 60.0, image_format="jpg", map_types=("satellite", "roadmap"), max_px=64),
+            PatternSource().grid,
+        ),
+        PatternSource(("satellite", "roadmap")),
+        folder,
+        resume=True,
+    )
+    assert contents(folder) == written
+
+
+def test_failed_and_rejected_images_are_in_no_part(captured, tmp_path):
+    folder = tmp_path / "out"
+    shutil.copytree(captured, folder)
+    table = Table.load(folder / "roadmap" / "meta_data.csv")
+    clean(folder, float(np.median(table.entropies)), move=True)
+    made = split(folder)
+    table = Table.load(folder / "satellite" / "meta_data.csv")
+    assert 0 < made.left_out == (~taken(table)).sum() < len(table)
+    assert [not part for part in part_of(table)] == [not one for one in taken(table).tolist()]
+
+
+def test_dry_run_changes_nothing_and_says_the_same(tmp_path):
+    folder = in_row(tmp_path, 20)
+    before = contents(folder)
+    told = split(folder, dry_run=True)
+    assert contents(folder) == before
+    assert split(folder) == told
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        ({"shares": (0.8, 0.1)}, "must be three"),
+        ({"shares": (0.8, 0.3, -0.1)}, "not below 0"),
+        ({"shares": (0.8, math.nan, 0.1)}, "finite"),
+        ({"shares": (0.8, 0.1, 0.2)}, r"add up to 1\.1; must add up to 1"),
+        ({"how": "by-eye"}, "must be one of shuffled, in-order, blocks"),
+        ({"gap_m": 5.0}, "has no blocks and no gap"),
+        ({"block_m": 5.0}, "has no blocks and no gap"),
+        ({"how": "blocks", "block_m": 0.0}, "must be above 0 m"),
+        ({"how": "blocks", "gap_m": -1.0}, "must be from 0"),
+        ({"how": "blocks", "gap_m": math.inf}, "must be from 0"),
+        ({"how": "blocks", "block_m": 1e6}, "leave one of train, validation, test without images"),
+        ({"how": "blocks", "gap_m": 1e5}, "leave one of train, validation, test without images"),
+        ({"frame": "moon"}, "must be utm"),
+    ],
+)
+def test_split_that_cannot_be_made_says_so_and_changes_nothing(tmp_path, options, said):
+    folder = in_row(tmp_path, 20)
+    split(folder, seed=5)
+    before = contents(folder)
+    with pytest.raises(InvalidInput, match=said):
+        split(folder, **options)
+    assert contents(folder) == before
+
+
+def test_too_few_images_and_none_at_all_are_refused(tmp_path):
+    folder = in_row(tmp_path, 2)
+    before = contents(folder)
+    with pytest.raises(InvalidInput, match="needs 3 images or more; the dataset has 2"):
+        split(folder)
+    assert contents(folder) == before
+    with pytest.raises(InvalidInput, match="nothing to split"):
+        split(in_row(tmp_path / "failed", 3, status=("failed",) * 3))
+    with pytest.raises(InvalidInput, match="is no dataset"):
+        split(tmp_path)
+
+
+def test_table_that_disagrees_with_its_files_is_refused(tmp_path):
+    folder = in_row(tmp_path, 12)
+    (folder / "satellite" / "p3.png").unlink()
+    before = contents(folder)
+    with pytest.raises(InvalidInput, match="p3"):
+        split(folder)
+    assert contents(folder) == before
+
+
+def test_folder_at_work_is_left_alone(captured, tmp_path):
+    folder = tmp_path / "out"
+    shutil.copytree(captured, folder)
+    with open_locked(folder / "journal.jsonl"), pytest.raises(OutputError, match="another run is at work"):
+        split(folder)
+
+
+@settings(max_examples=12, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(st.integers(3, 60), st.tuples(*(st.integers(0, 5),) * 3).filter(sum), st.integers(0, 3))
+def test_counts_are_the_shares_to_less_than_one_image(tmp_path_factory, count, weights, seed):
+    shares = [weight / sum(weights) for weight in weights]
+    folder = in_row(tmp_path_factory.mktemp("row"), count)
+    made = split(folder, shares, seed=seed, dry_run=True)
+    for part, share in zip(PARTS, shares):
+        size = made.images[part]
+        assert (size > 0) == (share > 0.0)
+        # Beyond rounding, only parts that would have none get one, of the largest.
+        assert abs(size - share * count) < 1.0 or min(share * count for share in shares if share) < 1.0
+
+
+def test_command_prints_the_shares_that_are_reached(tmp_path, run):
+    folder = in_row(tmp_path, 20)
+    before = contents(folder)
+    said = run("split", str(folder), "--dry-run")
+    assert "train       16 images (80.0 %)" in said.stdout
+    assert "dry run: nothing was changed" in said.stdout
+    assert contents(folder) == before
+    told = run(
+        "split", str(folder), "--shares", "0.5", "0.25", "0.25", "--how", "blocks", "--frame", "mercator"
+    )
+    assert told.returncode == 0
+    assert "blocks" in told.stdout
+    assert "labels      EPSG:3857" in told.stdout
+    assert SPLIT in Table.load(folder / "satellite" / "meta_data.csv").other
+    refused = run("split", str(folder), "--shares", "0.5", "0.5", "0.5")
+    assert refused.returncode == 2
+    assert "shares 0.5, 0.5, 0.5: add up to 1.5; must add up to 1" in refused.stderr
