@@ -14,6 +14,9 @@ from .i18n import tr
 TITLE = "TerrAInav"
 #: What QGIS calls its log panel.
 _LOG_PANEL = "MessageLog"
+#: Characters that two lines of the bar have room for beside its buttons, and those that end a part of a sentence.
+_MOST_LETTERS = 140
+_PART_ENDS = ("; ", ". ", ": ", ", ")
 _SECONDS = {Qgis.MessageLevel.Info: 8, Qgis.MessageLevel.Success: 12}
 
 
@@ -39,6 +42,8 @@ class Messages(QObject):
         super().__init__()
         self._iface = iface
         self._shown: list[QgsMessageBarItem] = []
+        #: Refusal that is shown, if any: the next one takes its place.
+        self._refusal: QgsMessageBarItem | None = None
         # The bar says when an item goes. What an item calls as it is destroyed may be gone already itself.
         iface.messageBar().widgetRemoved.connect(self._forget)
 
@@ -55,6 +60,22 @@ class Messages(QObject):
     ) -> None:
         """Say what went wrong, or partly wrong."""
         self._show(text, Qgis.MessageLevel.Warning, action, details)
+
+    def refused(self, reason: str, what: str) -> None:
+        """Say why something asked for was not done, the reason first; the refusal before it goes.
+
+        Parameters
+        ----------
+        what : str
+            What there is not because of it, as a sentence.
+        """
+        if self._refusal is not None:
+            self._iface.messageBar().popWidget(self._refusal)
+        text = f"{reason[:1].upper()}{reason[1:].rstrip('.')}. {what}"
+        short = shortened(text)
+        self._refusal = self._show(
+            short, Qgis.MessageLevel.Warning, details="" if short == text else text, logged=text
+        )
 
     def error(self, text: str, details: str = "") -> None:
         """Say that something failed that should not have."""
@@ -73,8 +94,9 @@ class Messages(QObject):
         level: Qgis.MessageLevel,
         action: tuple[str, Callable[[], None]] | None = None,
         details: str = "",
-    ) -> None:
-        log(f"{text}\n{details}" if details else text, level)
+        logged: str = "",
+    ) -> QgsMessageBarItem:
+        log(logged or (f"{text}\n{details}" if details else text), level)
         item = QgsMessageBarItem(TITLE, text, level, _SECONDS.get(level, 0))
         if action is not None:
             self._add_button(item, *action)
@@ -82,6 +104,7 @@ class Messages(QObject):
             self._add_button(item, tr("Details"), lambda: show_log(self._iface), keep=True)
         self._shown.append(item)
         self._iface.messageBar().pushItem(item)
+        return item
 
     def _add_button(
         self, item: QgsMessageBarItem, label: str, action: Callable[[], None], keep: bool = False
@@ -99,3 +122,14 @@ class Messages(QObject):
         """Let go of an item: the bar deletes it, and its wrapper must not be used after that."""
         if item in self._shown:
             self._shown.remove(item)
+        if item is self._refusal:
+            self._refusal = None
+
+
+def shortened(text: str) -> str:
+    """Text that the bar shows whole: as many parts of its sentences as there is room for."""
+    if len(text) <= _MOST_LETTERS:
+        return text
+    room = text[:_MOST_LETTERS]
+    end = max(room.rfind(mark) for mark in _PART_ENDS)
+    return f"{room[: end if end > 0 else room.rfind(' ')]} …"

@@ -1,4 +1,4 @@
-"""Where the plugin's own files are."""
+"""Where the plugin's own files are, and the user's."""
 
 from __future__ import annotations
 
@@ -7,6 +7,15 @@ from pathlib import Path
 from qgis.PyQt.QtGui import QIcon
 
 RESOURCES = Path(__file__).resolve().parent.parent / "resources"
+
+
+def folder_of(text: str) -> Path:
+    """Folder that a user has entered; one that begins with nobody's ``~name`` is taken as it stands."""
+    path = Path(text.strip())
+    try:
+        return path.expanduser()
+    except RuntimeError:
+        return path
 
 
 def icon(name: str) -> QIcon:

@@ -83,6 +83,7 @@ class TerrAInavPlugin:
         self._options = OptionsFactory(self._settings_changed)
         self.iface.registerOptionsWidgetFactory(self._options)
         self.iface.projectRead.connect(self._project_read)
+        self.iface.newProjectCreated.connect(self._project_begun)
         # QGIS need not wait for it while it starts: nothing is run before there is a window.
         self._processing_soon = QTimer(self.iface.mainWindow())
         self._processing_soon.setSingleShot(True)
@@ -112,6 +113,7 @@ class TerrAInavPlugin:
         from .help import close_help
 
         self.iface.projectRead.disconnect(self._project_read)
+        self.iface.newProjectCreated.disconnect(self._project_begun)
         self.iface.unregisterOptionsWidgetFactory(self._options)
         self._options.deleteLater()
         close_help()
@@ -215,6 +217,11 @@ class TerrAInavPlugin:
 
         if saved_missions(QgsProject.instance()):
             self._use(lambda workflow: workflow.missions.restore())
+
+    def _project_begun(self) -> None:
+        # QGIS begins with a new project, too: entries of the session before are kept then.
+        if self._workflow is not None and self.iface.mainWindow().isVisible():
+            self._workflow.missions.begin_anew()
 
     def _can_work(self) -> bool:
         """Whether the needed packages are there; says which are not."""

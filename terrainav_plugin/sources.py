@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from ..core.geodesy.mercator import PixelGrid
     from ..core.imagery.cache.tile_cache import TileCache
     from ..core.imagery.catalogue.entry import CatalogueEntry
+    from ..core.imagery.policy import Policy
     from ..core.imagery.source import Source
     from ..core.imagery.transport import Transport
     from ..core.mission.estimate import Costs
@@ -39,6 +40,7 @@ __all__ = [
     "key_of",
     "needs_key",
     "open_for_capture",
+    "policy_of",
     "snapshot_for",
     "terms_problem",
     "tile_cache",
@@ -96,6 +98,15 @@ def costs_of(name: str) -> Costs:
     if name.startswith(("wmts:", "wms:")) or is_connection(name):
         return ONLINE
     return replace(ONLINE, requests_per_s=_entry_of(name).policy.requests_per_s)
+
+
+def policy_of(name: str) -> Policy | None:
+    """What the provider of a source allows; None where there is none, or only its network could tell."""
+    from ..core.imagery.opening import is_file
+
+    if name == WORLD or is_of_qgis(name) or is_file(name) or name.startswith(("wmts:", "wms:")):
+        return None
+    return _entry_of(name).policy
 
 
 def snapshot_for(mission: Mission) -> Snapshot | None:

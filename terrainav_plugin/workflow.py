@@ -37,11 +37,13 @@ from .map.preview import Preview
 from .map.source_on_map import SourceOnMap
 from .messages import Messages
 from .missions.missions import Missions
+from .paths import folder_of
 from .planner import Planned, Planner
 from .runs.after import open_in_system
 from .runs.line import Runs
 from .runs.panel import RunPanel
 from .settings import Settings
+from .sources import policy_of
 from .viewer.viewing import Viewing
 
 if TYPE_CHECKING:
@@ -135,14 +137,14 @@ class Workflow(QObject):
         self._show_preview_state(True)
         if not self._plan(at_once=True):
             self._show_preview_state(False)
-            self.messages.warning(tr("No preview yet: {reason}").format(reason=self._reason()))
+            self.messages.refused(self._reason(), tr("No preview yet."))
 
     def capture(self, only_failed: bool = False) -> None:
         """Capture the mission that is entered, as it is now; or of it only what has failed."""
         self.dock.setUserVisible(True)
         state, asks = self.state(), self.runs.questions
         if asks.folder_is_given(state) and asks.key_is_there(state.source_name):
-            folder = Path(state.folder.strip()).expanduser()
+            folder = folder_of(state.folder)
             self.with_plan(lambda planned: self.runs.start(planned, folder, only_failed))
 
     def with_plan(self, act: Callable[[Planned], None], refusal: str = "") -> None:
@@ -151,16 +153,16 @@ class Workflow(QObject):
         Parameters
         ----------
         refusal : str
-            What to say where there is none, with a place for the ``reason``.
+            What to say after the reason where there is none.
         """
         if self._closed:
             # Unloaded while a dialog was open that has led here.
             return
         self._when_planned = act
-        self._refusal = refusal or tr("Nothing to capture yet: {reason}")
+        self._refusal = refusal or tr("Nothing to capture yet.")
         if not self._plan(at_once=True):
             self._when_planned = None
-            self.messages.warning(self._refusal.format(reason=self._reason()))
+            self.messages.refused(self._reason(), self._refusal)
 
     def show_on_map(self) -> None:
         """Add the source as background and zoom to the area."""
@@ -168,7 +170,7 @@ class Workflow(QObject):
 
     def group(self) -> MissionGroup:
         """Group of the mission that is entered."""
-        return self.group_of(Path(self.state().folder.strip()).expanduser())
+        return self.group_of(folder_of(self.state().folder))
 
     def group_of(self, folder: Path) -> MissionGroup:
         """Group of the mission that is captured into a folder."""
@@ -233,6 +235,7 @@ class Workflow(QObject):
         self.dock.hint_followed.connect(self._follow_hint)
         self.dock.capture_clicked.connect(self.capture)
         self.running.connect(self.dock.show_busy)
+        self.preview_shown.connect(self.areas.show_previewed)
         self.box_tool.refused.connect(self.messages.warning)
         self.point_tool.clicked.connect(self.runs.start_test_shot)
         self.point_tool.refused.connect(self.messages.warning)
@@ -307,7 +310,8 @@ class Workflow(QObject):
         if not cost and (not self.runs.idle or self._when_planned is not None):
             cost = tr("not timed beside a run")
         unit = self.state().agl_unit
-        self.dock.figures.show_readout(readout(planned.plan, planned.summary, unit, cost))
+        policy = policy_of(planned.mission.source)
+        self.dock.figures.show_readout(readout(planned.plan, planned.summary, unit, cost, policy))
 
     def _cost_of(self, mission: Mission) -> str:
         """What a mission's methods were timed at; empty where that is not known."""
@@ -330,7 +334,7 @@ class Workflow(QObject):
                 "".join(traceback.format_exception(None, error, error.__traceback__)),
             )
         if waiting is not None:
-            self.messages.warning(self._refusal.format(reason=self._reason()))
+            self.messages.refused(self._reason(), self._refusal)
 
     def _reason(self) -> str:
         """First thing that is wrong with the entries."""

@@ -1,4 +1,4 @@
-"""EXIF of a picture: who, what, when, and the camera's place, heading and optics (EXIF 2.32, CIPA DC-008-2019)."""
+"""EXIF of a picture: who, what, when, and the camera's place, heading and optics (EXIF 3.0, CIPA DC-008-2023)."""
 
 from __future__ import annotations
 
@@ -73,7 +73,7 @@ def exif(description: Description) -> bytes:
 def _exposure(exposure: Exposure) -> list[Tag]:
     focal = FocalTags.of(exposure.body.focal_length_mm, *exposure.focal_px)
     tags = [
-        Tag(36864, Kind.UNDEFINED, b"0232"),  # ExifVersion
+        Tag(36864, Kind.UNDEFINED, b"0300"),  # ExifVersion
         Tag(37386, Kind.RATIONAL, focal.length_mm),
         Tag(40961, Kind.SHORT, [1]),  # sRGB
         Tag(40962, Kind.LONG, [exposure.size_px[0]]),
@@ -92,12 +92,15 @@ def _exposure(exposure: Exposure) -> list[Tag]:
 
 
 def _position(description: Description) -> list[Tag]:
-    """Tags of the camera's place; the altitude counts from the ellipsoid, as EXIF 3.0 says of references 0 and 1."""
+    """Tags of the camera's place; the altitude counts from the ellipsoid.
+
+    That is what references 0 and 1 mean since version 2.4 of these tags; before, they counted from the sea.
+    """
     lat, lon, exposure = description.lat_deg, description.wrapped_lon_deg, description.exposure
     altitude_m = description.agl_m if exposure is None else exposure.altitude_m
     heading = round(description.yaw_deg % 360.0 * _HEADING_SHARE) % (360 * _HEADING_SHARE)
     tags = [
-        Tag(0, Kind.BYTE, [2, 3, 0, 0]),  # GPSVersionID
+        Tag(0, Kind.BYTE, [2, 4, 0, 0]),  # GPSVersionID
         Tag(1, Kind.ASCII, "S" if lat < 0.0 else "N"),
         Tag(2, Kind.RATIONAL, _degrees_minutes_seconds(lat)),
         Tag(3, Kind.ASCII, "W" if lon < 0.0 else "E"),

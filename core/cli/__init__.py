@@ -51,6 +51,8 @@ def main(argv: Sequence[str] | None = None) -> int:
         return _fail("stopped", STOPPED)
     except TerrAInavError as wrong:
         return _fail(wrong, FAILED)
+    except MemoryError:
+        return _fail("not enough memory; ask for less at a time: fewer or smaller images", FAILED)
     except BrokenPipeError:
         # The reader of our output went away, as `| head` does: nothing is left to be said.
         _drop_output()

@@ -41,7 +41,7 @@ def run_clean(arguments: argparse.Namespace) -> int:
         return DONE
     for one in cleaned:
         text = _undone(one) if arguments.undo else _cleaned(one, arguments.entropy)
-        print(f"{one.map_type:12s}{text}")
+        print(f"{one.map_type:11s} {text}")
     for path in (path for one in cleaned for path in one.figures):
         print(f"{'replaced' if path in earlier else 'written':12s}{path}")
     if arguments.dry_run:

@@ -18,7 +18,7 @@ def run_convert(arguments: argparse.Namespace) -> int:
         print(json.dumps([asdict(one) for one in converted], indent=1))
         return DONE
     for one in converted:
-        text = f"{one.map_type:12s}{one.images:,} images, {one.framed:,} of which show known ground"
+        text = f"{one.map_type:11s} {one.images:,} images, {one.framed:,} of which show known ground"
         if one.failed:
             text += f", {one.failed:,} without an image"
         print(text)

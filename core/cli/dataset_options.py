@@ -57,17 +57,27 @@ def _add_load(commands: Any) -> None:
     )
     loading.add_argument("folder", metavar="OUT", help="the dataset's folder")
     loading.add_argument(
-        "--loader", choices=("numpy", "torch", "keras"), default="numpy", help="default %(default)s"
+        "--loader",
+        choices=("numpy", "torch", "keras"),
+        default="numpy",
+        help="default %(default)s; keras with KERAS_BACKEND=torch in the environment where there is no TensorFlow",
     )
     loading.add_argument("--map-type", metavar="TYPE", help="default satellite, or the first of others")
     loading.add_argument(
         "--part", choices=(*PARTS, "all"), default=TRAIN, help="default %(default)s; all needs no split"
     )
-    loading.add_argument("--img-size", nargs=3, metavar=("W", "H", "C"), help="resize images")
+    loading.add_argument(
+        "--img-size",
+        nargs=3,
+        metavar=("W", "H", "C"),
+        help="resize images: width, height, channels (1 or 3); else they have to be alike",
+    )
     loading.add_argument("--batch-size", metavar="N", help="images in a batch (default 8)")
     loading.add_argument("--seed", metavar="N", help="of order and augmentation (default 2024)")
     loading.add_argument(
-        "--dataset", metavar="{TerrAInav,VBN}", help="layout of the folder (default TerrAInav)"
+        "--dataset",
+        metavar="{TerrAInav,VBN}",
+        help="layout of the folder: TerrAInav (default), also the paper's published one, or VBN, its supplement",
     )
     loading.add_argument("--config", metavar="FILE", help="JSON file of options (config.json if it is there)")
     loading.add_argument(

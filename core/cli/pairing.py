@@ -84,7 +84,11 @@ def add_pairs(commands: Any) -> None:
     command.add_argument("--config", metavar="FILE", help="JSON file of options (config.json if it is there)")
     command.add_argument("--resume", action="store_true", help="go on with what is missing or has failed")
     command.add_argument("--dry-run", action="store_true", help="print what would be captured; fetch nothing")
-    command.add_argument("--sheet", metavar="FILE.jpg", help="also draw a contact sheet of some of the pairs")
+    command.add_argument(
+        "--sheet",
+        metavar="FILE.jpg",
+        help="also draw a contact sheet of some of the pairs, of each part in turn",
+    )
     command.add_argument(
         "--accept-terms", action="store_true", help="agree to the terms of a source that asks for it"
     )

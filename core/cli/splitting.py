@@ -41,7 +41,8 @@ def add_split(commands: Any) -> None:
         type=float,
         metavar="METRES",
         dest="block_m",
-        help="side of the blocks (default: the largest of 16 images to half of one that comes near the shares)",
+        help="side of the blocks (default: the largest whose parts come near the shares, between 16 images and half "
+        "of one)",
     )
     splitting.add_argument(
         "--gap",
@@ -92,6 +93,8 @@ def _lines(made: Split) -> list[str]:
     ]
     if made.gap:
         lines.append(f"{'gap':12s}{made.gap:,} images in no part: too near to another part's ground")
+        if made.gap > sum(made.images.values()):
+            lines.append(f"{'':12s}that is most of them: smaller blocks lose more, so try a larger --block")
     if made.unknown:
         lines.append(f"{'unknown':12s}{made.unknown:,} images in no part: they see the horizon or a pole")
     if made.left_out:

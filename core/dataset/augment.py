@@ -29,6 +29,9 @@ _UNUSED_BITS, _UNIT = 11, 2.0**-53
 #: Six numbers, by quantity, so that one that is not asked for leaves the others as they are.
 _NUMBERS = struct.Struct("<6Q")
 _GREYS = 256
+#: Pixels of an image with its reflections: 1.4 GB of Pillow's memory, four times the largest image that is loaded. A
+#: long and narrow one that is turned may need far more than it has.
+_MOST_PX = 4 * 89_478_485
 
 
 class Change(NamedTuple):
@@ -128,6 +131,11 @@ def changed(image: Image.Image, change: Change) -> Image.Image:
     ----------
     image : PIL.Image.Image
         8-bit grey or RGB.
+
+    Raises
+    ------
+    InvalidInput
+        An image that is too large, or too long and narrow, to be turned.
     """
     moved = image
     if (change.rotation_deg, change.mirrored, change.upside_down, change.magnification) != (
@@ -167,6 +175,11 @@ def _beyond(seen_px: float, size_px: int) -> int:
 def _reflected(image: Image.Image, beside: int, above: int) -> Image.Image:
     """The image with so many pixels of its reflections on either side, and above and below."""
     width, height = image.size
+    if (width + 2 * beside) * (height + 2 * above) > _MOST_PX:
+        raise InvalidInput(
+            f"image of {width} x {height} px: augmented, it needs {width + 2 * beside} x {height + 2 * above} px with "
+            "its reflections, which is too much memory; take smaller or less narrow images, or do not augment"
+        )
     mirrored = image.transpose(Image.FLIP_LEFT_RIGHT)
     copies = (
         (image, mirrored),

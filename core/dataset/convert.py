@@ -78,6 +78,7 @@ def convert(
     """
     source, out = Path(folder), Path(target)
     _check_places(source, out)
+    out = out.resolve()
     dataset = read_dataset(source, layout)
     tables = {name: _converted(one, layout) for name, one in dataset.image_sets.items()}
     _write(dataset, tables, out, progress)
@@ -98,6 +99,10 @@ def _check_places(source: Path, target: Path) -> None:
     inner, outer = target.resolve(), source.resolve()
     if outer == inner or outer in inner.parents or inner in outer.parents:
         raise InvalidInput(f"folder {target}: must lie outside {source}, which is left as it is")
+    if inner == Path.cwd():
+        raise InvalidInput(
+            f"folder {os.fspath(target)!r}: is the current one, which is in use; give a new one"
+        )
     try:
         if target.exists() and (not target.is_dir() or any(target.iterdir())):
             raise OutputError(f"folder {target}: is there already; choose a new or empty folder")
@@ -107,6 +112,10 @@ def _check_places(source: Path, target: Path) -> None:
 
 def _converted(images: ImageSet, layout: str) -> Table:
     """Table with the sizes of the images, and their windows and poses where the layout tells them."""
+    if not images.there.any():
+        raise InvalidInput(
+            f"table {images.folder / TABLE_FILE}: names no image that is there; nothing to convert"
+        )
     width, height = _sizes(images)
     status = tuple("done" if made else "failed" for made in images.there.tolist())
     table = replace(images.table, image_width_px=width, image_height_px=height, status=status)
@@ -122,6 +131,9 @@ def _sizes(images: ImageSet) -> tuple[Floats, Floats]:
         try:
             with Image.open(path) as image:
                 sizes[index] = image.size
+                # Read to its end, so that one that is cut off is found: a JPEG at an eighth, which is quick.
+                image.draft(image.mode, (1, 1))
+                image.load()
         except UNREADABLE:
             wrong.append(path.name)
     if wrong:

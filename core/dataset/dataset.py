@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from ..errors import InvalidInput
 from .decode import open_image
 from .folder import REJECTED_FOLDER, TABLE_FILE, image_folder, map_type_folders, map_type_of
-from .images import Images
+from .images import Images, some
 from .published import check_names
 from .table import Table
 from .vbn import read_vbn
@@ -83,21 +83,13 @@ class ImageSet:
         """
         if channels is not None and channels not in _MODES:
             raise InvalidInput(f"channels {channels}: must be 1 or 3")
-        path = self.path(index)
-        image = open_image(path)
+        image = open_image(self.path(index), said_px=self.said_px(index))
         mode = image.mode if channels is None else _MODES[channels]
-        pixels = np.asarray(image if image.mode == mode else image.convert(mode), np.uint8)
-        self._check_size(path, index, pixels)
-        return pixels
+        return np.asarray(image if image.mode == mode else image.convert(mode), np.uint8)
 
-    def _check_size(self, path: Path, index: int, pixels: NDArray[np.uint8]) -> None:
-        height, width = pixels.shape[:2]
-        said = self.table.image_width_px[index], self.table.image_height_px[index]
-        if any(known == known and known != size for known, size in zip(said, (width, height))):
-            raise InvalidInput(
-                f"image {path}: has {width} x {height} px, and {said[0]:g} x {said[1]:g} px in the table; capture it "
-                "again, or put the table right"
-            )
+    def said_px(self, index: int) -> tuple[float, float]:
+        """Width and height that the table says of a row's image, NaN where it says nothing."""
+        return float(self.table.image_width_px[index]), float(self.table.image_height_px[index])
 
 
 @dataclass(frozen=True, eq=False)
@@ -171,10 +163,21 @@ def rows_made(table: Table) -> NDArray[np.bool_]:
 
 def _read_set(map_type: str, folder: Path) -> ImageSet:
     table = Table.load(folder / TABLE_FILE)
+    _check_positions(table, folder / TABLE_FILE)
     check_names(table, folder / TABLE_FILE)
     images = image_folder(folder, table.img_names)
     Images(images).check(table.img_names, rows_made(table))
     return ImageSet(map_type, folder, table, images)
+
+
+def _check_positions(table: Table, path: Path) -> None:
+    off = np.flatnonzero((np.abs(table.lat_deg) > 90.0) | (np.abs(table.lon_deg) > 360.0))
+    if off.size:
+        names = [table.img_names[row] for row in off.tolist()]
+        raise InvalidInput(
+            f"table {path}: {some(names)} {'is' if len(names) == 1 else 'are'} not on the Earth, first at Lat "
+            f"{table.lat_deg[off[0]]:g}, Lon {table.lon_deg[off[0]]:g}; Lat must be within 90 degrees, Lon within 360"
+        )
 
 
 def _only(dataset: Dataset, map_types: Collection[str] | None) -> Dataset:

@@ -21,6 +21,8 @@ DECIDING = "roadmap"
 
 #: Folders of the published dataset end in the overlap of its images: `satellite_0`, `satellite_0.6`.
 _OVERLAP = re.compile(r"_\d+(\.\d+)?")
+#: Where the Night Vision supplement has its images, which have no table.
+SUPPLEMENT_FOLDER = "JPG2"
 #: Beside a table of the published dataset: the folder of its images.
 _RASTERS = "raster_images_*"
 
@@ -47,6 +49,11 @@ def map_type_folders(folder: str | os.PathLike[str]) -> dict[str, Path]:
         found = sorted(one for one in path.iterdir() if (one / TABLE_FILE).is_file())
     except OSError as wrong:
         raise InvalidInput(f"folder {folder}: cannot be read ({wrong.strerror})") from wrong
+    if not found and (path / SUPPLEMENT_FOLDER).is_dir():
+        raise InvalidInput(
+            f"folder {folder}: is laid out as the Night Vision supplement is; make a dataset of it first (terrainav "
+            "convert --dataset VBN)"
+        )
     if not found:
         raise InvalidInput(
             f"folder {folder}: is no dataset, as neither it nor a folder in it has a {TABLE_FILE}; give the folder "

@@ -26,7 +26,7 @@ _UTM_NORTH_DEG, _UTM_SOUTH_DEG = 84.0, -80.0
 #: WGS 84 / UPS with easting before northing.
 _UPS_NORTH, _UPS_SOUTH = "EPSG:5041", "EPSG:5042"
 #: Most that a position may be off after the way to a frame and back, metres: projections in their domain keep
-#: nanometres, shifts between datums some tenths of a millimetre.
+#: nanometres, shifts between datums, and an oblique plane beside a pole, some tenths of a millimetre.
 _ROUND_TRIP_M = 1e-3
 #: Most that a frame may enlarge the distance from the middle; Web Mercator enlarges 11.6 times where its map ends.
 #: A frame whose seam parts the images enlarges far more.
@@ -90,7 +90,7 @@ def frame_of(lat_deg: Floats, lon_deg: Floats, frame: str = "utm") -> Frame:
     frame : str
         ``utm``: the UTM zone of their middle, with the exceptions of Norway and Svalbard, and UPS where the middle is
         north of 84° or south of 80° S. ``mercator``: EPSG:3857. ``mission``: an oblique stereographic plane about their
-        middle, which has no zones and suits any place. Or a projected system in metres as ``EPSG:…``.
+        middle, which has no zones and suits any place but a pole. Or a projected system in metres as ``EPSG:…``.
 
     Raises
     ------

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import csv
-from collections.abc import Iterable
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
@@ -33,6 +33,8 @@ _WORLD_FILES = (".jgw", ".pgw", ".wld", ".jpgw", ".pngw", ".tfw")
 _CORNERS = ("nw", "ne", "se", "sw")
 #: Points along each edge of a camera frame at which its ground is worked out.
 _EDGE_POINTS = 33
+#: Camera frames that are worked out at a time, to bound memory: some 50 MB.
+_FRAMES = 4096
 #: By this share of its size a camera frame's box is larger on each side: an edge bends between its points by a
 #: thousandth of its length at most, and kernels reach some pixels beyond an image's edge.
 _MARGIN = 1.0 / 32.0
@@ -94,9 +96,8 @@ def boxes_of(images: ImageSet, rows: NDArray[np.intp], dataset: Path, middle_lon
             table = _published(images, rows[on_map])
     windows = (table.left_px, table.top_px, table.width_px, table.height_px)
     framed_rows = np.flatnonzero(np.isfinite([column[rows] for column in windows]).all(axis=0))
-    # All images of a mission are frames of one kind; the first tells which. Only captures have camera frames.
-    captured = any((dataset / name).is_file() for name in (MISSION_FILE, PLAN_FILE))
-    if len(framed_rows) and captured and _of_camera(images.path(int(rows[framed_rows[0]]))):
+    # All images of a mission are frames of one kind.
+    if len(framed_rows) and _of_camera(images, rows[framed_rows], dataset):
         edges[:, framed_rows] = _seen(table, rows[framed_rows], dataset / PLAN_FILE, middle_u)
     elif len(framed_rows):
         edges[:, framed_rows] = _windows(table, rows[framed_rows], images.folder, middle_u)
@@ -140,39 +141,60 @@ def _published(images: ImageSet, rows: NDArray[np.intp]) -> Table:
 
 def _seen(table: Table, rows: NDArray[np.intp], plan: Path, middle_u: float) -> Boxes:
     """Boxes of camera frames, from their poses and ground corners."""
-    corners = _corners(plan, [Path(table.img_names[row]).stem for row in rows])
-    lat, lon, agl = (
-        values[rows][:, np.newaxis] for values in (table.pose_lat_deg, table.pose_lon_deg, table.agl_m)
-    )
-    towards = sight_lines(lat, agl, corners[..., 0], wrap_lon_deg(corners[..., 1] - lon))
+    corners = _corners(plan, [Path(table.img_names[row]).stem for row in rows.tolist()])
+    edges = np.empty((4, len(rows)))
+    for start in range(0, len(rows), _FRAMES):
+        some = slice(start, start + _FRAMES)
+        at = rows[some]
+        edges[:, some] = _traced(
+            table.pose_lat_deg[at], table.pose_lon_deg[at], table.agl_m[at], corners[some], middle_u
+        )
+    return Boxes(*edges)
+
+
+def _traced(lat_deg: Floats, lon_deg: Floats, agl_m: Floats, corners: Floats, middle_u: float) -> Boxes:
+    """Boxes of the ground of cameras (n,) between corners (n, 4, 2) in latitude and longitude, of which NaN is none."""
+    lat, agl = lat_deg[:, np.newaxis], agl_m[:, np.newaxis]
+    towards = sight_lines(lat, agl, corners[..., 0], wrap_lon_deg(corners[..., 1] - lon_deg[:, np.newaxis]))
     share: Floats = np.linspace(0.0, 1.0, _EDGE_POINTS)[np.newaxis, np.newaxis, :, np.newaxis]
     # What lies between two corners in the image lies on the plane of their sight lines.
     rays: Floats = (
         towards[:, :, np.newaxis] * (1.0 - share) + np.roll(towards, -1, axis=1)[:, :, np.newaxis] * share
     )
     ring = trace(lat[:, :, np.newaxis], agl[:, :, np.newaxis], rays)
-    ring_lat, dlon = (values.reshape(len(rows), -1) for values in (ring.lat_deg, ring.dlon_deg))
+    ring_lat, dlon = (values.reshape(len(lat), -1) for values in (ring.lat_deg, ring.dlon_deg))
     # Around a pole the longitudes go on and on, and no box holds the ground.
     way = wrap_lon_deg(np.roll(dlon, -1, axis=1) - dlon)
-    known = ring.hit.reshape(len(rows), -1).all(axis=1) & (np.abs(way.sum(axis=1)) < 180.0)
-    dlon = dlon[:, :1] + np.concatenate([np.zeros((len(rows), 1)), np.cumsum(way[:, :-1], axis=1)], axis=1)
+    known = ring.hit.reshape(len(lat), -1).all(axis=1) & (np.abs(way.sum(axis=1)) < 180.0)
+    dlon = dlon[:, :1] + np.concatenate([np.zeros((len(lat), 1)), np.cumsum(way[:, :-1], axis=1)], axis=1)
     west, east, south, north = dlon.min(axis=1), dlon.max(axis=1), ring_lat.min(axis=1), ring_lat.max(axis=1)
     more_u, more_lat = (east - west) / 360.0 * _MARGIN, (north - south) * _MARGIN
-    u = lon_to_u(lon[:, 0])
+    u = lon_to_u(lon_deg)
     u = u - np.round(u - middle_u)
     edges = (u + west / 360.0 - more_u, u + east / 360.0 + more_u, south - more_lat, north + more_lat)
     return Boxes(*(np.where(known, edge, np.nan) for edge in edges))
 
 
-def _of_camera(path: Path) -> bool:
-    """Whether an image is a camera frame: it has no place on the map of its own, but control points."""
+def _of_camera(images: ImageSet, rows: NDArray[np.intp], dataset: Path) -> bool:
+    """Whether images are camera frames.
+
+    A turned camera's are, whatever lies beside them. One that looks straight down may have made either kind: of the
+    two, only map frames have a place on the map of their own, which a GeoTIFF says itself, and of others the world file
+    that a capture leaves beside each.
+    """
+    table = images.table
+    turned = [np.nan_to_num(angle[rows]) != 0.0 for angle in (table.yaw_deg, table.tilt_deg, table.roll_deg)]
+    if np.any(turned):
+        return True
+    path = images.path(int(rows[0]))
     if path.suffix.lower() in (".tif", ".tiff"):
         try:
             with Image.open(path) as image:
                 return _PIXEL_SCALE_TAG not in getattr(image, "tag_v2", {})
         except UNREADABLE as wrong:
             raise InvalidInput(f"image {path}: cannot be read ({wrong})") from wrong
-    return not any(path.with_suffix(ending).exists() for ending in _WORLD_FILES)
+    captured = any((dataset / name).is_file() for name in (MISSION_FILE, PLAN_FILE))
+    return captured and not any(path.with_suffix(ending).exists() for ending in _WORLD_FILES)
 
 
 def _size(path: Path) -> tuple[int, int]:
@@ -184,22 +206,25 @@ def _size(path: Path) -> tuple[int, int]:
         raise InvalidInput(f"image {path}: cannot be read ({wrong})") from wrong
 
 
-def _corners(plan: Path, names: Iterable[str]) -> Floats:
+def _corners(plan: Path, names: Sequence[str]) -> Floats:
     """Latitudes and longitudes (n, 4, 2) of images' ground corners; NaN where one looks past the Earth."""
     headers = [f"{corner}_{axis}_deg" for corner in _CORNERS for axis in ("lat", "lon")]
-    found: dict[str, list[float]] = {}
+    corners = np.full((len(names), len(headers)), np.nan)
+    missing = {name: at for at, name in enumerate(names)}
     try:
         with plan.open(encoding="utf-8", newline="") as file:
-            for row in csv.DictReader(file, strict=True):
-                found[row["name"]] = [float(row[header] or "nan") for header in headers]
-    except (OSError, UnicodeDecodeError, csv.Error, KeyError, TypeError, ValueError) as wrong:
+            reader = csv.reader(file, strict=True)
+            present = next(reader, [])
+            name_at, *columns = (present.index(header) for header in ("name", *headers))
+            for row in reader:
+                at = missing.pop(row[name_at], None)
+                if at is not None:
+                    corners[at] = [float(row[column] or "nan") for column in columns]
+    except (OSError, csv.Error, IndexError, ValueError) as wrong:
         raise InvalidInput(
             f"{plan}: cannot be read ({wrong}); it tells the ground of a turned camera's images, without which there "
             "are no blocks of it: put it back, or split without blocks"
         ) from wrong
-    try:
-        return np.array([found[name] for name in names], np.float64).reshape(-1, 4, 2)
-    except KeyError as missing:
-        raise InvalidInput(
-            f"{plan}: has no row of {missing.args[0]}; put back the capture's own"
-        ) from missing
+    if missing:
+        raise InvalidInput(f"{plan}: has no row of {next(iter(missing))}; put back the capture's own")
+    return corners.reshape(-1, len(_CORNERS), 2)

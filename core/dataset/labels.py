@@ -28,6 +28,8 @@ Floats = NDArray[np.float64]
 LABELS_FILE = "labels.json"
 #: Columns of labels.
 NAMES = ("easting_m", "northing_m")
+#: What stands in the file while a split is being written: where it is left, parts of map types may disagree.
+_UNFINISHED = '{"unfinished": "split"}\n'
 
 
 @dataclass(frozen=True)
@@ -61,9 +63,11 @@ class Labels:
     def positions(self, values: Floats) -> tuple[Floats, Floats]:
         """Latitudes and longitudes (n,) in degrees of labels (n, 2), such as those that a network predicts.
 
-        Of labels as `of` makes them it gives the positions within 10 nm: the scaler is exact (see `Scaler`), the
-        projection there and back is off by some nanometres. Shifts between datums, of frames ``EPSG:…`` that are not on
-        WGS84, are inverted by PROJ to less than a millimetre, which is checked when the frame is made.
+        The scaler is exact (see `Scaler`), and what the projection is off there and back is all that labels as `of`
+        makes them are: 20 nm in a UTM zone, in Web Mercator, and in the mission's plane up to 80° of latitude; a
+        micrometre in UPS, and in the mission's plane up to half a degree from a pole. Elsewhere, tens of degrees from
+        a zone, at a pole, and in frames ``EPSG:…`` of another datum, it is less than a millimetre, which is checked for
+        the images when the frame is made.
         """
         return self.frame.inverse(self.scaler.inverse(values))
 
@@ -97,6 +101,10 @@ class Labels:
     @classmethod
     def from_json(cls, text: str, name: str = LABELS_FILE) -> Labels:
         """Labels of the text of `to_json`; raises InvalidInput, in which ``name`` is what the text is called."""
+        if text == _UNFINISHED:
+            raise InvalidInput(
+                f"{name}: a split was interrupted, so the parts of its map types may disagree; split again"
+            )
         try:
             document: dict[str, Any] = json.loads(text)
             if tuple(document["names"]) != NAMES:
@@ -111,7 +119,7 @@ class Labels:
             frame.forward(np.array([frame.middle_lat_deg]), np.array([frame.middle_lon_deg]))
             scaler = Scaler(tuple(map(float, document["mean"])), tuple(map(float, document["scale"])))
             return cls(frame, scaler, str(document["fitted_on"]), int(document["images"]))
-        except (KeyError, TypeError, ValueError, RuntimeError) as wrong:
+        except (KeyError, TypeError, ValueError, OverflowError, RuntimeError) as wrong:
             # pyproj's errors are RuntimeErrors.
             fault = f"has no {wrong}" if isinstance(wrong, KeyError) else str(wrong)
             raise InvalidInput(f"{name}: cannot be read ({fault}); have it made anew by split") from wrong
@@ -128,6 +136,11 @@ class Labels:
         except (OSError, UnicodeDecodeError) as wrong:
             raise InvalidInput(f"{path}: cannot be read ({wrong})") from wrong
         return cls.from_json(text, str(path))
+
+
+def mark_unfinished(path: str | os.PathLike[str]) -> None:
+    """Write to a labels' file that a split is under way, which `Labels.load` refuses; raises OutputError."""
+    write_whole(path, _UNFINISHED.encode("utf-8"))
 
 
 def labels_of(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+import math
 import os
 from collections import deque
 from collections.abc import Iterator, Sequence
@@ -19,8 +20,10 @@ from ..errors import InvalidInput, OutputError
 from .augment import Augmentation
 from .dataset import Dataset, ImageSet, read_dataset
 from .decode import open_image
+from .folder import TABLE_FILE
+from .images import some
 from .labels import LABELS_FILE, Labels, labels_of_tables
-from .parts import PARTS, TRAIN, part_of, taken
+from .parts import GAP, PARTS, TRAIN, part_of, taken
 
 Indices = Union[Sequence[int], NDArray[np.int64]]
 
@@ -29,6 +32,8 @@ ALL = "all"
 #: The map type that is taken where none is asked for.
 USUAL_MAP_TYPE = "satellite"
 DTYPES = ("float32", "uint8")
+#: Pixels of an image at most: where Pillow, too, begins to warn of files (a quarter of a GB in colour).
+_MOST_PX = 89_478_485
 _WHITE = np.float32(255.0)
 
 
@@ -100,9 +105,8 @@ class Samples:
         self.images = _images(dataset, map_type)
         self._rows = _rows(self.images, part)
         self.names = tuple(Path(self.images.table.img_names[row]).stem for row in self._rows)
-        self.labels = _labels(dataset) if labels is None else labels
-        table = self.images.table
-        self.values = self.labels.of(table.lat_deg[self._rows], table.lon_deg[self._rows]).astype(np.float32)
+        self.labels = _labels(dataset, self.images) if labels is None else labels
+        self.values = _values(self.labels, self.images, self._rows)
         self.shape = self._shape()
 
     def _shape(self) -> tuple[int, int, int]:
@@ -136,10 +140,11 @@ class Samples:
         Raises
         ------
         InvalidInput
-            An image that cannot be read, or is of another size than the others, where none was asked for.
+            An image that cannot be read, is not of the size that the table says, or of another size than the others,
+            where none was asked for.
         """
         path = self.path(index)
-        found = open_image(path, self.img_size)
+        found = open_image(path, self.img_size, self.images.said_px(int(self._rows[index])))
         height, width, channels = self.shape
         if (*found.size, len(found.getbands())) != (width, height, channels):
             raise InvalidInput(
@@ -157,9 +162,16 @@ class Samples:
         Raises
         ------
         InvalidInput
-            As `image` does.
+            As `image` does, or a batch that does not fit into memory.
         """
-        images = np.empty((len(indices), *self.shape), self.dtype)
+        try:
+            images = np.empty((len(indices), *self.shape), self.dtype)
+        except MemoryError as wrong:
+            height, width, channels = self.shape
+            raise InvalidInput(
+                f"batch of {len(indices):,} images of {width} x {height} px and {channels} channels: does not fit into "
+                "memory; take smaller batches, or smaller images"
+            ) from wrong
         for one, index in zip(images, indices):
             one[...] = self.image(int(index), epoch)
         if self.dtype != np.uint8:
@@ -289,20 +301,26 @@ def _check(
         raise InvalidInput(f"part {part!r}: must be one of {', '.join((*PARTS, ALL))}")
     if shuffle not in (True, False, "auto"):
         raise InvalidInput(f"shuffle {shuffle!r}: must be True, False or 'auto'")
-    if isinstance(augment, str) and augment != "auto":
+    if augment is not None and augment != "auto" and not isinstance(augment, Augmentation):
         raise InvalidInput(f"augment {augment!r}: must be an Augmentation, None or 'auto'")
     if dtype not in DTYPES:
         raise InvalidInput(f"dtype {dtype!r}: must be one of {', '.join(DTYPES)}")
 
 
-def _sized(img_size: Sequence[int] | None) -> tuple[int, int, int] | None:
+def _sized(img_size: Sequence[int] | int | None) -> tuple[int, int, int] | None:
     """Width, height and channels; raises InvalidInput for what is not such."""
     if img_size is None:
         return None
+    if isinstance(img_size, int):
+        raise InvalidInput(f"image size {img_size}: must be a width, a height and 1 or 3 channels")
     size = tuple(img_size)
     if len(size) != 3 or min(size) < 1 or size[2] not in (1, 3):
         raise InvalidInput(
             f"image size {' '.join(map(str, size))}: needs a width and a height of 1 px or more, and 1 or 3 channels"
+        )
+    if size[0] * size[1] > _MOST_PX:
+        raise InvalidInput(
+            f"image size {size[0]} {size[1]} {size[2]}: must be {_MOST_PX:,} px or less in all"
         )
     return size
 
@@ -322,6 +340,7 @@ def _rows(images: ImageSet, part: str) -> NDArray[np.int64]:
         )
     chosen = taken(images.table)
     if part != ALL and parts is not None:
+        _check_parts(images, parts)
         chosen &= np.array([one == part for one in parts], np.bool_)
     if not chosen.any():
         what = "that are there and not rejected" if part == ALL else f"in the part {part!r}"
@@ -329,10 +348,58 @@ def _rows(images: ImageSet, part: str) -> NDArray[np.int64]:
     return np.flatnonzero(chosen)
 
 
-def _labels(dataset: Dataset) -> Labels:
+def _check_parts(images: ImageSet, parts: Sequence[str]) -> None:
+    """Raise InvalidInput for images of a part that there is not."""
+    known = (*PARTS, GAP, "")
+    odd = [name for name, part in zip(images.table.img_names, parts) if part not in known]
+    if odd:
+        value = next(part for part in parts if part not in known)
+        raise InvalidInput(
+            f"table {images.folder / TABLE_FILE}: has split {value!r} ({some(odd)}); must be one of "
+            f"{', '.join(known[:-1])} or empty: split anew"
+        )
+
+
+def _labels(dataset: Dataset, images: ImageSet) -> Labels:
     path = dataset.folder / LABELS_FILE
-    return (
-        Labels.load(path)
-        if path.is_file()
-        else labels_of_tables(one.table for one in dataset.image_sets.values())
-    )
+    if not path.is_file():
+        return labels_of_tables(one.table for one in dataset.image_sets.values())
+    labels = Labels.load(path)
+    _check_fit(labels, images, path)
+    return labels
+
+
+def _check_fit(labels: Labels, images: ImageSet, path: Path) -> None:
+    """Raise InvalidInput for labels that are of another dataset.
+
+    Of n numbers with mean 0 and standard deviation 1, none is beyond the root of n: images of the training part that
+    are, are none of those that the scaler was fitted on.
+    """
+    parts = part_of(images.table)
+    if labels.fitted_on != TRAIN or parts is None:
+        return
+    rows = np.flatnonzero(taken(images.table) & np.array([part == TRAIN for part in parts], np.bool_))
+    if not rows.size:
+        return
+    table = images.table
+    far = np.abs(labels.of(table.lat_deg[rows], table.lon_deg[rows])).max(axis=1)
+    worst = int(np.argmax(far))
+    if far[worst] > math.sqrt(max(labels.images, 1)):
+        raise InvalidInput(
+            f"{path}: is of another dataset or split, as {table.img_names[rows[worst]]} of the training part lies "
+            f"{far[worst]:,.0f} standard deviations from its mean; have it made anew by split"
+        )
+
+
+def _values(labels: Labels, images: ImageSet, rows: NDArray[np.int64]) -> NDArray[np.float32]:
+    """Labels (n, 2) of rows; raises InvalidInput for positions that the frame does not have."""
+    lat_deg, lon_deg = images.table.lat_deg[rows], images.table.lon_deg[rows]
+    values = labels.of(lat_deg, lon_deg).astype(np.float32)
+    lost = np.flatnonzero(~np.isfinite(values).all(axis=1))
+    if lost.size:
+        first = int(lost[0])
+        raise InvalidInput(
+            f"labels: {some([images.table.img_names[row] for row in rows[lost].tolist()])} cannot be had in "
+            f"{labels.frame.crs}, first Lat {lat_deg[first]:g}, Lon {lon_deg[first]:g}; split with another --frame"
+        )
+    return values

@@ -81,4 +81,6 @@ def _fitted(column: Sequence[float]) -> tuple[float, float]:
     if max(column) - min(column) <= CONSTANT:
         return column[0], 1.0
     mean = math.fsum(column) / len(column)
-    return mean, math.sqrt(math.fsum((value - mean) ** 2 for value in column) / len(column))
+    # Products are rounded alike everywhere; powers are as good as the machine's library of mathematics.
+    squares = ((value - mean) * (value - mean) for value in column)
+    return mean, math.sqrt(math.fsum(squares) / len(column))

@@ -23,7 +23,7 @@ from .dataset import ImageSet, read_dataset
 from .folder import TABLE_FILE
 from .frames import middle_of
 from .ground import Boxes, boxes_of
-from .labels import LABELS_FILE, Labels, labels_of_tables
+from .labels import LABELS_FILE, Labels, labels_of_tables, mark_unfinished
 from .parts import GAP, PARTS, SPLIT, taken
 from .table import Table
 
@@ -100,7 +100,7 @@ def split(
     """Write the part of each image to the tables of a dataset (column ``split``), and its labels' frame and scaler.
 
     Images of one place, which have the same name, are in the same part in every map type. Failed and rejected ones are
-    in none. An earlier split is replaced.
+    in none. An earlier split is replaced; where that is interrupted, reading its labels says so until it is done again.
 
     Parameters
     ----------
@@ -151,6 +151,8 @@ def split(
         tables = [_with_parts(images, of_place) for images in sets]
         labels = labels_of_tables(tables, frame)
         if not dry_run:
+            # Tables are written one by one: until the last, parts of one map type may be other than another's.
+            mark_unfinished(Path(folder) / LABELS_FILE)
             for images, table in zip(sets, tables):
                 table.save(images.folder / TABLE_FILE)
             labels.save(Path(folder) / LABELS_FILE)

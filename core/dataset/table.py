@@ -35,6 +35,11 @@ _PIXELS = ("left_px", "top_px", "width_px", "height_px", "image_width_px", "imag
 _ROWS_A_BLOCK = 2000
 #: Faults of a file that one message names.
 _FAULTS_NAMED = 3
+#: Read in one go. A thread that reads little at a time gives Python's lock away and takes it back before another one
+#: wakes, and one that decodes a whole table in a single call keeps it: a window would stand still meanwhile.
+_BLOCK_BYTES = 1 << 20
+#: What some editors put before UTF-8.
+_MARK = "\ufeff"
 
 
 @dataclass(frozen=True, eq=False)
@@ -180,8 +185,13 @@ class Table:
         InvalidInput
             Without one of the published columns, or with rows that cannot be read, which are named by line.
         """
+        return cls._of_lines(io.StringIO(text, newline=""), name)
+
+    @classmethod
+    def _of_lines(cls, lines: Iterable[str], name: str) -> Table:
+        """Table from its lines, each with its end."""
         faults: list[tuple[int, str]] = []
-        headers, rows = _records(text, name, faults)
+        headers, rows = _records(lines, name, faults)
         columns: dict[str, Any] = {}
         for field_name in FIELDS:
             header = _HEADERS.get(field_name, field_name)
@@ -204,10 +214,11 @@ class Table:
     def load(cls, path: str | os.PathLike[str]) -> Table:
         """Table from a file; raises InvalidInput as `from_csv` does, or where it cannot be read."""
         try:
-            text = Path(path).read_text(encoding="utf-8-sig")
+            # All of them first: bytes that are no text are told before what the text says.
+            lines = list(_lines(Path(path)))
         except (OSError, UnicodeDecodeError) as wrong:
             raise InvalidInput(f"table {path}: cannot be read ({wrong})") from wrong
-        return cls.from_csv(text, f"table {path}")
+        return cls._of_lines(lines, f"table {path}")
 
 
 def other_columns(path: Path) -> dict[str, dict[str, str]]:
@@ -237,6 +248,32 @@ FIELDS = tuple(f.name for f in fields(Table) if f.name != "other")
 HEADERS = tuple(_HEADERS.get(name, name) for name in FIELDS)
 
 
+def _lines(path: Path) -> Iterator[str]:
+    """Lines of a text file, each with the end that Python gives it, on whatever system it was written."""
+    start = 0
+    with path.open("rb", buffering=_BLOCK_BYTES) as file:
+        for raw in file:
+            try:
+                line = raw.decode("utf-8")
+            except UnicodeDecodeError as wrong:
+                raise _placed(wrong, start) from wrong
+            if start == 0:
+                line = line.removeprefix(_MARK)
+            start += len(raw)
+            if "\r" in line:
+                yield from io.StringIO(line, newline=None)
+            else:
+                yield line
+
+
+def _placed(wrong: UnicodeDecodeError, start: int) -> UnicodeDecodeError:
+    """An error of a line that begins at byte ``start``, with its place in the file."""
+    before = b" " * start
+    return UnicodeDecodeError(
+        wrong.encoding, before + wrong.object, start + wrong.start, start + wrong.end, wrong.reason
+    )
+
+
 def _csv(rows: Iterable[Sequence[str]]) -> str:
     buffer = io.StringIO()
     csv.writer(buffer, lineterminator="\n").writerows(rows)
@@ -257,10 +294,10 @@ def _number(value: float, *, whole: bool) -> str:
 
 
 def _records(
-    text: str, name: str, faults: list[tuple[int, str]]
+    lines: Iterable[str], name: str, faults: list[tuple[int, str]]
 ) -> tuple[list[str], list[tuple[int, tuple[str, ...]]]]:
     """Headers in their new spelling, and the line number and cells of each row that has as many."""
-    reader = csv.reader(io.StringIO(text, newline=""), strict=True)
+    reader = csv.reader(lines, strict=True)
     try:
         headers = [_OLD_HEADERS.get(header, header) for header in next(reader, [])]
         # The garbage collector soon forgets tuples of texts; lists it looks through again and again.

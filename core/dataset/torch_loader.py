@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from ..errors import InvalidInput
 from .dataset import Dataset
 from .loading import Samples, chunks, optional_module
 
@@ -106,9 +107,13 @@ class _TorchSamples:
         Raises
         ------
         InvalidInput
-            A batch size below 1, or no batch at all.
+            A batch size below 1, no batch at all, or workers below 0.
         """
+        if workers < 0:
+            raise InvalidInput(f"workers {workers}: must be 0 or more")
         order = _Order(self, batch_size, drop_last)
+        # Each worker is a process: those beyond the batches would have nothing to do.
+        workers = min(workers, len(order))
         options = {"persistent_workers": workers > 0, **options}
         return _torch().utils.data.DataLoader(
             self, batch_size=None, sampler=order, num_workers=workers, **options

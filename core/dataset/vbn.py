@@ -12,13 +12,16 @@ from typing import NamedTuple
 import numpy as np
 
 from ..errors import InvalidInput
+from .folder import SUPPLEMENT_FOLDER
 from .table import HEADERS, Table
 
-IMAGE_FOLDER, TEXT_FOLDER = "JPG2", "MetaData2"
+IMAGE_FOLDER, TEXT_FOLDER = SUPPLEMENT_FOLDER, "MetaData2"
 #: Key of the camera's position in a text: latitude and longitude in degrees, altitude in metres, between two words.
 POSITION = "Platform_position_LatLongAlt"
 #: Column of the table for the altitude, whose datum is not told.
 ALTITUDE = "altitude_m"
+#: Keys that would be read as columns of ours: also an older spelling, and what clean and split write.
+_OURS = frozenset({*HEADERS, "row", "rejected", "split"})
 #: Ending of the images.
 _IMAGE_ENDING = ".jpg"
 #: Faults that one message names.
@@ -101,7 +104,9 @@ def _number(text: str) -> float:
 def _files(folder: Path, name: str, ending: str) -> list[str]:
     """Names of the files in a folder of the supplement, by number."""
     try:
-        found = [one.name for one in (folder / name).iterdir() if one.suffix.lower() == ending]
+        found = [
+            one.name for one in (folder / name).iterdir() if one.suffix.lower() == ending and one.is_file()
+        ]
     except OSError as wrong:
         raise InvalidInput(
             f"folder {folder}: is no VBN dataset, as {name} in it cannot be read ({wrong.strerror})"
@@ -178,7 +183,9 @@ def _table(
     made = [name in there for name in names]
     other = {ALTITUDE: tuple(map(repr, altitude.tolist()))}
     for key in dict.fromkeys(key for _, values in rows for key in values):
-        header = f"VBN {key}" if not key or key in HEADERS or key in other else key
+        header = key
+        while not header or header in _OURS or header in other:
+            header = f"VBN {header}"
         other[header] = tuple(values.get(key, "") for _, values in rows)
     return Table.of(
         {

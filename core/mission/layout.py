@@ -35,6 +35,8 @@ _SETTLED, _SETTLED_NOISE = 1e-14, 1e-15
 #: Passes in which rows must settle. Picard iteration gains digits faster than geometrically (under 40 passes
 #: from limit to limit); only frames that all but hold a pole take longer.
 _PASSES = 500
+#: Passes after each other that may come no nearer before rows are given up: those that settle come nearer within ten.
+_STALLED = 50
 #: Frames further aside than this share of the world lie differently from each latitude; then this many are tried.
 _FAR_ASIDE, _TRIED_PLACES = 1e-3, 257
 #: Nodes of the quadrature that counts rows beforehand, and the share and number of rows added to be safe.
@@ -101,7 +103,7 @@ def refuse_too_many(count: float, limit: int) -> None:
     """Refuse more images than a mission may have."""
     if count > limit:
         raise InvalidInput(
-            f"mission of {count:.0f} images: the limit is {limit}; fly higher, draw a smaller area, or raise it "
+            f"mission of {count:,.0f} images: the limit is {limit:,}; fly higher, draw a smaller area, or raise it "
             "(--max-images)",
             "max_images",
         )
@@ -298,6 +300,7 @@ class _Rows:
         """
         centres = np.linspace(max(top, self._north), self._south, count)
         settled = max(_SETTLED, _SETTLED_NOISE * math.sqrt(count))
+        nearest, stalled = math.inf, 0
         for _ in range(_PASSES):
             edges = self._edges(centres)
             placed = np.cumsum(
@@ -307,6 +310,9 @@ class _Rows:
             centres = placed
             if moved <= settled:
                 return centres, self._edges(centres)
+            nearest, stalled = (moved, 0) if moved < nearest else (nearest, stalled + 1)
+            if stalled == _STALLED:
+                break
         raise InvalidInput(
             f"rows from {self._mission.agl_m:g} m cannot be placed so near to a pole; fly lower or farther from it"
         )

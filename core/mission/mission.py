@@ -338,6 +338,11 @@ class Mission:
             raise InvalidInput(f"mission file {path}: cannot be read ({wrong.strerror})") from wrong
         except UnicodeDecodeError as wrong:
             raise InvalidInput(f"mission file {path}: cannot be read (it is no text in UTF-8)") from wrong
+        if not text.lstrip().startswith("{"):
+            raise InvalidInput(
+                f"mission file {path}: holds no mission, which is a JSON object; a file of places is given as "
+                "coordinates"
+            )
         return cls.from_json(text)
 
     def save(self, path: str | os.PathLike[str]) -> None:

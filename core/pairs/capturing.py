@@ -14,7 +14,7 @@ from pathlib import Path
 from ..capture.journal import FAILED, Journal, Outcome
 from ..capture.result import CaptureResult, Failure, Progress
 from ..capture.runner import DEFAULT_CONNECTIONS, capture
-from ..dataset.folder import JOURNAL_FILE, REJECTED_FOLDER
+from ..dataset.folder import JOURNAL_FILE, MISSION_FILE, REJECTED_FOLDER
 from ..errors import InvalidInput, OutputError
 from ..files import make_folder, write_whole
 from ..geodesy.mercator import wrap_lon_deg
@@ -166,7 +166,7 @@ def _refuse(path: Path, wanted: bytes, *, resume: bool, ours: bool = False) -> N
             )
         return
     inside = path / CAPTURES_FOLDER
-    foreign = [path / name for name in (TRAIN, TEST, TABLE_FILE) if (path / name).exists()]
+    foreign = [path / name for name in (TRAIN, TEST, TABLE_FILE, MISSION_FILE) if (path / name).exists()]
     if inside.exists() and not ours:
         # A run that was killed as it began leaves its lock.
         foreign += (

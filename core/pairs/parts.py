@@ -35,8 +35,8 @@ def check_shares(shares: Sequence[float]) -> None:
     """Refuse shares that are not three numbers >= 0, some above."""
     if len(shares) != len(PARTS):
         raise InvalidInput(f"split {_text(shares)}: give three shares, for {', '.join(PARTS)}s")
-    if not all(math.isfinite(share) and share >= 0.0 for share in shares) or sum(shares) <= 0.0:
-        raise InvalidInput(f"split {_text(shares)}: shares must be 0 or more, and one above")
+    if not all(share >= 0.0 for share in shares) or not 0.0 < sum(shares) < math.inf:
+        raise InvalidInput(f"split {_text(shares)}: shares must be 0 or more and finite, and one above 0")
     if shares[2] > 0.0 and shares[1] == 0.0:
         raise InvalidInput(f"split {_text(shares)}: distractors are of a test; give it a share, or them none")
 

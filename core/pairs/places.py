@@ -30,9 +30,11 @@ _LINE = re.compile(rf"({_NUMBER}){_BETWEEN}({_NUMBER})(?:{_BETWEEN}(.*))?")
 #: Hyphens, dashes and signs that text processors make of a minus.
 _MINUS = str.maketrans(dict.fromkeys("\u2212\u2013\ufe63\uff0d", "-"))
 #: Rest of a line of the paper's file: a height, and perhaps a yaw.
-_HEIGHT = re.compile(rf"{_NUMBER}(?:{_BETWEEN}{_NUMBER})?")
+_HEIGHT = re.compile(rf"({_NUMBER})(?:{_BETWEEN}{_NUMBER})?")
 #: Decimals of a place that is chosen: 1 cm, and the same on machines whose sines differ in the last digit.
 _DECIMALS = 7
+#: Places of a box at most: each is compared with all before it.
+_MOST_PLACES = 1_000_000
 #: Points in a row that find no room before a box counts as full: less than a hundredth of it is free then.
 _MISSES = 1000
 
@@ -89,7 +91,14 @@ def read_places(path: str | Path) -> tuple[Place, ...]:
         places.append(place)
     if not places:
         raise InvalidInput(f"places {path}: holds none; give {_FORMATS}")
-    if all(_HEIGHT.fullmatch(place.name) for place in places):
+    heights = [_HEIGHT.fullmatch(place.name) for place in places]
+    if all(heights):
+        for number, place, height in zip(met.values(), places, heights):
+            if height is not None and float(height[1]) <= 0.0:
+                raise InvalidInput(
+                    f"places {path}, line {number}: {place.lat_deg:g} {place.lon_deg:g} with height {height[1]}: must "
+                    "be above 0; commas separate, and decimals are written with a point"
+                )
         return tuple(Place(place.lat_deg, place.lon_deg) for place in places)
     return tuple(places)
 
@@ -140,8 +149,8 @@ def spread_places(box: Box, count: int, spacing_m: float, seed: int) -> tuple[Pl
     InvalidInput
         Where the box has no room for so many.
     """
-    if count < 1:
-        raise InvalidInput(f"{count} places: must be 1 or more")
+    if not 1 <= count <= _MOST_PLACES:
+        raise InvalidInput(f"{count:,} places: must be from 1 to {_MOST_PLACES:,}")
     if not (math.isfinite(spacing_m) and spacing_m >= 0.0):
         raise InvalidInput(f"spacing {spacing_m} m: must be 0 or more")
     for lat in (box.south_deg, box.north_deg):

@@ -26,6 +26,8 @@ Floats = NDArray[np.float64]
 
 #: University-1652's pictures.
 DEFAULT_SIZE_PX = 512
+#: Side of the largest images: those of aerial cameras have 14,000 to 26,000 px, and are made whole in memory.
+MOST_SIZE_PX = 32_768
 #: What the drone's camera has where nothing else is said: the paper's field of view, in University-1652's squares.
 DEFAULT_CAMERA = Camera(78.8, 1.0)
 SATELLITE, DRONE = "satellite", "drone"
@@ -85,8 +87,8 @@ class PairSettings:
     def __post_init__(self) -> None:
         if not self.views:
             raise InvalidInput("no views: needs one or more")
-        if self.size_px < 1:
-            raise InvalidInput(f"size of images {self.size_px} px: must be 1 or more")
+        if not 1 <= self.size_px <= MOST_SIZE_PX:
+            raise InvalidInput(f"size of images {self.size_px} px: must be from 1 to {MOST_SIZE_PX:,}")
         if self.satellite_m is not None and not (math.isfinite(self.satellite_m) and self.satellite_m > 0.0):
             raise InvalidInput(f"width of the satellite view {self.satellite_m} m: must be above 0")
         check_shares(self.shares)

@@ -24,6 +24,8 @@ HEIGHTS_M, ROUNDS, VIEWS = (256.0, 121.5), 3, 54
 DEFAULT_TILT_DEG = 45.0
 #: From a tilt of 80 degrees the camera stands 5.7 heights off; beyond, a place is a strip below the horizon.
 MOST_TILT_DEG = 80.0
+#: Views of one flight at most: University-1652 has 54, and each is worked out on its own.
+MOST_VIEWS = 10_000
 #: Cameras are placed to 10 micrometres, far below a pixel, so that noise of the last digits does not show.
 _DECIMALS = 10
 #: Places are settled when no axis misses by more than this, 0.1 micrometre; each pass gains the digits of
@@ -69,8 +71,8 @@ def rings(heights_m: Sequence[float], yaws: int, tilts_deg: Sequence[float]) -> 
     InvalidInput
     """
     _check(heights_m, tilts_deg)
-    if yaws < 1:
-        raise InvalidInput(f"{yaws} yaws: must be 1 or more")
+    if not 1 <= yaws <= MOST_VIEWS:
+        raise InvalidInput(f"{yaws} yaws: must be from 1 to {MOST_VIEWS:,}")
     return tuple(
         View(float(height), 360.0 * at / yaws, float(tilt))
         for tilt in tilts_deg
@@ -99,8 +101,8 @@ def spiral(
     InvalidInput
     """
     _check(heights_m, tilts_deg)
-    if count < 1:
-        raise InvalidInput(f"{count} views: must be 1 or more")
+    if not 1 <= count <= MOST_VIEWS:
+        raise InvalidInput(f"{count} views: must be from 1 to {MOST_VIEWS:,}")
     if not (math.isfinite(rounds) and 0.0 < rounds <= count):
         raise InvalidInput(f"{rounds:g} rounds of {count} views: must be above 0, and no more than the views")
     top, bottom = float(max(heights_m)), float(min(heights_m))

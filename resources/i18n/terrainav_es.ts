@@ -237,6 +237,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/dataset/clean_panel.py"/>
+        <source>This dataset has no footprints: it cannot be shown on the map.</source>
+        <translation>Este conjunto de datos no tiene huellas: no se puede mostrar en el mapa.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/clean_panel.py"/>
         <source>Threshold in bits that parts the entropies in two groups best, by Otsu's method: the dotted line</source>
         <translation>Umbral en bits que mejor separa las entropías en dos grupos, por el método de Otsu: la línea de puntos</translation>
     </message>
@@ -264,6 +269,31 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/dataset/clean_task.py"/>
         <source>Pictures of {name}</source>
         <translation>Gráficos de {name}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/clean_task.py"/>
+        <source>{moved} moved away.</source>
+        <translation>{moved} apartadas.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/clean_task.py"/>
+        <source>{rejected} images are no longer marked, {returned} moved back.</source>
+        <translation>{rejected} imágenes ya no están marcadas, {returned} devueltas a su sitio.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/clean_task.py"/>
+        <source>{rejected} of {images} images are marked as rejected.</source>
+        <translation>{rejected} de {images} imágenes están marcadas como rechazadas.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/clean_task.py"/>
+        <source>{rejected} of {images} images of {count} map types are marked as rejected.</source>
+        <translation>{rejected} de {images} imágenes de {count} tipos de mapa están marcadas como rechazadas.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/clean_task.py"/>
+        <source>{returned} moved back.</source>
+        <translation>{returned} devueltas a su sitio.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/dataset/cleaning.py"/>
@@ -330,26 +360,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/dataset/outlines.py"/>
         <source>the map's CRS cannot be drawn in ({reason})</source>
         <translation>en el SRC del mapa no se puede dibujar ({reason})</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dataset/words.py"/>
-        <source>{moved} moved away.</source>
-        <translation>{moved} apartadas.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dataset/words.py"/>
-        <source>{rejected} images are no longer marked, {returned} moved back.</source>
-        <translation>{rejected} imágenes ya no están marcadas, {returned} devueltas a su sitio.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dataset/words.py"/>
-        <source>{rejected} of {images} images are marked as rejected.</source>
-        <translation>{rejected} de {images} imágenes están marcadas como rechazadas.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dataset/words.py"/>
-        <source>{returned} moved back.</source>
-        <translation>{returned} devueltas a su sitio.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/dock/add_source_dialog.py"/>
@@ -528,6 +538,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/dock/area_dialogs.py"/>
+        <source>&amp;Select on the map</source>
+        <translation>Seleccionar en el ma&amp;pa</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/area_dialogs.py"/>
         <source>&amp;Selected ({n})</source>
         <translation>&amp;Seleccionados ({n})</translation>
     </message>
@@ -558,6 +573,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/dock/area_dialogs.py"/>
+        <source>Click a polygon of this layer on the map; it becomes the area</source>
+        <translation>Haga clic en un polígono de esta capa en el mapa; será el área</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/area_dialogs.py"/>
         <source>Degrees clockwise from north; empty: the mission's own yaw</source>
         <translation>Grados en sentido horario desde el norte; vacío: la guiñada de la propia misión</translation>
     </message>
@@ -583,6 +603,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/dock/area_dialogs.py"/>
+        <source>It has one polygon, which is taken.</source>
+        <translation>Tiene un solo polígono, que es el que se toma.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/area_dialogs.py"/>
         <source>Layer of this project, in any CRS</source>
         <translation>Capa de este proyecto, en cualquier SRC</translation>
     </message>
@@ -593,8 +618,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/dock/area_dialogs.py"/>
-        <source>Nothing is selected in it: select one polygon on the map first.</source>
-        <translation>No hay nada seleccionado en ella: seleccionar primero un polígono en el mapa.</translation>
+        <source>Nothing is selected in it: press “Select on the map”, then click one polygon.</source>
+        <translation>No hay nada seleccionado en ella: pulse «Seleccionar en el mapa» y haga clic en un polígono.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/dock/area_dialogs.py"/>
@@ -610,6 +635,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/dock/area_dialogs.py"/>
         <source>Points of a layer</source>
         <translation>Puntos de una capa</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/area_dialogs.py"/>
+        <source>The project has no layer of polygons: add one, or draw a box instead.</source>
+        <translation>El proyecto no tiene ninguna capa de polígonos: añada una, o dibuje un recuadro en su lugar.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/dock/area_dialogs.py"/>
@@ -1534,6 +1564,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/dock/estimates.py"/>
+        <source>Limit</source>
+        <translation>Límite</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/estimates.py"/>
         <source>Methods</source>
         <translation>Métodos</translation>
     </message>
@@ -1622,6 +1657,21 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/dock/estimates.py"/>
         <source>{count} min</source>
         <translation>{count} min</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/estimates.py"/>
+        <source>{count} of the {most} requests that the provider allows</source>
+        <translation>{count} de las {most} peticiones que permite el proveedor</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/estimates.py"/>
+        <source>{count} requests, more than the {most} that pass freely: Capture asks you to agree to the terms</source>
+        <translation>{count} peticiones, más que las {most} que se permiten sin más: Capturar le pide que acepte las condiciones</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/estimates.py"/>
+        <source>{count} requests, more than the {most} that the provider allows: take a smaller area, coarser pixels or another source</source>
+        <translation>{count} peticiones, más que las {most} que permite el proveedor: tome un área menor, píxeles más gruesos u otra fuente</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/dock/estimates.py"/>
@@ -1804,6 +1854,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/dock/flight_entries.py"/>
         <source>Speed of the flight through the air, in metres a second (0.1 to 340)</source>
         <translation>Velocidad del vuelo respecto al aire, en metros por segundo (0.1 a 340)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/flight_entries.py"/>
+        <source>With {px} px along the image's longer side this is {height} above ground. To fly higher, enter more under “Longest side” of the camera.</source>
+        <translation>Con {px} px en el lado mayor de la imagen, son {height} sobre el suelo. Para volar más alto, introduzca más en «Lado mayor» de la cámara.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/dock/flight_entries.py"/>
@@ -2200,6 +2255,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/dock/refusals.py"/>
+        <source>“Most images” of the algorithm “Plan a mission”, or max_images in the mission's file</source>
+        <translation>«Máximo de imágenes» del algoritmo «Planificar una misión», o max_images en el archivo de la misión</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/refusals.py"/>
         <source>“{entry}”</source>
         <translation>«{entry}»</translation>
     </message>
@@ -2506,8 +2566,18 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/map/area_control.py"/>
+        <source>Click one polygon of “{layer}” on the map.</source>
+        <translation>Haga clic en un polígono de «{layer}» en el mapa.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/map/area_control.py"/>
         <source>Extent of a layer</source>
         <translation>Extensión de una capa</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/map/area_control.py"/>
+        <source>No area was taken.</source>
+        <translation>No se ha tomado ningún área.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/map/area_control.py"/>
@@ -2937,8 +3007,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/missions/missions.py"/>
-        <source>Nothing to save yet: {reason}</source>
-        <translation>Aún no hay nada que guardar: {reason}</translation>
+        <source>Nothing to save yet.</source>
+        <translation>Aún no hay nada que guardar.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/missions/missions.py"/>
@@ -3022,8 +3092,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/missions/plan_export.py"/>
-        <source>Nothing to export yet: {reason}</source>
-        <translation>Aún no hay nada que exportar: {reason}</translation>
+        <source>Nothing to export yet.</source>
+        <translation>Aún no hay nada que exportar.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/missions/plan_export.py"/>
@@ -4199,8 +4269,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../terrainav_plugin/runs/before.py"/>
         <location filename="../../terrainav_plugin/workflow.py"/>
-        <source>Nothing to capture yet: {reason}</source>
-        <translation>Aún no hay nada que capturar: {reason}</translation>
+        <source>Nothing to capture yet.</source>
+        <translation>Aún no hay nada que capturar.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/runs/before.py"/>
@@ -4234,8 +4304,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/runs/line.py"/>
-        <source>No test shot: {reason}</source>
-        <translation>Sin toma de prueba: {reason}</translation>
+        <source>No test shot.</source>
+        <translation>Sin toma de prueba.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/runs/line.py"/>
@@ -4590,8 +4660,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/workflow.py"/>
-        <source>No preview yet: {reason}</source>
-        <translation>Aún sin vista previa: {reason}</translation>
+        <source>No preview yet.</source>
+        <translation>Aún no hay vista previa.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/workflow.py"/>
@@ -4799,13 +4869,13 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/dataset/dataset.py"/>
-        <source>image {0}: has {1} x {2} px, and {3} x {4} px in the table; capture it again, or put the table right</source>
-        <translation>imagen {0}: tiene {1} x {2} px, y {3} x {4} px en la tabla; captúrela de nuevo o corrija la tabla</translation>
+        <source>layout {0}: must be one of {1}</source>
+        <translation>disposición {0}: debe ser una de {1}</translation>
     </message>
     <message>
         <location filename="../../core/dataset/dataset.py"/>
-        <source>layout {0}: must be one of {1}</source>
-        <translation>disposición {0}: debe ser una de {1}</translation>
+        <source>table {0}: {1} {2} not on the Earth, first at Lat {3}, Lon {4}; Lat must be within 90 degrees, Lon within 360</source>
+        <translation>tabla {0}: {1} {2} no está en la Tierra, la primera en Lat {3}, Lon {4}; Lat debe estar dentro de 90 grados y Lon dentro de 360</translation>
     </message>
     <message>
         <location filename="../../core/dataset/deciding.py"/>
@@ -4831,6 +4901,16 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/dataset/decode.py"/>
+        <source>image {0}: has {1} x {2} px, and {3} x {4} px in the table; capture it again, or put the table right</source>
+        <translation>imagen {0}: tiene {1} x {2} px, y {3} x {4} px en la tabla; captúrela de nuevo o corrija la tabla</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/decode.py"/>
+        <source>image {0}: is PostScript, a program that is not run; an image of pixels would be right</source>
+        <translation>imagen {0}: es PostScript, un programa que no se ejecuta; lo correcto es una imagen de píxeles</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/decode.py"/>
         <source>image {0}: is not there; put it back, or capture it again (--resume)</source>
         <translation>imagen {0}: no está; devuélvala a su sitio o captúrela de nuevo (--resume)</translation>
     </message>
@@ -4838,6 +4918,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/dataset/entropy.py"/>
         <source>image of shape {0} and type {1}: must be (height, width) or (height, width, 3) of uint8 with at least one pixel</source>
         <translation>imagen de forma {0} y tipo {1}: debe ser (altura, anchura) o (altura, anchura, 3) de uint8 con al menos un píxel</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/folder.py"/>
+        <source>folder {0}: is laid out as the Night Vision supplement is; make a dataset of it first (terrainav convert --dataset VBN)</source>
+        <translation>carpeta {0}: está dispuesta como el suplemento de Night Vision; haga primero de ella un conjunto de datos (terrainav convert --dataset VBN)</translation>
     </message>
     <message>
         <location filename="../../core/dataset/folder.py"/>
@@ -4954,6 +5039,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/dataset/labels.py"/>
         <source>names {0}, not {1}</source>
         <translation>nombra {0}, no {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/labels.py"/>
+        <source>{0}: a split was interrupted, so the parts of its map types may disagree; split again</source>
+        <translation>{0}: se interrumpió una división, así que las partes de sus tipos de mapa pueden no coincidir; divida de nuevo</translation>
     </message>
     <message>
         <location filename="../../core/dataset/labels.py"/>
@@ -6873,6 +6963,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/mission.py"/>
         <source>mission file {0}: cannot be read ({1})</source>
         <translation>archivo de misión {0}: no se puede leer ({1})</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/mission.py"/>
+        <source>mission file {0}: holds no mission, which is a JSON object; a file of places is given as coordinates</source>
+        <translation>archivo de misión {0}: no contiene una misión, que es un objeto JSON; un archivo de lugares se indica como coordenadas</translation>
     </message>
     <message>
         <location filename="../../core/mission/mission.py"/>

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 from qgis.PyQt.QtCore import QPointF, QRectF, QSize, Qt, pyqtSignal
-from qgis.PyQt.QtGui import QColor, QKeyEvent, QMouseEvent, QPainter, QPaintEvent, QPen
+from qgis.PyQt.QtGui import QColor, QKeyEvent, QMouseEvent, QPainter, QPaintEvent, QPalette, QPen
 from qgis.PyQt.QtWidgets import QSizePolicy, QWidget
 
 from ..i18n import tr
@@ -99,9 +99,9 @@ class Chart(QWidget):
         self.setAccessibleName(tr("Threshold {bits} bits").format(bits=f"{threshold:.{DECIMALS}f}"))
         self.update()
 
-    def place_of(self, bits: float) -> float:
-        """Where an entropy is along the axis of the threshold, in px."""
-        frame = self.frame()
+    def place_of(self, bits: float, frame: Frame | None = None) -> float:
+        """Where an entropy is along the axis of the threshold, in px; ``frame`` is that of now where it is known."""
+        frame = frame or self.frame()
         share = (bits - LOWEST) / (HIGHEST - LOWEST)
         if self.ACROSS:
             return frame.left + share * (frame.right - frame.left)
@@ -217,7 +217,10 @@ class Chart(QWidget):
         painter = QPainter(self)
         if not len(self.bits):
             flags = int(Qt.AlignmentFlag.AlignCenter) | int(Qt.TextFlag.TextWordWrap)
-            painter.setPen(self._text_colour())
+            # Also of a chart that is not enabled: it may say what is wrong.
+            painter.setPen(
+                self.look.palette().color(QPalette.ColorGroup.Active, QPalette.ColorRole.WindowText)
+            )
             painter.drawText(self.rect().adjusted(_GAP_PX, _GAP_PX, -_GAP_PX, -_GAP_PX), flags, self._hint)
             return
         frame = self.frame()
@@ -237,15 +240,18 @@ class Chart(QWidget):
         faint = QColor(text)
         faint.setAlphaF(_FAINT)
         width, height = self.ranges()
-        for value, label in self.left_ticks():
-            y = frame.bottom - value / height * (frame.bottom - frame.top)
+        up_px, across_px = (frame.bottom - frame.top) / height, (frame.right - frame.left) / width
+        for value, label in _apart(self.left_ticks(), up_px, metrics.height()):
+            y = frame.bottom - value * up_px
             painter.setPen(faint)
             painter.drawLine(QPointF(frame.left - _TICK_PX, y), QPointF(frame.right, y))
             painter.setPen(text)
             x = frame.left - _TICK_PX - _GAP_PX - metrics.horizontalAdvance(label)
             painter.drawText(QPointF(x, y + metrics.ascent() / 2.0 - 1.0), label)
-        for value, label in self.bottom_ticks():
-            x = frame.left + value / width * (frame.right - frame.left)
+        below = self.bottom_ticks()
+        widest = max(metrics.horizontalAdvance(label) for _, label in below) + 2 * _GAP_PX
+        for value, label in _apart(below, across_px, widest):
+            x = frame.left + value * across_px
             painter.setPen(faint)
             painter.drawLine(QPointF(x, frame.bottom), QPointF(x, frame.bottom + _TICK_PX))
             painter.setPen(text)
@@ -288,10 +294,17 @@ class Chart(QWidget):
 
     def _ends(self, bits: float, frame: Frame) -> tuple[QPointF, QPointF]:
         """Ends of the line at an entropy."""
-        at = self.place_of(bits)
+        at = self.place_of(bits, frame)
         if self.ACROSS:
             return QPointF(at, frame.top), QPointF(at, frame.bottom)
         return QPointF(frame.left, at), QPointF(frame.right, at)
+
+
+def _apart(ticks: list[tuple[float, str]], unit_px: float, least_px: float) -> list[tuple[float, str]]:
+    """Every so many of some even ticks that begin at 0, as stand ``least_px`` apart or more."""
+    if len(ticks) < 2:
+        return ticks
+    return ticks[:: max(math.ceil(least_px / max(ticks[1][0] * unit_px, 1.0)), 1)]
 
 
 def bits_ticks() -> list[tuple[float, str]]:

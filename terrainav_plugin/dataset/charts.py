@@ -51,12 +51,12 @@ class Histogram(Chart):
 
     def paint_data(self, painter: QPainter, frame: Frame) -> None:
         """Draw bins, in two colours on either side of the threshold."""
-        line = self.place_of(self.threshold)
+        line = self.place_of(self.threshold, frame)
         scale = (frame.bottom - frame.top) / self.ranges()[1]
         for low, high, count in zip(self._edges[:-1], self._edges[1:], self.counts.tolist()):
             if not count:
                 continue
-            left, right = self.place_of(low), self.place_of(high)
+            left, right = self.place_of(low, frame), self.place_of(high, frame)
             tall = max(count * scale, _LEAST_PX)
             right -= min(_BETWEEN_PX, (right - left) / 4.0)
             middle = min(max(line, left), right)
@@ -109,5 +109,5 @@ class Bars(Chart):
     def _bar(
         self, painter: QPainter, frame: Frame, left: float, wide: float, bits: float, *, rejected: bool
     ) -> None:
-        top = min(self.place_of(bits), frame.bottom - _LEAST_PX)
+        top = min(self.place_of(bits, frame), frame.bottom - _LEAST_PX)
         painter.fillRect(QRectF(left, top, wide, frame.bottom - top), REJECTED if rejected else KEPT)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from pathlib import Path
 
 from qgis.core import QgsApplication
 from qgis.gui import QgsDockWidget, QgsFileWidget
@@ -13,15 +12,18 @@ from qgis.PyQt.QtWidgets import (
     QComboBox,
     QDoubleSpinBox,
     QFormLayout,
+    QFrame,
     QHBoxLayout,
     QLabel,
     QProgressBar,
     QPushButton,
+    QScrollArea,
     QTabWidget,
     QVBoxLayout,
     QWidget,
 )
 
+from ...core.dataset.clean import DEFAULT_ENTROPY
 from ..i18n import tr
 from .chart import DECIMALS, HIGHEST, LOWEST
 from .charts import Bars, Histogram
@@ -29,8 +31,6 @@ from .clean_task import MARK, MOVE, UNDO
 from .entropies import Entropies
 from .examples import ExampleStrip
 
-#: The paper's threshold, in bits.
-USUAL_THRESHOLD = 2.1
 _STEP_BITS = 0.05
 _BAR_HEIGHT_PX = 6
 
@@ -62,7 +62,8 @@ class CleanPanel(QgsDockWidget):
         super().__init__(tr("TerrAInav: clean dataset"))
         self.setObjectName("terrainav_clean")
         self.entropies: Entropies | None = None
-        self._busy = False
+        self._busy = self._footprints = False
+        self._lost_focus: QWidget | None = None
         self._make_entries()
         self.charts = (Histogram(), Bars())
         self.tabs = QTabWidget()
@@ -77,8 +78,13 @@ class CleanPanel(QgsDockWidget):
         self.notes = _label("notes")
         self.strip = ExampleStrip()
         self._make_buttons()
-        self.setWidget(self._contents())
-        self.show_hint(tr("Choose the folder of a dataset."))
+        # Put beside other panels it may be low, and must not make them wider.
+        scroll = QScrollArea()
+        scroll.setFrameShape(QFrame.Shape.NoFrame)
+        scroll.setWidgetResizable(True)
+        scroll.setWidget(self._contents())
+        self.setWidget(scroll)
+        self.show_hint()
 
     # --- what is shown
 
@@ -87,8 +93,9 @@ class CleanPanel(QgsDockWidget):
         with QSignalBlocker(self.folder):
             self.folder.setFilePath(folder)
 
-    def show_hint(self, text: str) -> None:
-        """Show a text in place of entropies."""
+    def show_hint(self, text: str = "") -> None:
+        """Show a text in place of entropies; that a folder is wanted where there is none."""
+        text = text or tr("Choose the folder of a dataset.")
         self.entropies = None
         for chart in self.charts:
             chart.show_hint(text)
@@ -97,10 +104,27 @@ class CleanPanel(QgsDockWidget):
         self.strip.clear()
         with QSignalBlocker(self.map_type):
             self.map_type.clear()
+        self.bar.setVisible(self._busy)
         self._enable()
 
-    def show_entropies(self, found: Mapping[str, Entropies], map_type: str) -> None:
-        """Show a map type of a dataset, and offer the others."""
+    def show_reading(self, percent: float) -> None:
+        """Show how far reading is; where it takes no time it does not say so."""
+        self.bar.show()
+        self.bar.setValue(int(percent))
+
+    def show_entropies(self, found: Mapping[str, Entropies], map_type: str, footprints: bool) -> None:
+        """Show a map type of a dataset, and offer the others.
+
+        Parameters
+        ----------
+        footprints : bool
+            Whether there are any to be shown on the map.
+        """
+        self.bar.setVisible(self._busy)
+        self._footprints = footprints
+        self.on_map.setToolTip(
+            tr("Cross out the images on the map that would be rejected") if footprints else no_footprints()
+        )
         with QSignalBlocker(self.map_type):
             self.map_type.clear()
             for name in found:
@@ -158,15 +182,31 @@ class CleanPanel(QgsDockWidget):
 
     def _enable(self) -> None:
         """Let be pressed what can be done now."""
+        focus = self.focusWidget()
         there = self.entropies is not None and not self._busy
         some = there and len(self.entropies) > 0
-        for widget in (self.map_type, self.threshold, *self.charts, self.tabs, self.on_map, self.save):
+        for widget in (self.map_type, self.threshold, *self.charts, self.tabs, self.save):
             widget.setEnabled(some)
+        self.on_map.setEnabled(some and self._footprints)
         self.suggest.setEnabled(some and self.entropies.suggested is not None)
         self.folder.setEnabled(not self._busy)
         self.buttons[MARK].setEnabled(some)
         self.buttons[MOVE].setEnabled(some)
         self.buttons[UNDO].setEnabled(there)
+        self._keep_focus(focus)
+
+    def _keep_focus(self, before: QWidget | None) -> None:
+        """Give the focus back, when it can be had again, to what has lost it by being disabled for a while."""
+        if before is not None and self._lost_focus is None and not before.isEnabled():
+            self._lost_focus = before
+        elif self._lost_focus is not None and self._lost_focus.isEnabled():
+            self._lost_focus.setFocus()
+            self._lost_focus = None
+
+    def _folder_entered(self, folder: str) -> None:
+        # The focus stays where it is typed.
+        self._lost_focus = None
+        self.folder_chosen.emit(folder)
 
     def _suggest(self) -> None:
         if self.entropies is not None and self.entropies.suggested is not None:
@@ -180,7 +220,7 @@ class CleanPanel(QgsDockWidget):
         self.folder.setStorageMode(QgsFileWidget.StorageMode.GetDirectory)
         self.folder.setDialogTitle(tr("TerrAInav: dataset to be cleaned"))
         self.folder.setToolTip(tr("Of a capture, or of images with a meta_data.csv beside them"))
-        self.folder.fileChanged.connect(self.folder_chosen)
+        self.folder.fileChanged.connect(self._folder_entered)
         self.map_type = QComboBox()
         self.map_type.setObjectName("clean_map_type")
         self.map_type.setToolTip(
@@ -195,7 +235,7 @@ class CleanPanel(QgsDockWidget):
         self.threshold.setDecimals(DECIMALS)
         self.threshold.setSingleStep(_STEP_BITS)
         self.threshold.setSuffix(tr(" bits"))
-        self.threshold.setValue(USUAL_THRESHOLD)
+        self.threshold.setValue(DEFAULT_ENTROPY)
         self.threshold.setToolTip(
             tr("Images with less entropy are rejected: 0 bits is a single grey, 8 bits the most there can be")
         )
@@ -210,7 +250,6 @@ class CleanPanel(QgsDockWidget):
         self.suggest.clicked.connect(lambda _checked: self._suggest())
         self.on_map = QCheckBox(tr("On the ma&p"))
         self.on_map.setObjectName("on_map")
-        self.on_map.setToolTip(tr("Cross out the images on the map that would be rejected"))
         self.on_map.setChecked(True)
         self.on_map.toggled.connect(self.on_map_toggled)
 
@@ -277,16 +316,16 @@ class CleanPanel(QgsDockWidget):
         return contents
 
 
+def no_footprints() -> str:
+    """Why a dataset is not shown on the map."""
+    return tr("This dataset has no footprints: it cannot be shown on the map.")
+
+
 def title_of(map_type: str) -> str:
     """What a map type is called: its folder's name where it is none of the usual ones."""
     return {"satellite": tr("Satellite"), "roadmap": tr("Roadmap"), "terrain": tr("Terrain")}.get(
         map_type, map_type
     )
-
-
-def folder_of(text: str) -> Path:
-    """Folder that has been entered."""
-    return Path(text.strip()).expanduser()
 
 
 def _add_row(form: QFormLayout, title: str, widget: QWidget) -> None:

@@ -46,6 +46,28 @@ class CleanTask(Task):
             self.cleaned = clean(self.folder, self.threshold, move=self.deed == MOVE, progress=self._go_on)
         return True
 
+    def text(self) -> str:
+        """What was done to all map types, in a sentence or two."""
+        images, rejected, moved, returned = (
+            f"{sum(values):,}"
+            for values in zip(*((one.images, one.rejected, one.moved, one.returned) for one in self.cleaned))
+        )
+        if self.deed == UNDO:
+            return tr("{rejected} images are no longer marked, {returned} moved back.").format(
+                rejected=rejected, returned=returned
+            )
+        count = len(self.cleaned)
+        text = (
+            tr("{rejected} of {images} images are marked as rejected.")
+            if count == 1
+            else tr("{rejected} of {images} images of {count} map types are marked as rejected.")
+        ).format(rejected=rejected, images=images, count=count)
+        if any(one.moved for one in self.cleaned):
+            text += " " + tr("{moved} moved away.").format(moved=moved)
+        if any(one.returned for one in self.cleaned):
+            text += " " + tr("{returned} moved back.").format(returned=returned)
+        return text
+
     def _go_on(self, share: float) -> bool:
         self.setProgress(100.0 * share)
         return not self.isCanceled()

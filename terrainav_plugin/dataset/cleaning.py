@@ -7,13 +7,14 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from qgis.core import QgsApplication
-from qgis.PyQt.QtCore import QObject, QPoint, QRect, Qt, QTimer
+from qgis.core import QgsApplication, QgsRectangle
+from qgis.PyQt.QtCore import QObject, QPoint, QRect, Qt, QTimer, pyqtSignal
 from qgis.PyQt.QtWidgets import QFileDialog
 
-from ...core.dataset.folder import DECIDING, MISSION_FILE
+from ...core.dataset.folder import DECIDING, FOOTPRINTS_FILE, MISSION_FILE
 from ..i18n import told, tr
 from ..missions.recent import recent
+from ..paths import folder_of
 from ..runs.after import open_in_system
 from ..task import Task
 from ..viewer.worker import Worker
@@ -37,6 +38,9 @@ _MARGIN = 4.0
 class Cleaning(QObject):
     """The window, what is on the map with it, and the work that it starts."""
 
+    #: Number of a reading, and the percentage of it that is done; emitted on the reader's thread.
+    _read_so_far = pyqtSignal(int, float)
+
     def __init__(self, workflow: Workflow) -> None:
         super().__init__()
         self._workflow, self._iface, self._messages = workflow, workflow.iface, workflow.messages
@@ -51,6 +55,7 @@ class Cleaning(QObject):
         # Pictures are wanted while a long table is still being read, and the other way round.
         self._reader, self._pictures = Worker(), Worker()
         self._reader.refused.connect(self._refused)
+        self._read_so_far.connect(self._show_reading)
         self._rested = QTimer(self)
         self._rested.setSingleShot(True)
         self._rested.setInterval(_REST_MS)
@@ -96,28 +101,44 @@ class Cleaning(QObject):
     def _last(self) -> Path | None:
         """Folder of the dataset captured last, or else of the mission in the panel, or of the one opened last."""
         captured = [run.folder for run in self._workflow.runs.runs if not run.test_shot]
-        in_panel = Path(self._workflow.state().folder.strip()).expanduser()
+        in_panel = folder_of(self._workflow.state().folder)
         for folder in (*reversed(captured), in_panel, *recent()):
             if (folder / MISSION_FILE).is_file():
                 return folder
         return None
 
     def _folder_chosen(self, text: str) -> None:
-        from .clean_panel import folder_of
-
         if text.strip():
             self._read(folder_of(text))
+            return
+        # What is being read is nobody's any more.
+        self._reader.ask(dict, lambda _nothing: None)
+        self._forget(None)
+        self.panel.show_hint()
+
+    def _forget(self, folder: Path | None) -> int:
+        """Take up another folder, of which nothing is known yet; returns the number of its reading."""
+        self._folder, self._found = folder, {}
+        self.marks.hide()
+        self._asked += 1
+        return self._asked
 
     def _read(self, folder: Path) -> None:
         """Read a dataset; one that is being read is given up."""
         from .entropies import read_entropies
 
-        self._folder, self._found = folder, {}
-        self.marks.hide()
-        self._shown_panel().show_hint(tr("Reading {name}…").format(name=folder.name))
-        self._asked += 1
-        number = self._asked
-        self._reader.ask(partial(read_entropies, folder, lambda: number != self._asked), self._show)
+        number = self._forget(folder)
+        self.panel.show_hint(tr("Reading {name}…").format(name=folder.name))
+
+        def go_on(share: float) -> bool:
+            self._read_so_far.emit(number, 100.0 * share)
+            return number == self._asked
+
+        self._reader.ask(partial(read_entropies, folder, go_on), self._show)
+
+    def _show_reading(self, number: int, percent: float) -> None:
+        if number == self._asked and self.panel is not None and not self._found:
+            self.panel.show_reading(percent)
 
     def _show(self, found: dict[str, Entropies]) -> None:
         self._found = found
@@ -128,7 +149,8 @@ class Cleaning(QObject):
     def _show_map_type(self, map_type: str) -> None:
         if map_type in self._found and self.panel is not None:
             self._map_type = map_type
-            self.panel.show_entropies(self._found, map_type)
+            footprints = self._folder is not None and (self._folder / FOOTPRINTS_FILE).is_file()
+            self.panel.show_entropies(self._found, map_type, footprints)
             self._follow()
 
     def _refused(self, message: str) -> None:
@@ -160,8 +182,14 @@ class Cleaning(QObject):
 
     def _zoom_to(self, row: int) -> None:
         found = self._found.get(self._map_type)
-        extent = None if found is None else self.marks.extent_of(found.stems[row])
+        if found is not None and self._folder is not None:
+            self.marks.find(self._folder, found.stems[row], self._zoom_to_extent)
+
+    def _zoom_to_extent(self, extent: QgsRectangle | None) -> None:
+        from .clean_panel import no_footprints
+
         if extent is None:
+            self._messages.warning(no_footprints())
             return
         extent.scale(_MARGIN)
         self._canvas.setExtent(extent)
@@ -206,12 +234,13 @@ class Cleaning(QObject):
         if task.error:
             say = self._messages.error if task.trace else self._messages.warning
             say(told(task.error), task.trace)
+            if self.panel is not None and self._folder is not None:
+                # Whatever was wrong: show what is there now.
+                self._read(self._folder)
         else:
             tell(task)
 
     def _cleaned(self, task: CleanTask) -> None:
-        from .words import cleaned_text
-
         if not task.cleaned:
             self._messages.info(
                 tr("{name}: stopped. Press the button again to finish, or Undo to put all back.").format(
@@ -222,12 +251,13 @@ class Cleaning(QObject):
             moved = any(one.moved or one.returned for one in task.cleaned)
             update = (tr("Update mosaic"), lambda: self._workflow.missions.open_dataset(task.folder))
             mosaics = moved and any(task.folder.glob("*.vrt"))
-            self._messages.success(
-                f"{task.folder.name}: {cleaned_text(task.deed, task.cleaned)}", update if mosaics else None
-            )
+            self._messages.success(f"{task.folder.name}: {task.text()}", update if mosaics else None)
         self._read(task.folder)
 
     def _pictures_saved(self, task: PicturesTask) -> None:
+        if not task.written:
+            # Stopped before it began.
+            return
         self._messages.success(
             tr("{count} pictures written to {folder}.").format(count=len(task.written), folder=task.target),
             (tr("Open folder"), lambda: open_in_system(task.target)),

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import NamedTuple
@@ -11,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...core.dataset.clean import REJECTED
-from ...core.dataset.deciding import deciding_entropies
+from ...core.dataset.deciding import Report, deciding_entropies
 from ...core.dataset.folder import REJECTED_FOLDER
 from ...core.dataset.thresholds import otsu
 
@@ -107,8 +106,13 @@ class Entropies:
         return Example(row, moved if not kept.is_file() and moved.is_file() else kept, float(self.bits[row]))
 
 
-def read_entropies(folder: Path, cancelled: Callable[[], bool] = lambda: False) -> dict[str, Entropies]:
+def read_entropies(folder: Path, progress: Report | None = None) -> dict[str, Entropies]:
     """Entropies that decide in a dataset, by the name of each map type's folder: those that cleaning goes by.
+
+    Parameters
+    ----------
+    progress : callable
+        Told the share done, 0 to 1, where images have to be read; an answer of False stops it.
 
     Raises
     ------
@@ -116,10 +120,10 @@ def read_entropies(folder: Path, cancelled: Callable[[], bool] = lambda: False) 
         A folder that is no dataset, a table that cannot be read or says otherwise than the files, an image that cannot
         be read.
     Cancelled
-        When ``cancelled`` said so.
+        When ``progress`` said so.
     """
     found = {}
-    for name, one in deciding_entropies(folder, progress=lambda _share: not cancelled()).items():
+    for name, one in deciding_entropies(folder, progress=progress).items():
         marks = one.table.other.get(REJECTED, ())
         found[name] = Entropies(
             one.image_folder,

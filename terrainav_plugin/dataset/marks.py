@@ -13,7 +13,7 @@ from qgis.PyQt.QtCore import QObject, pyqtSignal
 from qgis.PyQt.QtGui import QImage, QPainter
 
 from ..viewer.worker import Worker
-from .outlines import Drawer, Drawn, Outlines, View
+from .outlines import Bounds, Drawer, Drawn, View
 
 
 class MarksItem(QgsMapCanvasItem):
@@ -60,7 +60,6 @@ class Marks(QObject):
         self._drawer = Drawer(lambda: self._worker.closed)
         self._item: MarksItem | None = None
         self._wanted: tuple[Path, Callable[[], Collection[str]]] | None = None
-        self._outlines: Outlines | None = None
         self._asked = 0
         self.drawn = 0
         for signal in self._signals():
@@ -78,24 +77,25 @@ class Marks(QObject):
 
     def show(self, folder: Path, stems: Callable[[], Collection[str]]) -> None:
         """Cross out images of a dataset; ``stems`` gives their names without ending, on any thread."""
-        if self._wanted is not None and self._wanted[0] != folder:
-            self._outlines = None
         self._wanted = folder, stems
         self._draw()
 
     def hide(self) -> None:
         """Take the crosses off the map."""
-        self._wanted, self._outlines = None, None
-        self._asked += 1
-        self.drawn = 0
-        if self._item is not None:
-            self._canvas.scene().removeItem(self._item)
-            self._item = None
+        self._wanted = None
+        self._clear()
 
-    def extent_of(self, stem: str) -> QgsRectangle | None:
-        """Where an image is, in the map's CRS; None where nothing is shown, or no such image."""
-        bounds = None if self._outlines is None else self._outlines.bounds_of(stem)
-        return None if bounds is None else QgsRectangle(*bounds)
+    def find(self, folder: Path, stem: str, found: Callable[[QgsRectangle | None], None]) -> None:
+        """Tell where an image of a dataset is, in the map's CRS; None where that is not known.
+
+        Crosses that were being drawn are asked for again.
+        """
+
+        def answer(bounds: Bounds | None) -> None:
+            found(None if bounds is None else QgsRectangle(*bounds))
+            self._draw()
+
+        self._worker.ask(partial(self._drawer.bounds_of, folder, self._wkt(), stem), answer)
 
     def close(self) -> None:
         """End for good."""
@@ -107,11 +107,24 @@ class Marks(QObject):
     def _signals(self) -> tuple[Any, ...]:
         return self._canvas.extentsChanged, self._canvas.destinationCrsChanged, self._canvas.rotationChanged
 
+    def _clear(self) -> None:
+        self._asked += 1
+        self.drawn = 0
+        if self._item is not None:
+            self._canvas.scene().removeItem(self._item)
+            self._item = None
+
+    def _wkt(self) -> str:
+        """The map's CRS."""
+        crs = self._canvas.mapSettings().destinationCrs()
+        return crs.toWkt(QgsCoordinateReferenceSystem.WktVariant.WKT_PREFERRED)
+
     def _draw(self, *_: object) -> None:
         """Have what is to be seen now drawn; what is being drawn for an earlier view or threshold is given up."""
         settings = self._canvas.mapSettings()
         extent = settings.visibleExtent()
         if self._wanted is None or extent.isEmpty():
+            self._clear()
             return
         folder, stems = self._wanted
         view = View(
@@ -122,13 +135,12 @@ class Marks(QObject):
             settings.mapUnitsPerPixel(),
             self._canvas.devicePixelRatioF(),
         )
-        wkt = settings.destinationCrs().toWkt(QgsCoordinateReferenceSystem.WktVariant.WKT_PREFERRED)
         self._asked += 1
         number = self._asked
         work = partial(
             self._drawer.draw,
             folder,
-            wkt,
+            self._wkt(),
             stems,
             view,
             lambda: number != self._asked or self._worker.closed,
@@ -138,7 +150,7 @@ class Marks(QObject):
     def _show(self, number: int, extent: QgsRectangle, drawn: Drawn | None) -> None:
         if drawn is None or number != self._asked:
             return
-        self._outlines, self.drawn = drawn.outlines, drawn.count
+        self.drawn = drawn.count
         if self._item is None:
             self._item = MarksItem(self._canvas)
         self._item.show_image(drawn.image, extent)

@@ -24,6 +24,7 @@ from .colours import REJECTED
 
 Floats = NDArray[np.float64]
 Numbers = NDArray[np.int64]
+Bounds = tuple[float, float, float, float]
 
 #: Footprints smaller than this on the screen are blots; larger ones are crossed out.
 _BLOT_PX = 6.0
@@ -96,7 +97,7 @@ class Outlines:
             ) from wrong
         return Outlines(self.stems, np.asarray(x), np.asarray(y), self.starts, self.owners)
 
-    def bounds_of(self, stem: str) -> tuple[float, float, float, float] | None:
+    def bounds_of(self, stem: str) -> Bounds | None:
         """West, south, east and north of an image; None where it has no outline here."""
         if stem not in self.stems:
             return None
@@ -189,6 +190,13 @@ class Drawer:
         except Cancelled:
             return None
 
+    def bounds_of(self, folder: Path, wkt: str, stem: str) -> Bounds | None:
+        """West, south, east and north of an image in a CRS; None where it has no outline there. Raises InvalidInput."""
+        try:
+            return self._outlines_in(folder, wkt).bounds_of(stem)
+        except Cancelled:
+            return None
+
     def _drawn(
         self,
         folder: Path,
@@ -197,21 +205,24 @@ class Drawer:
         view: View,
         cancelled: Callable[[], bool],
     ) -> Drawn:
+        outlines, chosen = self._outlines_in(folder, wkt), stems()
+        return Drawn(draw(outlines, chosen, view, cancelled), len(chosen))
+
+    def _outlines_in(self, folder: Path, wkt: str) -> Outlines:
+        """Outlines of a dataset in a CRS."""
         of = folder, stamp_of(folder / FOOTPRINTS_FILE)
         if self._outlines is None or of != self._of:
             self._outlines, self._projected = read_outlines(folder, self._closed), None
             self._of = of
         if self._projected is None or self._projected[0] != wkt:
             self._projected = wkt, self._outlines.projected(wkt)
-        chosen = stems()
-        return Drawn(draw(self._projected[1], chosen, view, cancelled), self._projected[1], len(chosen))
+        return self._projected[1]
 
 
 class Drawn(NamedTuple):
-    """A picture, the outlines in its CRS, and how many of them it was to show."""
+    """A picture, and how many outlines it was to show."""
 
     image: QImage
-    outlines: Outlines
     count: int
 
 

@@ -83,24 +83,48 @@ class LayerDialog(QDialog):
 
 
 class PolygonDialog(LayerDialog):
-    """Asks for the layer of the selected polygon."""
+    """Asks for the layer of the selected polygon, or of the only one.
+
+    Attributes
+    ----------
+    select : QPushButton
+        Closes the dialog for a polygon of the layer to be selected on the map.
+    """
 
     def __init__(self, parent: QWidget, active: QgsMapLayer | None) -> None:
         super().__init__(parent, tr("Area from a selected polygon"), active, POLYGON_LAYERS)
+        rows = range(self.layer.count())
+        ready = next((self.layer.layer(row) for row in rows if _has_polygon(self.layer.layer(row))), None)
+        if ready is not None and not _has_polygon(self.chosen()):
+            self.layer.setLayer(ready)
 
     def show_layer(self, layer: QgsVectorLayer | None) -> None:
-        """Offer only layers with a selection."""
+        """Offer only layers that say which polygon; in others one can be selected."""
         super().show_layer(layer)
-        ok = self.buttons.button(QDialogButtonBox.StandardButton.Ok)
-        ok.setEnabled(layer is not None and layer.selectedFeatureCount() > 0)
+        if layer is None:
+            self.words.setText(tr("The project has no layer of polygons: add one, or draw a box instead."))
+        self.buttons.button(QDialogButtonBox.StandardButton.Ok).setEnabled(_has_polygon(layer))
+        self.select.setEnabled(layer is not None)
+
+    def _add_entries(self) -> None:
+        self.select = self.buttons.addButton(tr("&Select on the map"), QDialogButtonBox.ButtonRole.ActionRole)
+        self.select.setObjectName("select_on_map")
+        self.select.setToolTip(tr("Click a polygon of this layer on the map; it becomes the area"))
 
     def _words(self, layer: QgsVectorLayer) -> str:
         count = layer.selectedFeatureCount()
+        if count == 0 and _has_polygon(layer):
+            return tr("It has one polygon, which is taken.")
         if count == 0:
-            return tr("Nothing is selected in it: select one polygon on the map first.")
+            return tr("Nothing is selected in it: press “Select on the map”, then click one polygon.")
         return (
             tr("1 polygon is selected.") if count == 1 else tr("{n} polygons are selected.").format(n=count)
         )
+
+
+def _has_polygon(layer: QgsVectorLayer | None) -> bool:
+    """Whether a layer says which of its polygons is meant."""
+    return layer is not None and (layer.selectedFeatureCount() > 0 or layer.featureCount() == 1)
 
 
 class PointsDialog(LayerDialog):

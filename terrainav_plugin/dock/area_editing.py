@@ -30,6 +30,8 @@ class AreaEditing(QObject):
     -------
     typed()
         An edge is no longer what it was; the form has changed.
+    coordinates_entered()
+        The area has been typed or pasted, in part or whole.
 
     Attributes
     ----------
@@ -38,6 +40,7 @@ class AreaEditing(QObject):
     """
 
     typed = pyqtSignal()
+    coordinates_entered = pyqtSignal()
 
     def __init__(
         self,
@@ -75,6 +78,7 @@ class AreaEditing(QObject):
     def set_coordinates(self, text: str) -> None:
         """Enter coordinates in words; raises FormError for the field ``north``."""
         self._set(with_coordinates(self._read(), text), tr("paste coordinates"))
+        self.coordinates_entered.emit()
 
     def make_box(self) -> None:
         """Enter the box around a polygon or points."""
@@ -111,3 +115,4 @@ class AreaEditing(QObject):
         self._entries.shape = ""
         self.history.name(step_names()[name], joined=True)
         self.typed.emit()
+        self.coordinates_entered.emit()

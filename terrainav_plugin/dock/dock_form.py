@@ -66,15 +66,12 @@ class DockForm(QWidget):
     def _read(self) -> FormState:
         """Return what the widgets say; what they do not show stays as it was given."""
         imagery = self.imagery
-        ticked = (
-            name for name, check in imagery.map_types.items() if check.isChecked() and check.isEnabled()
-        )
         read: dict[str, Any] = {
             **self.area.values(),
             "source": imagery.source.currentData(),
             "template": imagery.template.text(),
             "date": imagery.date.text().strip(),
-            "map_types": tuple(ticked),
+            "map_types": imagery.ticked(),
         }
         for group in self.groups:
             read.update(group.values())
@@ -93,8 +90,7 @@ class DockForm(QWidget):
         try:
             self.area.set_state(state)
             self.imagery.choose_source(state.source)
-            for name, check in self.imagery.map_types.items():
-                check.setChecked(name in state.map_types)
+            self.imagery.enter_map_types(state.map_types)
             self.imagery.template.setText(state.template)
             self.imagery.date.setText(state.date)
             self._enter(state)

@@ -15,6 +15,7 @@ from .refusals import in_words_of_the_dock
 from .units import METRES, area_text, gsd_text, length_text
 
 if TYPE_CHECKING:
+    from ...core.imagery.policy import Policy
     from ...core.mission.estimate import Summary
     from ...core.mission.mission import Mission
     from ...core.mission.plan import Plan
@@ -55,7 +56,9 @@ class Readout:
         return _table(self.details)
 
 
-def readout(plan: Plan, summary: Summary, unit: str = "m", cost: str = "") -> Readout:
+def readout(
+    plan: Plan, summary: Summary, unit: str = "m", cost: str = "", policy: Policy | None = None
+) -> Readout:
     """Figures of a plan.
 
     Parameters
@@ -64,6 +67,8 @@ def readout(plan: Plan, summary: Summary, unit: str = "m", cost: str = "") -> Re
         m or ft, of lengths and areas.
     cost : str
         What the methods were timed at; empty while that is not known.
+    policy : Policy or None
+        Of the source's provider, where it has one.
     """
     mission, grid = plan.mission, plan.grid
     # Every zoom has pixels half the size of the one before.
@@ -72,7 +77,7 @@ def readout(plan: Plan, summary: Summary, unit: str = "m", cost: str = "") -> Re
     enlargeable = grid.max_zoom > grid.native_zoom and not mission.upsample
     return Readout(
         tuple(in_words_of_the_dock(text) for text in summary.warnings),
-        tuple(_figures(mission, summary, unit, own_m if coarser else None)),
+        (*_figures(mission, summary, unit, own_m if coarser else None), *_limit(plan, policy)),
         tuple(_details(summary, cost)),
         _why_html(plan.accuracy),
         coarser and enlargeable and mission.zoom is None and mission.gsd_m_per_px is None,
@@ -95,6 +100,25 @@ def _figures(mission: Mission, summary: Summary, unit: str, coarser_m: float | N
         (tr("Time"), tr("about {duration}").format(duration=duration_text(summary.seconds))),
     ]
     return lines
+
+
+def _limit(plan: Plan, policy: Policy | None) -> list[tuple[str, str]]:
+    """What the plan asks of the provider beside what the provider allows; nothing where there is no limit."""
+    if policy is None or policy.max_tiles is None or policy.bulk_allowed == "yes":
+        return []
+    requests = plan.requests * len(plan.mission.map_types)
+    if not policy.stops(requests):
+        text = tr("{count} of the {most} requests that the provider allows")
+    elif policy.bulk_allowed == "ask":
+        text = tr(
+            "{count} requests, more than the {most} that pass freely: Capture asks you to agree to the terms"
+        )
+    else:
+        text = tr(
+            "{count} requests, more than the {most} that the provider allows: take a smaller area, coarser pixels or "
+            "another source"
+        )
+    return [(tr("Limit"), text.format(count=f"{requests:,}", most=f"{policy.max_tiles:,}"))]
 
 
 def _details(summary: Summary, cost: str) -> list[tuple[str, str]]:

@@ -19,7 +19,7 @@ QLabel[terrainavMark="true"] {{ color: {WRONG_COLOUR}; }}
 """
 
 
-class _Message(QLabel):
+class FieldMessage(QLabel):
     """Text as high as its lines need; layouts forget about that where widgets are nested."""
 
     def resizeEvent(self, event: QResizeEvent) -> None:
@@ -41,7 +41,7 @@ class FieldMarks:
     """The named fields of a form; marks those that hold a bad value, in words below the field."""
 
     def __init__(self) -> None:
-        self._fields: dict[str, tuple[QWidget, _Message]] = {}
+        self._fields: dict[str, tuple[QWidget, FieldMessage]] = {}
 
     def field(self, name: str, widget: QWidget, shown: QWidget | None = None) -> QWidget:
         """Widget, or ``shown`` which holds it, with the room for its message, to put into a layout."""
@@ -54,9 +54,9 @@ class FieldMarks:
         holder.setFocusProxy(shown or widget)
         return holder
 
-    def label(self, name: str, widget: QWidget) -> _Message:
+    def label(self, name: str, widget: QWidget) -> FieldMessage:
         """Label for the message of a field, where it cannot stand right below."""
-        label = _Message()
+        label = FieldMessage()
         label.setObjectName(f"{name}_message")
         label.setProperty("terrainavMark", "true")
         label.setWordWrap(True)

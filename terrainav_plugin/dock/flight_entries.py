@@ -8,12 +8,15 @@ from typing import Any
 from ..i18n import tr
 from .camera_terms import shown_gsd
 from .entries import Entries
-from .field_marks import FieldMarks
+from .field_marks import FieldMarks, FieldMessage
 from .form_state import FormState
 from .form_widgets import combo, row, spin, tick
+from .units import length_text
 
 #: What the spin boxes let through; what is right is said in words.
 _HEIGHT, _GSD, _ANGLE_DEG, _SPEED_M_PER_S = 1e9, 1e9, 1e4, 1e4
+#: Flights below this are seldom meant: such a height comes of a small image.
+_LOW_M = 20.0
 
 
 class FlightEntries(Entries):
@@ -46,6 +49,16 @@ class FlightEntries(Entries):
         super().enter(replace(state, camera_gsd=shown_gsd(state)))
         # Last, as every entry above counts as typed.
         self.height_by = state.height_by
+        self.show_low(state)
+
+    def show_low(self, state: FormState) -> None:
+        """Say what a ground sample distance comes to where that is a flight close to the ground."""
+        is_low = state.height_by == "gsd" and 0.0 < state.agl_m < _LOW_M
+        text = tr(
+            "With {px} px along the image's longer side this is {height} above ground. To fly higher, enter more under "
+            "“Longest side” of the camera."
+        ).format(px=f"{state.max_px:,}", height=length_text(state.agl_m, state.agl_unit))
+        self.low.say(text if is_low else "")
 
     def _add_height(self) -> None:
         self.agl = spin(
@@ -74,6 +87,11 @@ class FlightEntries(Entries):
         self.camera_gsd = spin("camera_gsd", 0.0, _GSD, 4, "", tip)
         self.camera_gsd.valueChanged.connect(lambda: setattr(self, "height_by", "gsd"))
         self.add("camera_gsd", tr("&Ground per px"), self.camera_gsd)
+        self.low = FieldMessage()
+        self.low.setObjectName("camera_gsd_hint")
+        self.low.setWordWrap(True)
+        self.low.hide()
+        self._form.addRow(self.low)
 
     def _add_overlap(self) -> None:
         tip = tr(

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from functools import partial
 
 from qgis.core import QgsApplication
 from qgis.gui import QgsAuthConfigSelect, QgsCollapsibleGroupBoxBasic
@@ -65,18 +66,18 @@ class ImageryEntries(QgsCollapsibleGroupBoxBasic):
         self._marks = marks
         self._choices: dict[str, SourceChoice] = {}
         self._last = ""
+        #: Map types that were ticked by hand, also those that the chosen source has not.
+        self._wanted: set[str] = set()
         self._form = form_layout(self)
         self._add_source()
         self._add_details()
         self._add_map_types()
         self.set_choices(choices)
         self.source.currentIndexChanged.connect(self._source_chosen)
-        for signal in (
-            self.template.textChanged,
-            self.date.textChanged,
-            *(check.toggled for check in self.map_types.values()),
-        ):
+        for signal in (self.template.textChanged, self.date.textChanged):
             signal.connect(self.changed)
+        for name, check in self.map_types.items():
+            check.toggled.connect(partial(self._map_type_ticked, name))
 
     def choice(self) -> SourceChoice | None:
         """Return what is chosen; None for a URL template."""
@@ -106,6 +107,17 @@ class ImageryEntries(QgsCollapsibleGroupBoxBasic):
             self._choices[name] = choice
             self.source.add(name, choice.title)
         self.source.choose(name)
+
+    def ticked(self) -> tuple[str, ...]:
+        """Return the map types that are ticked, of those that the source has."""
+        boxes = self.map_types.items()
+        return tuple(name for name, check in boxes if check.isChecked() and check.isEnabled())
+
+    def enter_map_types(self, names: Sequence[str]) -> None:
+        """Tick map types, telling nobody; one that is ticked for its source's sake stays no wish of the user's."""
+        if set(names) != set(self.ticked()):
+            self._wanted = set(names)
+        self._tick(names)
 
     def show_details(self) -> None:
         """Show the entries that the chosen source has, and what its provider allows."""
@@ -227,6 +239,23 @@ class ImageryEntries(QgsCollapsibleGroupBoxBasic):
             return
         self._last = chosen
         self.show_details()
+        self._tick_offered()
+        self.changed.emit()
+
+    def _tick_offered(self) -> None:
+        """Tick what was ticked by hand of what the source has, or the one map type that it has."""
+        choice = self.choice()
+        offered = set(choice.map_types if choice is not None else ()) or set(self.map_types)
+        self._tick(offered if len(offered) == 1 else self._wanted & offered)
+
+    def _tick(self, names: Iterable[str]) -> None:
+        for name, check in self.map_types.items():
+            check.blockSignals(True)
+            check.setChecked(name in names)
+            check.blockSignals(False)
+
+    def _map_type_ticked(self, name: str, on: bool) -> None:
+        (self._wanted.add if on else self._wanted.discard)(name)
         self.changed.emit()
 
     def _browse(self) -> None:

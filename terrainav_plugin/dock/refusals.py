@@ -31,7 +31,8 @@ def in_words_of_the_dock(message: object) -> str:
         "--layout": tr("Layout"),
         "--date": tr("Date"),
     }
-    text = told(message)
+    elsewhere = tr("“Most images” of the algorithm “Plan a mission”, or max_images in the mission's file")
+    text = told(message).replace("--max-images", elsewhere)
     for option in sorted(set(_OPTION.findall(text)) - set(names), key=len, reverse=True):
         # What the dock has no entry for is no advice here.
         text = re.sub(rf" ?\({option}\)", "", text)

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from qgis.core import QgsApplication, QgsCsException, QgsMapLayer, QgsProject
+from qgis.core import QgsApplication, QgsCsException, QgsMapLayer, QgsProject, QgsVectorLayer
 from qgis.gui import QgisInterface
-from qgis.PyQt.QtCore import QObject
+from qgis.PyQt.QtCore import QObject, QTimer
 from qgis.PyQt.QtWidgets import QApplication, QFileDialog
 
 from ...core.errors import InvalidInput, TerrAInavError
@@ -19,6 +19,7 @@ from ..dock.dock import Dock
 from ..i18n import told, tr
 from ..messages import Messages
 from . import area_reading
+from .area_mark import AreaMark
 from .area_reading import Reading, ReadTask
 from .area_tool import AreaTool
 from .area_words import area_words
@@ -28,6 +29,10 @@ from .point_tool import PointTool
 
 #: Room left around an area that is zoomed to, as a share of it.
 _MARGIN = 1.5
+#: Areas with no side of this many pixels of the screen are a dot, and count as out of sight.
+_DOT_PX = 6.0
+#: Pause in typing after which the map goes to an area that is out of sight.
+_PAUSE_MS = 600
 
 
 class AreaControl(QObject):
@@ -39,6 +44,8 @@ class AreaControl(QObject):
         Moves the area on the map.
     single_tool : PointTool
         Takes the place of a single capture.
+    mark : AreaMark
+        Shows the area on the map as long as neither that tool nor a preview does.
     """
 
     def __init__(self, iface: QgisInterface, dock: Dock, messages: Messages, box_tool: BoxTool) -> None:
@@ -48,15 +55,27 @@ class AreaControl(QObject):
         self._canvas, self._project = iface.mapCanvas(), QgsProject.instance()
         self._box_tool = box_tool
         self._task: ReadTask | None = None
+        #: Layer of which a selected polygon is waited for.
+        self._selecting: QgsVectorLayer | None = None
         keys = self._editing.undo_keys
         self.tool = AreaTool(self._canvas, keys)
         self.single_tool = PointTool(self._canvas)
+        self.mark, self._previewed = AreaMark(self._canvas), False
+        self._pause = QTimer(self)
+        self._pause.setSingleShot(True)
+        self._pause.setInterval(_PAUSE_MS)
+        self._pause.timeout.connect(self._go_to_typed)
         dock.installEventFilter(keys)
         entries = self._form.area
         self.tool.setButton(entries.edit)
         entries.edit.clicked.connect(self._switch_tool)
         entries.area_from.chosen.connect(self._take)
         self._form.changed.connect(self._follow)
+        self._editing.coordinates_entered.connect(self._pause.start)
+        # Whoever moves the map meanwhile looks at something else.
+        self._canvas.extentsChanged.connect(self._pause.stop)
+        self._canvas.mapToolSet.connect(self._show_mark)
+        dock.visibilityChanged.connect(self._show_mark)
         self.tool.dragging.connect(self._show_dragged)
         self.tool.changed.connect(self._take_moved)
         box_tool.drawn.connect(self._take_drawn)
@@ -80,6 +99,12 @@ class AreaControl(QObject):
             self._task.ended.disconnect()
             self._task.cancel()
             self._task = None
+        self._stop_selecting()
+        self._pause.stop()
+        self._canvas.extentsChanged.disconnect(self._pause.stop)
+        self._canvas.mapToolSet.disconnect(self._show_mark)
+        self._dock.visibilityChanged.disconnect(self._show_mark)
+        self.mark.close()
         for tool in (self.tool, self.single_tool):
             tool.stop()
             tool.deleteLater()
@@ -133,7 +158,33 @@ class AreaControl(QObject):
             self._read_polygon(layer)
             return
         dialog = PolygonDialog(self._iface.mainWindow(), layer)
+        dialog.select.clicked.connect(lambda: self._let_select(dialog))
         self._open(dialog, lambda: self._read_polygon(dialog.chosen()))
+
+    def _let_select(self, dialog: PolygonDialog) -> None:
+        """Let the user select a polygon by QGIS's own tool; the selection becomes the area."""
+        layer = dialog.chosen()
+        dialog.reject()
+        self._stop_selecting()
+        self._selecting = layer
+        layer.selectionChanged.connect(self._take_selected)
+        layer.willBeDeleted.connect(self._stop_selecting)
+        self._iface.setActiveLayer(layer)
+        self._iface.actionSelect().trigger()
+        self._messages.info(tr("Click one polygon of “{layer}” on the map.").format(layer=layer.name()))
+
+    def _take_selected(self) -> None:
+        layer = self._selecting
+        if layer is not None and layer.selectedFeatureCount():
+            self._stop_selecting()
+            self._read_polygon(layer)
+
+    def _stop_selecting(self, *_: object) -> None:
+        """Take no selection any more."""
+        layer, self._selecting = self._selecting, None
+        if layer is not None:
+            layer.selectionChanged.disconnect(self._take_selected)
+            layer.willBeDeleted.disconnect(self._stop_selecting)
 
     def _read_polygon(self, layer: QgsMapLayer) -> None:
         step = tr("polygon of {layer}").format(layer=layer.name())
@@ -206,7 +257,7 @@ class AreaControl(QObject):
         self._editing.set_area(area, step, joined=joined)
 
     def _refuse(self, reason: str) -> None:
-        self._messages.warning(tr("No area: {reason}").format(reason=reason))
+        self._messages.refused(reason, tr("No area was taken."))
 
     # --- on the map
 
@@ -218,7 +269,21 @@ class AreaControl(QObject):
         self.tool.start()
 
     def _follow(self) -> None:
-        self.tool.set_area(entered_area(self._form.state()))
+        area = entered_area(self._form.state())
+        self.tool.set_area(area)
+        self.mark.set_area(area)
+
+    def show_previewed(self, previewed: bool) -> None:
+        """Take up whether a preview shows the area."""
+        self._previewed = previewed
+        self._show_mark()
+
+    def _show_mark(self, *_: object) -> None:
+        self.mark.set_shown(self._dock.isUserVisible() and not (self._previewed or self.tool.isActive()))
+
+    def _go_to_typed(self) -> None:
+        if entered_area(self._form.state()) is not None:
+            self._show_on_canvas()
 
     def _show_dragged(self, area: Area) -> None:
         """Show the numbers of what is still being dragged."""
@@ -237,7 +302,8 @@ class AreaControl(QObject):
         except InvalidInput as wrong:
             self._messages.warning(told(wrong))
             return
-        if not self._canvas.extent().intersects(rectangle):
+        wide_px = max(rectangle.width(), rectangle.height()) / self._canvas.mapUnitsPerPixel()
+        if 0.0 < wide_px < _DOT_PX or not self._canvas.extent().intersects(rectangle):
             rectangle.scale(_MARGIN)
             self._canvas.setExtent(rectangle)
             self._canvas.refresh()

@@ -49,10 +49,12 @@ class ReadTask(Task):
 
 
 def selected_polygon(layer: QgsVectorLayer, project: QgsProject) -> Reading:
-    """Reader of the selected polygon of a layer."""
+    """Reader of the selected polygon of a layer; of the only one, where nothing is selected."""
     crs, context = _crs(layer), project.transformContext()
+    is_only = not layer.selectedFeatureCount() and layer.featureCount() == 1
     # A snapshot: the layer itself belongs to the main thread.
-    source, request = QgsVectorLayerFeatureSource(layer), _selected(layer)
+    source = QgsVectorLayerFeatureSource(layer)
+    request = QgsFeatureRequest() if is_only else _selected(layer)
     return lambda _cancelled: (polygon_of(source.getFeatures(request), crs, context), None)
 
 

@@ -15,10 +15,10 @@ from ..i18n import told
 
 #: Beside the dataset's own footprints, while there is something in it.
 FAILED_FILE = "failed.geojson"
-#: Bytes of the journal read in one go.
+#: Bytes of a file read in one go: a thread that reads little at a time holds up all others.
 _CHUNK_BYTES = 1 << 20
 _FAILED_MARK = f'"{FAILED}"'.encode()
-_NAME = re.compile(r'"name": "([^"]*)"')
+_NAME = re.compile(rb'"name": "([^"]*)"')
 
 
 class FailedImages:
@@ -99,11 +99,12 @@ class FailedImages:
         wanted = {name for _, name in self._reasons} - set(self._footprints)
         if not wanted:
             return
-        with (self._folder / FOOTPRINTS_FILE).open(encoding="utf-8") as file:
+        with (self._folder / FOOTPRINTS_FILE).open("rb", buffering=_CHUNK_BYTES) as file:
             for line in file:
                 found = _NAME.search(line)
-                if found and found[1] in wanted:
-                    self._footprints[found[1]] = json.loads(line.rstrip().rstrip(","))
+                name = found[1].decode("utf-8") if found else ""
+                if name in wanted:
+                    self._footprints[name] = json.loads(line.rstrip().rstrip(b","))
 
     def _lines(self) -> list[bytes]:
         features = []

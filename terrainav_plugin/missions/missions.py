@@ -15,10 +15,12 @@ from ...core.dataset.folder import JOURNAL_FILE, MISSION_FILE
 from ...core.errors import InvalidInput, TerrAInavError
 from ..dock import mission_form
 from ..dock.area_form import FormError
+from ..dock.form_state import BOX_FIELDS
 from ..i18n import told, tr
 from ..map.failed_images import FAILED_FILE
 from ..map.mission_group import SavedMission, saved_missions
 from ..map.results import show_failed, show_results
+from ..paths import folder_of
 from ..runs.before import next_folder
 from ..sources import grid_finder
 from .dataset_task import DatasetTask
@@ -28,6 +30,9 @@ from .recent import recent, remember
 if TYPE_CHECKING:
     from ...core.mission.mission import Mission
     from ..workflow import Workflow
+
+#: Entries of a form without an area.
+_NO_AREA = dict.fromkeys((*BOX_FIELDS, "shape"), "")
 
 
 class Missions(QObject):
@@ -185,8 +190,18 @@ class Missions(QObject):
         taken |= {run.folder for run in self._workflow.runs.runs}
         folder = next_folder(folder, taken | {folder})
         self._workflow.set_preview(False)
-        empty = dict.fromkeys(("north", "west", "south", "east", "shape"), "")
-        self._workflow.dock.form.set_state(replace(state, folder=str(folder), **empty))
+        self._workflow.dock.form.set_state(replace(state, folder=str(folder), **_NO_AREA))
+
+    def begin_anew(self) -> None:
+        """Empty the area for a new project, with a folder that is free, unless captures are under way."""
+        state = self._workflow.state()
+        if not self._workflow.runs.idle or not any(getattr(state, name) for name in _NO_AREA):
+            return
+        folder = self._folder()
+        if state.folder.strip() and folder.exists():
+            taken = {run.folder for run in self._workflow.runs.runs}
+            state = mission_form.with_folder(state, str(next_folder(folder, taken)))
+        self._workflow.dock.form.set_state(replace(state, **_NO_AREA))
 
     def save_as(self) -> None:
         """Let the user choose where the mission in the panel is saved."""
@@ -195,7 +210,7 @@ class Missions(QObject):
         except FormError as wrong:
             self._workflow.dock.form.show_messages(wrong.messages)
             reason = next(iter(wrong.messages.values()), "")
-            self._messages.warning(tr("Nothing to save yet: {reason}").format(reason=reason))
+            self._messages.refused(reason, tr("Nothing to save yet."))
             return
         chosen, _ = QFileDialog.getSaveFileName(
             self._workflow.iface.mainWindow(),
@@ -226,7 +241,7 @@ class Missions(QObject):
     # --- how
 
     def _folder(self) -> Path:
-        return Path(self._workflow.state().folder.strip()).expanduser()
+        return folder_of(self._workflow.state().folder)
 
     def _project_closed(self) -> None:
         self._projects_closed += 1

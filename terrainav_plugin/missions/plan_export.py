@@ -86,7 +86,7 @@ class PlanExport(QObject):
         if not chosen:
             return
         path = with_ending(Path(chosen), kind)
-        refusal = tr("Nothing to export yet: {reason}")
+        refusal = tr("Nothing to export yet.")
         self._workflow.with_plan(lambda planned: self._write(planned, path), refusal)
 
     def _write(self, planned: Planned, path: Path) -> None:

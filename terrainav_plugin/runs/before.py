@@ -36,7 +36,7 @@ class Questions:
             return True
         message = tr("folder is empty: choose where the pictures go")
         self._workflow.dock.form.show_messages({"folder": message})
-        self._messages.warning(tr("Nothing to capture yet: {reason}").format(reason=message))
+        self._messages.refused(message, tr("Nothing to capture yet."))
         return False
 
     def key_is_there(self, source: str) -> bool:
@@ -47,7 +47,7 @@ class Questions:
             problem = told(wrong)
         if problem:
             self._workflow.dock.form.show_messages({"key": problem})
-            self._messages.warning(tr("Nothing to capture yet: {reason}").format(reason=problem))
+            self._messages.refused(problem, tr("Nothing to capture yet."))
         return not problem
 
     def belongs_to_another(self, mission: Mission, folder: Path) -> bool:

@@ -95,10 +95,10 @@ class Runs(QObject):
             steps = plan(mission, grid_of(mission))
         except FormError as wrong:
             self._workflow.dock.form.show_messages(wrong.messages)
-            self._messages.warning(tr("No test shot: {reason}").format(reason=told(wrong)))
+            self._messages.refused(told(wrong), tr("No test shot."))
             return
         except TerrAInavError as wrong:
-            self._messages.warning(tr("No test shot: {reason}").format(reason=told(wrong)))
+            self._messages.refused(told(wrong), tr("No test shot."))
             return
         questions = self.questions
         if questions.key_is_there(mission.source) and questions.terms_allow(mission, steps.requests):

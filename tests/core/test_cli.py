@@ -272,6 +272,14 @@ def test_an_interrupt_while_planning_is_one_line(run, monkeypatch):
     assert one_line(run("plan", "--coords", BOX), 130) == "terrainav: stopped"
 
 
+def test_too_little_memory_is_one_line(run, monkeypatch):
+    def exhausted(*_):
+        raise MemoryError
+
+    monkeypatch.setattr(flying, "plan", exhausted)
+    assert one_line(run("plan", "--coords", BOX), 3).startswith("terrainav: not enough memory; ask for less")
+
+
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs a device that is always full")
 @pytest.mark.parametrize("arguments", [("cameras",), ("--help",)])
 def test_output_that_cannot_be_written_is_one_line(tmp_path, arguments):

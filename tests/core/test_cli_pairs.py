@@ -70,7 +70,7 @@ def test_the_cache_serves_the_drone_what_the_satellite_has_fetched(run, tmp_path
     [
         (("nowhere.txt",), "no such file, and no box"),
         ((BOX,), "needs a number of places, --count"),
-        ((BOX, "--count", "0"), "0 places: must be 1 or more"),
+        ((BOX, "--count", "0"), "0 places: must be from 1 to 1,000,000"),
         ((BOX, "--count", "5000"), "the box has room for"),
         ((BOX, "--count", "2", "--tilt", "85"), "tilt 85.0 deg: must be from 0 (straight down) to 80"),
         ((BOX, "--count", "2", "--tilt", "70"), "see the horizon"),

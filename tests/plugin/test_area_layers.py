@@ -243,18 +243,60 @@ def test_several_selected_polygons_are_counted(desk):
 
 
 def test_layer_of_the_polygon_is_asked_for_where_the_active_one_has_none(desk, screenshot):
-    layer = layer_of("Polygon", "EPSG:4326", ["Polygon ((0 0, 0.01 0, 0.01 0.01, 0 0))"])
+    wkts = ["Polygon ((0 0, 0.01 0, 0.01 0.01, 0 0))", "Polygon ((1 0, 1.01 0, 1.01 0.01, 1 0))"]
+    layer = layer_of("Polygon", "EPSG:4326", wkts)
     layer_of("Point", "EPSG:4326", ["Point (0 0)"])
     choose_way(desk, "polygon")
     dialog = dialog_of(desk)
     assert "Nothing is selected" in dialog.words.text()
     assert not dialog.buttons.button(QDialogButtonBox.StandardButton.Ok).isEnabled()
     assert dialog.layer.count() == 1
-    layer.selectAll()
+    layer.selectByIds([1])
     dialog.show_layer(layer)
     screenshot("polygon-dialog", dialog)
     accept(desk, dialog)
     desk.wait(lambda: "Polygon, 3 corners" in desk.form.area.words.text())
+
+
+def test_polygon_is_selected_on_the_map_from_the_dialog(desk, screenshot):
+    wkts = ["Polygon ((0 0, 1 0, 1 1, 0 1, 0 0))", "Polygon ((2 0, 3 0, 3 1, 2 0))"]
+    layer = layer_of("Polygon", "EPSG:4326", wkts)
+    desk.look_at("EPSG:4326", (-0.5, -1.0, 3.5, 2.0))
+    desk.iface.setActiveLayer(layer)
+    choose_way(desk, "polygon")
+    dialog = dialog_of(desk)
+    screenshot("polygon-nothing-selected", dialog)
+    desk.click(dialog.select)
+    assert any("Click one polygon" in text for text in desk.messages())
+    desk.canvas.waitWhileRendering()
+    to_pixel = desk.canvas.getCoordinateTransform()
+    desk.click_map(to_pixel.transform(0.3, 0.4).toQPointF().toPoint())
+    desk.wait(lambda: "Polygon, 4 corners" in desk.form.area.words.text())
+    # Later selections are the user's own business.
+    layer.selectByIds([2])
+    desk.wait_for_tasks()
+    assert "Polygon, 4 corners" in desk.form.area.words.text()
+
+
+def test_layer_that_says_which_polygon_is_offered_first(desk):
+    many = ["Polygon ((0 0, 1 0, 1 1, 0 0))", "Polygon ((2 0, 3 0, 3 1, 2 0))"]
+    active = layer_of("Polygon", "EPSG:4326", many)
+    only = layer_of("Polygon", "EPSG:4326", ["Polygon ((0 0, 0.01 0, 0.01 0.01, 0 0))"])
+    desk.iface.setActiveLayer(active)
+    choose_way(desk, "polygon")
+    dialog = dialog_of(desk)
+    assert dialog.chosen() == only
+    assert "one polygon" in dialog.words.text()
+    accept(desk, dialog)
+    desk.wait(lambda: "Polygon, 3 corners" in desk.form.area.words.text())
+
+
+def test_project_without_polygons_says_what_else_to_do(desk):
+    choose_way(desk, "polygon")
+    dialog = dialog_of(desk)
+    assert "draw a box instead" in dialog.words.text()
+    assert not dialog.select.isEnabled()
+    dialog.reject()
 
 
 # --- extents
@@ -283,7 +325,7 @@ def test_layer_without_an_extent_is_refused(desk):
     desk.iface.setActiveLayer(layer)
     choose_way(desk, "layer")
     accept(desk, dialog_of(desk))
-    assert any("layer “mine” is empty" in text for text in desk.messages())
+    assert any("Layer “mine” is empty" in text for text in desk.messages())
 
 
 def test_extent_of_a_rotated_canvas_holds_its_corners(desk):

@@ -163,7 +163,9 @@ def test_figures_are_those_of_the_last_change(desk):
 def test_mission_beyond_the_limit_is_refused_in_words(desk):
     desk.enter_box("60", "-120", "-60", "120")
     desk.form.agl.setValue(1.0)
-    desk.wait(lambda: "the limit is" in desk.dock.problem.text())
+    desk.wait(lambda: "the limit is 10,000,000" in desk.dock.problem.text())
+    assert "“Most images” of the algorithm “Plan a mission”" in desk.dock.problem.text()
+    assert "--" not in desk.dock.problem.text()
     assert desk.dock.problem.isVisibleTo(desk.dock)
 
 

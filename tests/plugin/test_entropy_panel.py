@@ -10,7 +10,7 @@ import pytest
 from qgis.core import QgsApplication, QgsProject, QgsRectangle
 from qgis.gui import QgsMapCanvasItem
 from qgis.PyQt.QtCore import QPoint, Qt
-from qgis.PyQt.QtGui import QColor
+from qgis.PyQt.QtGui import QColor, QPainter
 from qgis.PyQt.QtTest import QTest
 from qgis.PyQt.QtWidgets import QApplication, QDockWidget, QFileDialog, QLabel
 
@@ -254,6 +254,42 @@ def test_chart_of_a_hundred_thousand_images_shows_the_only_poor_one(qtbot):
         assert found > 0, chart.objectName()
 
 
+@pytest.mark.parametrize("size", [(240, 140), (420, 190), (900, 500)])
+def test_labels_of_axes_stand_apart(qtbot, monkeypatch, size):
+    from terrainav.terrainav_plugin.dataset.charts import Bars, Histogram
+
+    drawn = []
+
+    class Painter(QPainter):
+        def drawText(self, at, text):
+            drawn.append((text, self.worldTransform().map(at)))
+            super().drawText(at, text)
+
+    monkeypatch.setattr("terrainav.terrainav_plugin.dataset.chart.QPainter", Painter)
+    for chart in (Histogram(), Bars()):
+        qtbot.addWidget(chart)
+        chart.resize(*size)
+        chart.show_bits(np.tile(np.linspace(0.0, 8.0, 1000), 1000), None)
+        drawn.clear()
+        chart.grab()
+        frame, metrics = chart.frame(), chart.fontMetrics()
+        numbers = [(text, at) for text, at in drawn if text.replace(",", "").isdigit()]
+        left = sorted(
+            at.y()
+            for _, at in numbers
+            if at.x() < frame.left and at.y() <= frame.bottom + metrics.ascent() / 2
+        )
+        assert len(left) >= 2
+        assert np.diff(left).min() >= metrics.ascent()
+        below = sorted(
+            (at.x(), at.x() + metrics.horizontalAdvance(text))
+            for text, at in numbers
+            if at.y() > frame.bottom + metrics.ascent() / 2
+        )
+        assert len(below) >= 2
+        assert all(end < start for (_, end), (start, _) in zip(below, below[1:]))
+
+
 def test_examples_show_their_pictures_and_lead_to_the_map(desk, dataset, opened):
     desk.workflow.missions.open_dataset(dataset)
     desk.wait(lambda: not desk.workflow.missions.busy)
@@ -267,10 +303,14 @@ def test_examples_show_their_pictures_and_lead_to_the_map(desk, dataset, opened)
     assert all(float(button.text()) < panel.threshold.value() for button in panel.strip.below)
     assert all(float(button.text()) >= panel.threshold.value() for button in panel.strip.above)
     before = desk.canvas.extent()
-    # By keyboard.
+    # By keyboard, also where nothing is crossed out.
+    QTest.mouseClick(panel.on_map, LEFT)
     button = panel.strip.below[0]
     button.setFocus()
     QTest.keyClick(button, Qt.Key.Key_Space)
+    desk.wait(lambda: not cleaning.busy)
+    QTest.mouseClick(panel.on_map, LEFT)
+    desk.wait(lambda: not cleaning.busy)
     assert desk.canvas.extent().width() < before.width() / 2
     row = panel.strip._rows[button]
     footprint = next(
@@ -375,7 +415,7 @@ def test_mark_move_and_undo(desk, dataset, opened, screenshot):
     assert len(marks_of(dataset, "satellite")) == expected == len(marks_of(dataset, "roadmap"))
     assert {path.relative_to(dataset) for path in dataset.rglob("*.tif")} == before
     assert (
-        f"fields: {2 * expected} of {2 * len(panel.entropies)} images are marked as rejected."
+        f"fields: {2 * expected} of {2 * len(panel.entropies)} images of 2 map types are marked as rejected."
         in desk.messages()
     )
     assert f"{expected} images marked" in panel.notes.text()
@@ -426,6 +466,134 @@ def test_what_goes_wrong_is_said_and_changes_nothing(desk, dataset, opened, tmp_
     desk.wait(lambda: not cleaning.busy)
     assert any("is not there" in text for text in desk.messages())
     assert {path: path.read_bytes() for path in dataset.glob("*/meta_data.csv")} == tables
+
+
+def test_what_is_shown_is_what_is_there_after_something_went_wrong(desk, dataset, opened):
+    panel, cleaning = opened(dataset), desk.workflow.cleaning
+    shutil.rmtree(dataset)
+    desk.click(panel.buttons["mark"])
+    desk.wait(lambda: not cleaning.busy)
+    assert any("cannot be read" in text for text in desk.messages())
+    assert panel.entropies is None
+    assert "cannot be read" in panel.charts[0]._hint
+    assert not any(button.isEnabled() for button in panel.buttons.values())
+
+
+def test_window_closed_while_it_works_stays_closed(desk, dataset, opened):
+    panel, cleaning = opened(dataset), desk.workflow.cleaning
+    desk.click(panel.buttons["mark"])
+    panel.close()
+    desk.wait(lambda: not cleaning.busy)
+    assert not panel.isVisible()
+    assert cleaning.marks.item is None
+
+
+def test_a_dataset_that_cannot_be_written_is_left_as_it_is(desk, dataset, opened, monkeypatch):
+    from terrainav.core.dataset.table import Table
+    from terrainav.core.errors import OutputError
+
+    def full(*_):
+        raise OutputError("folder satellite: cannot write meta_data.csv (Read-only file system)")
+
+    panel, cleaning = opened(dataset), desk.workflow.cleaning
+    monkeypatch.setattr(Table, "save", full)
+    type_bits(desk, panel, str(middle_bits(panel)))
+    threshold = panel.threshold.value()
+    desk.click(panel.buttons["move"])
+    desk.wait(lambda: not cleaning.busy)
+    assert any("Read-only file system" in text for text in desk.messages())
+    assert not list(dataset.rglob("rejected"))
+    assert panel.notes.text().endswith("of them.")
+    assert panel.threshold.value() == threshold
+    assert all(button.isEnabled() for button in panel.buttons.values())
+
+
+def test_a_folder_that_is_no_more_entered_is_not_cleaned(desk, dataset, opened):
+    panel, cleaning = opened(dataset), desk.workflow.cleaning
+    desk.type_text(panel.folder.lineEdit(), "")
+    desk.wait(lambda: not cleaning.busy)
+    assert panel.entropies is None
+    assert panel.charts[0]._hint == "Choose the folder of a dataset."
+    assert cleaning.marks.item is None
+    assert not any(button.isEnabled() for button in panel.buttons.values())
+    # Nobody's home.
+    desk.type_text(panel.folder.lineEdit(), "~nobody-of-this-name")
+    desk.wait(lambda: not cleaning.busy)
+    assert "~nobody-of-this-name: cannot be read" in panel.charts[0]._hint
+
+
+def test_focus_comes_back_when_the_work_is_done(desk, dataset, opened):
+    panel, cleaning = opened(dataset), desk.workflow.cleaning
+    panel.activateWindow()
+    panel.buttons["mark"].setFocus()
+    QTest.keyClick(panel.buttons["mark"], Qt.Key.Key_Space)
+    assert panel.focusWidget() is not panel.buttons["mark"]
+    desk.wait(lambda: not cleaning.busy)
+    assert panel.focusWidget() is panel.buttons["mark"]
+    # But not from where somebody types.
+    edit = panel.folder.lineEdit()
+    desk.type_text(edit, str(dataset))
+    desk.wait(lambda: not cleaning.busy)
+    assert panel.focusWidget() is edit
+
+
+def test_everything_is_reached_by_tab(desk, dataset, opened):
+    panel = opened(dataset)
+    type_bits(desk, panel, str(middle_bits(panel)))
+    desk.wait(lambda: not desk.workflow.cleaning.busy)
+    panel.activateWindow()
+    first = panel.folder.lineEdit()
+    first.setFocus()
+    order = [first]
+    while len(order) == 1 or order[-1] is not first:
+        QTest.keyClick(order[-1], Qt.Key.Key_Tab)
+        order.append(panel.focusWidget())
+        assert len(order) < 40
+    lines = (
+        [first, panel.map_type, panel.tabs.tabBar(), panel.tabs.currentWidget()],
+        [panel.threshold, panel.suggest, panel.on_map],
+        [*panel.strip.below[::-1], *panel.strip.above],
+        [panel.save, *(panel.buttons[deed] for deed in ("undo", "mark", "move"))],
+    )
+    expected = [widget for line in lines for widget in line]
+    assert [widget for widget in order[:-1] if widget in expected] == expected
+
+
+def test_beside_other_panels_it_is_as_narrow_and_low_as_they_are(desk, dataset, opened):
+    panel = opened(dataset)
+    least = panel.widget().minimumSizeHint()
+    assert least.width() <= 200
+    assert least.height() <= 200
+
+
+def test_datasets_without_footprints_say_that_they_are_not_on_the_map(desk, dataset, opened):
+    (dataset / "footprints.geojson").unlink()
+    panel, cleaning = opened(dataset), desk.workflow.cleaning
+    assert not panel.on_map.isEnabled()
+    assert "no footprints" in panel.on_map.toolTip()
+    before = desk.canvas.extent()
+    desk.click(panel.strip.above[0])
+    desk.wait(lambda: not cleaning.busy)
+    assert any("no footprints" in text for text in desk.messages())
+    assert desk.canvas.extent() == before
+
+
+def test_reading_that_takes_long_shows_how_far_it_is(desk, captured, tmp_path, cleaning):
+    from tests.support.published import write_published
+
+    write_published(tmp_path / "Memphis" / "satellite_0", entropies=False)
+    cleaning.open(captured)
+    desk.wait(lambda: not cleaning.busy)
+    shown = []
+    cleaning.panel.bar.valueChanged.connect(
+        lambda percent: shown.append((percent, cleaning.panel.bar.isVisible()))
+    )
+    cleaning.open(tmp_path / "Memphis")
+    desk.wait(lambda: not cleaning.busy)
+    assert shown
+    assert all(visible for _, visible in shown)
+    assert not cleaning.panel.bar.isVisible()
+    assert len(cleaning.panel.entropies) == 6
 
 
 def test_map_types_and_folders_are_chosen(desk, dataset, captured, opened):

@@ -76,7 +76,7 @@ def test_name_gets_the_ending_of_the_kind(chosen, kind, written):
 def test_what_cannot_be_exported_is_one_line(desk, tmp_path, choose_file):
     choose_file(tmp_path / "survey.kml")
     export(desk)
-    assert any(text.startswith("Nothing to export yet: ") for text in desk.messages())
+    assert any(text.endswith("Nothing to export yet.") for text in desk.messages())
     desk.enter_small_mission()
     desk.wait_planned()
     choose_file(tmp_path / "nowhere" / "survey.kml")

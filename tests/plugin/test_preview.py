@@ -24,6 +24,8 @@ def rectangles(layer):
 
 @pytest.fixture
 def previewed(desk):
+    # The box fills the map: from afar, more images than a few give way to images per place.
+    desk.look_at("EPSG:4326", (-89.871, 35.130, -89.855, 35.141))
     desk.enter_small_mission()
     desk.click(desk.dock.preview)
     desk.wait_previewed()
@@ -67,8 +69,6 @@ def test_centres_and_flight_line_follow_the_plan(previewed):
 
 
 def test_preview_follows_a_changed_height_in_place(previewed):
-    # The box fills the map: from afar, more images than a few give way to images per place.
-    previewed.look_at("EPSG:4326", (-89.871, 35.130, -89.855, 35.141))
     ids = [previewed.layer(name).id() for name in LAYERS]
     before = previewed.layer("Planned images").featureCount()
     previewed.form.agl.setValue(90.0)
@@ -125,6 +125,7 @@ def test_layer_the_user_removed_comes_back_with_the_next_change(previewed):
 def test_preview_survives_a_new_project(previewed):
     previewed.iface.newProject(False)
     previewed.wait(lambda: not previewed.dock.preview.isChecked())
+    previewed.enter_small_mission()
     previewed.click(previewed.dock.preview)
     previewed.wait_previewed()
     assert previewed.layer_names() == LAYERS

@@ -220,7 +220,7 @@ def test_the_message_bar_is_spanish(spanish_desk):
     desk = spanish_desk
     desk.click(desk.dock.capture)
     assert desk.messages() == [
-        "Aún no hay nada que capturar: aún no hay área; dibujar un recuadro o introducir coordenadas"
+        "Aún no hay área; dibujar un recuadro o introducir coordenadas. Aún no hay nada que capturar."
     ]
 
 

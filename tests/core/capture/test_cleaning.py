@@ -53,13 +53,24 @@ def source_of(worked_out, **options):
     return HalfBlank(float(np.median(left + worked_out.windows.width_px)), **options)
 
 
+@pytest.fixture(scope="module")
+def captures(tmp_path_factory):
+    """Folders and plans of captures of both map types, by their images' format; not to be changed."""
+    made = {}
+    for image_format in ("jpg", "tif"):
+        folder = tmp_path_factory.mktemp("captured") / "out"
+        worked_out = plan(mission_of(image_format), PatternSource().grid)
+        capture(worked_out, source_of(worked_out), folder)
+        made[image_format] = folder, worked_out
+    return made
+
+
 @pytest.fixture(params=["jpg", "tif"])
-def dataset(request, tmp_path):
+def dataset(request, captures, tmp_path):
     """Folder, plan and source of a capture of both map types."""
-    worked_out = plan(mission_of(request.param), PatternSource().grid)
-    source = source_of(worked_out)
-    capture(worked_out, source, tmp_path / "out")
-    return tmp_path / "out", worked_out, source
+    folder, worked_out = captures[request.param]
+    shutil.copytree(folder, tmp_path / "out", copy_function=shutil.copyfile)
+    return tmp_path / "out", worked_out, source_of(worked_out)
 
 
 def files(folder):
@@ -352,9 +363,8 @@ def unreadable(folder):
         (unreadable, r"image .*: cannot be read"),
     ],
 )
-def test_bad_input_gives_one_line_and_changes_nothing(tmp_path, spoil, words):
-    worked_out = plan(mission_of("tif"), PatternSource().grid)
-    capture(worked_out, source_of(worked_out), tmp_path / "out")
+def test_bad_input_gives_one_line_and_changes_nothing(captures, tmp_path, spoil, words):
+    shutil.copytree(captures["tif"][0], tmp_path / "out", copy_function=shutil.copyfile)
     spoil(tmp_path / "out")
     before = files(tmp_path / "out")
     with pytest.raises(InvalidInput, match=words) as refused:

@@ -15,13 +15,14 @@ from terrainav.core.capture.exposure import body_of
 from terrainav.core.capture.jpeg import jpeg
 from terrainav.core.capture.records import exposures_of, job_of
 from terrainav.core.capture.runner import capture
+from terrainav.core.config import FOLDER_ENV
 from terrainav.core.errors import InvalidInput
 from terrainav.core.geodesy.camera import Camera
 from terrainav.core.geodesy.mercator import u_to_lon, v_to_lat
 from terrainav.core.mission.area import Box, Points
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
-from terrainav.core.mission.presets import camera_named
+from terrainav.core.mission.presets import add_camera, camera_named
 
 from tests.support.photos import exiftool, focal_ratio, ground_seen, position
 from tests.support.sources import PatternSource
@@ -53,51 +54,50 @@ ATTITUDES = [
 ]
 
 
-@pytest.mark.parametrize(
-    ("lat", "lon", "ground", "attitude"),
-    [(*AGRICENTER, 80.0, attitude) for attitude in ATTITUDES]
-    + [(-33.9, 179.9995, -300.0, attitude) for attitude in ATTITUDES[-2:]],
-)
-def test_the_tags_alone_put_the_corners_of_a_camera_frame_where_the_plan_has_them(
-    tmp_path, lat, lon, ground, attitude
-):
+def test_the_tags_alone_put_the_corners_of_a_camera_frame_where_the_plan_has_them(tmp_path):
     """The angles' signs, the optics and the altitude, by the rotation that mapping software makes of them."""
-    angles = dict(zip(("yaw_deg", "tilt_deg", "roll_deg"), attitude))
-    mission = one(lat, lon, **angles, ground_height_m=ground, frame="camera", max_px=120)
-    worked_out, paths = photographed(tmp_path, mission)
-    width, height = worked_out.size_px
-    (tags,) = exiftool(*paths)
-    seen_lon, seen_lat = ground_seen(tags, [(0, 0), (width, 0), (width, height), (0, height)], ground)
-    corners = worked_out.corners
-    _, _, apart = Geod(ellps="WGS84").inv(seen_lon, seen_lat, corners.lon_deg[0], corners.lat_deg[0])
-    assert worked_out.accuracy.footprint.rung.name == "exact" or attitude[1:] == (0.0, 0.0)
-    # Straight down, the planner may take corners that are as good as its budget asks for.
-    exact = TAGS_M + PARALLEL * abs(ground)
-    assert apart.max() < (exact if any(attitude[1:]) else 0.1)
+    cases = [(*AGRICENTER, 80.0, attitude) for attitude in ATTITUDES]
+    cases += [(-33.9, 179.9995, -300.0, attitude) for attitude in ATTITUDES[-2:]]
+    plans, photos = [], []
+    for number, (lat, lon, ground, attitude) in enumerate(cases):
+        angles = dict(zip(("yaw_deg", "tilt_deg", "roll_deg"), attitude))
+        mission = one(lat, lon, **angles, ground_height_m=ground, frame="camera", max_px=120)
+        worked_out, paths = photographed(tmp_path / str(number), mission)
+        plans.append(worked_out)
+        photos += paths
+    for (_, _, ground, attitude), worked_out, tags in zip(cases, plans, exiftool(*photos)):
+        width, height = worked_out.size_px
+        seen_lon, seen_lat = ground_seen(tags, [(0, 0), (width, 0), (width, height), (0, height)], ground)
+        corners = worked_out.corners
+        _, _, apart = Geod(ellps="WGS84").inv(seen_lon, seen_lat, corners.lon_deg[0], corners.lat_deg[0])
+        assert worked_out.accuracy.footprint.rung.name == "exact" or attitude[1:] == (0.0, 0.0)
+        # Straight down, the planner may take corners that are as good as its budget asks for.
+        exact = TAGS_M + PARALLEL * abs(ground)
+        assert apart.max() < (exact if any(attitude[1:]) else 0.1), attitude
 
 
-@pytest.mark.parametrize("img_size", [None, (100, 100, 3), (250, 61, 1)])
-@pytest.mark.parametrize(
-    ("lat", "lon", "agl"), [(*AGRICENTER, 120.0), (0.001, 0.0, 150.0), (-61.3, 179.99999, 80.0)]
-)
-def test_the_tags_alone_put_the_edges_of_a_map_frame_where_the_file_has_them(
-    tmp_path, lat, lon, agl, img_size
-):
-    mission = one(lat, lon, agl, frame="map", img_size=img_size)
-    worked_out, paths = photographed(tmp_path, mission)
-    (tags,) = exiftool(*paths)
-    left, top, width, height = (values[0] for values in worked_out.windows)
-    wide, high = img_size[:2] if img_size else (width, height)
-    assert (tags["ExifIFD:ExifImageWidth"], tags["ExifIFD:ExifImageHeight"]) == (wide, high)
-    columns = np.array([0.0, wide / 2, wide, wide, 0.0])
-    rows = np.array([0.0, 0.0, high / 2, high, high])
-    world = worked_out.grid.world_px(worked_out.zoom)
-    seen_lon, seen_lat = ground_seen(tags, np.stack([columns, rows], axis=1))
-    east = u_to_lon((left + columns / wide * width) / world)
-    north = v_to_lat((top + rows / high * height) / world)
-    _, _, apart = Geod(ellps="WGS84").inv(seen_lon, seen_lat, east, north)
-    ground_m = worked_out.grid.ground_m_per_px(worked_out.lat_deg, worked_out.zoom)[0]
-    assert apart.max() < MAP_FRAME_PX * ground_m
+def test_the_tags_alone_put_the_edges_of_a_map_frame_where_the_file_has_them(tmp_path):
+    places = [(*AGRICENTER, 120.0), (0.001, 0.0, 150.0), (-61.3, 179.99999, 80.0)]
+    cases = [(*place, size) for place in places for size in (None, (100, 100, 3), (250, 61, 1))]
+    plans, photos = [], []
+    for number, (lat, lon, agl, img_size) in enumerate(cases):
+        mission = one(lat, lon, agl, frame="map", img_size=img_size)
+        worked_out, paths = photographed(tmp_path / str(number), mission)
+        plans.append(worked_out)
+        photos += paths
+    for (lat, _, _, img_size), worked_out, tags in zip(cases, plans, exiftool(*photos)):
+        left, top, width, height = (values[0] for values in worked_out.windows)
+        wide, high = img_size[:2] if img_size else (width, height)
+        assert (tags["ExifIFD:ExifImageWidth"], tags["ExifIFD:ExifImageHeight"]) == (wide, high)
+        columns = np.array([0.0, wide / 2, wide, wide, 0.0])
+        rows = np.array([0.0, 0.0, high / 2, high, high])
+        world = worked_out.grid.world_px(worked_out.zoom)
+        seen_lon, seen_lat = ground_seen(tags, np.stack([columns, rows], axis=1))
+        east = u_to_lon((left + columns / wide * width) / world)
+        north = v_to_lat((top + rows / high * height) / world)
+        _, _, apart = Geod(ellps="WGS84").inv(seen_lon, seen_lat, east, north)
+        ground_m = worked_out.grid.ground_m_per_px(worked_out.lat_deg, worked_out.zoom)[0]
+        assert apart.max() < MAP_FRAME_PX * ground_m, (lat, img_size)
 
 
 @pytest.mark.parametrize(
@@ -155,6 +155,8 @@ def test_every_photo_says_where_and_when_along_the_flight_it_was_taken(tmp_path)
         assert lat == pytest.approx(worked_out.lat_deg[index], abs=1.5e-11)
         assert lon == pytest.approx(worked_out.lon_deg[index], abs=1.5e-11)
         assert (altitude, tags["XMP-Camera:AboveGroundAltitude"]) == (-310.0, 120.0)
+        # From these versions on the references of an altitude count from the ellipsoid.
+        assert (str(tags["ExifIFD:ExifVersion"]), tags["GPS:GPSVersionID"]) == ("0300", "2 4 0 0")
         assert (tags["GPS:GPSImgDirection"], tags["GPS:GPSImgDirectionRef"]) == (0, "T")
         taken = start + timedelta(seconds=float(worked_out.times_s[index]))
         written = f"{tags['ExifIFD:DateTimeOriginal']}.{tags['ExifIFD:SubSecTimeOriginal']}"
@@ -233,8 +235,12 @@ def test_other_formats_cost_nothing(tmp_path):
     assert exposures_of(worked_out) is None
 
 
-def test_a_camera_of_the_users_own_does_not_change_the_tags():
-    assert body_of(Camera(61.0, 1.25)).model == "FOV 61 deg, 1.25 to 1 (simulated)"
+def test_a_camera_of_the_users_own_does_not_change_the_tags(monkeypatch, tmp_path):
+    monkeypatch.setenv(FOLDER_ENV, str(tmp_path))
+    facts = {"fov_deg": 61.0, "aspect_ratio": [5, 4]}
+    camera = Camera(61.0, 1.25)
+    assert add_camera("Mine", facts).camera == camera_named("Mine").camera == camera
+    assert body_of(camera).model == "FOV 61 deg, 1.25 to 1 (simulated)"
 
 
 @pytest.mark.parametrize(

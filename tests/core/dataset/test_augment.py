@@ -196,3 +196,8 @@ def test_pixels_are_the_same_on_every_machine():
 def test_ranges_are_checked(choice, words):
     with pytest.raises(InvalidInput, match=words):
         Augmentation(**choice)
+
+
+def test_images_too_narrow_to_be_turned_are_refused_before_memory_is_taken():
+    with pytest.raises(InvalidInput, match=r"image of 60000 x 1 px: augmented, it needs \d+ x \d+ px"):
+        changed(Image.new("L", (60000, 1)), Change(rotation_deg=45.0))

@@ -172,7 +172,38 @@ def test_images_that_cannot_be_read_are_named_and_nothing_is_written(tmp_path):
     assert [path.name for path in tmp_path.iterdir()] == ["a"]
 
 
-def test_targets_that_are_in_use_are_refused(tmp_path):
+def test_images_that_are_cut_off_are_named(tmp_path):
+    names = write_published(tmp_path / "a" / "satellite")
+    path = tmp_path / "a" / "satellite" / names[2]
+    path.write_bytes(path.read_bytes()[:-200])
+    with pytest.raises(InvalidInput, match=f"no images that can be read: {names[2]}$"):
+        convert(tmp_path / "a", tmp_path / "b")
+    assert not (tmp_path / "b").exists()
+
+
+def test_a_table_without_images_is_refused(tmp_path):
+    write_published(tmp_path / "a" / "satellite")
+    table = tmp_path / "a" / "satellite" / "meta_data.csv"
+    table.write_text(table.read_text().partition("\n")[0] + "\n")
+    with pytest.raises(InvalidInput, match=r"meta_data\.csv: names no image that is there"):
+        convert(tmp_path / "a", tmp_path / "b")
+    assert not (tmp_path / "b").exists()
+
+
+def test_a_link_to_a_folder_is_that_folder(tmp_path):
+    write_published(tmp_path / "a" / "satellite")
+    (tmp_path / "real").mkdir()
+    link = tmp_path / "link"
+    try:
+        link.symlink_to(tmp_path / "real", target_is_directory=True)
+    except OSError:
+        pytest.skip("no symbolic links here")
+    convert(tmp_path / "a", link)
+    assert link.is_symlink()
+    assert len(read_dataset(tmp_path / "real").image_sets["satellite"]) == 6
+
+
+def test_targets_that_are_in_use_are_refused(tmp_path, monkeypatch):
     write_published(tmp_path / "a" / "satellite")
     (tmp_path / "full").mkdir()
     (tmp_path / "full" / "mine.txt").write_text("x")
@@ -191,6 +222,11 @@ def test_targets_that_are_in_use_are_refused(tmp_path):
             convert(tmp_path / "a", tmp_path / target)
     assert files(tmp_path) == before
     (tmp_path / "empty").mkdir()
+    monkeypatch.chdir(tmp_path / "empty")
+    for target in (".", "", "new/.."):
+        with pytest.raises(InvalidInput, match="is the current one, which is in use"):
+            convert(tmp_path / "a", target)
+    monkeypatch.chdir(tmp_path)
     convert(tmp_path / "a", tmp_path / "empty")
     assert len(read_dataset(tmp_path / "empty").image_sets["satellite"]) == 6
 

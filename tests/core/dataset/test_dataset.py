@@ -174,3 +174,19 @@ def test_one_map_type_of_a_dataset_and_unknown_layouts_are_refused(captured):
         read_dataset(captured / "satellite")
     with pytest.raises(InvalidInput, match="layout 'Other': must be one of TerrAInav, VBN"):
         read_dataset(captured, "Other")
+
+
+@pytest.mark.parametrize(("header", "value"), [("Lat", "91"), ("Lat", "-1e300"), ("Lon", "361")])
+def test_places_that_are_not_on_the_earth_are_named(dataset, header, value):
+    def spoil(rows):
+        rows[2][rows[0].index(header)] = value
+
+    edit(dataset / "satellite", spoil)
+    name = read_name(dataset / "satellite", 2)
+    with pytest.raises(InvalidInput, match=f"{name} is not on the Earth, first at Lat .* must be within 90"):
+        read_dataset(dataset)
+
+
+def read_name(folder, row):
+    with (folder / "meta_data.csv").open(encoding="utf-8", newline="") as file:
+        return list(csv.reader(file))[row][0]

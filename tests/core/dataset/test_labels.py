@@ -4,19 +4,19 @@ import json
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from pyproj import Geod, Transformer
 from terrainav.core.dataset.frames import FRAMES, frame_of, middle_of
-from terrainav.core.dataset.labels import Labels, labels_of, labels_of_tables
+from terrainav.core.dataset.labels import Labels, labels_of, labels_of_tables, mark_unfinished
 from terrainav.core.errors import InvalidInput
 
 from tests.core.dataset.test_table import make_table
 
 LAT, LON = np.array([35.10, 35.14, 35.19]), np.array([-89.91, -89.88, -89.80])
 GEOD = Geod(ellps="WGS84")
-#: What `Labels.positions` promises.
-POSITION_M = 1e-8
+#: What `Labels.positions` promises: in zones and the like, beside the poles, and wherever a frame is made.
+POSITION_M, BY_POLES_M, ANYWHERE_M = 2e-8, 1e-6, 1e-3
 
 
 @pytest.mark.parametrize(
@@ -48,6 +48,19 @@ def test_labels_are_what_proj_makes_of_the_centres_scaled():
     )
 
 
+def off_m(lat, lon, frame):
+    """How far positions are from what their labels give back, metres."""
+    labels = labels_of(lat, lon, frame)
+    back_lat, back_lon = labels.positions(labels.of(lat, lon))
+    assert ((back_lon >= -180.0) & (back_lon < 180.0)).all()
+    return np.max(GEOD.inv(lon, lat, back_lon, back_lat)[2])
+
+
+def wrapped(lon):
+    return (lon + 180.0) % 360.0 - 180.0
+
+
+@settings(max_examples=60)
 @given(
     st.sampled_from(FRAMES),
     st.floats(-84.0, 84.0),
@@ -56,11 +69,28 @@ def test_labels_are_what_proj_makes_of_the_centres_scaled():
 )
 def test_labels_give_the_positions_back(frame, lat, lon, offsets):
     step = np.array(offsets)
-    lats, lons = lat + step[:, 0], (lon + step[:, 1] + 180.0) % 360.0 - 180.0
-    labels = labels_of(lats, lons, frame)
-    back_lat, back_lon = labels.positions(labels.of(lats, lons))
-    assert ((back_lon >= -180.0) & (back_lon < 180.0)).all()
-    assert np.max(GEOD.inv(lons, lats, back_lon, back_lat)[2]) <= POSITION_M
+    off = off_m(lat + step[:, 0], wrapped(lon + step[:, 1]), frame)
+    assert off <= (POSITION_M if abs(lat) < 79.0 or frame == "mercator" else BY_POLES_M)
+
+
+@settings(max_examples=30)
+@given(
+    st.sampled_from(("utm", "mission")),
+    st.floats(-90.0, 90.0),
+    st.floats(-180.0, 180.0),
+    st.floats(0.01, 70.0),
+    st.integers(0, 9),
+)
+def test_labels_of_any_place_come_back_or_are_refused(frame, lat, lon, spread, seed):
+    step = np.random.default_rng(seed).uniform(-spread, spread, (2, 20))
+    lats, lons = np.clip(lat + step[0], -90.0, 90.0), wrapped(lon + step[1])
+    try:
+        off = off_m(lats, lons, frame)
+    except InvalidInput:
+        # At a pole, or over half the world.
+        assert abs(lat) + spread > 80.0 or spread > 40.0
+        return
+    assert off <= ANYWHERE_M
 
 
 @pytest.mark.parametrize("frame", FRAMES)
@@ -167,4 +197,7 @@ def test_file_that_is_not_there_or_lacks_something_is_refused(tmp_path):
         Labels.load(tmp_path / "labels.json")
     (tmp_path / "labels.json").write_text("{}")
     with pytest.raises(InvalidInput, match="has no 'names'"):
+        Labels.load(tmp_path / "labels.json")
+    mark_unfinished(tmp_path / "labels.json")
+    with pytest.raises(InvalidInput, match=r"labels\.json: a split was interrupted, .*; split again"):
         Labels.load(tmp_path / "labels.json")

@@ -8,6 +8,7 @@ import pickle
 import sys
 import threading
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -259,6 +260,8 @@ def test_without_satellite_images_the_first_map_type_is_taken(tmp_path):
         ({"img_size": (0, 5, 3)}, "image size 0 5 3: needs"),
         ({"img_size": (5, 5, 2)}, "image size 5 5 2: needs"),
         ({"img_size": (5, 5)}, "image size 5 5: needs"),
+        ({"img_size": 224}, "image size 224: must be"),
+        ({"augment": True}, "augment True: must be"),
         ({"shuffle": "yes"}, "shuffle 'yes'"),
         ({"augment": "yes"}, "augment 'yes'"),
         ({"dtype": "float16"}, "dtype 'float16': must be one of float32, uint8"),
@@ -361,3 +364,90 @@ def test_loading_changes_nothing(folder, run):
     before = state()
     assert run("load", str(folder)).returncode == 0
     assert state() == before
+
+
+def table_edited(folder, old, new):
+    path = folder / "satellite" / "meta_data.csv"
+    text = path.read_text(encoding="utf-8")
+    assert old in text
+    path.write_text(text.replace(old, new, 1), encoding="utf-8")
+
+
+def test_parts_that_there_are_not_are_named(folder):
+    table_edited(folder, ",train\n", ",Train\n")
+    with pytest.raises(
+        InvalidInput, match=r"has split 'Train' \(0_0_.*\); must be one of train, .* or empty"
+    ):
+        Samples(folder)
+    assert len(Samples(folder, part="all")) == 22
+
+
+def test_labels_of_another_dataset_are_refused(folder, tmp_path):
+    lat, lon = np.array([-33.8, -33.9]), np.array([18.4, 18.7])
+    labels_of(lat, lon, "mercator", training=np.array([True, True])).save(folder / "labels.json")
+    with pytest.raises(
+        InvalidInput, match=r"labels\.json: is of another dataset or split, as 0_0_.* lies [\d,]+"
+    ):
+        Samples(folder)
+    (folder / "labels.json").unlink()
+    own = Samples(folder).labels
+    own.save(folder / "labels.json")
+    assert Samples(folder).labels == own
+
+
+def test_positions_that_the_frame_does_not_have_are_named(folder):
+    read = read_dataset(folder)
+    images = read.image_sets["satellite"]
+    lat_deg = images.table.lat_deg.copy()
+    lat_deg[0] = -90.0
+    pole = replace(images, table=replace(images.table, lat_deg=lat_deg))
+    labels = labels_of(lat_deg[1:], images.table.lon_deg[1:], "mercator")
+    with pytest.raises(InvalidInput, match=r"0_0_.* cannot be had in EPSG:\d+, first Lat -90"):
+        Samples(replace(read, image_sets={"satellite": pole}), labels=labels)
+
+
+def test_an_image_of_another_size_than_the_table_says_is_named_with_img_size_too(folder):
+    path = folder / "satellite" / "meta_data.csv"
+    head, *rows = path.read_text(encoding="utf-8").splitlines()
+    sized = [head + ",image_width_px,image_height_px", *(row + ",40,30" for row in rows)]
+    path.write_text("\n".join(sized) + "\n", encoding="utf-8")
+    samples = Samples(folder, img_size=SIZE)
+    assert samples.image(2).shape == (16, 20, 3)
+    Image.new("RGB", (7, 5)).save(samples.path(2))
+    with pytest.raises(InvalidInput, match=r"has 7 x 5 px, and 40 x 30 px in the table"):
+        samples.image(2)
+
+
+def test_sizes_beyond_memory_are_refused(folder, monkeypatch):
+    with pytest.raises(InvalidInput, match="image size 1000000 1000000 3: must be 89,478,485 px or less"):
+        Samples(folder, img_size=(1_000_000, 1_000_000, 3))
+
+    def none_left(*_):
+        raise MemoryError
+
+    samples = Samples(folder, img_size=SIZE)
+    monkeypatch.setattr(np, "empty", none_left)
+    with pytest.raises(
+        InvalidInput, match="batch of 2 images of 20 x 16 px and 3 channels: does not fit into memory"
+    ):
+        samples.take([0, 1])
+
+
+def test_postscript_is_not_run(tmp_path):
+    path = tmp_path / "a.jpg"
+    path.write_bytes(b"%!PS-Adobe-3.0 EPSF-3.0\n%%BoundingBox: 0 0 10 10\n%%EndComments\nshowpage\n%%EOF\n")
+    for img_size in (None, SIZE):
+        with pytest.raises(InvalidInput, match="is PostScript, a program that is not run"):
+            open_image(path, img_size)
+
+
+def test_a_compressed_tiff_that_is_cut_off_is_told_in_words(tmp_path):
+    path = tmp_path / "a.tif"
+    Image.fromarray(pixels_of(1)).save(path, compression="tiff_adobe_deflate")
+    with Image.open(path) as image:
+        (start,), (length,) = image.tag_v2[273], image.tag_v2[279]
+    data = bytearray(path.read_bytes())
+    data[start : start + length] = bytes(length)
+    path.write_bytes(data)
+    with pytest.raises(InvalidInput, match=r"cannot be read \(its pixels are damaged or cut off"):
+        open_image(path)

@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 from terrainav.core.capture.runner import capture
 from terrainav.core.dataset.clean import clean
 from terrainav.core.dataset.labels import LABELS_FILE, Labels
+from terrainav.core.dataset.loading import Samples
 from terrainav.core.dataset.parts import PARTS, SPLIT, part_of, taken
 from terrainav.core.dataset.split import shuffled, split
 from terrainav.core.dataset.table import Table
@@ -111,7 +112,7 @@ def test_part_may_have_a_share_of_none(tmp_path):
 @pytest.mark.parametrize("how", ["shuffled", "in-order", "blocks"])
 def test_same_place_has_the_same_part_in_all_map_types_and_again(captured, tmp_path, how):
     folder = tmp_path / "out"
-    shutil.copytree(captured, folder)
+    shutil.copytree(captured, folder, copy_function=shutil.copyfile)
     first = split(folder, how=how)
     assert parts_in(folder) == parts_in(folder, "roadmap")
     assert sum(first.images.values()) + first.gap == len(parts_in(folder))
@@ -135,13 +136,43 @@ def test_same_place_has_the_same_part_in_all_map_types_and_again(captured, tmp_p
 
 def test_failed_and_rejected_images_are_in_no_part(captured, tmp_path):
     folder = tmp_path / "out"
-    shutil.copytree(captured, folder)
+    shutil.copytree(captured, folder, copy_function=shutil.copyfile)
     table = Table.load(folder / "roadmap" / "meta_data.csv")
     clean(folder, float(np.median(table.entropies)), move=True)
     made = split(folder)
     table = Table.load(folder / "satellite" / "meta_data.csv")
     assert 0 < made.left_out == (~taken(table)).sum() < len(table)
     assert [not part for part in part_of(table)] == [not one for one in taken(table).tolist()]
+
+
+@pytest.mark.parametrize("written", [0, 1, 2])
+def test_split_that_was_interrupted_is_told_until_it_is_done_again(tmp_path, monkeypatch, written):
+    """Between the tables of two map types a place may be in two parts."""
+    folder, done = in_row(tmp_path, 20, map_types=("satellite", "roadmap")), tmp_path / "done"
+    split(folder)
+    shutil.copytree(folder, done)
+    split(done, seed=1)
+    saved = iter(range(written))
+
+    def save(table, path):
+        if next(saved, None) is None:
+            raise KeyboardInterrupt
+        real(table, path)
+
+    real = Table.save
+    monkeypatch.setattr(Table, "save", save)
+    monkeypatch.setattr(Labels, "save", lambda *_: save(None, None))
+    with pytest.raises(KeyboardInterrupt):
+        split(folder, seed=1)
+    monkeypatch.undo()
+    assert (parts_in(folder) == parts_in(folder, "roadmap")) == (written != 1)
+    with pytest.raises(InvalidInput, match="a split was interrupted"):
+        Samples(folder, img_size=(8, 8, 3))
+    split(folder, seed=1)
+    assert {path.relative_to(folder): data for path, data in contents(folder).items()} == {
+        path.relative_to(done): data for path, data in contents(done).items()
+    }
+    Samples(folder, img_size=(8, 8, 3))
 
 
 def test_dry_run_changes_nothing_and_says_the_same(tmp_path):
@@ -202,7 +233,7 @@ def test_table_that_disagrees_with_its_files_is_refused(tmp_path):
 
 def test_folder_at_work_is_left_alone(captured, tmp_path):
     folder = tmp_path / "out"
-    shutil.copytree(captured, folder)
+    shutil.copytree(captured, folder, copy_function=shutil.copyfile)
     with open_locked(folder / "journal.jsonl"), pytest.raises(OutputError, match="another run is at work"):
         split(folder)
 

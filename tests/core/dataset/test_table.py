@@ -5,9 +5,21 @@ import io
 
 import numpy as np
 import pytest
+from terrainav.core.dataset import table as table_module
 from terrainav.core.dataset.table import FIELDS, Table
 from terrainav.core.errors import InvalidInput, OutputError
 
+#: Cells with what other readers take for the end of a line.
+NOTES = (
+    "",
+    "plain",
+    '"two\nlines"',
+    '"a\rb"',
+    '"a\r\nb"',
+    "x\u2028y\u0085z\x0bw",
+    "€ 𐍈",
+    '"quoted ""cell"""',
+)
 PUBLISHED = "img_names,columns,rows,Lat,Lon,Alt,entropies"
 
 
@@ -142,6 +154,32 @@ def test_missing_and_unreadable_files_are_named(tmp_path):
         Table.load(tmp_path / "nothing.csv")
     with pytest.raises(OutputError, match="cannot write"):
         make_table().save(tmp_path / "nowhere" / "meta_data.csv")
+
+
+@pytest.mark.parametrize("block", [2, 7, 64, 1 << 20])
+@pytest.mark.parametrize("mark", [b"", b"\xef\xbb\xbf"])
+@pytest.mark.parametrize("end", ["\n", "\r\n", "\r"])
+def test_files_read_in_blocks_are_as_read_at_once(tmp_path, monkeypatch, block, mark, end):
+    monkeypatch.setattr(table_module, "_BLOCK_BYTES", block)
+    rows = [f"{index}_é.jpg,{index},0,35,-89,17,1,{note}" for index, note in enumerate(NOTES)]
+    path = tmp_path / "meta_data.csv"
+    path.write_bytes(mark + end.join([f"{PUBLISHED},note", *rows, ""]).encode())
+    table = Table.load(path)
+    assert len(table) == len(NOTES)
+    # Python's own reading of a text file, whole.
+    assert_same(table, Table.from_csv(path.read_text(encoding="utf-8-sig")))
+
+
+@pytest.mark.parametrize("bad", [b"\xff", b"\xe2\x82", b"\xc3\n"])
+def test_bytes_that_are_no_text_are_told_by_their_place_in_the_file(tmp_path, bad):
+    path = tmp_path / "meta_data.csv"
+    # The row that is no number comes first, and is not what is told.
+    path.write_bytes(f"{PUBLISHED}\na.tif,0,0,north,-89,17,1\n".encode() + b"b\xc3\xa9" + bad)
+    with pytest.raises(UnicodeDecodeError) as wrong:
+        path.read_text(encoding="utf-8")
+    with pytest.raises(InvalidInput) as caught:
+        Table.load(path)
+    assert str(caught.value) == f"table {path}: cannot be read ({wrong.value})"
 
 
 def test_columns_of_different_lengths_are_refused():

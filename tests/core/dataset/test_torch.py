@@ -132,3 +132,11 @@ def test_the_module_has_nothing_else():
     assert torch_loader.TorchDataset is torch_loader.TorchDataset
     with pytest.raises(AttributeError, match="TorchData"):
         torch_loader.TorchData  # noqa: B018
+
+
+@pytest.mark.filterwarnings("ignore:This DataLoader will create:UserWarning")
+def test_workers_are_checked_and_no_more_than_there_are_batches(folder):
+    dataset = torch_dataset(folder, img_size=SIZE)
+    with pytest.raises(InvalidInput, match="workers -1: must be 0 or more"):
+        dataset.batches(4, -1)
+    assert dataset.batches(4, 1_000_000).num_workers == 4

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from terrainav.core.dataset.clean import clean
 from terrainav.core.dataset.dataset import read_dataset
+from terrainav.core.dataset.parts import part_of, taken
 from terrainav.core.dataset.table import Table
 from terrainav.core.dataset.vbn import position_of
 from terrainav.core.errors import InvalidInput
@@ -160,6 +162,17 @@ def test_keys_that_are_columns_of_ours_are_kept_under_another_name(tmp_path):
     path.write_text(path.read_text() + "Alt: 7\nTime: 12:30:05\n")
     table = images_of(tmp_path).table
     assert table.other["VBN Alt"] == ("7",)
+    # Neither rejected nor split by words of the supplement's, and none lost to another of its new name.
+    more = "row: 5\nrejected: yes\nsplit: north\nVBN Lat: a\nLat: b\nstatus: failed\n"
+    path.write_text(path.read_text() + more)
+    images = images_of(tmp_path)
+    assert images.there.all()
+    assert taken(images.table).all()
+    assert part_of(images.table) is None
+    images.table.save(tmp_path / "meta_data.csv")
+    other = Table.load(tmp_path / "meta_data.csv").other
+    assert (other["VBN Lat"], other["VBN VBN Lat"]) == (("a",), ("b",))
+    assert [other[f"VBN {key}"] for key in ("row", "rejected", "split")] == [("5",), ("yes",), ("north",)]
     assert table.other["Time"] == ("12:30:05",)
     assert table.zoom.tolist() == [0]
 
@@ -172,3 +185,17 @@ def test_folders_without_images_are_refused(tmp_path):
     (tmp_path / "MetaData2").rmdir()
     with pytest.raises(InvalidInput, match="MetaData2 in it cannot be read"):
         images_of(tmp_path)
+
+
+def test_what_is_no_file_is_no_image_and_is_never_opened(tmp_path):
+    write_vbn(tmp_path, ["1", "2"])
+    (tmp_path / "JPG2" / "2.jpg").unlink()
+    # A named pipe, which would be waited at without end, is no file either.
+    (tmp_path / "JPG2" / "2.jpg").mkdir()
+    assert images_of(tmp_path).there.tolist() == [True, False]
+
+
+def test_cleaning_a_supplement_says_to_convert_it(tmp_path):
+    write_vbn(tmp_path, ["1"])
+    with pytest.raises(InvalidInput, match="terrainav convert --dataset VBN"):
+        clean(tmp_path)

@@ -37,7 +37,7 @@ def test_every_case_ends_within_its_bound_or_with_one_clear_line(part):
 
 
 def test_plans_hold_numbers_and_nothing_else():
-    for case in CASES[::7]:
+    for case in CASES[::17]:
         if not run(case).refusal:
             assert finite(plan(case.mission, GRID)), case.name
 

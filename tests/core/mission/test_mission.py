@@ -263,3 +263,9 @@ def test_kinds():
 def test_a_date_is_one_line_of_text(date):
     with pytest.raises(InvalidInput, match=r"date .*: must be text without spaces around it"):
         Mission(BOX, 120.0, date=date)
+
+
+def test_a_file_of_coordinates_is_told_from_a_mission(tmp_path):
+    (tmp_path / "places.txt").write_text("35.16 -89.90 120\n")
+    with pytest.raises(InvalidInput, match=r"holds no mission.*given as coordinates"):
+        Mission.load(tmp_path / "places.txt")

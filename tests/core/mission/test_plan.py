@@ -318,8 +318,8 @@ def test_names_are_the_published_ones():
 @pytest.mark.parametrize(
     ("mission", "says"),
     [
-        (Mission(Box(35.16, -89.9, 35.115, -89.8), 120.0, max_images=1000), "the limit is 1000"),
-        (Mission(Box(60, -100, -60, 100), 0.01), "the limit is 10000000"),
+        (Mission(Box(35.16, -89.9, 35.115, -89.8), 120.0, max_images=1000), "the limit is 1,000"),
+        (Mission(Box(60, -100, -60, 100), 0.01), "the limit is 10,000,000"),
         (Mission(Box(85.1, 0, 85, 1), 1000.0), "latitude 85.1"),
         (Mission(Points(((85.0511, 0.0, 100.0),)), 100.0), "beyond the map"),
         (Mission(Points(((86.0, 0.0, 1000.0),)), 1000.0), "beyond the map"),

@@ -6,6 +6,7 @@ import csv
 import hashlib
 import json
 import os
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -258,6 +259,14 @@ def test_nothing_is_overwritten(pairs, tmp_path):
         capture_pairs(worked_out, source, foreign)
     assert [path.name for path in foreign.iterdir()] == ["train"]
 
+    # A capture's own folder.
+    dataset = tmp_path / "dataset"
+    dataset.mkdir()
+    (dataset / "mission.json").write_bytes(b"{}")
+    with pytest.raises(OutputError, match=r"holds mission\.json but no pairs\.json"):
+        capture_pairs(worked_out, source, dataset, resume=True)
+    assert [path.name for path in dataset.iterdir()] == ["mission.json"]
+
     mine = tmp_path / "mine"
     capture_pairs(other, source, mine)
     with pytest.raises(OutputError, match="holds pairs of other settings"):
@@ -316,3 +325,9 @@ def test_the_contact_sheet_shows_places_of_all_parts(pairs, tmp_path):
         contact_sheet(folder, tmp_path / "sheet.png")
     with pytest.raises(InvalidInput, match=r"holds no pairs\.csv"):
         contact_sheet(tmp_path, tmp_path / "sheet.jpg")
+
+
+@pytest.mark.parametrize("size_px", [0, 100_000])
+def test_sizes_of_images_are_checked(size_px):
+    with pytest.raises(InvalidInput, match=f"size of images {size_px} px: must be from 1 to 32,768"):
+        replace(SETTINGS, size_px=size_px)

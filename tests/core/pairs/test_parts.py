@@ -71,6 +71,8 @@ def test_views_of_the_horizon_share_all_ground():
     [
         ((1.0, -1.0, 0.0), "split 1 -1 0: shares must be 0 or more"),
         ((0.0, 0.0, 0.0), "one above"),
+        ((np.inf, 1.0, 0.0), "0 or more and finite"),
+        ((1e308, 1e308, 1e308), "0 or more and finite"),
         ((1.0, 0.0, 1.0), "distractors are of a test"),
         ((1.0, 1.0), "give three shares"),
         ((99.0, 1.0, 0.0), "none is left for test"),

@@ -52,6 +52,9 @@ def test_numbers_are_names_where_other_lines_have_words(tmp_path):
         ("86 10\n", "line 1: latitude 86.0: the map ends at"),
         ("35 -89\n1 2\n35.0 -89.0 again\n", "line 3: the place of line 1 again"),
         ("# nothing\n", "holds none"),
+        # As written where commas are decimal: without the sign it could not be told from the paper's file.
+        ("# decimals\n35,1 -89,9\n", "line 2: 35 1 with height -89: must be above 0; commas separate"),
+        ("35 -89 120\n36 -89 0\n", "line 2: 36 -89 with height 0: must be above 0"),
     ],
 )
 def test_lines_that_are_no_places_are_named(tmp_path, text, told):
@@ -87,3 +90,9 @@ def test_a_box_across_the_antimeridian_has_places_on_both_sides():
 def test_a_full_box_says_how_many_it_takes():
     with pytest.raises(InvalidInput, match=r"40 places 8,000 m apart: the box has room for \d"):
         spread_places(BOX, 40, 8000.0, 7)
+
+
+@pytest.mark.parametrize("count", [0, 10**12])
+def test_numbers_of_places_are_checked_before_memory_is_taken(count):
+    with pytest.raises(InvalidInput, match="places: must be from 1 to 1,000,000"):
+        spread_places(Box(1.0, 0.0, 0.0, 1.0), count, 0.0, 3)

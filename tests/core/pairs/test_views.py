@@ -86,6 +86,8 @@ def test_views_of_the_horizon_reach_without_end():
         (lambda: rings((120,), 0, (45,)), "0 yaws"),
         (lambda: rings((120,), 3, ()), "no tilt"),
         (lambda: spiral((120,), 0), "0 views"),
+        (lambda: spiral((120,), 1_000_000), "1000000 views: must be from 1 to 10,000"),
+        (lambda: rings((120,), 10_001, (45,)), "10001 yaws: must be from 1 to 10,000"),
         (lambda: spiral((120,), 2, 3), "3 rounds of 2 views"),
     ],
 )
