@@ -326,11 +326,17 @@ def test_examples_show_their_pictures_and_lead_to_the_map(desk, dataset, opened)
 # --- on the map
 
 
+def is_crossed(colour):
+    """Whether a line of a cross goes through; where lines meet their colours are mixed, to within rounding."""
+    from terrainav.terrainav_plugin.dataset.colours import REJECTED
+
+    parts = zip(colour.getRgb()[:3], REJECTED.getRgb()[:3])
+    return colour.alpha() > 0 and all(abs(one - other) <= 2 for one, other in parts)
+
+
 def test_rejected_images_are_crossed_out_on_the_map_while_the_window_is_open(
     desk, dataset, opened, screenshot
 ):
-    from terrainav.terrainav_plugin.dataset.colours import REJECTED
-
     desk.workflow.missions.open_dataset(dataset)
     desk.wait(lambda: not desk.workflow.missions.busy)
     desk.canvas.waitWhileRendering()
@@ -355,7 +361,7 @@ def test_rejected_images_are_crossed_out_on_the_map_while_the_window_is_open(
         if 0 < x < image.width() and 0 < y < image.height():
             seen += 1
             # Crossed out: the middle is where the lines meet.
-            assert (image.pixelColor(x, y).rgb() == REJECTED.rgb()) == (feature["name"] in rejected)
+            assert is_crossed(image.pixelColor(x, y)) == (feature["name"] in rejected)
     assert seen > 50
 
     # With the map, in any projection.
