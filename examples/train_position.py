@@ -1,6 +1,6 @@
 """Train a small convolutional network to say where an image was taken; for a look at how a dataset is used.
 
-    terrainav split OUT --labels utm
+    terrainav split OUT
     python examples/train_position.py OUT --steps 60
 
 It shows the images of a few batches again and again, which the network learns by heart: that the loss falls tells
