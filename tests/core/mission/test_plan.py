@@ -104,7 +104,7 @@ def test_no_pixel_of_any_box_is_left_out(box, along, across, fov, ratio):
     try:
         worked_out = plan(mission, GRID)
     except InvalidInput as refused:
-        assume("limit is 3000" not in str(refused))
+        assume(refused.field != "max_images")
         raise
     count, _, _ = pixels_shown(worked_out, area)
     assert count.size == 0 or count.min() >= 1
