@@ -7,9 +7,10 @@ import json
 import os
 import signal
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import asdict, replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..errors import InvalidInput
@@ -23,8 +24,9 @@ from .caching import opened_cache
 from .exits import DONE, INCOMPLETE, STOPPED
 
 if TYPE_CHECKING:
-    from ..capture.runner import CaptureResult, Progress
+    from ..capture.runner import CaptureResult, Failure, Progress
     from ..imagery.source import Source
+    from ..pairs.capturing import PairResult
 
 #: Failed pictures named on the terminal; all are in the journal and the tables.
 NAMED_FAILURES = 10
@@ -229,22 +231,29 @@ def _print_result(result: CaptureResult, as_json: bool) -> None:
             )
         )
         return
+    print_written(result)
+    print(
+        f"{result.requests:,} requests for {result.unique_parts:,} unique parts; dataset in {result.folder}"
+    )
+    print_failed(result.failed, result.folder)
+
+
+def print_written(result: CaptureResult | PairResult) -> None:
+    """Print how many images were written and failed, and how quickly."""
     rate = result.written / result.seconds if result.seconds > 0 else 0.0
     already = f", {result.skipped:,} were there" if result.skipped else ""
     print(
         f"{result.written:,} images written{already}, {len(result.failed):,} failed, "
         f"in {result.seconds:.1f} s ({rate:.1f}/s)"
     )
-    print(
-        f"{result.requests:,} requests for {result.unique_parts:,} unique parts; dataset in {result.folder}"
-    )
-    for failure in result.failed[:NAMED_FAILURES]:
+
+
+def print_failed(failed: Sequence[Failure], named_in: Path) -> None:
+    """Name the first images that failed, and where the others are named."""
+    for failure in failed[:NAMED_FAILURES]:
         print(f"failed: {failure.map_type}/{failure.name}: {failure.reason}", file=sys.stderr)
-    if len(result.failed) > NAMED_FAILURES:
-        print(
-            f"failed: {len(result.failed) - NAMED_FAILURES:,} more, named in {result.folder}",
-            file=sys.stderr,
-        )
+    if len(failed) > NAMED_FAILURES:
+        print(f"failed: {len(failed) - NAMED_FAILURES:,} more, named in {named_in}", file=sys.stderr)
 
 
 def _say(what: str) -> None:

@@ -15,7 +15,7 @@ from ..mission.presets import camera_named
 from ..mission.settings import resolve
 from .caching import opened_cache
 from .exits import DONE, INCOMPLETE, STOPPED
-from .flying import NAMED_FAILURES, Bar, interruptible
+from .flying import NAMED_FAILURES, Bar, interruptible, print_failed, print_written
 from .parsing import add_json
 
 if TYPE_CHECKING:
@@ -313,19 +313,10 @@ def _print_result(worked_out: PairPlan, result: PairResult, as_json: bool) -> No
         }
         print(json.dumps(about, indent=1))
         return
-    rate = result.written / result.seconds if result.seconds > 0 else 0.0
-    already = f", {result.skipped:,} were there" if result.skipped else ""
-    print(
-        f"{result.written:,} images written{already}, {len(result.failed):,} failed, in {result.seconds:.1f} s "
-        f"({rate:.1f}/s)"
-    )
+    print_written(result)
     print(f"{len(worked_out.places):,} places: {_counts(worked_out)}")
     print(f"{result.requests:,} requests for {result.unique_parts:,} unique parts; pairs in {result.folder}")
-    for failure in result.failed[:NAMED_FAILURES]:
-        print(f"failed: {failure.map_type}/{failure.name}: {failure.reason}", file=sys.stderr)
-    if len(result.failed) > NAMED_FAILURES:
-        more = len(result.failed) - NAMED_FAILURES
-        print(f"failed: {more:,} more, named in {result.folder / 'pairs.csv'}", file=sys.stderr)
+    print_failed(result.failed, result.folder / "pairs.csv")
     if result.left_out:
         shown = ", ".join(result.left_out[:NAMED_FAILURES])
         rest = len(result.left_out) - NAMED_FAILURES

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import shutil
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -15,14 +15,14 @@ from PIL import Image
 from ..errors import Cancelled, InvalidInput, OutputError
 from ..files import PARTIAL_ENDING, make_folder
 from .dataset import Dataset, ImageSet, read_dataset
+from .deciding import Report
+from .decode import UNREADABLE
 from .folder import MISSION_FILE, REJECTED_FOLDER, TABLE_FILE
-from .images import UNREADABLE, some
+from .images import some
 from .published import framed
 from .table import Table
 
 Floats = NDArray[np.float64]
-#: What `convert` tells of: the share done, 0 to 1; an answer of False stops it.
-Report = Callable[[float], bool]
 
 
 @dataclass(frozen=True)

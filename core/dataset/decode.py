@@ -11,8 +11,9 @@ from pathlib import Path
 from PIL import Image, UnidentifiedImageError
 
 from ..errors import InvalidInput
-from .images import UNREADABLE
 
+#: What Pillow raises for a file that is no whole image, or too large a one.
+UNREADABLE = (OSError, ValueError, SyntaxError, Image.DecompressionBombError)
 #: Of Pillow's modes, those with eight bits or less: grey, and all that becomes RGB.
 _GREY, _COLOUR = (
     ("1", "L", "LA", "La"),

@@ -16,8 +16,8 @@ from ..errors import InvalidInput
 from ..geodesy.ellipsoid import sight_lines, trace
 from ..geodesy.mercator import lat_to_v, lon_to_u, v_to_lat, wrap_lon_deg
 from .dataset import ImageSet
+from .decode import UNREADABLE
 from .folder import MISSION_FILE, PLAN_FILE
-from .images import UNREADABLE
 from .published import framed
 from .table import Table
 

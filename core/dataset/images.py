@@ -12,16 +12,14 @@ from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
-from PIL import Image
 
 from ..errors import InvalidInput, OutputError
+from .decode import open_image
 from .entropy import entropy
 from .folder import REJECTED_FOLDER, raster_folders
 
 #: Files that one message names.
 _NAMED = 3
-#: What Pillow raises for a file that is no whole image, or too large a one.
-UNREADABLE = (OSError, ValueError, SyntaxError, Image.DecompressionBombError)
 _DEGREES = r"-?\d+(?:\.\d+)?(?:e-\d+)?"
 #: Images' names without ending, of captures and of the published dataset: column, row, latitude, longitude, zoom.
 NAME = re.compile(rf"(\d+)_(\d+)_({_DEGREES})_({_DEGREES})_(\d+)")
@@ -114,11 +112,7 @@ class Images:
     def entropy_of(self, name: str) -> float:
         """Entropy of an image that the table has none of; raises InvalidInput where it cannot be read."""
         path = self._folder / (REJECTED_FOLDER if name in self._rejected else "") / name
-        try:
-            with Image.open(path) as image:
-                return entropy(np.asarray(image.convert("L" if image.mode == "L" else "RGB")))
-        except UNREADABLE as wrong:
-            raise InvalidInput(f"image {path}: cannot be read ({wrong})") from wrong
+        return entropy(np.asarray(open_image(path)))
 
     def moves(self, out: Iterable[str], back: Iterable[str]) -> tuple[list[Move], list[Move]]:
         """Moves of images, by name, to the rejected ones and from there, with every file that belongs to them.

@@ -4890,7 +4890,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/dataset/decode.py"/>
         <location filename="../../core/dataset/ground.py"/>
-        <location filename="../../core/dataset/images.py"/>
         <source>image {0}: cannot be read ({1})</source>
         <translation>imagen {0}: no se puede leer ({1})</translation>
     </message>
