@@ -1,5 +1,5 @@
 .DEFAULT_GOAL := help
-.PHONY: help setup test test-core test-plugin test-qgis340 lint format demo qgis screenshots translations package clean
+.PHONY: help setup test test-core test-plugin test-qgis344 test-qgis340 lint format demo qgis screenshots translations package clean
 
 PYTHON := .venv/bin/python
 # Seconds after which a run inside QGIS is stopped, with the stacks of all threads printed.
@@ -24,8 +24,11 @@ test-core: setup  ## only the tests that run without Qt and QGIS
 test-plugin: translations  ## only the tests that run inside the real QGIS
 	$(PYTHON) tools/qgis_app.py --timeout $(PLUGIN_TIMEOUT) --pytest tests/plugin
 
-test-qgis340: setup  ## the plugin's tests in the QGIS 3.40 of Debian 13, in a system of its own (root, 2.4 GB)
-	@bash tools/qgis340.sh
+test-qgis344:  ## the plugin's tests in QGIS 3.44, in a Debian 13 system of its own (root, 2.4 GB)
+	@bash tools/debian13.sh 3.44
+
+test-qgis340:  ## the same in the QGIS 3.40 of Debian 13
+	@bash tools/debian13.sh 3.40
 
 lint: setup  ## ruff, mypy (strict on core), bandit
 	$(PYTHON) -m ruff check .

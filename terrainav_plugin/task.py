@@ -10,6 +10,7 @@ from qgis.PyQt.QtCore import pyqtSignal
 from ..core.errors import Cancelled, TerrAInavError
 from .compat import TASK_FLAGS
 from .i18n import tr
+from .threads import on_python_thread
 
 
 class Task(QgsTask):
@@ -36,13 +37,13 @@ class Task(QgsTask):
         self.trace = ""
 
     def work(self) -> bool:
-        """Do it, on a thread of the task manager; return whether it came to its end."""
+        """Do it, on a thread beside the main one; return whether it came to its end."""
         raise NotImplementedError
 
     def run(self) -> bool:
         """Work; an error ends the task and is kept."""
         try:
-            return self.work()
+            return on_python_thread(self.work)
         except Cancelled:
             return False
         except TerrAInavError as wrong:

@@ -12,7 +12,7 @@ from ..geodesy.footprint import exact
 from ..geodesy.mercator import wrap_lon_deg
 from ..mission.framing import ground_of
 from ..mission.plan import Plan
-from .georeference import crs_wkt, geo_keys, pam_text, xml_text
+from .georeference import WGS84_WKT, geo_keys, pam_text, xml_text
 from .tiff import Kind, Tag
 
 Floats = NDArray[np.float64]
@@ -79,7 +79,7 @@ class ControlPoints:
             f'    <GCP Id="{number}" Pixel="{column!r}" Line="{row!r}" X="{lon!r}" Y="{lat!r}" Z="{height!r}" />\n'
             for number, (column, row, lon, lat, height) in enumerate(self.points.tolist(), 1)
         )
-        crs = xml_text(crs_wkt(EPSG))
+        crs = xml_text(WGS84_WKT)
         place = f'  <GCPList Projection="{crs}" dataAxisToSRSAxisMapping="2,1">\n{points}  </GCPList>\n'
         return pam_text(place, metadata)
 

@@ -6,23 +6,27 @@ import math
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import lru_cache
 from html import escape
-
-from pyproj import CRS
 
 from ..errors import InvalidInput
 from .tiff import Kind, Tag
 
 EPSG = 3857
+#: WGS 84 and Web Mercator as WKT 1, which every GDAL reads; texts that do not depend on PROJ's version or database.
+WGS84_WKT = (
+    'GEOGCS["WGS 84",DATUM["WGS_1984",SPHEROID["WGS 84",6378137,298.257223563,AUTHORITY["EPSG","7030"]],'
+    'AUTHORITY["EPSG","6326"]],PRIMEM["Greenwich",0,AUTHORITY["EPSG","8901"]],'
+    'UNIT["degree",0.0174532925199433,AUTHORITY["EPSG","9122"]],AUTHORITY["EPSG","4326"]]'
+)
+WEB_MERCATOR_WKT = (
+    f'PROJCS["WGS 84 / Pseudo-Mercator",{WGS84_WKT},PROJECTION["Mercator_1SP"],PARAMETER["central_meridian",0],'
+    'PARAMETER["scale_factor",1],PARAMETER["false_easting",0],PARAMETER["false_northing",0],'
+    'UNIT["metre",1,AUTHORITY["EPSG","9001"]],AXIS["Easting",EAST],AXIS["Northing",NORTH],'
+    'EXTENSION["PROJ4","+proj=merc +a=6378137 +b=6378137 +lat_ts=0 +lon_0=0 +x_0=0 +y_0=0 +k=1 +units=m '
+    '+nadgrids=@null +wktext +no_defs"],AUTHORITY["EPSG","3857"]]'
+)
 #: What XML 1.0 excludes, however it is written.
 _NOT_TEXT = re.compile("[^\t\n\r -\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
-
-
-@lru_cache(maxsize=4)
-def crs_wkt(epsg: int) -> str:
-    """A CRS as WKT 1, which every GDAL reads."""
-    return str(CRS.from_epsg(epsg).to_wkt("WKT1_GDAL"))
 
 
 def plain_text(text: str) -> str:
@@ -84,7 +88,7 @@ class Georeference:
     def aux_xml(self, metadata: Mapping[str, str]) -> str:
         """Text of GDAL's auxiliary file (PAM): CRS, geotransform and metadata, for formats that hold no CRS."""
         return pam_text(
-            f'  <SRS dataAxisToSRSAxisMapping="1,2">{xml_text(crs_wkt(EPSG))}</SRS>\n'
+            f'  <SRS dataAxisToSRSAxisMapping="1,2">{xml_text(WEB_MERCATOR_WKT)}</SRS>\n'
             f"  <GeoTransform>{', '.join(map(repr, self.geotransform))}</GeoTransform>\n",
             metadata,
         )

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 from pyproj import Proj
 
-from .proj_arrays import through_proj
+from .proj_arrays import projection, through_proj
 
 Floats = NDArray[np.float64]
 
@@ -63,7 +62,6 @@ class LocalPlane:
         return float(np.sin(angle)), float(np.cos(angle))
 
 
-@lru_cache(maxsize=8)
 def _projection(lat_deg: float) -> Proj:
-    """Projections are costly to make (0.4 ms) and safe to share between threads; longitudes count from its middle."""
-    return Proj(proj="sterea", lat_0=lat_deg, lon_0=0.0, ellps="WGS84")
+    """Longitudes count from its middle."""
+    return projection(proj="sterea", lat_0=lat_deg, lon_0=0.0, ellps="WGS84")

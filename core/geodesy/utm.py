@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 from pyproj import Proj
 
-from .proj_arrays import through_proj
+from .proj_arrays import projection, through_proj
 
 Floats = NDArray[np.float64]
 
@@ -42,10 +41,8 @@ class UTMZone:
         return np.asarray(lon, np.float64), np.asarray(lat, np.float64)
 
 
-@lru_cache(maxsize=8)
 def _projection(zone: UTMZone) -> Proj:
-    """Projections are costly to make (0.4 ms) and safe to share between threads."""
-    return Proj(proj="utm", zone=zone.number, south=zone.south, ellps="WGS84")
+    return projection(proj="utm", zone=zone.number, south=zone.south, ellps="WGS84")
 
 
 def utm_zone(lat_deg: float, lon_deg: float) -> UTMZone:

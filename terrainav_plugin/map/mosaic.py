@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from ...core.capture.georeference import EPSG, crs_wkt, xml_text
+from ...core.capture.georeference import WEB_MERCATOR_WKT, xml_text
 from ...core.dataset.folder import JOURNAL_FILE, TABLE_FILE
 from ...core.errors import OutputError
 from ...core.files import write_whole
@@ -145,7 +145,7 @@ def _virtual_raster(
     west, _, _, north = (float(edge) for edge in plan.grid.edges_m(*origin, *size, plan.zoom))
     resolution = plan.grid.resolution_m_per_px(plan.zoom)
     yield f'<VRTDataset rasterXSize="{size[0]}" rasterYSize="{size[1]}">\n'
-    yield f"<SRS>{xml_text(crs_wkt(EPSG))}</SRS>\n"
+    yield f"<SRS>{xml_text(WEB_MERCATOR_WKT)}</SRS>\n"
     yield f"<GeoTransform>{west!r}, {resolution!r}, 0.0, {north!r}, 0.0, {-resolution!r}</GeoTransform>\n"
     sources = list(_sources(plan, placed, folder))
     for band, colour in enumerate(_COLOURS[channels], 1):

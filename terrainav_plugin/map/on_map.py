@@ -12,8 +12,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from osgeo import gdal, osr
+from osgeo import gdal
 
+from ...core.capture.georeference import WEB_MERCATOR_WKT
 from ...core.capture.resample import sample
 from ...core.errors import OutputError
 from ...core.geodesy.ellipsoid import sight_lines
@@ -151,9 +152,7 @@ def _write(pixels: Pixels, frame: _Frame, target: Path) -> None:
         )
         if raster is None:
             raise OutputError(f"picture {target}: cannot be written ({gdal.GetLastErrorMsg()})")
-        crs = osr.SpatialReference()
-        crs.ImportFromEPSG(3857)
-        raster.SetProjection(crs.ExportToWkt())
+        raster.SetProjection(WEB_MERCATOR_WKT)
         raster.SetGeoTransform((frame.west_m, frame.pixel_m, 0.0, frame.north_m, 0.0, -frame.pixel_m))
         raster.WriteArray(np.moveaxis(pixels, -1, 0))
         raster.BuildOverviews("AVERAGE", _OVERVIEWS)

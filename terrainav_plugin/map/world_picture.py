@@ -10,8 +10,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from osgeo import gdal, osr
+from osgeo import gdal
 
+from ...core.capture.georeference import WEB_MERCATOR_WKT
 from ...core.errors import Cancelled, OutputError
 from ...core.files import make_folder
 from ...core.geodesy.mercator import MAX_LAT_DEG, PixelGrid, lat_to_v, lon_to_u
@@ -139,9 +140,7 @@ def _save(pixels: np.ndarray, path: Path, west_m: float, north_m: float, resolut
     raster = gdal.GetDriverByName("GTiff").Create(str(path), width, height, 3, gdal.GDT_Byte, list(_OPTIONS))
     if raster is None:
         raise OutputError(f"background {path}: cannot be written ({gdal.GetLastErrorMsg()})")
-    crs = osr.SpatialReference()
-    crs.ImportFromEPSG(3857)
-    raster.SetProjection(crs.ExportToWkt())
+    raster.SetProjection(WEB_MERCATOR_WKT)
     raster.SetGeoTransform((west_m, resolution_m, 0.0, north_m, 0.0, -resolution_m))
     raster.WriteArray(pixels)
     raster.FlushCache()

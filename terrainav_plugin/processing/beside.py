@@ -16,6 +16,8 @@ from typing import TypeVar
 from qgis.core import QgsProcessingFeedback
 from qgis.PyQt.QtCore import QEventLoop, QTimer
 
+from ..threads import on_python_thread
+
 Result = TypeVar("Result")
 
 #: Milliseconds between two looks at what the work tells, and at whether the user has cancelled.
@@ -85,12 +87,12 @@ class _Relay(Watch):
 def beside_main(work: Callable[[Watch], Result], feedback: QgsProcessingFeedback) -> Result:
     """Do ``work`` while the main thread is free for its events; returns or raises what it does.
 
-    Called in another thread, which is beside it already, it is done right there.
+    Called in another thread, which is beside it already, that one waits.
     """
     from ..network.worker import in_main_thread
 
     if not in_main_thread():
-        return work(Watch(feedback))
+        return on_python_thread(lambda: work(Watch(feedback)))
     relay, results, failures = _Relay(feedback), [], []
 
     def run() -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import sys
 import threading
+import traceback
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -69,6 +70,29 @@ def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
     """Say that they were left out."""
     if "qgis" not in sys.modules:
         terminalreporter.line("tests/plugin was left out, it runs inside QGIS: make test-plugin", yellow=True)
+
+
+@pytest.fixture(autouse=True)
+def proj_on_python_threads(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    """Let no test pass that calls pyproj on a thread of QGIS's own, which ends QGIS where pyproj is 3.5 or later."""
+    import pyproj
+    from terrainav.terrainav_plugin.threads import is_foreign
+
+    offences: list[str] = []
+
+    def watched(function: Callable[..., object]) -> Callable[..., object]:
+        def call(*args: object, **options: object) -> object:
+            if is_foreign():
+                offences.append("".join(traceback.format_stack(limit=8)))
+            return function(*args, **options)
+
+        return call
+
+    calls = ((pyproj.CRS, "__init__"), (pyproj.Proj, "__init__"), (pyproj.Proj, "__call__"))
+    for kind, name in (*calls, (pyproj.Transformer, "__init__"), (pyproj.Transformer, "transform")):
+        monkeypatch.setattr(kind, name, watched(getattr(kind, name)))
+    yield
+    assert not offences, f"pyproj was called on a thread that Python has not made:\n{offences[0]}"
 
 
 @pytest.fixture(scope="session")

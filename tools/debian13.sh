@@ -1,34 +1,55 @@
 #!/usr/bin/env bash
-# Runs the plugin's tests in the QGIS 3.40 of Debian 13, in a small system of its own below the user's cache folder.
-# Needs root and, the first time, some minutes and 2.4 GB. Arguments, paths first, go to pytest instead of `tests/plugin`.
+# Runs the plugin's tests in another QGIS than this machine's: 3.40, which Debian 13 has, or 3.44 of its backports, each in
+# a small system of its own below the user's cache folder. Needs root and, the first time, some minutes and 2.4 GB.
+#
+#     tools/debian13.sh 3.44                              tests/plugin
+#     tools/debian13.sh 3.40 tests/plugin/test_dock.py    what pytest is given
+#     tools/debian13.sh 3.44 -- COMMAND …                 a command in the copy of this folder there
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
-SYSTEM=${TERRAINAV_QGIS340:-${XDG_CACHE_HOME:-$HOME/.cache}/terrainav/debian-13}
+say() { printf 'debian13: %s\n' "$*" >&2; }
+
+VERSION=${1:-}
+case $VERSION in
+    3.40 | 3.44) shift ;;
+    *)
+        say "QGIS '$VERSION': there are 3.40 and 3.44"
+        exit 2
+        ;;
+esac
+SYSTEM=${TERRAINAV_SYSTEMS:-${XDG_CACHE_HOME:-$HOME/.cache}/terrainav}/debian-13-qgis-$VERSION
 MIRROR=http://deb.debian.org/debian
 PLACE=/root/terrainav
-# Slower than the tests' own limit, as the system may be new and its caches are cold.
-LIMIT_S=${TERRAINAV_QGIS340_LIMIT_S:-1500}
-
-say() { printf 'qgis340: %s\n' "$*" >&2; }
+# Longer than the tests' own limit, as the system may be new and its caches are cold.
+LIMIT_S=${TERRAINAV_LIMIT_S:-1800}
 
 if [[ $(id -u) -ne 0 ]]; then
     say "a system of its own can only be made and entered by root; run this as root"
     exit 1
 fi
 if ! command -v debootstrap >/dev/null; then
+    apt-get -o DPkg::Lock::Timeout=600 --quiet update || say "apt-get update failed; going on with the package lists at hand"
     apt-get -o DPkg::Lock::Timeout=600 --quiet install --no-install-recommends --yes debootstrap
 fi
 if [[ ! -e $SYSTEM/made ]]; then
-    if [[ -e $SYSTEM ]]; then
-        say "$SYSTEM is not whole; remove it and try again"
-        exit 1
-    fi
+    # Made beside its place, so that one that was interrupted is never taken for a whole one.
     say "making Debian 13 in $SYSTEM"
+    rm -rf "$SYSTEM" "$SYSTEM.part"
     mkdir -p "$(dirname "$SYSTEM")"
-    debootstrap --variant=minbase --include=ca-certificates,git,make,procps trixie "$SYSTEM" "$MIRROR" >&2
-    touch "$SYSTEM/made"
+    debootstrap --variant=minbase --include=ca-certificates,git,make,procps trixie "$SYSTEM.part" "$MIRROR" >&2
+    if [[ $VERSION == 3.44 ]]; then
+        printf 'deb %s trixie-backports main\n' "$MIRROR" >"$SYSTEM.part/etc/apt/sources.list.d/backports.list"
+        printf 'Package: src:qgis\nPin: release n=trixie-backports\nPin-Priority: 990\n' \
+            >"$SYSTEM.part/etc/apt/preferences.d/qgis"
+    fi
+    touch "$SYSTEM.part/made"
+    mv "$SYSTEM.part" "$SYSTEM"
 fi
+
+# One run at a time: the copy and its environment are shared.
+exec 9>"$SYSTEM.lock"
+flock 9
 
 # What is tracked or new here, as it is now; what an earlier copy had beyond that goes, its environment stays.
 mkdir -p "$SYSTEM$PLACE"
@@ -53,6 +74,10 @@ exec unshare --mount --pid --fork --kill-child bash -euo pipefail -c '
             limit=$1 && shift
             make --silent translations
             dpkg-query --show --showformat="\${Package} \${Version}\n" qgis python3 python3-numpy >&2
+            if [[ ${1:-} == -- ]]; then
+                shift
+                exec "$@"
+            fi
             exec .venv/bin/python tools/qgis_app.py --timeout "$limit" --pytest "${@:-tests/plugin}"
         '\'' bash "$place" "$limit" "$@"
 ' bash "$SYSTEM" "$PLACE" "$LIMIT_S" "$@"

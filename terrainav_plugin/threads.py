@@ -1,0 +1,42 @@
+"""Threads that Python has made, for work that QGIS begins on threads of its own.
+
+pyproj (3.5 to 3.7 at least) holds PROJ's context of a thread twice: a variable of the thread points to it, and
+Python's storage for the thread owns it. On a thread that Python has not made, that storage is emptied whenever a call
+into Python returns, while the variable stays: the next call on the same thread of QGIS's pool uses a context that is
+gone, and QGIS ends with it.
+"""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+from typing import TypeVar
+
+Result = TypeVar("Result")
+
+
+def is_foreign() -> bool:
+    """Whether the current thread is one that Python has not made."""
+    return isinstance(threading.current_thread(), threading._DummyThread)  # noqa: SLF001  (no other way to tell)
+
+
+def on_python_thread(work: Callable[[], Result]) -> Result:
+    """Result of ``work``, which runs here if Python has made this thread, and else on one of its own meanwhile."""
+    if not is_foreign():
+        return work()
+    results: list[Result] = []
+    failures: list[BaseException] = []
+
+    def run() -> None:
+        try:
+            results.append(work())
+        except BaseException as failure:  # noqa: BLE001  (raised in the thread that waits)
+            failures.append(failure)
+
+    thread = threading.Thread(target=run, name="terrainav-task")
+    thread.start()
+    thread.join()
+    if failures:
+        # Held by nothing but the exception on its way: its trace holds what belongs to the main thread.
+        raise failures.pop()
+    return results.pop()

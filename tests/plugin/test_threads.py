@@ -1,0 +1,91 @@
+"""Work that QGIS begins on its own threads goes on where pyproj may be called."""
+
+from __future__ import annotations
+
+import threading
+
+import pyproj
+import pytest
+from qgis.core import QgsApplication, QgsProcessingFeedback
+from terrainav.core.errors import InvalidInput
+from terrainav.terrainav_plugin.processing.beside import beside_main
+from terrainav.terrainav_plugin.task import Task
+from terrainav.terrainav_plugin.threads import is_foreign, on_python_thread
+
+PATIENCE_MS = 60_000
+# More than the pool has threads, so that each of them is used again.
+TASKS = 40
+
+
+class Doing(Task):
+    """A task that does as it is told."""
+
+    def __init__(self, work):
+        super().__init__("doing")
+        self.work = work
+
+
+class Foreign(Task):
+    """A task that stays on the thread that QGIS gives it."""
+
+    def __init__(self, work):
+        super().__init__("foreign")
+        self.do = work
+
+    def run(self):
+        self.do()
+        return True
+
+
+def run(qtbot, tasks):
+    ended = []
+    for task in tasks:
+        task.ended.connect(ended.append)
+        QgsApplication.taskManager().addTask(task)
+    qtbot.waitUntil(lambda: len(ended) == len(tasks), timeout=PATIENCE_MS)
+
+
+def test_projections_outlive_the_threads_of_tasks(qtbot):
+    """One after the other, so that the pool's threads come by again: this ended QGIS 3.44."""
+    texts = []
+
+    def work():
+        texts.append((pyproj.CRS.from_epsg(32616).to_wkt(), is_foreign()))
+        return True
+
+    for _ in range(TASKS):
+        run(qtbot, [Doing(work)])
+    assert texts == [(texts[0][0], False)] * TASKS
+
+
+def test_task_keeps_its_error_wherever_it_ran(qtbot):
+    def work():
+        raise InvalidInput("no such place")
+
+    task = Doing(work)
+    run(qtbot, [task])
+    assert task.error == "no such place"
+
+
+def test_threads_of_qgis_are_told_from_those_of_python(qtbot):
+    seen = []
+    run(qtbot, [Foreign(lambda: seen.append((is_foreign(), on_python_thread(is_foreign))))])
+    thread = threading.Thread(target=lambda: seen.append((is_foreign(), on_python_thread(is_foreign))))
+    thread.start()
+    thread.join()
+    assert [is_foreign(), *seen] == [False, (True, False), (False, False)]
+
+
+def test_algorithms_work_on_threads_of_python(qtbot):
+    seen = []
+
+    def algorithm():
+        beside_main(lambda _watch: seen.append(is_foreign()), QgsProcessingFeedback())
+        with pytest.raises(InvalidInput, match="no such place"):
+            beside_main(lambda _watch: refuse(), QgsProcessingFeedback())
+
+    def refuse():
+        raise InvalidInput("no such place")
+
+    run(qtbot, [Foreign(algorithm)])
+    assert seen == [False]
