@@ -5,12 +5,15 @@ from __future__ import annotations
 import os
 import re
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from qgis.core import QgsApplication, QgsSettings
 
 _ROOT = "TerrAInav/"
 _KEYS = f"{_ROOT}authcfg"
+if TYPE_CHECKING:
+    from ..core.imagery.cache.tile_cache import TileCache
+
 #: Megabytes as files are counted, for the limit of the cache.
 BYTES_PER_MB = 1_000_000
 UNITS = ("m", "ft")
@@ -146,6 +149,12 @@ class Settings:
     def cache_limit_bytes(self) -> int:
         """Most that the cache may take."""
         return int(self.cache_limit_mb) * BYTES_PER_MB
+
+    def tile_cache(self) -> TileCache:
+        """Cache of tiles."""
+        from ..core.imagery.cache.tile_cache import TileCache
+
+        return TileCache(self.cache, self.cache_limit_bytes)
 
 
 def credential_name(source: str) -> str:

@@ -15,7 +15,7 @@ from .credentials import key_in, problem_with
 from .dock.mission_form import FormError
 from .i18n import told, tr
 from .layers.connections import Connection, connection, is_connection
-from .layers.snapshot import Snapshot, grid_of_layers, is_of_qgis, take_snapshot
+from .layers.snapshot import Snapshot, grid_of_layers, is_of_qgis, policies_of_layers, take_snapshot
 from .layers.source import LayerSource
 from .settings import Settings
 
@@ -43,7 +43,6 @@ __all__ = [
     "policy_of",
     "snapshot_for",
     "terms_problem",
-    "tile_cache",
     "tile_layer_uri",
     "transport_for",
 ]
@@ -104,8 +103,10 @@ def policy_of(name: str) -> Policy | None:
     """What the provider of a source allows; None where there is none, or only its network could tell."""
     from ..core.imagery.opening import is_file
 
-    if name == WORLD or is_of_qgis(name) or is_file(name) or name.startswith(("wmts:", "wms:")):
+    if name == WORLD or is_file(name) or name.startswith(("wmts:", "wms:")):
         return None
+    if is_of_qgis(name):
+        return next(iter(policies_of_layers(name, QgsProject.instance())), (None, ""))[0]
     return _entry_of(name).policy
 
 
@@ -130,7 +131,7 @@ def open_for_capture(
     """Source of a mission, ready to fetch; raises InvalidInput or SourceError."""
     if snapshot is not None:
         return LayerSource(snapshot)
-    return _opened(mission, key=key, transport=transport, cache=tile_cache())
+    return _opened(mission, key=key, transport=transport, cache=Settings().tile_cache())
 
 
 def transport_for(source: str, connections: int | None = None) -> QgisTransport:
@@ -196,14 +197,6 @@ def needs_key(source: str) -> bool:
         return False
 
 
-def tile_cache() -> TileCache:
-    """Cache of tiles as the settings say."""
-    from ..core.imagery.cache.tile_cache import TileCache
-
-    settings = Settings()
-    return TileCache(settings.cache, settings.cache_limit_bytes)
-
-
 def _opened(
     mission: Mission,
     *,
@@ -235,14 +228,16 @@ def _entry_of(name: str) -> CatalogueEntry:
 
 def terms_problem(mission: Mission, requests: int) -> tuple[str, bool] | None:
     """What the source's terms say against a run, as HTML, and whether agreeing is enough; None where nothing."""
-    if is_of_qgis(mission.source):
-        return None
     from ..core.imagery.catalogue.listing import alternatives
 
-    source = _opened(mission, plan_only=True)
-    policy, title = source.policy, source.title
-    source.close()
-    if not policy.stops(requests):
+    if is_of_qgis(mission.source):
+        terms = policies_of_layers(mission.source, QgsProject.instance())
+    else:
+        source = _opened(mission, plan_only=True)
+        terms = [(source.policy, source.title)]
+        source.close()
+    policy, title = next(((one, name) for one, name in terms if one.stops(requests)), (None, ""))
+    if policy is None:
         return None
     can_agree = policy.bulk_allowed == "ask"
     without = tr("agreeing to its terms") if can_agree else tr("breaking its terms")

@@ -114,9 +114,13 @@ def _run_pytest(job: dict[str, Any]) -> int:
 
 
 def _finish(job: dict[str, Any], code: int) -> None:
-    """Hand over the exit code and end the application, without its question whether to save the project."""
+    """Hand over the exit code and end the application, without its question whether to save the project.
+
+    The project is closed beforehand: QGIS may crash where it has to close one with layers while it ends.
+    """
     sys.stdout.flush()
     sys.stderr.flush()
     Path(job["result"]).write_text(str(code), encoding="utf-8")
     QgsProject.instance().setDirty(False)
+    qgis.utils.iface.newProject(False)
     QgsApplication.exit(code)

@@ -50,11 +50,13 @@ class Placeholder:
     def refuse_flat(self, pixels: Pixels) -> None:
         """Raise PartError for a picture of one of the flat colours."""
         for colour in self.flat_rgb:
-            if tuple(pixels[0, 0]) == colour and bool((pixels == pixels[0, 0]).all()):
+            if tuple(pixels[0, 0, :3]) == colour and bool((pixels == pixels[0, 0]).all()):
                 raise PartError("no imagery here: a picture of one colour, rgb({}, {}, {})".format(*colour))
 
 
-def decode(body: bytes, width_px: int, height_px: int, content_type: str = "") -> Pixels:
+def decode(
+    body: bytes, width_px: int, height_px: int, content_type: str = "", *, alpha: bool = False
+) -> Pixels:
     """Pixels of a PNG, JPEG, WebP or GIF, decoded whole.
 
     Grey and palettes become RGB, 16 bits become 8. Translucent pixels are laid over white, as browsers do;
@@ -67,11 +69,14 @@ def decode(body: bytes, width_px: int, height_px: int, content_type: str = "") -
         Size the picture must have; nothing of another size is decoded.
     content_type : str
         What the server calls it; for messages only.
+    alpha : bool
+        Hand translucent pixels out as they are, and pictures without imagery too.
 
     Returns
     -------
     array (height_px, width_px, 3 or 4) uint8
-        Red, green, blue; a fourth channel tells imagery (255) from none (0) where there are such pixels.
+        Red, green, blue; a fourth channel tells imagery (255) from none (0) where there are such pixels, or is the
+        picture's own alpha where that is asked for.
 
     Raises
     ------
@@ -87,7 +92,7 @@ def decode(body: bytes, width_px: int, height_px: int, content_type: str = "") -
         image.load()
     except (OSError, SyntaxError, ValueError, EOFError, IndexError, KeyError, OverflowError) as broken:
         raise PartError(f"broken picture ({str(broken) or type(broken).__name__})") from broken
-    return _rgb(image)
+    return _rgb(image, alpha)
 
 
 def _open(body: bytes, content_type: str) -> ImageFile.ImageFile:
@@ -135,12 +140,13 @@ def _check_jpeg(body: bytes) -> None:
             at = found.start()
 
 
-def _rgb(image: ImageFile.ImageFile) -> Pixels:
+def _rgb(image: ImageFile.ImageFile, alpha: bool) -> Pixels:
     if image.mode.startswith("I"):
         grey = (np.asarray(image, np.int64) >> 8).clip(0, 255).astype(np.uint8)
         return np.repeat(grey[..., np.newaxis], 3, axis=2)
     if image.mode in ("LA", "PA", "La", "RGBA", "RGBa") or "transparency" in image.info:
-        return _over_white(np.asarray(image.convert("RGBA")))
+        rgba = np.asarray(image.convert("RGBA"))
+        return rgba if alpha else _over_white(rgba)
     rgb: Pixels = np.asarray(image if image.mode == "RGB" else image.convert("RGB"))
     return rgb
 

@@ -45,6 +45,8 @@ class XYZSource:
         Requests under way at once, where the policy allows them.
     cache : TileCache or None
         Where tiles are kept for later runs, if the policy allows it; None for nowhere.
+    alpha : bool
+        Whether the fourth channel is what the tiles have, for who lays them over something else.
     """
 
     def __init__(
@@ -63,6 +65,7 @@ class XYZSource:
         transport: Transport | None = None,
         connections: int = 8,
         cache: TileCache | None = None,
+        alpha: bool = False,
     ) -> None:
         given = dict(templates) if isinstance(templates, Mapping) else {"": templates}
         self._templates = {
@@ -80,6 +83,7 @@ class XYZSource:
         self.policy = policy
         self.map_types = self._told_apart()
         self._placeholder = placeholder
+        self._alpha = alpha
         self._key = key or ""
         if not date and any("date" in template.names for template in self._templates.values()):
             raise InvalidInput(f"source {self.title}: its URL has a {{date}}; say which")
@@ -160,7 +164,8 @@ class XYZSource:
         """Pixels of an answer or of a stored tile; raises PartError for what is no imagery."""
         try:
             self._placeholder.refuse(body, headers)
-            pixels = decode(body, self.grid.tile_px, self.grid.tile_px, headers.get("content-type", ""))
+            size, kind = self.grid.tile_px, headers.get("content-type", "")
+            pixels = decode(body, size, size, kind, alpha=self._alpha)
             self._placeholder.refuse_flat(pixels)
         except PartError as reason:
             failure = PartError(self._client.redacted(f"{tile}: {reason}"))

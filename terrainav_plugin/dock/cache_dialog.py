@@ -27,12 +27,12 @@ class CacheDialog(QDialog):
     """Lists the files of the tile cache, and clears some or all of them."""
 
     def __init__(self, parent: QWidget | None = None) -> None:
-        from ..sources import tile_cache
+        from ..settings import Settings
 
         super().__init__(parent)
         self.setObjectName("terrainav_cache")
         self.setWindowTitle(tr("TerrAInav: cache"))
-        self._cache = tile_cache()
+        self._cache = Settings().tile_cache()
         self.told = QLabel()
         self.told.setWordWrap(True)
         self.told.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)

@@ -110,7 +110,7 @@ def connection(source: str) -> Connection:
     wanted = source[len(XYZ) :]
     for name, uri in _listed():
         if name == wanted:
-            return _of_uri(name, uri)
+            return connection_of(name, uri)
     raise InvalidInput(
         tr("source {name}: QGIS has no such XYZ connection (any more); choose another source").format(
             name=wanted
@@ -179,7 +179,8 @@ def _listed() -> list[tuple[str, str]]:
     return []
 
 
-def _of_uri(name: str, uri: str) -> Connection:
+def connection_of(name: str, uri: str) -> Connection:
+    """Connection that a data source of QGIS describes; raises InvalidInput where it cannot be used."""
     told = {key: unquote(value) for key, _, value in (part.partition("=") for part in uri.split("&"))}
     if told.get("username") or told.get("password"):
         raise InvalidInput(

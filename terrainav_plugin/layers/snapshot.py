@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import NamedTuple
-from urllib.parse import parse_qs
 
 from qgis.core import (
     Qgis,
@@ -24,11 +23,13 @@ from qgis.PyQt.QtGui import QColor
 
 from ...core.errors import InvalidInput
 from ...core.geodesy.mercator import HALF_WORLD_M, PixelGrid, fitting_zoom
+from ...core.imagery.policy import Policy
 from ..compat import attribution
 from ..i18n import tr
 from ..map.mission_group import ROLE
 from .connections import is_connection
 from .pipes import Pipes
+from .tiles import Tiles, highest_zoom, policy_of_tiles, tiles_of
 
 #: What names of sources begin with that QGIS itself draws.
 PREFIX = "qgis:"
@@ -65,8 +66,10 @@ class Snapshot:
     name, title, attribution, date : str
         As a source has them.
     grid : PixelGrid
-    ground : tuple of Pipes
+    ground : tuple of Pipes or Tiles
         Rasters that nothing but rasters lies below, the lowest first.
+    policy : Policy
+        The strictest of the providers of its tiles.
     drawing : tuple of QgsMapLayer
         What lies above them, the uppermost first.
     settings : QgsMapSettings
@@ -80,7 +83,8 @@ class Snapshot:
     attribution: str
     date: str
     grid: PixelGrid
-    ground: tuple[Pipes, ...]
+    ground: tuple[Pipes | Tiles, ...]
+    policy: Policy
     drawing: tuple[QgsMapLayer, ...]
     settings: QgsMapSettings
     paper: QColor
@@ -159,11 +163,31 @@ def take_snapshot(name: str, project: QgsProject) -> Snapshot:
         attribution=_attribution(layers),
         date=_date(layers[0]) if len(layers) == 1 else "",
         grid=grid_of_layers(name, project),
-        ground=tuple(Pipes(_copy(layer)) for layer in ground),
+        ground=tuple(_drawn(layer) for layer in ground),
+        policy=next((policy for policy, _ in _policies(ground)), Policy()),
         drawing=tuple(_copy(layer) for layer in drawing),
         settings=_settings(project),
         paper=project.backgroundColor(),
     )
+
+
+def policies_of_layers(name: str, project: QgsProject) -> list[tuple[Policy, str]]:
+    """Terms of the providers of a source's tiles, with the layers' names, the strictest first.
+
+    Raises InvalidInput as `layers_of`.
+    """
+    return _policies(_ground(layers_of(name, project)))
+
+
+def _policies(ground: list[QgsRasterLayer]) -> list[tuple[Policy, str]]:
+    found = ((policy_of_tiles(layer), layer.name()) for layer in ground)
+    known = [(policy, name) for policy, name in found if policy is not None and policy.bulk_allowed != "yes"]
+    return sorted(known, key=lambda terms: terms[0].max_tiles or 0)
+
+
+def _drawn(layer: QgsRasterLayer) -> Pipes | Tiles:
+    copy = _copy(layer)
+    return tiles_of(layer, copy) or Pipes(copy)
 
 
 def _layers_that_show(project: QgsProject) -> Iterator[QgsMapLayer]:
@@ -215,8 +239,8 @@ def _native_zoom(layer: QgsMapLayer, project: QgsProject) -> int:
     if not isinstance(layer, QgsRasterLayer):
         return _MAX_ZOOM
     if layer.providerType() != FILE_PROVIDER:
-        stated = parse_qs(layer.source()).get("zmax", [""])[0]
-        return min(int(stated), _MAX_ZOOM) if stated.isdigit() else _MAX_ZOOM
+        stated = highest_zoom(layer)
+        return _MAX_ZOOM if stated is None else min(stated, _MAX_ZOOM)
     share = _mercator_m_per_px(layer, project) / (2.0 * HALF_WORLD_M)
     return min(max(fitting_zoom(share, 1.0, _RESOLUTION_SLACK), 0), _HIGHEST_NATIVE_ZOOM)
 

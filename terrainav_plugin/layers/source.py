@@ -22,12 +22,12 @@ from qgis.PyQt.QtCore import QSize
 from qgis.PyQt.QtGui import QPainter
 
 from ...core.errors import PartError
-from ...core.imagery.policy import Policy
 from ...core.imagery.source import Part, Window, tile_parts
 from .jobs import Jobs, blank, to_array, to_image
 from .pipes import Pipes
 from .sampling import sampled
 from .snapshot import FILE_PROVIDER, Snapshot
+from .tiles import Tiles
 
 Pixels = NDArray[np.uint8]
 Stop = Callable[[], bool]
@@ -52,12 +52,11 @@ class LayerSource:
     """
 
     map_types: tuple[str, ...] = ()
-    policy = Policy()
 
     def __init__(self, snapshot: Snapshot, jobs: Jobs | None = None) -> None:
         self.name, self.title = snapshot.name, snapshot.title
         self.attribution, self.date = snapshot.attribution, snapshot.date
-        self.grid = snapshot.grid
+        self.grid, self.policy = snapshot.grid, snapshot.policy
         self._snapshot = snapshot
         self._jobs = jobs or Jobs()
         self._tiles: OrderedDict[Window, Future[Pixels]] = OrderedDict()
@@ -97,11 +96,14 @@ class LayerSource:
                 raise PartError(f"{self.title} shows nothing here")
             return self._on_paper(shown, np.zeros(shown.shape[:2], bool))
         # A service that did not answer leaves holes, which a drawing above must not hide.
-        served = any(pipes.layer.providerType() != FILE_PROVIDER for pipes in self._snapshot.ground)
+        served = any(drawn.layer.providerType() != FILE_PROVIDER for drawn in self._snapshot.ground)
         return self._on_paper(shown, (ground if served else shown)[..., 3] == 0)
 
     def close(self) -> None:
         """End what is being drawn; it raises `Cancelled`."""
+        for layer in self._snapshot.ground:
+            if isinstance(layer, Tiles):
+                layer.close()
         self._jobs.close()
 
     def _on_paper(self, shown: Pixels, missing: NDArray[np.bool_]) -> Pixels:
@@ -153,13 +155,16 @@ class LayerSource:
     def _draw_tile(self, tile: Window, cancelled: Stop | None) -> Pixels:
         image = blank(tile.width_px, tile.height_px)
         settings = self._settings(tile)
-        for pipes in self._snapshot.ground:
-            if not pipes.layer.isInScaleRange(settings.scale()):
+        for drawn in self._snapshot.ground:
+            if not drawn.layer.isInScaleRange(settings.scale()):
                 continue
-            pixels = self._pixels(pipes, settings, tile, cancelled)
+            if isinstance(drawn, Tiles):
+                pixels = drawn.pixels(tile, cancelled)
+            else:
+                pixels = self._pixels(drawn, settings, tile, cancelled)
             if pixels is not None:
                 painter = QPainter(image)
-                painter.setCompositionMode(pipes.layer.blendMode())
+                painter.setCompositionMode(drawn.layer.blendMode())
                 painter.drawImage(0, 0, to_image(pixels))
                 painter.end()
         return to_array(image)

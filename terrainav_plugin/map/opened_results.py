@@ -36,7 +36,8 @@ def open_results(folder: Path, mission: Mission, mosaics: list[Mosaic]) -> Opene
         Where QGIS cannot open one of them.
     """
     footprints = open_footprints(folder / FOOTPRINTS_FILE, tr("Captured images"))
-    # Of a mission they stay where they are: a project that is opened need not read them for their extent.
+    # Of a mission they stay where they are: a project that is opened need not read them for their extent. Newer QGIS
+    # (3.40) leaves that to the project's own setting, which is the user's.
     footprints.setReadExtentFromXml(True)
     footprints = _for_main_thread(footprints)
     return OpenedResults(

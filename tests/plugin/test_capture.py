@@ -13,7 +13,7 @@ from qgis.PyQt.QtGui import QImage
 from qgis.PyQt.QtWidgets import QMessageBox
 from terrainav.core.mission.mission import Mission
 
-from tests.support.patterns import decode_position
+from tests.support.patterns import decode_position, encode_position
 from tests.support.tileserver import TileServer
 
 RESULT_LAYERS = [
@@ -127,8 +127,11 @@ def drawn(desk, layer, extent, width, height):
     return lines.reshape(height, image.bytesPerLine())[:, : 3 * width].reshape(height, width, 3)
 
 
-def test_mosaic_lies_exactly_on_the_layer_it_came_from(prepared):
-    """Both drawn by QGIS itself at the tiles' own resolution: the same picture, pixel by pixel."""
+def test_mosaic_lies_exactly_where_it_came_from(prepared):
+    """Drawn by QGIS itself at the tiles' own resolution, every pixel is the one of its place.
+
+    Newer QGIS (3.44) draws the layer of tiles with a pixel too much at each side of a tile, so that is only near.
+    """
     prepared.click(prepared.form.show_on_map)
     (tiles,) = QgsProject.instance().mapLayers().values()
     assert tiles.providerType() == "wms"
@@ -142,10 +145,12 @@ def test_mosaic_lies_exactly_on_the_layer_it_came_from(prepared):
     for top in (first_top, first_top + height, first_top + 4 * height):
         edges = (float(edge) for edge in planned.grid.edges_m(left, top, width, height, planned.zoom))
         extent = QgsRectangle(*edges)
-        source = drawn(prepared, tiles, extent, width, height)
-        # The source's picture is whole: every pixel of it holds another position.
-        assert len(np.unique(source.reshape(-1, 3), axis=0)) == width * height
-        assert np.array_equal(drawn(prepared, mosaic, extent, width, height), source)
+        own = encode_position(left + np.arange(width), top + np.arange(height))
+        assert np.array_equal(drawn(prepared, mosaic, extent, width, height), own)
+        apart = np.subtract(
+            decode_position(drawn(prepared, tiles, extent, width, height)), decode_position(own)
+        )
+        assert np.abs(apart).max() <= 1
 
 
 def test_overviews_are_the_mean_of_the_pixels(prepared):

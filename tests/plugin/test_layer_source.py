@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import threading
 import time
 from concurrent.futures import ThreadPoolExecutor
@@ -14,6 +15,7 @@ from qgis.core import (
     QgsFeature,
     QgsFillSymbol,
     QgsGeometry,
+    QgsHueSaturationFilter,
     QgsMarkerSymbol,
     QgsPalLayerSettings,
     QgsProject,
@@ -33,12 +35,15 @@ from terrainav.terrainav_plugin.layers.jobs import Jobs
 from terrainav.terrainav_plugin.layers.snapshot import (
     PROJECT_SOURCE,
     layer_choices,
+    policies_of_layers,
     source_name,
     take_snapshot,
 )
 from terrainav.terrainav_plugin.layers.source import LayerSource
 
-from tests.support.patterns import decode_position, encode_position
+from tests.support.patterns import decode_position, encode_position, to_bytes
+from tests.support.patterns import positions as pattern_tile
+from tests.support.services import ServiceServer, matrix, matrix_set, wms_document, wmts_document, wmts_layer
 from tests.support.tileserver import TileServer
 
 ZOOM = 17
@@ -61,9 +66,10 @@ def add(layer):
     return QgsProject.instance().addMapLayer(layer)
 
 
-def tiles_layer(server, name="tiles"):
+def tiles_layer(server, name="tiles", zmax=19, **more):
     url = server.url_template.replace("{", "%7B").replace("}", "%7D")
-    return add(QgsRasterLayer(f"type=xyz&url={url}&zmin=0&zmax=19", name, "wms"))
+    rest = "".join(f"&{key}={value}" for key, value in more.items())
+    return add(QgsRasterLayer(f"type=xyz&url={url}&zmin=0&zmax={zmax}{rest}", name, "wms"))
 
 
 @pytest.fixture(autouse=True)
@@ -184,16 +190,106 @@ def test_tiles_are_exact_at_every_zoom(server, zoom):
     source.close()
 
 
-@pytest.mark.parametrize("fault", ["404", "503", "reset"])
-def test_hole_of_a_service_fails_the_pictures_that_show_it(server, fault):
+@pytest.mark.parametrize(
+    ("fault", "reason"),
+    [("404", "no imagery at"), ("503", "503 Service Unavailable"), ("reset", "body broke off")],
+)
+def test_hole_of_a_service_fails_the_pictures_that_show_it(server, fault, reason):
     missing = (ZOOM, LEFT // 256 + 1, TOP // 256)
     server.fail(fault, missing)
     source = opened(source_name(tiles_layer(server)))
-    with pytest.raises(PartError, match="no imagery at"):
+    with pytest.raises(PartError, match=reason):
         picture(source, WINDOW)
     beside = Window(ZOOM, LEFT, TOP + 256, 600, 100)
     assert np.array_equal(picture(source, beside), positions(beside))
     source.close()
+
+
+def zoomed_in(server, beyond):
+    return opened(source_name(tiles_layer(server, zmax=ZOOM))), WINDOW._replace(
+        zoom=ZOOM + beyond, left_px=LEFT << beyond, top_px=TOP << beyond
+    )
+
+
+@pytest.mark.parametrize("beyond", [1, 3])
+def test_beyond_the_finest_tiles_each_pixel_is_repeated(server, beyond):
+    source, window = zoomed_in(server, beyond)
+    assert source.grid.native_zoom == ZOOM
+    columns, rows = (
+        (int(start) + np.arange(size)) >> beyond
+        for start, size in ((window.left_px, window.width_px), (window.top_px, window.height_px))
+    )
+    assert np.array_equal(picture(source, window), encode_position(columns, rows))
+
+
+def test_tiles_of_double_width_have_the_pixels_of_the_next_zoom():
+    with TileServer(tile_px=512) as server:
+        source = opened(source_name(tiles_layer(server, tilePixelRatio=2)))
+        assert source.grid.native_zoom == 20
+        assert np.array_equal(picture(source, WINDOW), positions(WINDOW))
+        assert ZOOM not in {zoom for _, zoom, *_ in server.tile_requests}
+
+
+def test_tiles_of_a_wmts_are_exact():
+    """Their address is in the capabilities, which QGIS and the capture each ask for."""
+    answered = re.compile(r"/tiles/(\d+)/(\d+)/(\d+)\.png")
+
+    def answer(path, _query):
+        if path == "/c.xml":
+            rest = f"{running.url}/tiles/{{TileMatrix}}/{{TileCol}}/{{TileRow}}.png"
+            matrices = matrix_set("quad", [matrix(str(zoom), zoom) for zoom in range(20)])
+            layer = wmts_layer("ortho", {"quad": []}, resources=[("image/png", rest)])
+            return 200, "application/xml", wmts_document([layer], [matrices])
+        zoom, x, y = (int(number) for number in answered.fullmatch(path).groups())
+        return 200, "image/png", to_bytes(pattern_tile("", zoom, x, y, 256), "png")
+
+    with ServiceServer(answer) as running:
+        uri = (
+            "crs=EPSG:3857&format=image/png&layers=ortho&styles=default&tileMatrixSet=quad"
+            f"&url={running.url}/c.xml"
+        )
+        source = opened(source_name(add(QgsRasterLayer(uri, "wmts", "wms"))))
+        assert np.array_equal(picture(source, WINDOW), positions(WINDOW))
+        asked = [path for path in running.asked if path.startswith(f"/tiles/{ZOOM}/")]
+        assert len(asked) == len(set(asked)) == 3 * 2
+
+
+def overlay(url, name="overlay"):
+    url = f"{url}/{{z}}/{{x}}/{{y}}.png".replace("{", "%7B").replace("}", "%7D")
+    return add(QgsRasterLayer(f"type=xyz&url={url}&zmin=0&zmax=19", name, "wms"))
+
+
+def test_translucent_tiles_let_what_is_below_show(server):
+    """Two layers of tiles, the upper half transparent: the mean of both, to within the rounding of the two."""
+    half = np.dstack([np.full((256, 256, 3), (200, 100, 0), np.uint8), np.full((256, 256), 128, np.uint8)])
+    with ServiceServer(lambda *_: (200, "image/png", to_bytes(half, "png"))) as above:
+        tiles_layer(server)
+        overlay(above.url)
+        shown = picture(opened(PROJECT_SOURCE), WINDOW).astype(float)
+    expected = positions(WINDOW) * (127 / 255) + np.array([200, 100, 0]) * (128 / 255)
+    assert np.abs(shown - expected).max() <= 2.0
+
+
+def test_layer_has_its_own_colours(server):
+    """Grey by lightness, the mean of the largest and the least colour, and half as opaque on black paper."""
+    layer = tiles_layer(server)
+    layer.hueSaturationFilter().setGrayscaleMode(QgsHueSaturationFilter.GrayscaleMode.GrayscaleLightness)
+    layer.renderer().setOpacity(0.5)
+    QgsProject.instance().setBackgroundColor(QColor(0, 0, 0))
+    shown = picture(opened(source_name(layer)), WINDOW).astype(float)
+    own = positions(WINDOW).astype(float)
+    lightness = (own.max(axis=2) + own.min(axis=2)) / 2.0
+    assert np.ptp(shown, axis=2).max() <= 1.0
+    assert np.abs(shown[..., 0] - lightness / 2.0).max() <= 2.0
+
+
+def test_terms_of_the_provider_hold_for_a_layer_of_its_tiles():
+    """However its tiles are asked for: OpenStreetMap's are for looking at."""
+    url = "https://tile.openstreetmap.org/%7Bz%7D/%7Bx%7D/%7By%7D.png"
+    layer = add(QgsRasterLayer(f"type=xyz&url={url}&zmin=0&zmax=19", "my map", "wms"))
+    ((policy, title),) = policies_of_layers(source_name(layer), QgsProject.instance())
+    assert (policy.bulk_allowed, title) == ("no", "my map")
+    assert opened(PROJECT_SOURCE).policy == policy
 
 
 def test_hole_below_a_drawing_is_a_hole(server):
@@ -388,17 +484,33 @@ def test_cancelled_is_asked_while_drawing(server):
     source.close()
 
 
-def test_drawing_that_takes_too_long_is_a_failed_part(server):
-    server.fail("stall")
-    source = opened(source_name(tiles_layer(server)), jobs=Jobs(longest_s=0.3))
+def test_drawing_that_takes_too_long_is_a_failed_part():
+    """A map that a service draws when it is asked."""
+    over = threading.Event()
 
-    def work():
-        with pytest.raises(PartError, match="had not drawn it after"):
-            source.fetch("satellite", Window(ZOOM, 256 * 5, 256 * 6, 256, 256))
-        return True
+    def answer(_path, query):
+        if query.get("REQUEST") == "GetCapabilities":
+            crs = (
+                "<CRS>EPSG:3857</CRS><EX_GeographicBoundingBox><westBoundLongitude>-180</westBoundLongitude>"
+            )
+            crs += "<eastBoundLongitude>180</eastBoundLongitude><southBoundLatitude>-85</southBoundLatitude>"
+            crs += "<northBoundLatitude>85</northBoundLatitude></EX_GeographicBoundingBox>"
+            layer = f"<Layer><Name>map</Name><Title>Map</Title>{crs}</Layer>"
+            return 200, "text/xml", wms_document("1.3.0", f"{running.url}/wms", layer)
+        over.wait(20.0)
+        return 404, "text/plain", b""
 
-    assert off_the_main_thread(work)
-    source.close()
+    with ServiceServer(answer) as running:
+        uri = f"crs=EPSG:3857&format=image/png&layers=map&styles=&url={running.url}/wms"
+        source = opened(source_name(add(QgsRasterLayer(uri, "wms", "wms"))), jobs=Jobs(longest_s=0.3))
+
+        def work():
+            with pytest.raises(PartError, match="had not drawn it after"):
+                source.fetch("satellite", Window(ZOOM, 256 * 5, 256 * 6, 256, 256))
+            return True
+
+        assert off_the_main_thread(work)
+        over.set()
 
 
 def test_choices_are_the_map_and_the_layers_that_show_something(server):

@@ -11,7 +11,7 @@ from qgis.PyQt.QtCore import QTimer
 from qgis.PyQt.QtWidgets import QApplication, QDialog, QDialogButtonBox
 from terrainav.terrainav_plugin.dock.options_page import OptionsPage, folder_problem
 from terrainav.terrainav_plugin.settings import Settings, credential_name
-from terrainav.terrainav_plugin.sources import tile_cache, transport_for
+from terrainav.terrainav_plugin.sources import transport_for
 
 from tests.plugin.transports import MASTER_PASSWORD, PASSWORD, USER
 
@@ -180,7 +180,7 @@ def test_cache_is_opened_from_the_page_and_its_settings_hold(page, tmp_path, mon
     page.folders["cache_folder"].setFilePath(str(tmp_path / "tiles"))
     page.cache_limit.setValue(77)
     page.apply()
-    cache = tile_cache()
+    cache = Settings().tile_cache()
     assert (cache.folder, cache.limit_bytes) == (tmp_path / "tiles", 77_000_000)
     seen = []
 

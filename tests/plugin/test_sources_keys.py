@@ -31,12 +31,7 @@ BASIC = "Basic " + base64.b64encode(f"{USER}:{PASSWORD}".encode()).decode()
 _NEW = Qgis.QGIS_VERSION_INT >= 33000
 XYZ_SETTINGS = "connections/xyz/items" if _NEW else "qgis/connections-xyz"
 WMS_SETTINGS = "connections/ows/items/wms/connections/items" if _NEW else "qgis/connections-wms"
-# In either spelling of the service.
-WMS_CREDENTIALS = (
-    [f"connections/ows/items/{service}/credentials/items" for service in ("wms", "WMS")]
-    if _NEW
-    else ["qgis/WMS"]
-)
+WMS_CREDENTIALS = WMS_SETTINGS if _NEW else "qgis/WMS"
 
 
 def spellings(secret):
@@ -49,7 +44,7 @@ def no_credentials(monkeypatch):
     monkeypatch.delenv("TERRAINAV_KEY", raising=False)
     QgsSettings().remove("TerrAInav/authcfg")
     yield
-    for root in ("TerrAInav/authcfg", XYZ_SETTINGS, WMS_SETTINGS, *WMS_CREDENTIALS):
+    for root in ("TerrAInav/authcfg", XYZ_SETTINGS, WMS_SETTINGS, WMS_CREDENTIALS):
         QgsSettings().remove(root)
 
 
@@ -306,8 +301,7 @@ def test_layer_of_a_service_is_kept_as_an_own_source(desk, configured, screensho
         body = wms_document("1.3.0", f"{server.url}/wms", f"<Layer><Title>All</Title>{crs}{layers}</Layer>")
         server.answers["/wms"] = (200, {"Content-Type": "text/xml"}, body)
         QgsSettings().setValue(f"{WMS_SETTINGS}/Survey/url", server.url + "/wms")
-        for settings in WMS_CREDENTIALS:
-            QgsSettings().setValue(f"{settings}/Survey/authcfg", authcfg)
+        QgsSettings().setValue(f"{WMS_CREDENTIALS}/Survey/authcfg", authcfg)
         assert QgsOwsConnection.connectionList("WMS") == ["Survey"]
         dialog = ServiceDialog(service("Survey"), desk.iface.mainWindow())
         dialog.show()

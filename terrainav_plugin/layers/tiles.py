@@ -1,0 +1,300 @@
+"""Layers of tiles: their pixels as the server has them, in the layer's own colours.
+
+QGIS draws a tile a pixel larger than it is to each side (from 3.44 on), so that no gap shows between tiles: no pixel of
+such a picture is certain to be at its place. So tiles of a layer in Web Mercator are asked of their server here, over
+QGIS's network stack and under the terms of their provider, and only the layer's colours are QGIS's work.
+"""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+from queue import SimpleQueue
+from typing import TYPE_CHECKING
+from urllib.parse import parse_qs, urlsplit
+
+import numpy as np
+from numpy.typing import NDArray
+from qgis.core import (
+    Qgis,
+    QgsBrightnessContrastFilter,
+    QgsHueSaturationFilter,
+    QgsRasterBlock,
+    QgsRasterBlockFeedback,
+    QgsRasterInterface,
+    QgsRasterLayer,
+    QgsRasterProjector,
+    QgsRasterResampleFilter,
+    QgsRectangle,
+)
+
+from ...core.errors import InvalidInput
+from ...core.imagery.client import NotThere
+from ...core.imagery.source import Window
+from ..compat import ARGB_PREMULTIPLIED, NO_GRAYSCALE
+from .connections import Connection, connection_of
+from .jobs import to_array, to_image
+
+if TYPE_CHECKING:
+    from qgis.PyQt.QtGui import QImage
+
+    from ...core.imagery.catalogue.entry import CatalogueEntry
+    from ...core.imagery.policy import Policy
+    from ...core.imagery.source import Source
+
+    Pixels = NDArray[np.uint8]
+
+#: QGIS's provider of tiles and other services.
+_PROVIDER = "wms"
+_MERCATOR = "EPSG:3857"
+#: Sets of coloured stages: as many as a capture has connections.
+_COPIES = 8
+_UNUSED = QgsRectangle(0.0, 0.0, 1.0, 1.0)
+
+
+class Tiles:
+    """A layer whose tiles are asked of their server.
+
+    Made on the main thread, which its connections and the stages of its style belong to.
+
+    Parameters
+    ----------
+    layer : QgsRasterLayer
+        A copy, as the project's own may change.
+    entry : callable
+        Gives the entry of the tiles; called once, on any thread, as a service may have to be asked for it.
+    connection : Connection
+        How the server is to be asked.
+    """
+
+    def __init__(
+        self, layer: QgsRasterLayer, entry: Callable[[], CatalogueEntry], connection: Connection
+    ) -> None:
+        from ..network.transport import QgisTransport
+        from ..settings import Settings
+
+        settings = Settings()
+        self.layer = layer
+        self._entry, self._connection = entry, connection
+        self._connections, self._cache = settings.connections, settings.tile_cache()
+        self._transport = QgisTransport(
+            self._connections, authcfg=connection.authcfg, headers=connection.headers
+        )
+        self._colours = _colours_of(layer)
+        self._lock = threading.Lock()
+        self._opened: Source | None = None
+
+    def pixels(self, window: Window, cancelled: Callable[[], bool] | None) -> Pixels | None:
+        """Premultiplied pixels of a tile of 256 px, (256, 256, 4) uint8; None where the server has none.
+
+        Raises
+        ------
+        PartError, SourceError, Cancelled
+        """
+        source = self._source()
+        grid = source.grid
+        # A zoom has twice the pixels where tiles have twice the width; beyond the finest, its pixels are repeated.
+        finer = grid.scale.bit_length() - 1
+        zoom = min(window.zoom - finer, grid.max_zoom)
+        if zoom < grid.min_zoom:
+            return None
+        repeated = window.zoom - finer - zoom
+        columns, rows = (
+            (int(start) + np.arange(size)) >> repeated
+            for start, size in ((window.left_px, window.width_px), (window.top_px, window.height_px))
+        )
+        left, top = (int(first) // grid.tile_px * grid.tile_px for first in (columns[0], rows[0]))
+        tile = Window(zoom, left, top, grid.tile_px, grid.tile_px)
+        try:
+            fetched = source.fetch("", tile, cancelled)
+        except NotThere:
+            return None
+        return self._coloured(_premultiplied(fetched[np.ix_(rows - top, columns - left)]))
+
+    def close(self) -> None:
+        """End what is asked for; it raises `Cancelled`."""
+        with self._lock:
+            self._transport.close()
+            if self._opened is not None:
+                self._opened.close()
+
+    def _source(self) -> Source:
+        from ...core.imagery.xyz import XYZSource
+
+        with self._lock:
+            if self._opened is None:
+                entry = self._entry()
+                self._opened = XYZSource(
+                    entry.templates(entry.date(None)),
+                    name=entry.name,
+                    title=self.layer.name(),
+                    grid=entry.grid(),
+                    key=self._connection.key or None,
+                    date=entry.date(None),
+                    placeholder=entry.placeholder,
+                    policy=entry.policy,
+                    transport=self._transport,
+                    connections=self._connections,
+                    cache=self._cache,
+                    alpha=True,
+                )
+            return self._opened
+
+    def _coloured(self, pixels: Pixels) -> Pixels:
+        if self._colours is None:
+            return pixels
+        stages = self._colours.get()
+        try:
+            return stages.applied(pixels)
+        finally:
+            self._colours.put(stages)
+
+
+def tiles_of(layer: QgsRasterLayer, copy: QgsRasterLayer) -> Tiles | None:
+    """Tiles of a layer; None where it is none of tiles in Web Mercator, or of ones that QGIS alone can read.
+
+    Parameters
+    ----------
+    copy : QgsRasterLayer
+        Of the layer, to be kept.
+    """
+    told = _told(layer)
+    if told is None:
+        return None
+    connection, service = told
+    if not service:
+        entry = connection.entry()
+        return Tiles(copy, lambda: entry, connection) if _is_power_of_two(entry.grid().scale) else None
+    tiles = Tiles(copy, lambda: _of_service(service, tiles), connection)
+    return tiles
+
+
+def highest_zoom(layer: QgsRasterLayer) -> int | None:
+    """Zoom up to which a layer of tiles says to have some, in terms of 256 px; None where it says nothing."""
+    told = _told(layer)
+    if told is None or told[1]:
+        return None
+    return told[0].max_zoom + (told[0].tile_px // 256).bit_length() - 1
+
+
+def policy_of_tiles(layer: QgsRasterLayer) -> Policy | None:
+    """What the provider of a layer's tiles allows; None for layers without, or whose service would have to be asked."""
+    told = _told(layer)
+    return None if told is None or told[1] else told[0].entry().policy
+
+
+def _told(layer: QgsRasterLayer) -> tuple[Connection, str] | None:
+    """How a layer's tiles are asked for, and the name of its service where that has capabilities."""
+    uri = layer.source()
+    words = {key: values[0] for key, values in parse_qs(uri, keep_blank_values=True).items()}
+    if layer.providerType() != _PROVIDER or layer.crs().authid() != _MERCATOR or words.get("interpretation"):
+        return None
+    try:
+        known = connection_of(layer.name(), uri)
+        if words.get("type") == "xyz":
+            known.entry()
+            return known, ""
+        if words.get("tileMatrixSet") and words.get("layers") and not words.get("tileDimensions"):
+            address = urlsplit(known.url)._replace(fragment="").geturl()
+            choices = {
+                "layer": "layers",
+                "style": "styles",
+                "format": "format",
+                "tilematrixset": "tileMatrixSet",
+            }
+            named = "&".join(f"{choice}={words[key]}" for choice, key in choices.items() if words.get(key))
+            return known, f"wmts:{address}#{named}"
+    except InvalidInput:
+        # Of an address that only QGIS can make something of, QGIS draws the picture.
+        return None
+    return None
+
+
+def _of_service(name: str, tiles: Tiles) -> CatalogueEntry:
+    from ...core.imagery.services.ogc import service_entry
+
+    return service_entry(name, key=tiles._connection.key or None, transport=tiles._transport)  # noqa: SLF001
+
+
+def _is_power_of_two(number: int) -> bool:
+    return number & (number - 1) == 0
+
+
+def _premultiplied(pixels: Pixels) -> Pixels:
+    """Red, green, blue (times alpha) and alpha, of pixels with or without alpha."""
+    if pixels.shape[2] == 3:
+        return np.dstack([pixels, np.full(pixels.shape[:2], 255, np.uint8)])
+    alpha = pixels[..., 3:].astype(np.uint16)
+    return np.concatenate([(pixels[..., :3] * alpha + 127) // 255, alpha], axis=2).astype(np.uint8)
+
+
+class _Given(QgsRasterInterface):
+    """Pixels at the beginning of a pipe, as a provider would give them."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.image: QImage | None = None
+
+    def dataType(self, _band: int) -> Qgis.DataType:
+        return ARGB_PREMULTIPLIED
+
+    def bandCount(self) -> int:
+        return 1
+
+    def block(
+        self,
+        _band: int,
+        _extent: QgsRectangle,
+        width: int,
+        height: int,
+        _feedback: QgsRasterBlockFeedback | None = None,
+    ) -> QgsRasterBlock:
+        block = QgsRasterBlock(ARGB_PREMULTIPLIED, width, height)
+        block.setImage(self.image)
+        return block
+
+
+class _Stages:
+    """The stages of a layer's pipe that colour pixels one by one."""
+
+    def __init__(self, layer: QgsRasterLayer) -> None:
+        self._given = _Given()
+        self._stages: list[QgsRasterInterface] = [self._given]
+        pipe = layer.pipe()
+        for index in range(1, pipe.size()):
+            if not isinstance(pipe.at(index), (QgsRasterProjector, QgsRasterResampleFilter)):
+                stage = pipe.at(index).clone()
+                stage.setInput(self._stages[-1])
+                self._stages.append(stage)
+
+    def applied(self, pixels: Pixels) -> Pixels:
+        """Pixels in the layer's colours, premultiplied as they came."""
+        height, width = pixels.shape[:2]
+        self._given.image = to_image(pixels)
+        # QGIS 3.44 ends where it is given no feedback.
+        return to_array(self._stages[-1].block(1, _UNUSED, width, height, QgsRasterBlockFeedback()).image())
+
+
+def _colours_of(layer: QgsRasterLayer) -> SimpleQueue[_Stages] | None:
+    """Stages that colour a layer's pixels, one set for each thread; None where they leave pixels as they are."""
+    if _is_plain(layer):
+        return None
+    stages: SimpleQueue[_Stages] = SimpleQueue()
+    for _ in range(_COPIES):
+        stages.put(_Stages(layer))
+    return stages
+
+
+def _is_plain(layer: QgsRasterLayer) -> bool:
+    brightness: QgsBrightnessContrastFilter | None = layer.brightnessFilter()
+    hue: QgsHueSaturationFilter | None = layer.hueSaturationFilter()
+    plain_light = brightness is None or (
+        brightness.brightness() == 0 and brightness.contrast() == 0 and brightness.gamma() == 1.0
+    )
+    plain_hue = hue is None or (
+        hue.saturation() == 0
+        and hue.grayscaleMode() == NO_GRAYSCALE
+        and not hue.colorizeOn()
+        and not getattr(hue, "invertColors", bool)()
+    )
+    return plain_light and plain_hue and layer.renderer().opacity() == 1.0
