@@ -1,6 +1,8 @@
 .DEFAULT_GOAL := help
-.PHONY: help setup test test-core test-plugin test-qgis344 test-qgis340 lint format demo qgis screenshots translations package clean
+.PHONY: help setup qgis-setup test test-core test-plugin test-qgis344 test-qgis340 lint format demo qgis screenshots translations package clean
 
+# QGIS's own, for what needs nothing else; that of the tests' environment has pytest, the linters and the rest.
+QGIS_PYTHON := /usr/bin/python3
 PYTHON := .venv/bin/python
 # Seconds after which a run inside QGIS is stopped, with the stacks of all threads printed.
 PLUGIN_TIMEOUT := 1200
@@ -9,19 +11,22 @@ DEMO_TIMEOUT := 1200
 help:  ## show this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-12s %s\n", $$1, $$2 }' Makefile
 
-setup:  ## install what is missing: QGIS from the distribution, then .venv
+setup:  ## install what is missing for everything: QGIS from the distribution, then .venv for the tests
+	@bash tools/setup.sh tests
+
+qgis-setup:
 	@bash tools/setup.sh
 
 # The core's tests keep a processor busy while those in QGIS wait for windows and timers: side by side they take hardly
 # longer than the slower of the two. Each one's output comes in one piece, when it ends.
-test: translations  ## every test: core headless, beside it plugin inside the real QGIS
+test: setup translations  ## every test: core headless, beside it plugin inside the real QGIS
 	@echo "core and plugin are tested side by side, about ten minutes; each reports when it ends"
 	@$(MAKE) --no-print-directory --jobs=2 --output-sync=target test-core test-plugin
 
 test-core: setup  ## only the tests that run without Qt and QGIS
 	$(PYTHON) -m pytest tests --ignore=tests/plugin
 
-test-plugin: translations  ## only the tests that run inside the real QGIS
+test-plugin: setup translations  ## only the tests that run inside the real QGIS
 	$(PYTHON) tools/qgis_app.py --timeout $(PLUGIN_TIMEOUT) --pytest tests/plugin
 
 test-qgis344:  ## the plugin's tests in QGIS 3.44, in a Debian 13 system of its own (root, 2.4 GB)
@@ -41,19 +46,19 @@ format: setup  ## let ruff rewrite the code
 	$(PYTHON) -m ruff format .
 
 demo: translations  ## the main job in the real QGIS; leaves demo/ with dataset, project and screenshot
-	$(PYTHON) tools/qgis_app.py --timeout $(DEMO_TIMEOUT) tools/demo.py
+	$(QGIS_PYTHON) tools/qgis_app.py --timeout $(DEMO_TIMEOUT) tools/demo.py
 
 qgis: translations  ## open QGIS with the plugin, in a profile of its own
-	$(PYTHON) tools/qgis_app.py --visible
+	$(QGIS_PYTHON) tools/qgis_app.py --visible
 
 screenshots: translations  ## take the pictures of docs/guide.md anew
-	$(PYTHON) tools/qgis_app.py --timeout $(DEMO_TIMEOUT) tools/screenshots.py
+	$(QGIS_PYTHON) tools/qgis_app.py --timeout $(DEMO_TIMEOUT) tools/screenshots.py
 
-translations: setup  ## compile what the plugin says in other languages; after a change of texts: tools/translations.py update
-	@$(PYTHON) tools/translations.py compile
+translations: qgis-setup  ## compile what the plugin says in other languages; after a change of texts: tools/translations.py update
+	@$(QGIS_PYTHON) tools/translations.py compile
 
 package: translations  ## the zip for QGIS and plugins.qgis.org, of the last commit, in dist/
-	$(PYTHON) tools/package.py
+	$(QGIS_PYTHON) tools/package.py
 
 clean:  ## remove everything that was made here, the environment included
 	rm -rf .venv .qgis-profile .hypothesis .mypy_cache .pytest_cache .ruff_cache build dist demo screenshots *.egg-info

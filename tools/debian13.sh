@@ -72,7 +72,7 @@ exec unshare --mount --pid --fork --kill-child bash -euo pipefail -c '
         bash -euo pipefail -c '\''
             cd "$1" && shift
             limit=$1 && shift
-            make --silent translations
+            make --silent setup translations
             dpkg-query --show --showformat="\${Package} \${Version}\n" qgis python3 python3-numpy >&2
             if [[ ${1:-} == -- ]]; then
                 shift

@@ -300,7 +300,7 @@ def run(
             "arguments": list(arguments),
             "pytest": pytest,
             "root": str(ROOT),
-            "site_packages": None if bare else site_packages(),
+            "site_packages": site_packages() if pytest else None,
             "result": str(result),
         }
         command = [qgis, "--nologo", "--noversioncheck", "--nocustomization", "--lang", language]

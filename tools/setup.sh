@@ -1,16 +1,22 @@
 #!/usr/bin/env bash
-# Installs what is missing on Debian or Ubuntu and makes .venv. Safe to run again; quick when nothing is to be done.
+# Installs what is missing on Debian or Ubuntu. Safe to run again; quick when nothing is to be done.
+#
+#     tools/setup.sh          QGIS and what the plugin needs beside it, from the distribution alone
+#     tools/setup.sh tests    what the tests need as well, and .venv with their packages
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
 # QGIS is built against the distribution's Python and its modules, so no other Python will do.
 PYTHON=/usr/bin/python3
-# proj-bin: inside a virtual environment the distribution's pyproj finds its data by where the `proj` command is.
 PACKAGES=(
     qgis python3-qgis xvfb git qttools5-dev-tools
-    python3-venv python3-gdal python3-matplotlib python3-numpy python3-owslib python3-pil python3-pyproj python3-pyqt5.qtsvg python3-requests
-    ca-certificates fonts-dejavu-core libgl1-mesa-dri libimage-exiftool-perl proj-bin
+    python3-gdal python3-matplotlib python3-numpy python3-owslib python3-pil python3-pyproj python3-pyqt5.qtsvg python3-requests
+    ca-certificates fonts-dejavu-core libgl1-mesa-dri
 )
+if [[ ${1:-} == tests ]]; then
+    # proj-bin: inside a virtual environment the distribution's pyproj finds its data by where the `proj` command is.
+    PACKAGES+=(python3-venv libimage-exiftool-perl proj-bin)
+fi
 STAMP=.venv/terrainav-setup
 
 say() { printf 'set-up: %s\n' "$*" >&2; }
@@ -99,7 +105,7 @@ make_environment() {
     verify_shared_modules
 }
 
-if [[ -f $STAMP && $(<"$STAMP") == "$(fingerprint)" ]]; then
+if [[ ${1:-} == tests && -f $STAMP && $(<"$STAMP") == "$(fingerprint)" ]]; then
     exit 0
 fi
 if ! command -v apt-get >/dev/null; then
@@ -107,6 +113,8 @@ if ! command -v apt-get >/dev/null; then
     exit 1
 fi
 install_packages
-make_environment
-fingerprint >"$STAMP"
-say "done"
+if [[ ${1:-} == tests ]]; then
+    make_environment
+    fingerprint >"$STAMP"
+    say "done"
+fi
