@@ -145,7 +145,10 @@ def build(folder: Path, working: bool) -> Path:
             if found:
                 raise PackageError("the plugin repository would refuse it:\n" + "\n".join(found))
         else:
-            print("package: not searched by bandit and detect-secrets; run `make setup` first for that", file=sys.stderr)
+            print(
+                "package: not searched by bandit and detect-secrets; run `make setup` first for that",
+                file=sys.stderr,
+            )
         os.replace(made, path)
     print(f"{path}: {len(names)} files, {path.stat().st_size:,} bytes")
     return path

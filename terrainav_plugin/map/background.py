@@ -6,7 +6,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from qgis.core import QgsProject, QgsRasterLayer, QgsRectangle
+from qgis.core import QgsMapLayer, QgsProject, QgsRasterLayer, QgsRectangle
 from qgis.gui import QgisInterface
 
 from ...core.errors import InvalidInput
@@ -43,13 +43,18 @@ class WorldTask(Task):
         return not self.isCanceled()
 
 
+def _is_drawn(layer: QgsMapLayer | None) -> bool:
+    return layer is not None and layer.isValid() and layer.isSpatial()
+
+
 class Background:
     """Adds a source below all layers of the project; at most one layer for each source."""
 
     def __init__(self, project: QgsProject, iface: QgisInterface) -> None:
         self._project = project
         self._canvas = iface.mapCanvas()
-        self._waiting: Callable[[], None] | None = None
+        #: A zoom to be done once the map has a layer, by the layer's id.
+        self._waiting: tuple[str, Callable[[], None]] | None = None
         self._bridge = iface.layerTreeCanvasBridge()
         self._bridge.canvasLayersChanged.connect(self._settled)
 
@@ -108,15 +113,30 @@ class Background:
         return canvas_rectangle(box, self._canvas.mapSettings().destinationCrs(), self._project)
 
     def _when_settled(self, zoom: Callable[[], None]) -> None:
-        """Zoom now; or, after the first layer of a project, once QGIS has taken its CRS and zoomed to it."""
-        if self._canvas.layers() or not self._project.mapLayers():
-            zoom()
-            return
-        self._waiting = zoom
+        """Zoom now; or, while the map has not got all layers that it is to show, once it has.
 
-    def _settled(self) -> None:
-        zoom, self._waiting = self._waiting, None
-        if zoom is not None:
+        With the first layer of a project QGIS takes its CRS and zooms to it, a while after it was added. What the map
+        still shows of an earlier project says nothing about that.
+        """
+        there = {layer.id() for layer in self._canvas.layers()}
+        coming = [
+            node.layerId()
+            for node in self._project.layerTreeRoot().findLayers()
+            if node.isVisible() and node.layerId() not in there and _is_drawn(node.layer())
+        ]
+        if coming:
+            self._waiting = coming[0], zoom
+        else:
+            zoom()
+
+    def _settled(self, layers: list[QgsMapLayer]) -> None:
+        if self._waiting is None:
+            return
+        wanted, zoom = self._waiting
+        node = self._project.layerTreeRoot().findLayer(wanted)
+        # A layer that has been removed or hidden meanwhile does not come.
+        if node is None or not node.isVisible() or wanted in {layer.id() for layer in layers}:
+            self._waiting = None
             zoom()
 
     def _show_extent(self, rectangle: QgsRectangle) -> None:

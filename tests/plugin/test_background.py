@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from osgeo import gdal
@@ -12,7 +14,7 @@ from terrainav.core.errors import InvalidInput
 from terrainav.core.imagery.opening import open_source
 from terrainav.core.imagery.source import Window
 from terrainav.core.mission.area import Box
-from terrainav.terrainav_plugin.map.world_picture import choose_picture
+from terrainav.terrainav_plugin.map.world_picture import choose_picture, render
 from terrainav.terrainav_plugin.sources import tile_layer_uri
 
 from tests.support.tileserver import TileServer
@@ -36,6 +38,11 @@ def show(desk):
     return next(iter(QgsProject.instance().mapLayers().values()))
 
 
+def fits(extent, box):
+    """Whether a map shows a box as large as it can, however wide and high the map is."""
+    return extent.contains(box) and (extent.height() < 2 * box.height() or extent.width() < 2 * box.width())
+
+
 def test_embedded_world_comes_by_its_name_and_the_map_goes_there(desk):
     desk.enter_box("35.16", "-89.90", "35.115", "-89.823")
     layer = show(desk)
@@ -46,7 +53,7 @@ def test_embedded_world_comes_by_its_name_and_the_map_goes_there(desk):
     desk.wait(lambda: project.crs().authid() == "EPSG:3857")
     assert project.layerTreeRoot().children()[-1].layer() is layer
     box = desk.workflow.background.rectangle(Box(35.16, -89.90, 35.115, -89.823))
-    desk.wait(lambda: desk.canvas.extent().contains(box) and desk.canvas.extent().height() < 2 * box.height())
+    desk.wait(lambda: fits(desk.canvas.extent(), box))
     assert layer.extent().contains(box)
 
 
@@ -70,10 +77,44 @@ def test_link_of_the_hint_leads_to_a_first_place_and_to_drawing(desk):
     follow_hint(desk)
     desk.wait_for_tasks()
     box = desk.workflow.background.rectangle(Box(35.16, -89.90, 35.115, -89.823))
-    desk.wait(lambda: desk.canvas.extent().contains(box) and desk.canvas.extent().height() < 2 * box.height())
+    desk.wait(lambda: fits(desk.canvas.extent(), box))
     assert desk.canvas.mapTool() is desk.workflow.box_tool
     desk.drag(desk.at(0.4, 0.4), desk.at(0.6, 0.6))
     assert desk.workflow.state().has_box
+
+
+def test_map_goes_there_though_it_still_has_layers_of_another_project(desk, iface):
+    """QGIS takes CRS and place of a project's first layer when that comes to the map, whatever the map had before."""
+    stale = QgsVectorLayer("Point?crs=EPSG:4326", "of the project before", "memory")
+    desk.canvas.setLayers([stale])
+    world = Box(60.0, -100.0, -60.0, 100.0)
+    far = desk.workflow.background.show_world(world, "satellite", 2024, write_world(desk, world), "far")
+    desk.workflow.background.zoom_to(Box(35.16, -89.90, 35.115, -89.823))
+    desk.wait(lambda: far in desk.canvas.layers())
+    box = desk.workflow.background.rectangle(Box(35.16, -89.90, 35.115, -89.823))
+    desk.wait(lambda: fits(desk.canvas.extent(), box))
+
+
+def test_zoom_does_not_wait_for_a_layer_that_is_hidden_or_gone(desk):
+    background, project = desk.workflow.background, QgsProject.instance()
+    place = Box(35.16, -89.90, 35.115, -89.823)
+    background.show_world(place, "satellite", 2024, write_world(desk, place), "world")
+    background.zoom_to(place)
+    layer = next(iter(project.mapLayers().values()))
+    project.layerTreeRoot().findLayer(layer).setItemVisibilityChecked(False)
+    desk.wait(lambda: fits(desk.canvas.extent(), background.rectangle(place)))
+    project.layerTreeRoot().findLayer(layer).setItemVisibilityChecked(True)
+    background.zoom_to(Box(36.0, -90.0, 35.0, -89.0))
+    project.removeAllMapLayers()
+    desk.wait(lambda: fits(desk.canvas.extent(), background.rectangle(Box(36.0, -90.0, 35.0, -89.0))))
+
+
+def write_world(desk, box):
+    """Draw the embedded world around a box; returns the folder."""
+    folder = Path(desk.workflow.settings.backgrounds_folder)
+    picture = choose_picture(box, "satellite", 2024)
+    render(picture, folder / picture.file_name, lambda _share: True)
+    return folder
 
 
 def test_link_of_the_hint_draws_no_box_where_there_is_one(desk):
