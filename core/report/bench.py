@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,7 +24,7 @@ from ..mission.plan import Plan
 from .geometry import scene_of, spread
 from .greys import file_bytes
 from .tiles import Tiles
-from .timing import Effort, timed, timed_together
+from .timing import Effort, Seconds, timed_together
 
 Pixels = NDArray[np.uint8]
 
@@ -44,10 +44,9 @@ class Way(NamedTuple):
 
 
 class Made(NamedTuple):
-    """A picture, the seconds a capture of it takes, and the bytes of its file."""
+    """Seconds that a capture's picture takes, and the bytes of its file."""
 
-    picture: Pixels
-    seconds: float
+    seconds: Seconds
     size_bytes: int
 
 
@@ -118,34 +117,37 @@ class Bench:
         scene = scene_of(self.plan, np.array([self.index], np.intp))
         return replace(scene, width_px=float(width), height_px=float(height))
 
-    def camera_frames(self, ways: Sequence[Way]) -> list[Made]:
-        """Camera frames of the capture; the captures of a row share their view, whose seconds count once a row."""
+    def camera_frames(self, ways: Sequence[Way], *, map_frame: bool) -> tuple[list[Made], Made | None]:
+        """Camera frames of the capture and, if asked for, its map frame, timed in the same rounds.
+
+        The captures of a row share their view, whose seconds count once a row.
+        """
         plan, scene = self.plan, self._scene()
         zooms, rows = sampled_zooms(plan.mission, plan.grid), len(plan.poses.runs()[0])
         kinds = list(dict.fromkeys((way.tolerance_px, way.kernel == BY_RAYS) for way in ways))
-        views = dict(
-            zip(
-                kinds,
-                timed_together(
-                    [partial(view, scene, plan.grid, zooms, kind[0], by_rays=kind[1]) for kind in kinds],
-                    self.effort,
-                ),
-            )
-        )
-        draw = []
+        looks = [partial(view, scene, plan.grid, zooms, kind[0], by_rays=kind[1]) for kind in kinds]
+        seen = {kind: look() for kind, look in zip(kinds, looks)}
+        draws: list[Callable[[], Pixels]] = []
         for way in ways:
-            seen, _ = views[way.tolerance_px, way.kernel == BY_RAYS]
-            parts = camera_parts(seen, self.lon_deg)
-            draw.append(partial(render, seen, self.lon_deg, parts, self.tiles.of(parts), way.kernel))
+            one = seen[way.tolerance_px, way.kernel == BY_RAYS]
+            parts = camera_parts(one, self.lon_deg)
+            draws.append(partial(render, one, self.lon_deg, parts, self.tiles.of(parts), way.kernel))
+        if map_frame:
+            draws.append(self._map_frame())
+        works: list[Callable[[], Any]] = [*looks, *draws]
+        done = timed_together(works, self.effort)
+        looking = {kind: seconds for kind, (_, seconds) in zip(kinds, done)}
         found = []
-        for way, (picture, drawing) in zip(ways, timed_together(draw, self.effort)):
-            looking = views[way.tolerance_px, way.kernel == BY_RAYS][1]
-            seconds = (drawing + looking * rows / len(plan)) * self.enlarged
-            found.append(Made(picture, seconds, self._file_bytes(picture)))
-        return found
+        for way, (picture, drawing) in zip(ways, done[len(kinds) :]):
+            seconds = drawing + looking[way.tolerance_px, way.kernel == BY_RAYS] * (rows / len(plan))
+            found.append(Made(seconds * self.enlarged, self._file_bytes(picture)))
+        if not map_frame:
+            return found, None
+        picture, seconds = done[-1]
+        return found, Made(seconds * self.enlarged, self._file_bytes(picture))
 
-    def map_frame(self) -> Made:
-        """Map frame of the capture."""
+    def _map_frame(self) -> Callable[[], Pixels]:
+        """What makes the map frame of the capture."""
         plan = self.plan
         if plan.size_px is None:
             window = window_of(plan, self.index)
@@ -157,14 +159,13 @@ class Bench:
         if self.enlarged > 1.0 and plan.grid.centre_decimals is None:
             window = _middle(window, self.size_px)
         parts = self.tiles.source.parts(window)
-        picture, seconds = timed(partial(assemble, window, parts, self.tiles.of(parts)), self.effort)
-        return Made(picture, seconds * self.enlarged, self._file_bytes(picture))
+        return partial(assemble, window, parts, self.tiles.of(parts))
 
     def own_picture(self) -> Pixels:
         """Picture of the capture by the plan's own methods, at the size that it is written in."""
         plan = self.plan
         if plan.size_px is None:
-            return resized(self.map_frame().picture, plan.mission.img_size)
+            return resized(self._map_frame()(), plan.mission.img_size)
         scene, zooms = self._scene(), sampled_zooms(plan.mission, plan.grid)
         kernel, tolerance = plan.mission.resampling, plan.accuracy.mesh_tolerance_px
         seen = view(scene, plan.grid, zooms, tolerance, by_rays=kernel == BY_RAYS)

@@ -13,7 +13,7 @@ from ..mission.mission import DEFAULT_AIRSPEED_M_PER_S
 from ..mission.plan import Plan
 from ..mission.sde import LinearSystem, factor
 from ..mission.wind import Wind, fly
-from .timing import QUICK, Effort, timed
+from .timing import QUICK, Effort, Seconds, timed
 from .wind_methods import EXACT, METHODS, moments, one_step, stability_limit_s
 
 Floats = NDArray[np.float64]
@@ -26,6 +26,8 @@ _SHORTEST_S, _LONGEST_S, _STEPS = 1e-4, 100.0, 37
 _DOUBLINGS = 40
 #: Covariances beyond this are a recursion that grows without end.
 _RUNAWAY = 1e30
+#: Steps that are timed: the integrators take one after the other.
+_TIMED_STEPS = 256
 #: Captures whose flight is timed.
 _FLOWN = 20_000
 #: What stands for a mission's wind where it has no gusts, for what leaving it out saves; flown at the usual airspeed.
@@ -36,15 +38,15 @@ _INTERVAL_S = 10.0
 
 @dataclass(frozen=True)
 class Integrated:
-    """A method at one step: relative error of the covariance at the next exposure, and seconds an exposure takes.
+    """A method at one step: relative error of the covariance at the next exposure, after so many steps.
 
     The error is None where the recursion has run away.
     """
 
     method: str
+    count: int
     step_s: float
     error: float | None
-    seconds: float
 
 
 @dataclass(frozen=True)
@@ -69,6 +71,8 @@ class Flight:
         Time constants of gusts and aircraft.
     limits_s : dict
         Longest stable step of each method.
+    step : Seconds
+        That one step takes, of whatever method: a product of a matrix and a state, and fresh noise.
     integrated : tuple of Integrated
     settled : tuple of Settled
     """
@@ -79,6 +83,7 @@ class Flight:
     fastest_s: float
     slowest_s: float
     limits_s: dict[str, float]
+    step: Seconds
     integrated: tuple[Integrated, ...]
     settled: tuple[Settled, ...]
 
@@ -100,8 +105,7 @@ def measure_flight(
         for count in counts:
             step_s = interval_s / count
             found = moments(method, system, interval_s, step_s)
-            seconds = _seconds_an_exposure(method, system, interval_s, count, effort)
-            integrated.append(Integrated(method, step_s, _relative(found, truth), seconds))
+            integrated.append(Integrated(method, count, step_s, _relative(found, truth)))
     stationary = system.stationary_covariance()
     settled = [
         Settled(method, float(step_s), _relative(_settled(method, system, float(step_s)), stationary))
@@ -116,6 +120,7 @@ def measure_flight(
         float(constants[0]),
         float(constants[-1]),
         {method: stability_limit_s(method, system) for method in METHODS},
+        _step(system, interval_s, effort),
         tuple(integrated),
         tuple(settled),
     )
@@ -144,22 +149,18 @@ def _settled(method: str, system: LinearSystem, step_s: float) -> Floats:
     return covariance if np.abs(mean).max() < 1.0 else np.full_like(covariance, np.inf)
 
 
-def _seconds_an_exposure(
-    method: str, system: LinearSystem, interval_s: float, count: int, effort: Effort
-) -> float:
-    """Seconds to take a sampled state from one exposure to the next: a product and fresh noise a step."""
-    mean, covariance = one_step(method, system, interval_s / count)
+def _step(system: LinearSystem, interval_s: float, effort: Effort) -> Seconds:
+    """Seconds to take a sampled state one step on."""
+    mean, covariance = one_step(EXACT, system, interval_s)
     noise = factor(covariance[np.newaxis])[0]
-    size = len(mean)
-    deviates = np.random.Generator(np.random.PCG64(1)).standard_normal((min(count, 4096), size))
+    deviates = np.random.Generator(np.random.PCG64(1)).standard_normal((_TIMED_STEPS, len(mean)))
 
     def run() -> None:
-        state = np.zeros(size)
-        for step in range(count):
-            state = mean @ state + noise @ deviates[step % len(deviates)]
+        state = np.zeros(len(mean))
+        for deviate in deviates:
+            state = mean @ state + noise @ deviate
 
-    with np.errstate(over="ignore", invalid="ignore"):
-        return timed(run, effort)[1]
+    return timed(run, effort)[1] * (1.0 / _TIMED_STEPS)
 
 
 def interval_of(plan: Plan) -> float:
@@ -169,7 +170,7 @@ def interval_of(plan: Plan) -> float:
     return float(np.median(moving)) if moving.size else _INTERVAL_S
 
 
-def seconds_of_flight(plan: Plan, effort: Effort) -> float:
+def seconds_of_flight(plan: Plan, effort: Effort) -> Seconds:
     """Seconds that the poses of a whole plan in wind take; of a usual wind where the mission has none."""
     wind, airspeed = plan.mission.wind, plan.mission.airspeed_m_per_s
     if wind is None or wind.sigma_m_per_s == 0.0:
@@ -179,4 +180,4 @@ def seconds_of_flight(plan: Plan, effort: Effort) -> float:
     way = legs(plan.lat_deg[:count], plan.lon_deg[:count])
     interval_s = intervals_s(way, agl, airspeed, gusty)
     _, seconds = timed(lambda: fly(gusty, airspeed, interval_s, way.headings_deg(), agl), effort)
-    return seconds * len(plan) / count
+    return seconds * (len(plan) / count)

@@ -22,7 +22,7 @@ from ..imagery.source import Source, Window, tile_parts
 from ..imagery.world import World, WorldSource
 from ..mission.plan import Plan
 from .tiles import Tiles
-from .timing import Effort, timed
+from .timing import Effort, Seconds, timed_together
 
 Floats = NDArray[np.float64]
 Pixels = NDArray[np.uint8]
@@ -75,7 +75,7 @@ class Encoding:
     name: str
     rms: float
     size_bytes: int
-    seconds: float
+    seconds: Seconds
     chosen: bool
 
 
@@ -166,11 +166,11 @@ def encodings(
     ]
     for name, ending in (("PNG, lossless", "png"), ("GeoTIFF, deflate, lossless", "tif")):
         ways.append((name, own == ending, partial(encoded, ending, picture, place, about)))
-    found = []
-    for name, chosen, way in ways:
-        data, seconds = timed(way, effort)
-        found.append(Encoding(name, _loss(picture, data), len(data), seconds, chosen))
-    return found
+    timed = timed_together([way for _, _, way in ways], effort)
+    return [
+        Encoding(name, _loss(picture, data), len(data), seconds, chosen)
+        for (name, chosen, _), (data, seconds) in zip(ways, timed)
+    ]
 
 
 def encoded(ending: str, picture: Pixels, place: Place, about: Description) -> bytes:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
 
@@ -28,7 +28,8 @@ from .flight import Flight, interval_of, measure_flight, seconds_of_flight
 from .greys import Encoding, Resampling, encodings, resampling
 from .reference import floor_px
 from .tiles import Tiles
-from .timing import QUICK, THOROUGH, Effort, timed_together
+from .timing import QUICK, THOROUGH, Effort, Seconds, timed_together
+from .wind import WindEffect, wind_effect
 
 Pixels = NDArray[np.uint8]
 #: Called with what is being measured, in words.
@@ -50,8 +51,8 @@ class Measured:
     rung : Rung
         With the bound; `Rung.outside` says why there is none, and then nothing was measured.
     error_px : float or None
-    seconds : float or None
-        A capture, on one core, without fetching and encoding.
+    seconds : Seconds or None
+        A capture, on one core, without fetching and encoding; those of a stage were timed in the same rounds.
     chosen : bool
         By the plan.
     size_bytes : int or None
@@ -60,7 +61,7 @@ class Measured:
 
     rung: Rung
     error_px: float | None = None
-    seconds: float | None = None
+    seconds: Seconds | None = None
     chosen: bool = False
     size_bytes: int | None = None
 
@@ -70,21 +71,38 @@ class Measured:
         return self.error_px is None or self.error_px <= self.rung.bound_px
 
 
+def compared_with(stage: Sequence[Measured]) -> Measured | None:
+    """Return the method of a stage that the others' times are compared with: the chosen one, or else the cheapest."""
+    timed = [one for one in stage if one.seconds is not None]
+    return next((one for one in timed if one.chosen), timed[0] if timed else None)
+
+
 @dataclass(frozen=True)
 class Kernel:
     """Seconds of one camera frame by one resampling kernel."""
 
     name: str
-    seconds: float
+    seconds: Seconds
 
 
 @dataclass(frozen=True)
 class Saving:
-    """What the plan left out, and what that saves for the whole mission."""
+    """What the plan left out, and what that saves for the whole mission.
+
+    Attributes
+    ----------
+    what, why : str
+    seconds : Seconds
+        By how much more it takes than what was chosen, round by round.
+    told : bool
+        Whether the two can be told apart in time.
+    size_bytes : int
+    """
 
     what: str
     why: str
-    seconds: float
+    seconds: Seconds
+    told: bool
     size_bytes: int
 
 
@@ -104,8 +122,10 @@ class Measurement:
         Empty where the source has no tiles; so are the next two None and empty.
     resampling : Resampling or None
     encodings : tuple of Encoding
-    flight : Flight or None
+    wind : WindEffect or None
         None in still air.
+    flight : Flight or None
+        None in air without gusts.
     left_out : tuple of Saving
     planned_px, timed_px : tuple of int
         Width and height of the planned picture, and of the one whose seconds and bytes were scaled to it.
@@ -119,6 +139,7 @@ class Measurement:
     kernels: tuple[Kernel, ...]
     resampling: Resampling | None
     encodings: tuple[Encoding, ...]
+    wind: WindEffect | None
     flight: Flight | None
     left_out: tuple[Saving, ...]
     planned_px: tuple[int, int]
@@ -175,19 +196,20 @@ def measure(
     say("a picture")
     bench = Bench.of(plan, Tiles(source, map_type), effort)
     say("camera frames")
-    meshes = _meshes(bench)
-    stages["picture"] = _pictures(bench, meshes)
+    by_tiles = plan.grid.centre_decimals is None
+    pictures, meshes, kernels = _pictures(bench, by_tiles=by_tiles)
+    stages["picture"] = pictures
     if meshes:
         stages["mesh"] = meshes
     say("resampling")
-    by_tiles = plan.grid.centre_decimals is None
-    kernels = _kernels(bench) if by_tiles else ()
     greys = resampling(plan, bench.tiles, bench.index) if by_tiles else None
     say("file formats")
     files = tuple(encodings(plan, source, bench.index, map_type, bench.own_picture(), effort))
-    wind, flight = plan.mission.wind, None
-    if wind is not None and wind.sigma_m_per_s > 0.0:
+    wind, effect, flight = plan.mission.wind, None, None
+    if wind is not None and wind.speed_m_per_s > 0.0:
         say("wind")
+        effect = wind_effect(plan)
+    if wind is not None and wind.sigma_m_per_s > 0.0:
         agl_m = float(np.median(plan.agl_m))
         flight = measure_flight(wind, plan.mission.airspeed_m_per_s, interval_of(plan), agl_m, effort)
     say("what was left out")
@@ -198,6 +220,7 @@ def measure(
         kernels=kernels,
         resampling=greys,
         encodings=files,
+        wind=effect,
         flight=flight,
         left_out=tuple(_left_out(bench, stages)),
         planned_px=bench.planned_px,
@@ -220,105 +243,92 @@ def _footprints(plan: Plan, effort: Effort) -> tuple[Measured, ...]:
         else Measured(
             rung,
             geometry.footprint_error_px(plan, rung.name),
-            seconds[rung] / len(few.lat_deg),
+            seconds[rung] * (1.0 / len(few.lat_deg)),
             rung.name == chosen,
         )
         for rung in rungs
     )
 
 
-def _meshes(bench: Bench) -> tuple[Measured, ...]:
-    plan = bench.plan
-    if plan.grid.centre_decimals is not None:
-        return ()
-    kernel = plan.mission.resampling if plan.mission.resampling != BY_RAYS else _OF_MESHES
-    chosen = plan.accuracy.mesh.rung.name if plan.accuracy.mesh else ""
-    rungs = mesh_rungs(geometry.bounds_scene(plan))
-    ladder = list(zip(rungs, (*MESH_TOLERANCES_PX, 0.0)))
-    usable = [(rung, tolerance) for rung, tolerance in ladder if not rung.outside]
-    frames = bench.camera_frames([Way(tolerance, kernel) for _, tolerance in usable])
-    made = {rung: frame for (rung, _), frame in zip(usable, frames)}
-    return tuple(
-        Measured(rung)
-        if rung.outside
-        else Measured(
-            rung,
-            # Rays are the camera frame's own positions, whose error is that of the picture.
-            geometry.mesh_error_px(plan, tolerance) if tolerance else 0.0,
-            made[rung].seconds,
-            rung.name == chosen,
-            made[rung].size_bytes,
-        )
-        for rung, tolerance in ladder
-    )
-
-
-def _usual_mesh(plan: Plan, meshes: tuple[Measured, ...]) -> Measured:
-    """Return the mesh that the plan has, or that it would have: the coarsest within the budget."""
-    for one in meshes:
-        if one.chosen:
-            return one
-    usable = [one for one in meshes if one.rung.bound_px <= plan.accuracy.budget_px]
-    return (usable or list(meshes))[0 if usable else -1]
-
-
-def _pictures(bench: Bench, meshes: tuple[Measured, ...]) -> tuple[Measured, ...]:
-    """Map frame and camera frame."""
+def _pictures(
+    bench: Bench, *, by_tiles: bool
+) -> tuple[tuple[Measured, ...], tuple[Measured, ...], tuple[Kernel, ...]]:
+    """Map frame and camera frame, the camera frame's meshes, and its kernels: all timed in the same rounds."""
     plan, scene = bench.plan, geometry.bounds_scene(bench.plan)
     own = plan.accuracy.picture
     outside = outside_flat_domain(scene) or geometry.map_frame_problem(plan)
     if not outside and own.rejected is not None and own.rejected.outside:
         outside = own.rejected.outside
-    camera_outside = "" if meshes else _BY_CENTRE
-    on_map, by_camera = picture_rungs(scene, map_outside=outside, camera_outside=camera_outside)
-    found = [Measured(on_map)]
-    if not on_map.outside:
-        made, error = bench.map_frame(), geometry.map_frame_error_px(plan)
-        found = [Measured(on_map, error, made.seconds, own.rung.name == "map", made.size_bytes)]
-    if not meshes:
-        return (*found, Measured(by_camera))
-    usual, traced = _usual_mesh(plan, meshes), geometry.mesh_error_px(plan, 0.0)
+    on_map, by_camera = picture_rungs(
+        scene, map_outside=outside, camera_outside="" if by_tiles else _BY_CENTRE
+    )
+    ladder = list(zip(mesh_rungs(scene), (*MESH_TOLERANCES_PX, 0.0))) if by_tiles else []
+    usable = [(rung, tolerance) for rung, tolerance in ladder if not rung.outside]
+    usual = _usual_mesh(plan, usable)
+    kernel = plan.mission.resampling if plan.mission.resampling != BY_RAYS else _OF_MESHES
+    meshes = [Way(tolerance, kernel) for _, tolerance in usable]
+    kernels = [Way(usual[1], name) for name in KERNELS] if usual else []
+    ways = list(dict.fromkeys([*meshes, *kernels]))
+    frames, map_frame = bench.camera_frames(ways, map_frame=not on_map.outside)
+    made = dict(zip(ways, frames))
+    chosen = plan.accuracy.mesh.rung.name if plan.accuracy.mesh else ""
+    pictures = [Measured(on_map)]
+    if map_frame is not None:
+        error = geometry.map_frame_error_px(plan)
+        pictures = [Measured(on_map, error, map_frame.seconds, own.rung.name == "map", map_frame.size_bytes)]
+    if usual is None:
+        return (*pictures, Measured(by_camera)), (), ()
+    frame = made[Way(usual[1], plan.mission.resampling)]
+    traced = geometry.mesh_error_px(plan, 0.0)
+    pictures.append(Measured(by_camera, traced, frame.seconds, own.rung.name == "camera", frame.size_bytes))
     return (
-        *found,
-        Measured(by_camera, traced, usual.seconds, own.rung.name == "camera", usual.size_bytes),
+        tuple(pictures),
+        tuple(
+            Measured(rung)
+            if rung.outside
+            else Measured(
+                rung,
+                # Rays are the camera frame's own positions, whose error is that of the picture.
+                geometry.mesh_error_px(plan, tolerance) if tolerance else 0.0,
+                made[Way(tolerance, kernel)].seconds,
+                rung.name == chosen,
+                made[Way(tolerance, kernel)].size_bytes,
+            )
+            for rung, tolerance in ladder
+        ),
+        tuple(Kernel(way.kernel, made[way].seconds) for way in kernels),
     )
 
 
-def _kernels(bench: Bench) -> tuple[Kernel, ...]:
-    """Seconds of a camera frame by each kernel, through the mesh the plan has or would have."""
-    choice = bench.plan.accuracy.mesh
-    tolerance = bench.plan.accuracy.mesh_tolerance_px if choice else _tolerance_within(bench.plan)
-    frames = bench.camera_frames([Way(tolerance, name) for name in KERNELS])
-    return tuple(Kernel(name, frame.seconds) for name, frame in zip(KERNELS, frames))
-
-
-def _tolerance_within(plan: Plan) -> float:
-    rungs = zip(mesh_rungs(geometry.bounds_scene(plan)), (*MESH_TOLERANCES_PX, 0.0))
-    return next((tolerance for rung, tolerance in rungs if rung.bound_px <= plan.accuracy.budget_px), 0.0)
+def _usual_mesh(plan: Plan, usable: list[tuple[Rung, float]]) -> tuple[Rung, float] | None:
+    """Return the mesh that the plan has, or that it would have: the coarsest within the budget, else the finest."""
+    chosen = plan.accuracy.mesh
+    wanted = [
+        (rung, tolerance)
+        for rung, tolerance in usable
+        if (rung.name == chosen.rung.name if chosen else rung.bound_px <= plan.accuracy.budget_px)
+    ]
+    return next(iter([*wanted, *usable[-1:]]), None)
 
 
 def _left_out(bench: Bench, stages: dict[str, tuple[Measured, ...]]) -> list[Saving]:
     """What the plan left out, with what the same thing takes here beside what was chosen."""
     plan, found = bench.plan, []
     pictures = len(plan) * len(plan.mission.map_types)
+    beside = {
+        "exact footprints": ("footprint", "exact", len(plan)),
+        "resampling": ("picture", "camera", pictures),
+        "rays for every pixel": ("mesh", "rays", pictures),
+    }
     for what, why in plan.accuracy.left_out:
-        if what == "exact footprints":
-            seconds, _ = _difference(stages["footprint"], "exact")
-            found.append(Saving(what, why, seconds * len(plan), 0))
-        elif what == "wind":
-            found.append(Saving(what, why, seconds_of_flight(plan, bench.effort), 0))
-        elif (what == "resampling" and "mesh" in stages) or what == "rays for every pixel":
-            stage, name = ("picture", "camera") if what == "resampling" else ("mesh", "rays")
-            seconds, size = _difference(stages[stage], name)
-            found.append(Saving(what, why, seconds * pictures, size * pictures))
+        if what == "wind":
+            found.append(Saving(what, why, seconds_of_flight(plan, bench.effort), True, 0))
+            continue
+        stage, name, count = beside[what]
+        chosen = next(one for one in stages[stage] if one.chosen)
+        other = next(one for one in stages[stage] if one.rung.name == name)
+        if chosen.seconds is not None and other.seconds is not None:
+            seconds = (other.seconds - chosen.seconds) * count
+            size = (other.size_bytes or 0) - (chosen.size_bytes or 0)
+            found.append(Saving(what, why, seconds, other.seconds.told_from(chosen.seconds), size * count))
     return found
-
-
-def _difference(stage: tuple[Measured, ...], name: str) -> tuple[float, int]:
-    """Seconds and bytes by which a method of a stage takes more than the chosen one."""
-    chosen = next(one for one in stage if one.chosen)
-    other = next(one for one in stage if one.rung.name == name)
-    return (
-        (other.seconds or 0.0) - (chosen.seconds or 0.0),
-        (other.size_bytes or 0) - (chosen.size_bytes or 0),
-    )

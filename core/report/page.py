@@ -10,18 +10,22 @@ from ..files import make_folder, write_whole
 from ..imagery.source import Source
 from ..mission.plan import Plan
 from . import plots, words
+from .flight import Flight
 from .html import Content, Markup, element, figure, page, pairs, table
 from .machine import machine, versions
 from .measure import Measurement, Progress, measure
+from .numbers import csv_files
 from .tables import (
+    air_table,
     choices_table,
-    csv_files,
+    displacement_table,
     encodings_table,
     flight_table,
     kernels_table,
     methods_table,
     savings_table,
 )
+from .wind import WindEffect
 
 PAGE = "index.html"
 WORK_PRECISION, RESAMPLING, WIND = "work-precision.png", "resampling.png", "wind.png"
@@ -99,6 +103,7 @@ def _page(plan: Plan, source: Source, found: Measurement, csv_names: list[str]) 
         element("h1", words.mission_title(plan)),
         element("p", sentence, class_="verdict kept" if kept else "verdict broken"),
         _section("The mission", pairs(words.mission_facts(plan, source, found.map_type))),
+        *([_section("What the wind does", *_wind(found.wind))] if found.wind is not None else []),
         _section(
             "What was chosen",
             element(
@@ -115,7 +120,7 @@ def _page(plan: Plan, source: Source, found: Measurement, csv_names: list[str]) 
         _section("Grey levels", *_greys(plan, found)),
     ]
     if found.flight is not None:
-        sections.append(_section("Flight in wind", *_wind(found)))
+        sections.append(_section("How flight in wind is worked out", *_integrators(found.flight)))
     sections += [
         _section(
             "How it was measured",
@@ -139,10 +144,7 @@ def _work_precision(plan: Plan, found: Measurement) -> list[Markup]:
         figure(
             WORK_PRECISION,
             "Diagram: error in px against seconds a capture, one line for each stage through its methods",
-            "Each line is a stage, each marker one of its methods; left is more exact, down is cheaper. "
-            "Filled markers are measured, whiskers reach to the bound that was known beforehand, rings mark "
-            "what was chosen, and the dashed line is the error budget. What has no error of its own stands "
-            "at the left.",
+            words.DIAGRAM,
         ),
         table(methods_table(found)),
     ]
@@ -210,19 +212,18 @@ def _greys(plan: Plan, found: Measurement) -> list[Markup]:
     return content
 
 
-def _wind(found: Measurement) -> list[Markup]:
-    if found.flight is None:
-        return []
-    flight = found.flight
-    ratio = flight.slowest_s / flight.fastest_s
-    lead = (
-        "Gusts and the aircraft that holds its place in them have time constants from "
-        f"{flight.fastest_s * 1e3:.2g} ms to {flight.slowest_s:.3g} s, {ratio:,.0f} times as long: a stiff "
-        "system. TerrAInav discretises it exactly, with one step from each exposure to the next "
-        f"({flight.interval_s:.3g} s); the usual integrators are shown beside it."
-    )
+def _wind(effect: WindEffect) -> list[Markup]:
     return [
-        element("p", lead),
+        *(element("p", text) for text in words.wind_effect_text(effect)),
+        *([table(displacement_table(effect))] if effect.displacements else []),
+        table(air_table(effect)),
+        *(element("p", note, class_="note") for note in words.wind_notes(effect)),
+    ]
+
+
+def _integrators(flight: Flight) -> list[Markup]:
+    return [
+        element("p", words.integrators_text(flight)),
         figure(
             WIND,
             "Two diagrams: error against seconds an exposure, and error against the step, of four integrators",

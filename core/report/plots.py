@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib
 import math
+import textwrap
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
@@ -11,9 +12,15 @@ from ..drawing import BLACK, BLUE, FONT, GREEN, ORANGE, PURPLE, VERMILION, dress
 from .flight import Flight
 from .greys import BANDS, Resampling
 from .measure import Measured
+from .timing import Seconds
 from .wind_methods import METHODS
 
 _GREY = "#777777"
+#: Letters in a line of a title.
+_TITLE = 85
+#: An upright line with its ends marked, as marker; how wide the ends are: less than any other marker.
+_UPRIGHT = ((-0.5, -1.0), (0.5, -1.0), (0.0, -1.0), (0.0, 1.0), (-0.5, 1.0), (0.5, 1.0))
+_ENDS = 5
 #: Decades of error below which points are drawn at the edge: they are exact for every use.
 _LEAST_PX = 1e-11
 #: Points of one stage this close, as a share of both axes, share one label.
@@ -85,7 +92,7 @@ def work_precision(
     """
     figure = new_figure(10.0, 6.6)
     axes = figure.add_subplot()
-    dress(axes, title, "error in the image, px", "seconds a capture, one core")
+    dress(axes, textwrap.fill(title, _TITLE), "error in the image, px", "processor seconds a capture")
     _logarithmic(axes, "xy")
     least = _left_edge(stages, floor_px)
     drawn: list[tuple[float, float]] = []
@@ -93,7 +100,7 @@ def work_precision(
     for stage, methods in stages.items():
         look = _STAGES[stage]
         points = [
-            (max(one.error_px, least), one.seconds, one)
+            (max(one.error_px, least), one.seconds.median, one)
             for one in methods
             if one.error_px is not None and one.seconds is not None
         ]
@@ -110,6 +117,7 @@ def work_precision(
             zorder=3,
         )
         for x, y, one in points:
+            _whisker(axes, x, one.seconds, look.colour)
             if 0.0 < one.rung.bound_px < math.inf:
                 axes.plot(
                     [x, one.rung.bound_px], [y, y], color=look.colour, linewidth=0.9, alpha=0.7, zorder=2
@@ -140,6 +148,15 @@ def work_precision(
         _label_points(axes, colour, points, above=above)
     _legend_of_marks(axes)
     return png(figure)
+
+
+def _whisker(axes: Any, x: float, seconds: Seconds | None, colour: str) -> None:
+    """Upright line from the lower to the upper quartile of a time."""
+    if seconds is not None and seconds.spread_known:
+        ends = seconds.quartiles
+        axes.plot(
+            [x, x], [ends.low, ends.high], color=colour, marker="_", markersize=_ENDS, linewidth=1.1, zorder=2
+        )
 
 
 def _left_edge(stages: dict[str, tuple[Measured, ...]], floor_px: float) -> float:
@@ -192,7 +209,23 @@ def _legend_of_marks(axes: Any) -> None:
     handles, _ = axes.get_legend_handles_labels()
     handles += [
         lines.Line2D(
-            [], [], color=_GREY, marker="|", markersize=10, linewidth=0.9, label="whisker: up to its bound"
+            [],
+            [],
+            color=_GREY,
+            marker="|",
+            markersize=10,
+            linewidth=0.9,
+            label="level whisker: up to its bound",
+        ),
+        lines.Line2D(
+            [],
+            [],
+            color="none",
+            marker=_UPRIGHT,
+            markersize=13,
+            markerfacecolor="none",
+            markeredgecolor=_GREY,
+            label="upright whisker: quartiles of the time",
         ),
         lines.Line2D(
             [],
@@ -254,7 +287,7 @@ def flight(found: Flight) -> bytes:
         work,
         f"Flight in wind from one exposure to the next, {found.interval_s:.3g} s",
         "relative error of the covariance",
-        "seconds an exposure, one core",
+        "processor seconds an exposure",
     )
     dress(steps, "Covariance that each method settles at", "step, s", "relative error of the covariance")
     for axes in (work, steps):
@@ -266,7 +299,11 @@ def flight(found: Flight) -> bytes:
             one for one in found.integrated if one.method == method and one.error and one.step_s <= limit_s
         ]
         size = 15 if look.marker == "*" else 6
-        work.plot([one.error for one in tried], [one.seconds for one in tried], markersize=size, **style)
+        times = [found.step * one.count for one in tried]
+        work.plot([one.error for one in tried], [time.median for time in times], markersize=size, **style)
+        for one, time in zip(tried, times):
+            if one.error is not None:
+                _whisker(work, one.error, time, look.colour)
         settled = [one for one in found.settled if one.method == method and one.error]
         steps.plot(
             [one.step_s for one in settled],

@@ -1,20 +1,19 @@
-"""What was measured as tables: for people in words and rounded numbers, for programs as CSV with every digit."""
+"""What was measured as tables for people, in words and rounded numbers."""
 
 from __future__ import annotations
 
-import csv
-import io
 import math
-from collections.abc import Sequence
-from typing import NamedTuple, Union
+from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple
 
-from ..mission.estimate import size_text
+from ..mission.estimate import area_text, duration_text, percent, size_text
 from ..mission.plan import Plan
 from .flight import Flight
 from .greys import BANDS, Encoding, Resampling
-from .measure import Kernel, Measured, Measurement, Saving
+from .measure import Kernel, Measured, Measurement, Saving, compared_with
+from .timing import Seconds
+from .wind import WindEffect
 
-Cell = Union[str, float, int, None]
 #: What stands where there is nothing.
 NOTHING = "–"
 #: Space that no line is broken at: a number stays with its unit.
@@ -65,19 +64,32 @@ def metres_text(value_m: float) -> str:
     return f"{value_m * 1e9:.2g} nm"
 
 
-def seconds_text(seconds: float | None) -> str:
-    """Seconds in two or three digits, in the unit that suits them."""
+def seconds_text(seconds: float | Seconds | None) -> str:
+    """Seconds in two or three digits, in the unit that suits them; of several rounds the median and the quartiles."""
     if seconds is None:
         return NOTHING
-    size = abs(seconds)
-    for unit, least in (("ms", 1e-3), ("µs", 1e-6), ("ns", 1e-9)):
-        if least <= size < 1e3 * least:
-            return f"{seconds / least:.3g}{_GLUE}{unit}"
-    if size < 1e-9:
-        return "0 s"
-    if size < 120.0:
-        return f"{seconds:.3g}{_GLUE}s"
-    return f"{seconds / 60.0:.3g}{_GLUE}min" if size < 7200.0 else f"{seconds / 3600.0:.3g}{_GLUE}h"
+    if isinstance(seconds, Seconds):
+        low, median, high = seconds.quartiles
+        unit, size = _unit_of(max(abs(low), abs(median), abs(high)))
+        spread = f" ({low / size:.3g} to {high / size:.3g})" if seconds.spread_known else ""
+        return f"{median / size:.3g}{_GLUE}{unit}{spread}"
+    unit, size = _unit_of(abs(seconds))
+    return f"{seconds / size:.3g}{_GLUE}{unit}"
+
+
+def _unit_of(seconds: float) -> tuple[str, float]:
+    """Unit that suits a time, in seconds."""
+    for unit, size, least in (
+        ("h", 3600.0, 7200.0),
+        ("min", 60.0, 120.0),
+        ("s", 1.0, 1.0),
+        ("ms", 1e-3, 1e-3),
+    ):
+        if seconds >= least:
+            return unit, size
+    if seconds >= 1e-6:
+        return "µs", 1e-6
+    return ("ns", 1e-9) if seconds >= 1e-9 else ("s", 1.0)
 
 
 def bytes_text(count: int | None) -> str:
@@ -97,10 +109,10 @@ def methods_table(measurement: Measurement) -> Table:
     rows: list[tuple[str, ...]] = []
     chosen: set[int] = set()
     for stage, methods in measurement.stages.items():
+        other = compared_with(methods)
         for one in methods:
             if one.chosen:
                 chosen.add(len(rows))
-            where = one.rung.outside and f"not usable here: {one.rung.outside}"
             rows.append(
                 (
                     STAGES[stage],
@@ -108,12 +120,35 @@ def methods_table(measurement: Measurement) -> Table:
                     "no bound" if one.rung.outside else px_text(one.rung.bound_px),
                     _error_text(one, measurement.floor_px),
                     seconds_text(one.seconds),
-                    where or ("chosen" if one.chosen else ""),
+                    _beside(one, other),
                 )
             )
     return Table(
-        ("stage", "method", "bound", "measured error", "time a capture", ""), rows, frozenset(chosen)
+        ("stage", "method", "bound", "measured error", "time a capture", "time compared"),
+        rows,
+        frozenset(chosen),
     )
+
+
+def _beside(one: Measured, other: Measured | None) -> str:
+    """What there is to say of a method beside the one that its time is compared with."""
+    if one.rung.outside:
+        return f"not usable here: {one.rung.outside}"
+    if one.chosen:
+        return "chosen"
+    return compared_text(one, other)
+
+
+def compared_text(one: Measured, other: Measured | None) -> str:
+    """How many times as long as another method takes, where the two can be told apart."""
+    if other is None or one is other or one.seconds is None or other.seconds is None:
+        return ""
+    if not one.seconds.spread_known:
+        return NOTHING
+    if not one.seconds.told_from(other.seconds):
+        return f"cannot be told from {name_of(other)} in time"
+    low, median, high = one.seconds.ratio(other.seconds)
+    return f"{median:.3g} times {name_of(other)} ({low:.3g} to {high:.3g})"
 
 
 def _error_text(one: Measured, floor_px: float) -> str:
@@ -159,7 +194,7 @@ def savings_table(savings: Sequence[Saving]) -> Table:
             (
                 one.what,
                 one.why,
-                seconds_text(one.seconds),
+                seconds_text(one.seconds) if one.told else "too little to be told",
                 bytes_text(one.size_bytes) if one.size_bytes else "nothing",
             )
             for one in savings
@@ -219,13 +254,14 @@ def flight_table(flight: Flight) -> Table:
     for method, limit_s in flight.limits_s.items():
         own = [one for one in flight.integrated if one.method == method]
         fitting = [one for one in own if one.error is not None and one.error <= _PER_CENT]
-        best = min(fitting, key=lambda one: one.seconds) if fitting else None
+        best = min(fitting, key=lambda one: one.count) if fitting else None
         rows.append(
             (
                 method,
                 "any step" if math.isinf(limit_s) else f"up to {seconds_text(limit_s)}",
                 NOTHING if best is None else seconds_text(best.step_s),
-                "not reached" if best is None else seconds_text(best.seconds),
+                "not reached" if best is None else f"{best.count:,}",
+                NOTHING if best is None else seconds_text(flight.step * best.count),
                 NOTHING if best is None or best.error is None else number_text(best.error),
             )
         )
@@ -233,6 +269,7 @@ def flight_table(flight: Flight) -> Table:
         "method",
         "stable for steps of",
         "longest step for 1 %",
+        "steps an exposure",
         "time an exposure then",
         "relative error then",
     )
@@ -242,76 +279,51 @@ def flight_table(flight: Flight) -> Table:
 _PER_CENT = 0.01
 
 
-def csv_files(measurement: Measurement) -> dict[str, bytes]:
-    """Return the numbers behind every table and plot, by the file's name."""
-    files = {
-        "methods.csv": _csv(
-            "stage method bound_px bound_m error_px seconds_per_capture picture_bytes chosen outside".split(),
-            [
-                (
-                    one.rung.stage,
-                    one.rung.name,
-                    _finite(one.rung.bound_px),
-                    _finite(one.rung.bound_m),
-                    one.error_px,
-                    one.seconds,
-                    one.size_bytes,
-                    int(one.chosen),
-                    one.rung.outside,
-                )
-                for stage in measurement.stages.values()
-                for one in stage
-            ],
-        ),
-        "left_out.csv": _csv(
-            "what why seconds bytes".split(),
-            [(one.what, one.why, one.seconds, one.size_bytes) for one in measurement.left_out],
-        ),
-        "files.csv": _csv(
-            "file rms_grey_levels bytes seconds chosen".split(),
-            [
-                (one.name, one.rms, one.size_bytes, one.seconds, int(one.chosen))
-                for one in measurement.encodings
-            ],
-        ),
-    }
-    if measurement.resampling is not None:
-        files["resampling.csv"] = _resampling_csv(measurement.resampling, measurement.kernels)
-    if measurement.flight is not None:
-        files["wind.csv"] = flight_csv(measurement.flight)
-    return files
-
-
-def _resampling_csv(resampling: Resampling, kernels: Sequence[Kernel]) -> bytes:
-    seconds = {kernel.name: kernel.seconds for kernel in kernels}
-    rows: list[tuple[Cell, ...]] = []
-    for name, rms, by_band in [
-        ("signal", None, resampling.signal),
-        *((kernel.kernel, kernel.rms, kernel.by_band) for kernel in resampling.kernels),
-    ]:
-        for low, high, value in zip(BANDS, BANDS[1:], by_band):
-            rows.append((name, low, high, value, rms, seconds.get(name)))
-    header = "kernel from_cycles_per_px to_cycles_per_px rms_grey_levels rms_of_all_bands seconds_per_picture"
-    return _csv(header.split(), rows)
-
-
-def flight_csv(flight: Flight) -> bytes:
-    """Points of both plots of the integrators."""
-    rows: list[tuple[Cell, ...]] = [
-        ("covariance at the next exposure", one.method, one.step_s, one.error, one.seconds)
-        for one in flight.integrated
+def displacement_table(effect: WindEffect) -> Table:
+    """How far wind moves and turns the camera."""
+    spread = ("rms", "95 % within", "at most")
+    rows = [
+        (
+            one.what,
+            *(displaced_text(size, one.unit) for size in one.size or (None, None, None)),
+            *(displaced_text(px, "px") for px in one.px or (None, None, None)),
+        )
+        for one in effect.displacements
     ]
-    rows += [("covariance settled at", one.method, one.step_s, one.error, None) for one in flight.settled]
-    return _csv("what method step_s relative_error seconds_per_exposure".split(), rows)
+    return Table(("", *spread, *(f"{name}, in the picture" for name in spread)), rows)
 
 
-def _csv(header: Sequence[str], rows: Sequence[Sequence[Cell]]) -> bytes:
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(header)
-    writer.writerows(["" if cell is None else cell for cell in row] for row in rows)
-    return text.getvalue().encode("utf-8")
+def displaced_text(size: float | None, unit: str) -> str:
+    """Metres, degrees or pixels in two digits; pixels without limit are behind the camera."""
+    if size is None:
+        return NOTHING
+    if unit == "m":
+        return metres_text(size)
+    if not math.isfinite(size):
+        return "out of the picture"
+    digits = f"{size:.0f}" if size >= 100.0 else number_text(size)
+    return f"{digits}°" if unit == "deg" else f"{digits}{_GLUE}px"
 
 
-def _finite(value: float) -> float | None:
-    return value if math.isfinite(value) else None
+def share_text(share: float) -> str:
+    """Share in percent, a gap with its sign."""
+    return f"{100.0 * share:.2f} %".replace("-", "−")
+
+
+_LABELS = {"uncovered_m2": "uncovered ground", "flight_s": "flight time"}
+
+
+def air_table(effect: WindEffect) -> Table:
+    """Figures of the mission in still air and in its wind; those that it has not are left out."""
+    texts: dict[str, Callable[[Any], str]] = {
+        "images": lambda count: f"{count:,}",
+        "coverage": lambda share: percent(share, exact=share == 1.0),
+        "uncovered_m2": area_text,
+        "flight_s": duration_text,
+    }
+    rows = []
+    for name, values in effect.figures.items():
+        text = texts.get(name, share_text)
+        label = _LABELS.get(name) or name.replace("_", " ")
+        rows.append((label, *(text(value) for value in values)))
+    return Table(("", "in still air", "in this wind"), rows)

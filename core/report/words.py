@@ -6,27 +6,53 @@ import math
 
 from ..imagery.source import Source
 from ..mission.area import Box, Points, Polygon
-from ..mission.estimate import area_text, length_text
+from ..mission.estimate import area_text, length_text, percent
 from ..mission.mission import Mission
 from ..mission.plan import Plan
+from ..mission.wind import Wind
+from .flight import Flight
 from .measure import Measurement
-from .tables import metres_text, px_text
+from .tables import displaced_text, metres_text, px_text, seconds_text, share_text
+from .wind import MOVED, TOGETHER, TURNED, Spread, WindEffect
 
 #: Condition numbers up to which a scene is benign, and up to which it is only sensitive.
 _BENIGN, _SENSITIVE = 10.0, 1000.0
+#: What a work-precision diagram shows.
+DIAGRAM = (
+    "Each line is a stage, each marker one of its methods; left is more exact, down is cheaper. Filled markers are "
+    "measured, level whiskers reach to the bound that was known beforehand, upright ones span the quartiles of the "
+    "time, rings mark what was chosen, and the dashed line is the error budget. What has no error of its own stands at "
+    "the left."
+)
+#: What a time is.
+TIMES = (
+    "A time is processor time of one thread, without fetching and without writing files: the median and, in brackets, "
+    "the quartiles of several rounds. Methods of a stage take turns in each round, in any order, and are compared "
+    "round by round. They cannot be told apart where the quartiles of their ratio lie on either side of 1, or where "
+    "methods that take equally long would agree in as many rounds in more than one case of twenty."
+)
 
 
 def mission_title(plan: Plan) -> str:
     """A mission in a few words."""
     mission = plan.mission
     pictures = f"{len(plan):,} picture{'s' if len(plan) > 1 else ''}"
-    return f"{pictures} from {length_text(mission.agl_m)}, {_place(mission)}{_looking(mission, ', ')}"
+    above = f"{pictures} from {length_text(mission.agl_m)}, {_place(mission)}{_looking(mission, ', ')}"
+    return ", ".join(filter(None, (above, wind_text(mission.wind))))
 
 
 def _looking(mission: Mission, before: str) -> str:
     angles = (("yaw", mission.yaw_deg), ("tilt", mission.tilt_deg), ("roll", mission.roll_deg))
     turned = ", ".join(f"{name} {angle:g}°" for name, angle in angles if angle)
     return f"{before}{turned}" if turned else ""
+
+
+def wind_text(wind: Wind | None) -> str:
+    """Wind in a few words; empty in still air."""
+    if wind is None or wind.speed_m_per_s == 0.0:
+        return ""
+    gusts = f"turbulence {100.0 * wind.turbulence:.3g} %" if wind.turbulence else "without gusts"
+    return f"wind of {wind.speed_m_per_s:g} m/s from {wind.from_deg:g}°, {gusts}"
 
 
 def _place(mission: Mission) -> str:
@@ -69,17 +95,9 @@ def mission_facts(plan: Plan, source: Source, map_type: str) -> list[tuple[str, 
         ("pictures", f"{frames}, up to {width} × {height} px, zoom {plan.zoom}, {mission.image_format}"),
         ("source", f"{source.title}, measured on {map_type}"),
     ]
-    wind = mission.wind
-    if wind is not None and wind.sigma_m_per_s > 0.0:
-        facts.append(
-            (
-                "wind",
-                (
-                    f"{wind.speed_m_per_s:g} m/s from {wind.from_deg:g}°, turbulence {100 * wind.turbulence:.3g} "
-                    f"%, flown at {mission.airspeed_m_per_s:g} m/s"
-                ),
-            )
-        )
+    wind = wind_text(mission.wind)
+    if wind:
+        facts.append(("wind", f"{wind}, flown at {mission.airspeed_m_per_s:g} m/s"))
     return facts
 
 
@@ -178,14 +196,87 @@ def how_measured(found: Measurement) -> list[str]:
             "lies, exactly."
         ),
         (
-            "A time is the median of repeated runs after one to warm up, on one core, without fetching and "
-            "without writing files. What the captures of a row share is counted once a row. The source's parts "
-            f"were fetched beforehand ({found.parts} of them) and kept in memory."
+            f"{TIMES} Rounds after one to warm up: {_rounds(found)}. What the captures of a row share is counted "
+            f"once a row. The source's parts were fetched beforehand ({found.parts} of them) and kept in memory."
         ),
     ]
     if found.timed_px != found.planned_px:
         wide, high = found.timed_px
         notes.append(
             f"Pictures were timed at {wide} × {high} px, and seconds and bytes scaled by the number of pixels."
+        )
+    return notes
+
+
+def _rounds(found: Measurement) -> str:
+    seconds = [one.seconds for stage in found.stages.values() for one in stage if one.seconds]
+    fewest, most = (end(len(one.rounds) for one in seconds) for end in (min, max))
+    few = "" if all(one.spread_known for one in seconds) else ", too few for quartiles"
+    return (f"{fewest} to {most}" if fewest < most else f"{most}") + few
+
+
+def wind_effect_text(effect: WindEffect) -> list[str]:
+    """What wind does to the camera, and to what the images show of the area."""
+    text = []
+    if not effect.displacements:
+        text.append(
+            "Steady wind neither moves nor turns the camera: the aircraft holds its place in it, and the mount of the "
+            "camera takes out the lean and the crab. It changes the time of the flight alone."
+        )
+    else:
+        moved, turned, together = (
+            next(one for one in effect.displacements if one.what == what)
+            for what in (MOVED, TURNED, TOGETHER)
+        )
+        text.append(
+            f"Gusts move the camera by {_spread_text(moved.size, 'm')}, which shifts the ground in the picture by "
+            f"{_spread_text(moved.px)}. They turn it by {_spread_text(turned.size, 'deg')}, which shifts the ground by "
+            f"{_spread_text(turned.px)}. Both together shift it by {_spread_text(together.px)}. "
+            "The images show what the camera sees from where it really is, and state that pose: the shift is no error "
+            "of their places, but it changes which ground they show."
+        )
+    figures = effect.figures
+    if "coverage" in figures:
+        calm, wind = (percent(share, exact=share == 1.0) for share in figures["coverage"])
+        said = [f"Coverage is {wind} in this wind, {calm} in still air"]
+        for way in ("along", "across"):
+            if f"least_overlap_{way}_rows" in figures:
+                calm, wind = (share_text(share) for share in figures[f"least_overlap_{way}_rows"])
+                said.append(f"the least overlap {way} rows {wind} instead of {calm}")
+        text.append("; ".join(said) + ".")
+    return text
+
+
+def _spread_text(found: Spread | None, unit: str = "px") -> str:
+    if found is None:
+        return "an amount that no corner tells, as none shows ground"
+    rms, usual, most = (displaced_text(size, unit) for size in found)
+    return f"{rms} (rms; 95 % of the captures within {usual}, {most} at most)"
+
+
+def integrators_text(flight: Flight) -> str:
+    """Why flight in wind is discretised exactly."""
+    return (
+        "Gusts and the aircraft that holds its place in them have time constants from "
+        f"{flight.fastest_s * 1e3:.2g} ms to {flight.slowest_s:.3g} s, {flight.slowest_s / flight.fastest_s:,.0f} "
+        "times as long: a stiff system. TerrAInav discretises it exactly, with one step from each exposure to the next "
+        f"({flight.interval_s:.3g} s); the usual integrators are shown beside it. A step is the same work for all, "
+        f"{seconds_text(flight.step)}."
+    )
+
+
+def wind_notes(effect: WindEffect) -> list[str]:
+    """What has to be said about the figures of wind."""
+    notes = []
+    if effect.displacements:
+        some = "" if effect.compared == len(effect.flown) else ", spread over the mission"
+        notes.append(
+            "The shift in the picture is that of the ground that the camera was meant to see in its corners and its "
+            f"middle, the most of the five, in {effect.compared:,} captures{some}. Metres and degrees are of all."
+        )
+    if (effect.calm.size_px is None) != (effect.flown.size_px is None):
+        notes.append(
+            "In still air the images are map frames, in wind camera frames, which cover the largest north-up rectangle "
+            "inside what they see."
         )
     return notes

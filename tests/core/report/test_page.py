@@ -26,8 +26,10 @@ from terrainav.core.mission.wind import Wind
 from terrainav.core.report import bench, plots
 from terrainav.core.report.html import element, page, table
 from terrainav.core.report.measure import measure
+from terrainav.core.report.numbers import csv_files
 from terrainav.core.report.page import PAGE, write_report
-from terrainav.core.report.tables import Table, csv_files, methods_table
+from terrainav.core.report.tables import Table, methods_table
+from terrainav.core.report.timing import Seconds
 from terrainav.core.report.words import verdict
 
 pytest.importorskip("matplotlib", reason="matplotlib, which draws the report's diagrams, is not installed")
@@ -144,7 +146,8 @@ def test_errors_are_within_their_bounds_and_times_are_times(report):
         assert bool(row["outside"]) == (row["bound_px"] == "") == (row["error_px"] == "")
     for row in measured:
         assert 0.0 <= float(row["error_px"]) <= float(row["bound_px"])
-        assert 0.0 < float(row["seconds_per_capture"]) < 60.0
+        low, median, high = (float(row[f"seconds_per_capture{end}"]) for end in ("_low", "", "_high"))
+        assert 0.0 < low <= median <= high < 60.0
     chosen = {row["stage"]: row["method"] for row in methods if row["chosen"] == "1"}
     assert chosen == {choice.rung.stage: choice.rung.name for choice in worked_out.accuracy.choices}
     for choice in worked_out.accuracy.choices:
@@ -160,7 +163,7 @@ def test_errors_are_within_their_bounds_and_times_are_times(report):
 def test_every_csv_is_read_back(report):
     worked_out, folder, _ = report
     names = sorted(path.name for path in folder.glob("*.csv"))
-    wind = ["wind.csv"] if worked_out.mission.wind else []
+    wind = ["wind.csv", "wind-coverage.csv", "wind-displacement.csv"] if worked_out.mission.wind else []
     assert names == sorted(["files.csv", "left_out.csv", "methods.csv", "resampling.csv", *wind])
     assert all(rows(folder, name) for name in names)
     left_out = {row["what"]: row for row in rows(folder, "left_out.csv")}
@@ -328,5 +331,13 @@ def test_the_same_diagram_has_the_same_bytes():
     found = measure(plan(MISSIONS["map frames"], WORLD.grid), WORLD, quick=True)
     once, again = (plots.work_precision(found.stages, 0.1, found.floor_px, "title") for _ in range(2))
     assert once == again
+    narrow, wide = (
+        plots.work_precision({"footprint": (one,)}, 0.1, found.floor_px, "title")
+        for one in (
+            replace(found.stages["footprint"][0], seconds=Seconds((1.0, 1.0 - half, 1.0 + half) * 2))
+            for half in (0.01, 0.5)
+        )
+    )
+    assert narrow != wide
     text = csv_files(found)["methods.csv"].decode("utf-8")
     assert len(list(csv.reader(io.StringIO(text)))) == 1 + sum(map(len, found.stages.values()))

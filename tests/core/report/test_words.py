@@ -11,7 +11,7 @@ from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 from terrainav.core.report.machine import machine, versions
 from terrainav.core.report.tables import bytes_text, metres_text, number_text, px_text, seconds_text
-from terrainav.core.report.timing import Effort, timed_together
+from terrainav.core.report.timing import Seconds
 from terrainav.core.report.words import condition_text, mission_facts, mission_title, terrain_text
 
 SOURCE = WorldSource()
@@ -53,6 +53,13 @@ def test_numbers(value, text):
 )
 def test_seconds(value, text):
     assert plain(seconds_text(value)) == text
+
+
+def test_seconds_of_several_rounds_have_their_quartiles_in_one_unit():
+    rounds = Seconds((1.2e-3, 0.9e-3, 1.0e-3, 1.4e-3, 0.8e-3))
+    assert plain(seconds_text(rounds)) == "1 ms (0.9 to 1.2)"
+    assert plain(seconds_text(rounds * 1e-3)) == "1 µs (0.9 to 1.2)"
+    assert plain(seconds_text(Seconds((1e-3,)))) == "1 ms"
 
 
 def test_lengths_bytes_and_pixels():
@@ -103,12 +110,3 @@ def test_the_machine_and_the_software_are_named():
     assert all(value and "/" not in value for _, value in machine())
     assert dict(versions()).keys() == {"TerrAInav", "Python", "numpy", "pyproj", "Pillow"}
     assert "PROJ" in dict(versions())["pyproj"]
-
-
-def test_works_that_are_compared_take_turns():
-    runs = []
-    found = timed_together([lambda: runs.append("a") or 1, lambda: runs.append("b") or 2], Effort(2, 3, 0.0))
-    assert [result for result, _ in found] == [1, 2]
-    assert all(seconds >= 0.0 for _, seconds in found)
-    # A warm-up each, then there and back.
-    assert "".join(runs) == "ab" + "ab" + "ba"
