@@ -180,7 +180,7 @@ def measure(
     map_type : str, optional
         Of the pictures; the mission's first one without it.
     quick : bool
-        Time every method once instead of until the median settles.
+        Time every method in one round only; times are then not compared.
     progress : callable, optional
 
     Raises

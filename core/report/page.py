@@ -54,7 +54,7 @@ def write_report(
     progress : callable, optional
         Called with what is being measured, in words.
     quick : bool
-        Time every method once only.
+        Time every method in one round only; times are then not compared.
 
     Returns
     -------

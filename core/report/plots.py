@@ -18,13 +18,14 @@ from .wind_methods import METHODS
 _GREY = "#777777"
 #: Letters in a line of a title.
 _TITLE = 85
-#: An upright line with its ends marked, as marker; how wide the ends are: less than any other marker.
-_UPRIGHT = ((-0.5, -1.0), (0.5, -1.0), (0.0, -1.0), (0.0, 1.0), (-0.5, 1.0), (0.5, 1.0))
+#: Width of an upright whisker's ends: less than any marker's, which hides them where the quartiles are close.
 _ENDS = 5
 #: Decades of error below which points are drawn at the edge: they are exact for every use.
 _LEAST_PX = 1e-11
 #: Points of one stage this close, as a share of both axes, share one label.
 _SAME_PLACE = 0.03
+#: Times as far above another one a point is in the way of its label.
+_CROWDED = 4.0
 #: Powers of ten written out, and what an exponent's rounding may be.
 _PLAIN, _ROUNDING = 3, 1e-9
 _SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
@@ -180,14 +181,19 @@ def _label_points(
         else:
             groups.append((x, y, [name]))
     for x, y, names in groups:
+        # Beside the marker where another one stands in the way of a label above it.
+        level = any(
+            abs(math.log10(at / x)) < wide and 0.0 < math.log10(up / y) < _CROWDED * high
+            for at, up, _ in groups
+        )
         axes.annotate(
             _joined(names),
             (x, y),
-            xytext=(2, 10) if above else (0, -13),
+            xytext=((12, 4) if level else (2, 10)) if above else (0, -13),
             textcoords="offset points",
             ha="left" if above else "center",
             va="bottom" if above else "top",
-            rotation=40 if above else 0,
+            rotation=40 if above and not level else 0,
             rotation_mode="anchor",
             fontsize=FONT["note"],
             color=colour,
@@ -205,7 +211,8 @@ def _joined(names: Sequence[str]) -> str:
 
 
 def _legend_of_marks(axes: Any) -> None:
-    lines = importlib.import_module("matplotlib.lines")
+    lines, paths = (importlib.import_module(f"matplotlib.{name}") for name in ("lines", "path"))
+    upright = paths.Path(((-1, -3), (1, -3), (0, -3), (0, 3), (-1, 3), (1, 3)), (1, 2, 1, 2, 1, 2))
     handles, _ = axes.get_legend_handles_labels()
     handles += [
         lines.Line2D(
@@ -221,8 +228,8 @@ def _legend_of_marks(axes: Any) -> None:
             [],
             [],
             color="none",
-            marker=_UPRIGHT,
-            markersize=13,
+            marker=upright,
+            markersize=9,
             markerfacecolor="none",
             markeredgecolor=_GREY,
             label="upright whisker: quartiles of the time",

@@ -22,8 +22,8 @@ Floats = NDArray[np.float64]
 
 #: What the three rows are called that sum up the others.
 MOVED, TURNED, TOGETHER = "moved, in all", "turned, in all", "moved and turned"
-#: Captures whose pictures are compared, spread over the mission: long double takes a microsecond a point.
-_COMPARED = 5_000
+#: Captures whose pictures are compared, spread over the mission: long double takes time and memory.
+_COMPARED = 20_000
 #: Points of the picture that are followed: its corners and its middle.
 _FOLLOWED = (*CORNERS, (0.0, 0.0))
 

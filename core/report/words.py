@@ -251,7 +251,7 @@ def _spread_text(found: Spread | None, unit: str = "px") -> str:
     if found is None:
         return "an amount that no corner tells, as none shows ground"
     rms, usual, most = (displaced_text(size, unit) for size in found)
-    return f"{rms} (rms; 95 % of the captures within {usual}, {most} at most)"
+    return f"{rms} (rms; {usual} for 95 % of the captures, {most} at most)"
 
 
 def integrators_text(flight: Flight) -> str:
@@ -269,11 +269,14 @@ def wind_notes(effect: WindEffect) -> list[str]:
     """What has to be said about the figures of wind."""
     notes = []
     if effect.displacements:
-        some = "" if effect.compared == len(effect.flown) else ", spread over the mission"
         notes.append(
             "The shift in the picture is that of the ground that the camera was meant to see in its corners and its "
-            f"middle, the most of the five, in {effect.compared:,} captures{some}. Metres and degrees are of all."
+            "middle, the most of the five."
         )
+        if effect.compared < len(effect.flown):
+            notes[0] += (
+                f" It is of {effect.compared:,} captures, spread over the mission; metres and degrees are of all."
+            )
     if (effect.calm.size_px is None) != (effect.flown.size_px is None):
         notes.append(
             "In still air the images are map frames, in wind camera frames, which cover the largest north-up rectangle "

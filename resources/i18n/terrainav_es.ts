@@ -4038,6 +4038,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/report.py"/>
+        <source>In wind it also says how far the wind moves and turns the camera, and what that does to coverage and overlap.</source>
+        <translation>Con viento dice además cuánto desplaza y gira el viento la cámara, y cómo cambian con ello la cobertura y el solape.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/report.py"/>
         <source>Measures every method's error against its run time.</source>
         <translation>Mide el error de cada método frente a su tiempo de ejecución.</translation>
     </message>
@@ -4063,8 +4068,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/report.py"/>
-        <source>Time every method once only.</source>
-        <translation>Medir el tiempo de cada método una sola vez.</translation>
+        <source>Time every method once only; the times are then not compared.</source>
+        <translation>Medir el tiempo de cada método una sola vez; los tiempos no se comparan entonces.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/report.py"/>

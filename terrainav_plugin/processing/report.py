@@ -50,7 +50,11 @@ class AccuracyReport(WithImagery):
                 "Measures the methods of footprints and pictures on captures of the mission itself, against an exact "
                 "reference: error, bound and time of each, what was chosen, and what was left out. Writes a page with "
                 "diagrams, and the numbers as tables."
-            )
+            ),
+            tr(
+                "In wind it also says how far the wind moves and turns the camera, and what that does to coverage and "
+                "overlap."
+            ),
         )
 
     def initAlgorithm(self, configuration: dict[str, Any] | None = None) -> None:  # noqa: ARG002  QGIS passes it
@@ -68,7 +72,7 @@ class AccuracyReport(WithImagery):
         )
         self.add(
             QgsProcessingParameterBoolean("QUICK", tr("Quick"), False),
-            tr("Time every method once only."),
+            tr("Time every method once only; the times are then not compared."),
             advanced=True,
         )
         self.add(

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
+import time
 
 import pytest
 from terrainav.core.mission.rungs import Rung
 from terrainav.core.report.measure import Measured, Saving, compared_with
 from terrainav.core.report.tables import compared_text, savings_table
-from terrainav.core.report.timing import Effort, Quartiles, Seconds, timed_together
+from terrainav.core.report.timing import Effort, Quartiles, Seconds, timed, timed_together
 
 ROUNDS = Effort(9, 9, 0.0)
 
@@ -113,6 +114,11 @@ def test_works_that_are_compared_take_turns():
     assert {"".join(sorted(one)) for one in rounds} == {"abc"}
     # None always comes after the same one.
     assert len(set(rounds)) > 3
+
+
+def test_waiting_is_not_counted():
+    _, seconds = timed(lambda: time.sleep(0.02), Effort(1, 1, 0.0))
+    assert 0.0 < seconds.median < 0.01
 
 
 def test_rounds_go_on_until_every_work_has_had_its_seconds():

@@ -128,7 +128,7 @@ def test_of_many_captures_some_spread_over_the_mission_are_compared(monkeypatch)
     monkeypatch.setattr(wind_module, "_COMPARED", 7)
     effect = wind_effect(flown)
     assert effect.compared == 7 < len(flown)
-    assert "in 7 captures, spread over the mission" in " ".join(wind_notes(effect))
+    assert "of 7 captures, spread over the mission" in " ".join(wind_notes(effect))
     for name, one in by_name(effect).items():
         assert one.size == whole[name].size
         assert one.px.most <= whole[name].px.most
