@@ -15,7 +15,7 @@ PACKAGES=(
 )
 if [[ ${1:-} == tests ]]; then
     # proj-bin: inside a virtual environment the distribution's pyproj finds its data by where the `proj` command is.
-    PACKAGES+=(python3-venv libimage-exiftool-perl proj-bin)
+    PACKAGES+=(python3-venv libegl1 libimage-exiftool-perl proj-bin)
 fi
 STAMP=.venv/terrainav-setup
 
@@ -96,9 +96,9 @@ make_environment() {
     write_constraints
     .venv/bin/python -m pip install --quiet --disable-pip-version-check --no-input \
         --constraint .venv/constraints.txt --editable '.[test,lint]'
-    # Only its stubs are read; in a folder of its own nothing takes it for the Qt that QGIS has.
+    # The Qt of QGIS 4; in a folder of its own nothing takes it for the Qt that this QGIS has.
     .venv/bin/python -m pip install --quiet --disable-pip-version-check --no-input --no-deps \
-        --target .venv/qt6 'PyQt6==6.8.*' 'PyQt6-sip>=13.8,<14'
+        --target .venv/qt6 'PyQt6==6.8.*' 'PyQt6-sip>=13.8,<14' 'PyQt6-Qt6==6.8.*'
     # What results are compared with; it brings a numpy of its own, which must not meet QGIS's.
     "$PYTHON" -m venv .venv/peers
     .venv/peers/bin/python -m pip install --quiet --disable-pip-version-check --no-input 'scikit-image>=0.24,<1'

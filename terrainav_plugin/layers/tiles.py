@@ -49,7 +49,6 @@ _PROVIDER = "wms"
 _MERCATOR = "EPSG:3857"
 #: Sets of coloured stages: as many as a capture has connections.
 _COPIES = 8
-_UNUSED = QgsRectangle(0.0, 0.0, 1.0, 1.0)
 
 
 class Tiles:
@@ -271,8 +270,9 @@ class _Stages:
         """Pixels in the layer's colours, premultiplied as they came."""
         height, width = pixels.shape[:2]
         self._given.image = to_image(pixels)
-        # QGIS 3.44 ends where it is given no feedback.
-        return to_array(self._stages[-1].block(1, _UNUSED, width, height, QgsRasterBlockFeedback()).image())
+        # QGIS 3.44 ends where it is given no feedback. The pixels are those that were given, whatever the extent.
+        feedback, extent = QgsRasterBlockFeedback(), QgsRectangle(0.0, 0.0, 1.0, 1.0)
+        return to_array(self._stages[-1].block(1, extent, width, height, feedback).image())
 
 
 def _colours_of(layer: QgsRasterLayer) -> SimpleQueue[_Stages] | None:
