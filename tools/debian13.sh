@@ -72,7 +72,8 @@ exec unshare --mount --pid --fork --kill-child bash -euo pipefail -c '
         bash -euo pipefail -c '\''
             cd "$1" && shift
             limit=$1 && shift
-            make --silent setup translations
+            bash tools/setup.sh plugin-tests
+            make --silent translations
             dpkg-query --show --showformat="\${Package} \${Version}\n" qgis python3 python3-numpy >&2
             if [[ ${1:-} == -- ]]; then
                 shift

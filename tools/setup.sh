@@ -1,8 +1,9 @@
 #!/usr/bin/env bash
 # Installs what is missing on Debian or Ubuntu. Safe to run again; quick when nothing is to be done.
 #
-#     tools/setup.sh          QGIS and what the plugin needs beside it, from the distribution alone
-#     tools/setup.sh tests    what the tests need as well, and .venv with their packages
+#     tools/setup.sh                 QGIS and what the plugin needs beside it, from the distribution alone
+#     tools/setup.sh tests           what the tests need as well, and .venv with their packages
+#     tools/setup.sh plugin-tests    the same for the tests inside QGIS alone
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
@@ -13,11 +14,12 @@ PACKAGES=(
     python3-gdal python3-matplotlib python3-numpy python3-owslib python3-pil python3-pyproj python3-pyqt5.qtsvg python3-requests
     ca-certificates fonts-dejavu-core libgl1-mesa-dri
 )
-if [[ ${1:-} == tests ]]; then
+WANTED=${1:-}
+if [[ -n $WANTED ]]; then
     # proj-bin: inside a virtual environment the distribution's pyproj finds its data by where the `proj` command is.
     PACKAGES+=(python3-venv libegl1 libimage-exiftool-perl proj-bin)
 fi
-STAMP=.venv/terrainav-setup
+STAMP=.venv/terrainav-setup-$WANTED
 
 say() { printf 'set-up: %s\n' "$*" >&2; }
 
@@ -94,18 +96,21 @@ make_environment() {
     say "making .venv"
     "$PYTHON" -m venv --clear --system-site-packages .venv
     write_constraints
+    local extras=test,lint
+    [[ $WANTED == plugin-tests ]] && extras=test-plugin
     .venv/bin/python -m pip install --quiet --disable-pip-version-check --no-input \
-        --constraint .venv/constraints.txt --editable '.[test,lint]'
+        --constraint .venv/constraints.txt --editable ".[$extras]"
+    verify_shared_modules
+    [[ $WANTED == plugin-tests ]] && return
     # The Qt of QGIS 4; in a folder of its own nothing takes it for the Qt that this QGIS has.
     .venv/bin/python -m pip install --quiet --disable-pip-version-check --no-input --no-deps \
         --target .venv/qt6 'PyQt6==6.8.*' 'PyQt6-sip>=13.8,<14' 'PyQt6-Qt6==6.8.*'
     # What results are compared with; it brings a numpy of its own, which must not meet QGIS's.
     "$PYTHON" -m venv .venv/peers
     .venv/peers/bin/python -m pip install --quiet --disable-pip-version-check --no-input 'scikit-image>=0.24,<1'
-    verify_shared_modules
 }
 
-if [[ ${1:-} == tests && -f $STAMP && $(<"$STAMP") == "$(fingerprint)" ]]; then
+if [[ -n $WANTED && -f $STAMP && $(<"$STAMP") == "$(fingerprint)" ]]; then
     exit 0
 fi
 if ! command -v apt-get >/dev/null; then
@@ -113,7 +118,7 @@ if ! command -v apt-get >/dev/null; then
     exit 1
 fi
 install_packages
-if [[ ${1:-} == tests ]]; then
+if [[ -n $WANTED ]]; then
     make_environment
     fingerprint >"$STAMP"
     say "done"
