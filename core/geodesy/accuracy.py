@@ -23,10 +23,17 @@ Floats = NDArray[np.float64]
 FLAT_DOMAIN = 0.1
 #: Factor on each truncated series for the terms behind it; validated by Monte Carlo over the whole domain.
 _BEYOND_THE_SERIES = 1.15
-#: Noise of float64 in every bound, px, and of ground positions in degrees, metres.
-_NOISE_PX, _NOISE_M = 1e-6, 4e-9
-#: Noise of the exact camera's image positions, px of an image of a few thousand.
-_EXACT_NOISE_PX = 1e-9
+#: Noise of float64 in the series of level cameras, px.
+_NOISE_PX = 1e-6
+#: Noise of ground positions in degrees, metres: half the last digit of a latitude is 0.8e-9, of a longitude 1.6e-9, and
+#: nothing else of `ellipsoid.trace` grows with the Earth.
+_NOISE_M = 2e-9
+#: Noise of positions on the map, metres: with functions within 4 units in the last place (8·2⁻⁵³) asinh tan φ is off by
+#: 8·2⁻⁵³(ψ + sin φ), 6.5e-9 of ground at most; φ, 2π and the fraction of the world have 3e-9, pixels of it 9e-9.
+_MAP_NOISE_M = 1.6e-8
+#: Noise of directions, as a share of the ray: at most 128 roundings (2⁻⁵³), 8 for a sine of each of three angles, 6 for
+#: their products, 16 for the tangent of the field of view, 64 for `ellipsoid.trace`.
+_NOISE_OF_RAYS = 2.0**-46
 #: Smallest pixel on the ground that positions in float64 degrees resolve to a tenth of itself.
 RESOLVED_M = 4e-8
 
@@ -136,11 +143,8 @@ def map_frame_px(scene: Scene) -> Floats:
         1.05 * bend / radius * (width_px * height_m / 4.0 + (width_px * width_m + height_px * height_m) / 8.0)
     )
     second = scene.half_diagonal_px * (np.maximum(width_m, height_m) / radius) ** 2 * (1.0 + bend**2)
-    # Edges go from degrees to fractions of the world and come back: as much noise again, twice.
-    there_and_back = 2.0 * _NOISE_M / scene.nadir_px_m
-    return (
-        _with_noise(scene, flat_bending_px(scene) + converging + second) + there_and_back + attitude_px(scene)
-    )
+    on_map = _MAP_NOISE_M / scene.nadir_px_m
+    return _with_noise(scene, flat_bending_px(scene) + converging + second) + on_map + attitude_px(scene)
 
 
 def attitude_px(scene: Scene) -> Floats:
@@ -166,13 +170,24 @@ def finest_px_m(scene: Scene) -> Floats:
 
 
 def exact_px(scene: Scene) -> Floats:
-    """Bound of the exact camera in float64, at any point of the image: the noise of ground positions, (n,)."""
-    return _NOISE_M / finest_px_m(scene) + _EXACT_NOISE_PX
+    """Bound of the exact camera in float64, at any point of the image: the noise of ground positions and of rays, (n,).
+
+    A ray L times as long as the axis' that is turned by an angle moves by up to f·L² times that in the image.
+    """
+    _, squared = corner_angles(scene)
+    noise: Floats = _NOISE_M / finest_px_m(scene) + _NOISE_OF_RAYS * scene.focal_px * np.max(squared, axis=1)
+    return noise
+
+
+def camera_frame_px(scene: Scene) -> Floats:
+    """Bound of a camera frame whose every pixel is traced: the exact camera's, and the noise of map positions, (n,)."""
+    on_map: Floats = _MAP_NOISE_M / finest_px_m(scene)
+    return exact_px(scene) + on_map
 
 
 def mesh_noise_px(scene: Scene) -> Floats:
-    """Least bound of a cell of a mesh: the noise of map positions in float64, (n,)."""
-    return _NOISE_PX + 16.0 * _NOISE_M / scene.nadir_px_m
+    """Least bound of a cell of a mesh: the noise of the map positions of its four corners, (n,)."""
+    return _NOISE_PX + 4.0 * _MAP_NOISE_M / scene.nadir_px_m
 
 
 def _with_noise(scene: Scene, series: Floats) -> Floats:

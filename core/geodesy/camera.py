@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InvalidInput
+from .angles import sin_cos
 
 Floats = NDArray[np.float64]
 
@@ -298,15 +299,15 @@ def _image_axes(
     yaw_deg: Floats | float, tilt_deg: Floats | float, roll_deg: Floats | float
 ) -> tuple[Floats, Floats, Floats]:
     """Unit vectors (..., 3) of the image's right, of its top, and of the view, in east, north, up."""
-    yaw, tilt, roll = (
-        np.radians(np.asarray(angle, np.float64))[..., np.newaxis] for angle in (yaw_deg, tilt_deg, roll_deg)
+    (sin_yaw, cos_yaw), (sin_tilt, cos_tilt), (sin_roll, cos_roll) = (
+        sin_cos(np.asarray(angle, np.float64)[..., np.newaxis]) for angle in (yaw_deg, tilt_deg, roll_deg)
     )
-    flat = np.zeros_like(yaw)
-    heading = np.concatenate([np.sin(yaw), np.cos(yaw), flat], axis=-1)
-    level_right = np.concatenate([np.cos(yaw), -np.sin(yaw), flat], axis=-1)
+    flat = np.zeros_like(sin_yaw)
+    heading = np.concatenate([sin_yaw, cos_yaw, flat], axis=-1)
+    level_right = np.concatenate([cos_yaw, -sin_yaw, flat], axis=-1)
     zenith = np.array([0.0, 0.0, 1.0])
-    image_up = np.cos(tilt) * heading + np.sin(tilt) * zenith
-    pitched = np.sin(tilt) * heading - np.cos(tilt) * zenith
-    right = np.cos(roll) * level_right + np.sin(roll) * pitched
-    axis = np.cos(roll) * pitched - np.sin(roll) * level_right
+    image_up = cos_tilt * heading + sin_tilt * zenith
+    pitched = sin_tilt * heading - cos_tilt * zenith
+    right = cos_roll * level_right + sin_roll * pitched
+    axis = cos_roll * pitched - sin_roll * level_right
     return right, image_up, axis

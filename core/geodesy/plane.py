@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pyproj import Proj
 
+from .angles import sin_cos
 from .proj_arrays import projection, through_proj
 
 Floats = NDArray[np.float64]
@@ -39,7 +40,9 @@ class LocalPlane:
 
     def forward(self, lat_deg: Floats, lon_deg: Floats) -> tuple[Floats, Floats]:
         """Positions in metres along the axes, of positions in degrees (any shape)."""
-        east, north = through_proj(_projection(self.lat_deg), lon_deg - self.lon_deg, lat_deg)
+        project, middle_m = _projection(self.lat_deg)
+        east, north = through_proj(project, lon_deg - self.lon_deg, lat_deg)
+        north = north - middle_m
         sine, cosine = self._turn()
         return east * cosine - north * sine, east * sine + north * cosine
 
@@ -47,7 +50,8 @@ class LocalPlane:
         """Latitude and longitude in degrees of positions (any shape); longitudes are continuous with the middle's."""
         sine, cosine = self._turn()
         east, north = x_m * cosine + y_m * sine, y_m * cosine - x_m * sine
-        dlon, lat = through_proj(_projection(self.lat_deg), east, north, inverse=True)
+        project, middle_m = _projection(self.lat_deg)
+        dlon, lat = through_proj(project, east, north + middle_m, inverse=True)
         return lat, self.lon_deg + dlon
 
     def north_deg(self, lat_deg: Floats, lon_deg: Floats) -> Floats:
@@ -58,10 +62,14 @@ class LocalPlane:
         return bearing
 
     def _turn(self) -> tuple[float, float]:
-        angle = np.radians(self.angle_deg)
-        return float(np.sin(angle)), float(np.cos(angle))
+        sine, cosine = sin_cos(self.angle_deg)
+        return float(sine), float(cosine)
 
 
-def _projection(lat_deg: float) -> Proj:
-    """Longitudes count from its middle."""
-    return projection(proj="sterea", lat_0=lat_deg, lon_0=0.0, ellps="WGS84")
+def _projection(lat_deg: float) -> tuple[Proj, float]:
+    """Projection of a middle, and how far north of the projection's origin that is, metres.
+
+    PROJ takes an origin within 5e-9 degrees of the equator for one on it. Longitudes count from the middle.
+    """
+    project = projection(proj="sterea", lat_0=lat_deg, lon_0=0.0, ellps="WGS84")
+    return project, float(project(0.0, lat_deg)[1])

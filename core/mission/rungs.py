@@ -199,9 +199,9 @@ def picture_rungs(scene: Scene, *, map_outside: str = "", camera_outside: str = 
         px = accuracy.map_frame_px(scene)
         metres = float(np.max(px * scene.nadir_px_m)) * (1.0 + scene.diagonal_tangent**2)
         map_frame = Rung("picture", "map", float(np.max(px)), metres)
-    exact = math.inf if camera_outside else float(np.max(accuracy.exact_px(scene)))
-    metres = exact * accuracy.ground_m_per_px(scene)
-    return [map_frame, Rung("picture", "camera", exact, metres, camera_outside)]
+    traced = math.inf if camera_outside else float(np.max(accuracy.camera_frame_px(scene)))
+    metres = traced * accuracy.ground_m_per_px(scene)
+    return [map_frame, Rung("picture", "camera", traced, metres, camera_outside)]
 
 
 def mesh_rungs(scene: Scene) -> list[Rung]:
@@ -214,7 +214,7 @@ def mesh_rungs(scene: Scene) -> list[Rung]:
         outside = "" if tolerance >= noise else f"its cells' own noise is {noise:.2g} px"
         bound = math.inf if outside else tolerance
         rungs.append(Rung("mesh", name, bound, bound * span, outside))
-    # A ray for every pixel adds nothing to the exact camera's own noise.
+    # A ray for every pixel adds nothing to the camera frame's own noise.
     return [*rungs, Rung("mesh", "rays", 0.0, 0.0)]
 
 

@@ -16,7 +16,7 @@ from terrainav.core.geodesy.ellipsoid import WGS84
 from terrainav.core.geodesy.footprint import FOOTPRINT_RUNGS
 from terrainav.core.geodesy.frames import FrameEdges, map_frame_edges
 from terrainav.core.geodesy.inscribed import inscribed_edges
-from terrainav.core.geodesy.mercator import v_to_lat
+from terrainav.core.geodesy.mercator import lon_to_u
 from terrainav.core.geodesy.mesh import ImageRays, mesh
 from terrainav.core.geodesy.poses import Poses
 
@@ -26,8 +26,8 @@ LOWEST_M, HIGHEST_M = 1e-2, 3.6e7
 LONGEST_PX = 640.0
 #: Points of a picture that a map frame is compared at, along each side.
 GRID = 7
-#: Points drawn in the cells of each mesh.
-POINTS_A_MESH = 2000
+#: Points drawn in the cells of each mesh, and in each camera frame that is traced.
+POINTS_A_MESH, POINTS_A_FRAME = 2000, 300
 
 
 @dataclass
@@ -47,7 +47,7 @@ class Tally:
         if ratio[at] > self.worst or not self.scene:
             self.worst = float(ratio[at])
             self.scene = {
-                name: np.ravel(value)[at] if np.size(value) > 1 else value for name, value in scene.items()
+                name: np.ravel(value)[at if np.size(value) > 1 else 0].item() for name, value in scene.items()
             }
 
     @property
@@ -92,9 +92,9 @@ def level_scene(rng, camera, count):
     agl, lat = agl[inside], lat[inside]
     if not len(lat):
         return None
-    yaw = rng.uniform(0, 360, len(lat))
+    lon, yaw = rng.uniform(-180, 180, len(lat)), rng.uniform(0, 360, len(lat))
     level = np.zeros(len(lat))
-    return Scene(camera, *image_size(camera), Poses(lat, level, agl, yaw, level, level))
+    return Scene(camera, *image_size(camera), Poses(lat, lon, agl, yaw, level, level))
 
 
 def away_px(scene, lat, lon, wanted):
@@ -109,6 +109,12 @@ def away_px(scene, lat, lon, wanted):
     seen = longdouble.look(lat_deg, agl, fov, aspect, yaw, tilt, roll, lat, lon)
     x, y = (seen.x - wanted[..., 0]) * scene.width_px / 2, (seen.y - wanted[..., 1]) * scene.height_px / 2
     return np.where(seen.visible, np.hypot(x, y), np.inf).astype(float)
+
+
+def corners_away_px(scene, corners):
+    """As `away_px` of corners, whose longitudes are the world's: their rounding is an error, too."""
+    dlon = corners.lon_deg.astype(longdouble.Real) - scene.poses.lon_deg[:, np.newaxis]
+    return away_px(scene, corners.lat_deg, dlon, np.array(CORNERS))
 
 
 def facts(scene):
@@ -130,7 +136,7 @@ def level_methods(seed, draws, each) -> dict[str, Tally]:
             continue
         for name, bound in (("loc1", accuracy.loc1_px), ("loc2", accuracy.loc2_px)):
             corners = FOOTPRINT_RUNGS[name](camera, scene.poses, CORNERS, WGS84)
-            error = away_px(scene, corners.lat_deg, corners.lon_deg, np.array(CORNERS)).max(axis=1)
+            error = corners_away_px(scene, corners).max(axis=1)
             tallies[name].add(error / bound(scene), **facts(scene))
         poses = scene.poses
         north_up = Scene(
@@ -153,7 +159,7 @@ def map_frame_points(camera, poses):
     x, y = (values.ravel() for values in np.meshgrid(share, share))
     u = edges.west_u[:, np.newaxis] + edges.size[0][:, np.newaxis] * x
     v = edges.top_v[:, np.newaxis] + edges.size[1][:, np.newaxis] * y
-    return v_to_lat(v), u * 360.0, np.stack([2 * x - 1, 1 - 2 * y], axis=-1)
+    return longdouble.latitude_deg(v), u * longdouble.Real(360), np.stack([2 * x - 1, 1 - 2 * y], axis=-1)
 
 
 def any_pose(rng, camera, count):
@@ -165,7 +171,8 @@ def any_pose(rng, camera, count):
     agl = 10 ** rng.uniform(np.log10(bottom), np.log10(HIGHEST_M), count)
     tilt = np.where(rng.random(count) < 0.3, 0.0, rng.uniform(0, 110, count))
     roll = np.where(rng.random(count) < 0.5, 0.0, rng.uniform(-60, 60, count))
-    poses = Poses(latitudes(rng, count), np.zeros(count), agl, rng.uniform(0, 360, count), tilt, roll)
+    lat, lon = latitudes(rng, count), rng.uniform(-180, 180, count)
+    poses = Poses(lat, lon, agl, rng.uniform(0, 360, count), tilt, roll)
     resolved = accuracy.finest_px_m(Scene(camera, *image_size(camera), poses)) >= accuracy.RESOLVED_M
     return Scene(camera, *image_size(camera), poses.take(resolved)) if resolved.any() else None
 
@@ -178,7 +185,7 @@ def exact_footprints(seed, draws, each) -> Tally:
         if scene is None:
             continue
         corners = FOOTPRINT_RUNGS["exact"](camera, scene.poses, CORNERS, WGS84)
-        error = away_px(scene, corners.lat_deg, corners.lon_deg, np.array(CORNERS))
+        error = corners_away_px(scene, corners)
         # Points of the very horizon may be hidden by a rounding: they face the camera edge on.
         error = np.where(corners.hit & np.isfinite(error), error, 0.0).max(axis=1)
         some = corners.hit.any(axis=1)
@@ -207,7 +214,7 @@ def meshes(seed, draws, tolerance_px, widest=179.9, narrowest=0.01) -> tuple[Tal
         column, row = box[:, 0] + a * (box[:, 2] - box[:, 0]), box[:, 1] + b * (box[:, 3] - box[:, 1])
         du, v = perspective(cells.du[which], cells.v[which], a, b)
         wanted = np.stack([2 * column / width - 1, 1 - 2 * row / height], axis=-1)
-        error = away_px(scene, v_to_lat(v)[np.newaxis], du[np.newaxis] * 360.0, wanted)[0]
+        error = away_px(scene, longdouble.latitude_deg(v)[np.newaxis], du[np.newaxis] * 360.0, wanted)[0]
         ratio = error / cells.bound_px[which]
         of_points.add(ratio, **facts(scene))
         of_meshes.add([ratio.max()], **facts(scene))
@@ -233,6 +240,36 @@ def perspective(du, v, a, b):
     along = (solved[:, 0] * a + solved[:, 1] * b + solved[:, 2]) / depth
     down = (solved[:, 3] * a + solved[:, 4] * b + solved[:, 5]) / depth
     return u0[:, 0] + along * size_u[:, 0], v0[:, 0] + down * size_v[:, 0]
+
+
+def camera_frames(seed, draws, each) -> tuple[Tally, Tally]:
+    """Points of camera frames whose every pixel is traced, those on the map: all of them, and the worst of each frame.
+
+    Positions are those that pixels are read at: fractions of the world that count from its west edge.
+    """
+    rng, of_points, of_frames = np.random.default_rng(seed), Tally(), Tally()
+    for camera in cameras(rng, draws):
+        width, height = (max(round(size), 1) for size in image_size(camera))
+        some = any_pose(rng, camera, each)
+        if some is None:
+            continue
+        for at in range(len(some.poses.lat_deg)):
+            scene = Scene(camera, width, height, some.poses.take(slice(at, at + 1)))
+            column, row = (rng.uniform(0, size, POINTS_A_FRAME) for size in (width, height))
+            lon = scene.poses.lon_deg
+            du, v, hit = ImageRays.of(scene).map_points(column, row)
+            hit &= (v >= 0) & (v <= 1)
+            if not hit.any():
+                continue
+            u = lon_to_u(lon) + du[hit]
+            dlon = (u.astype(longdouble.Real) - 0.5) * 360 - lon
+            wanted = np.stack([2 * column / width - 1, 1 - 2 * row / height], axis=-1)[hit]
+            error = away_px(scene, longdouble.latitude_deg(v[hit])[np.newaxis], dlon[np.newaxis], wanted)[0]
+            # Points of the very horizon may be hidden by a rounding: they face the camera edge on.
+            ratio = np.where(np.isfinite(error), error, 0.0) / accuracy.camera_frame_px(scene)
+            of_points.add(ratio, **facts(scene))
+            of_frames.add([ratio.max()], **facts(scene))
+    return of_points, of_frames
 
 
 class Rectangles(NamedTuple):
@@ -267,7 +304,7 @@ def rectangles_inside(seed, draws, each) -> Rectangles:
             camera.fov_deg,
             camera.aspect_ratio,
             *(values[:, np.newaxis] for values in some.poses.attitude),
-            v_to_lat(edges.top_v + edges.size[1] * down),
+            longdouble.latitude_deg(edges.top_v + edges.size[1] * down),
             (edges.west_u + edges.size[0] * across) * 360.0,
         )
         beyond = np.maximum(

@@ -120,6 +120,37 @@ def look(
     return Looked(*np.broadcast_arrays(right / depth / tan_x, forward / depth / tan_y, visible))
 
 
+def slant_and_grazing(lat_deg, agl_m, point_lat_deg, point_dlon_deg, ground_height_m=0.0):
+    """Metres from cameras to ground points, and the sine of the angle at which their rays meet the ground."""
+    place, point = _Place.at(lat_deg, ground_height_m), _Place.at(point_lat_deg, ground_height_m)
+    sin_dlon, cos_dlon = _sin_cos(point_dlon_deg)
+    outward = point.normal_m * point.cos * cos_dlon - (place.normal_m + agl_m) * place.cos
+    east = point.normal_m * point.cos * sin_dlon
+    polar = (
+        point.normal_m * (1 - point.e2) * point.sin - (place.normal_m * (1 - place.e2) + agl_m) * place.sin
+    )
+    slant = np.sqrt(outward**2 + east**2 + polar**2)
+    down = point.cos * (cos_dlon * outward + sin_dlon * east) + point.sin * polar
+    return slant, -down / slant
+
+
+def distance_m(lat_deg, dlon_deg, other_lat_deg, other_dlon_deg):
+    """Metres between ground points that are near each other."""
+    place = _Place.at(lat_deg, 0.0)
+    meridional_m = place.normal_m * (1 - place.e2) * (place.normal_m / place.a_m) ** 2
+    turn = _real(other_dlon_deg) - dlon_deg
+    turn = turn - 360 * np.round(turn / 360)
+    return np.hypot(
+        meridional_m * (_real(other_lat_deg) - lat_deg) * _DEGREE, place.normal_m * place.cos * turn * _DEGREE
+    )
+
+
+def latitude_deg(v):
+    """Geodetic latitude of world fractions southward from the north of Web Mercator."""
+    psi = (Real(0.5) - _real(v)) * 360 * _DEGREE
+    return np.arctan(np.sinh(psi)) / _DEGREE
+
+
 class _Place(NamedTuple):
     """A latitude on an ellipsoid: its sine and cosine, its normal radius, and the ellipsoid."""
 

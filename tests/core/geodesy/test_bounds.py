@@ -58,6 +58,15 @@ def test_the_exact_camera_stays_within_its_bound():
     assert tally.worst <= 1.0, tally.scene
 
 
+def test_camera_frames_whose_every_pixel_is_traced_stay_within_their_bound():
+    points, frames = bounds.camera_frames(seed=12, draws=150, each=5)
+    assert points.count > 50_000
+    assert frames.count > 300
+    assert points.worst <= 1.0, points.scene
+    # The noise of a position on the map that counts itself: a tenth of its bound is common.
+    assert points.worst > 0.1
+
+
 @pytest.mark.parametrize("tolerance", [0.3, 0.03, 0.003])
 def test_cells_of_meshes_stay_within_their_bounds(tolerance):
     points, meshes = bounds.meshes(9, 60, tolerance)

@@ -7,21 +7,13 @@ import pytest
 from pyproj import Geod
 from terrainav.core.errors import InvalidInput
 from terrainav.core.geodesy.camera import CORNERS, Camera
-from terrainav.core.geodesy.ellipsoid import WGS84, Ellipsoid, trace
+from terrainav.core.geodesy.ellipsoid import WGS84, Ellipsoid, sight_lines, trace
 
-from tests.core.geodesy.reference import ground_point, zone_area_m2
+from tests.core.geodesy import longdouble, scenes
+from tests.core.geodesy.reference import distance_m, ground_point, slant_and_grazing, zone_area_m2
 
-METRES_PER_DEGREE = 111_320.0
-# Float64 degrees resolve 1.6e-9 m of latitude; the exact camera may use three of those.
-GROUND_FLOOR_M = 5e-9
-
-
-def error_m(lat, dlon, exact):
-    """Distance between a traced point and the reference, metres."""
-    exact_lat, exact_dlon = exact
-    north = float(exact_lat - lat) * METRES_PER_DEGREE
-    east = float(exact_dlon - dlon) * METRES_PER_DEGREE * np.cos(np.radians(lat))
-    return float(np.hypot(north, east))
+#: What `trace` states: half the last digit of a latitude, and a share of slant over sine of incidence.
+LATITUDE_FLOOR_M, RAY_SHARE = 0.8e-9, 2.0**-47
 
 
 @pytest.mark.parametrize("lat", [0.0, -35.14, 47.5, 84.0, -89.9])
@@ -33,9 +25,39 @@ def test_rays_meet_the_ground_where_fifty_digits_say(lat, agl):
         exact = ground_point(lat, agl, ray)
         assert ground.hit[index] == (exact is not None)
         if exact is not None:
-            # The condition of the scene, at most the height over the footprint's distance, scales the floor.
-            floor = GROUND_FLOOR_M * max(1.0, agl / 1e6)
-            assert error_m(ground.lat_deg[index], ground.dlon_deg[index], exact) < floor
+            slant, grazing = slant_and_grazing(lat, agl, exact)
+            found = float(ground.lat_deg[index]), float(ground.dlon_deg[index])
+            assert distance_m(found, exact) < LATITUDE_FLOOR_M + RAY_SHARE * slant / grazing
+
+
+@pytest.mark.skipif(not longdouble.EXTENDED, reason=longdouble.WHY_NOT)
+@pytest.mark.parametrize("height", [0.0, 8848.0])
+@pytest.mark.parametrize(
+    "drawn",
+    [scenes.whole_domain(31, 40_000), scenes.near_the_horizon(32, 5000, (1e-6, 1.0))],
+    ids=["whole domain", "near the horizon"],
+)
+def test_rays_stay_within_what_trace_states(drawn, height):
+    camera = drawn.fov_deg, drawn.aspect_ratio, *drawn[4:9]
+    rays = np.stack(longdouble.image_ray(*camera), axis=-1).astype(np.float64)
+    seen = longdouble.ground_point(drawn.lat_deg, drawn.agl_m, rays.T.astype(longdouble.Real), height)
+    found = trace(drawn.lat_deg, drawn.agl_m, rays, WGS84.raised(height))
+    both = found.hit & seen.hit
+    assert (found.hit != seen.hit).mean() < 1e-3
+    assert both.sum() > 1000
+    drawn, lat, dlon = drawn.take(both), seen.lat_deg[both], seen.dlon_deg[both]
+    slant, grazing = longdouble.slant_and_grazing(drawn.lat_deg, drawn.agl_m, lat, dlon, height)
+    error = longdouble.distance_m(lat, dlon, found.lat_deg[both], found.dlon_deg[both])
+    ratio = error / (LATITUDE_FLOOR_M + RAY_SHARE * slant / grazing)
+    assert ratio.max() < 1.0, drawn.take(int(ratio.argmax()))
+    back = sight_lines(
+        drawn.lat_deg, drawn.agl_m, lat.astype(float), dlon.astype(float), WGS84.raised(height)
+    )
+    # Both are rounded to float64 on the way: half a digit of the longitude, 1.6e-9 m, beside that of the latitude.
+    off = np.linalg.norm(
+        back - rays[both] * (slant / np.linalg.norm(rays[both], axis=-1))[:, np.newaxis], axis=-1
+    )
+    assert (off < 2e-9 + RAY_SHARE * slant).all()
 
 
 def test_a_ray_past_the_limb_is_a_miss_not_a_number():
