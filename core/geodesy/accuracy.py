@@ -34,7 +34,7 @@ _MAP_NOISE_M = 1.6e-8
 #: Noise of directions, as a share of the ray: at most 128 roundings (2⁻⁵³), 8 for a sine of each of three angles, 6 for
 #: their products, 16 for the tangent of the field of view, 64 for `ellipsoid.trace`.
 _NOISE_OF_RAYS = 2.0**-46
-#: Smallest pixel on the ground that positions in float64 degrees resolve to a tenth of itself.
+#: Smallest pixel on the ground: float64 degrees resolve a twentieth of it, and positions on the map two fifths.
 RESOLVED_M = 4e-8
 
 

@@ -13,12 +13,11 @@ from ..geodesy.camera import CORNERS
 from ..geodesy.footprint import FOOTPRINT_RUNGS
 from ..geodesy.frames import map_frame_edges
 from ..geodesy.horizon import outline
-from ..geodesy.mercator import v_to_lat
 from ..geodesy.mesh import Cells, ImageRays, mesh
 from ..geodesy.poses import Poses
 from ..mission.framing import ground_of
 from ..mission.plan import Plan
-from .reference import errors_px
+from .reference import errors_px, map_errors_px
 
 Floats = NDArray[np.float64]
 #: An error in px; None where nothing could be compared.
@@ -109,9 +108,9 @@ def map_frame_error_px(plan: Plan) -> Error:
     edges = map_frame_edges(scene.camera, scene.poses, scene.ground)
     along, down = (part.ravel() for part in np.meshgrid(*(np.linspace(0.0, 1.0, _FRAME_POINTS),) * 2))
     west, east, top, bottom = (edge[:, np.newaxis] for edge in edges)
-    lat, dlon = v_to_lat(top + (bottom - top) * down), (west + (east - west) * along) * 360.0
-    x, y = (np.broadcast_to(part, lat.shape) for part in (2.0 * along - 1.0, 1.0 - 2.0 * down))
-    return float(errors_px(scene, lat, dlon, x, y).max())
+    du, v = west + (east - west) * along, top + (bottom - top) * down
+    x, y = (np.broadcast_to(part, v.shape) for part in (2.0 * along - 1.0, 1.0 - 2.0 * down))
+    return float(map_errors_px(scene, du, v, x, y).max())
 
 
 def mesh_error_px(plan: Plan, tolerance_px: float) -> Error:
@@ -172,8 +171,7 @@ def _inside(cells: Cells) -> tuple[Floats, Floats, Floats, Floats]:
 def _worst(scene: Scene, du: Floats, v: Floats, x_px: Floats, y_px: Floats) -> float:
     """Greatest error of map positions for points of the image in px from its upper left corner."""
     x, y = 2.0 * x_px / scene.width_px - 1.0, 1.0 - 2.0 * y_px / scene.height_px
-    errors = errors_px(scene, *(part[np.newaxis] for part in (v_to_lat(v), du * 360.0, x, y)))
-    return float(errors.max())
+    return float(map_errors_px(scene, *(part[np.newaxis] for part in (du, v, x, y))).max())
 
 
 def map_frame_problem(plan: Plan) -> str:

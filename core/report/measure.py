@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
@@ -57,6 +57,8 @@ class Measured:
         By the plan.
     size_bytes : int or None
         Of the file of a picture, where the method makes one.
+    floor_px : float
+        Error of the reference that the error was measured against.
     """
 
     rung: Rung
@@ -64,11 +66,12 @@ class Measured:
     seconds: Seconds | None = None
     chosen: bool = False
     size_bytes: int | None = None
+    floor_px: float = 0.0
 
     @property
     def within(self) -> bool:
-        """Whether the error is within the bound; of a method without an error, too."""
-        return self.error_px is None or self.error_px <= self.rung.bound_px
+        """Whether the error is within the bound, as far as the reference can tell; of a method without one, too."""
+        return self.error_px is None or self.error_px <= self.rung.bound_px + self.floor_px
 
 
 def compared_with(stage: Sequence[Measured]) -> Measured | None:
@@ -213,10 +216,13 @@ def measure(
         agl_m = float(np.median(plan.agl_m))
         flight = measure_flight(wind, plan.mission.airspeed_m_per_s, interval_of(plan), agl_m, effort)
     say("what was left out")
+    floor = floor_px(geometry.bounds_scene(plan))
     return Measurement(
         map_type=map_type,
-        stages=stages,
-        floor_px=floor_px(geometry.bounds_scene(plan)),
+        stages={
+            stage: tuple(replace(one, floor_px=floor) for one in methods) for stage, methods in stages.items()
+        },
+        floor_px=floor,
         kernels=kernels,
         resampling=greys,
         encodings=files,

@@ -31,7 +31,17 @@ def floor_px(scene: Scene) -> float:
     return rounding_m / float(np.min(scene.nadir_px_m)) + of_image
 
 
-def errors_px(scene: Scene, lat_deg: Floats, dlon_deg: Floats, x: Floats, y: Floats) -> Floats:
+def map_errors_px(scene: Scene, du: Floats, v: Floats, x: Floats, y: Floats) -> Floats:
+    """As `errors_px` of map positions: world fractions (n, k) from the camera's meridian and from the map's north.
+
+    They become degrees in long double: in float64 that is as wrong as what is measured.
+    """
+    across, down = (np.asarray(part, np.longdouble) for part in (du, v))
+    lat: Long = np.arctan(np.sinh(_radians((0.5 - down) * 360))) / _radians(np.ones_like(down))
+    return errors_px(scene, lat, across * 360, x, y)
+
+
+def errors_px(scene: Scene, lat_deg: Long, dlon_deg: Long, x: Floats, y: Floats) -> Floats:
     """Distances in the image between where ground points are put and where the exact camera sees them.
 
     Parameters
@@ -57,7 +67,7 @@ def errors_px(scene: Scene, lat_deg: Floats, dlon_deg: Floats, x: Floats, y: Flo
     return np.where(in_front, np.hypot(across, up), np.inf).astype(np.float64)
 
 
-def _seen(scene: Scene, lat_deg: Floats, dlon_deg: Floats) -> tuple[Long, Long, NDArray[np.bool_]]:
+def _seen(scene: Scene, lat_deg: Long, dlon_deg: Long) -> tuple[Long, Long, NDArray[np.bool_]]:
     """Image points of ground points, and whether they are in front of the camera."""
     a, b = np.longdouble(scene.ground.a_m), np.longdouble(scene.ground.b_m)
     e2 = (a - b) * (a + b) / a**2
@@ -102,6 +112,6 @@ def _radians(angle_deg: Long) -> Long:
     return np.asarray(angle_deg * (np.arctan(np.longdouble(1)) / 45))
 
 
-def _sin_cos(angle_deg: Floats) -> tuple[Long, Long]:
+def _sin_cos(angle_deg: Long) -> tuple[Long, Long]:
     angle = _radians(np.asarray(angle_deg, np.longdouble))
     return np.sin(angle), np.cos(angle)

@@ -122,11 +122,17 @@ def verdict(plan: Plan, found: Measurement) -> tuple[bool, str]:
     else:
         sums = f"The methods' bounds sum to {px_text(accuracy.bound_px)}, more than the {budget}: that was accepted."
     error = f"Measured on this mission's own captures their errors sum to {px_text(found.error_px)}"
-    own = all(one.within for one in found.chosen)
-    words = f"{sums} {error}: {'within' if own else 'NOT within'} the bounds."
-    if own and not found.within:
+    broken = [
+        f"{one.rung.name} by {px_text(one.error_px)} where {px_text(one.rung.bound_px)} were its bound"
+        for one in found.chosen
+        if not one.within and one.error_px is not None
+    ]
+    if broken:
+        return False, f"{sums} {error}: NOT within the bounds, {' and '.join(broken)}."
+    words = f"{sums} {error}: within the bounds."
+    if not found.within:
         words += " A method that was not chosen broke its bound; the table below says which."
-    return own and found.within, words
+    return found.within, words
 
 
 def condition_text(condition: float) -> str:

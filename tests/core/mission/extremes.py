@@ -12,7 +12,7 @@ import numpy as np
 from terrainav.core.errors import InvalidInput
 from terrainav.core.geodesy.accuracy import Scene
 from terrainav.core.geodesy.camera import CORNERS, Camera
-from terrainav.core.geodesy.mercator import PixelGrid, v_to_lat
+from terrainav.core.geodesy.mercator import PixelGrid
 from terrainav.core.geodesy.mesh import ImageRays, mesh
 from terrainav.core.mission.area import Box, Points
 from terrainav.core.mission.export import footprint_ring
@@ -20,6 +20,7 @@ from terrainav.core.mission.framing import ground_of
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import Plan, plan
 
+from tests.core.geodesy import longdouble
 from tests.core.geodesy.bounds import away_px, map_frame_points, perspective
 
 GRID = PixelGrid()
@@ -200,4 +201,4 @@ def _picture_px(made: Plan, scene: Scene) -> float:
     column, row = box[:, 0] + a * (box[:, 2] - box[:, 0]), box[:, 1] + b * (box[:, 3] - box[:, 1])
     du, v = perspective(cells.du[which], cells.v[which], a, b)
     wanted = np.stack([2 * column / one.width_px - 1, 1 - 2 * row / one.height_px], axis=-1)
-    return float(away_px(one, v_to_lat(v)[np.newaxis], du[np.newaxis] * 360.0, wanted).max())
+    return float(away_px(one, longdouble.latitude_deg(v)[np.newaxis], du[np.newaxis] * 360.0, wanted).max())

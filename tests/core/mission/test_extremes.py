@@ -25,10 +25,11 @@ def test_every_case_ends_within_its_bound_or_with_one_clear_line(part):
             assert "\n" not in outcome.refusal, case.name
             assert any(reason in outcome.refusal for reason in ALLOWED), (case.name, outcome.refusal)
             if "no methods fit" in outcome.refusal and abs(case.mission.area.poses[0][0]) <= 85.0:
-                # Pixels of 4e-8 m: the noise of two stages is beyond the budget, and a user may go on.
+                # Pixels of 4e-8 m: their noise on the map, 1.6e-8 m, and twice that in degrees, 2e-9, is beyond the
+                # budget, and a user may go on.
                 assert "--accept-error" in outcome.refusal
                 accepted = plan(case.mission.with_(accept_error=True), GRID).accuracy
-                assert accepted.budget_px < accepted.bound_px < 0.3
+                assert accepted.budget_px < accepted.bound_px < 0.51
             continue
         assert outcome.bound_px <= case.mission.error_budget_px, case.name
         assert outcome.error_px <= outcome.bound_px, (case.name, outcome)
