@@ -12,6 +12,7 @@ from ..geodesy.footprint import exact
 from ..geodesy.mercator import wrap_lon_deg
 from ..mission.framing import ground_of
 from ..mission.plan import Plan
+from .digits import degrees
 from .georeference import WGS84_WKT, geo_keys, pam_text, xml_text
 from .tiff import Kind, Tag
 
@@ -61,11 +62,12 @@ class ControlPoints:
             )
             seen = exact(mission.camera, pose, tuple(zip(x.tolist(), y.tolist())), ground_of(mission))
             hit = seen.hit[0]
+            lon, lat = ([degrees(angle) for angle in angles[0]] for angles in (seen.lon_deg, seen.lat_deg))
             columns = (
                 (x + 1.0) / 2.0 * width_px,
                 (1.0 - y) / 2.0 * height_px,
-                seen.lon_deg[0],
-                seen.lat_deg[0],
+                np.array(lon),
+                np.array(lat),
                 np.full(len(x), mission.ground_height_m),
             )
             found = np.stack(columns, axis=1)[hit]

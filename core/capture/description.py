@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..geodesy.mercator import wrap_lon_deg
+from .digits import degrees, figure
 from .exposure import Exposure
 from .georeference import plain_text
 
@@ -65,21 +66,21 @@ class Description:
 
     @property
     def wrapped_lon_deg(self) -> float:
-        """Longitude in [-180, 180)."""
-        return float(wrap_lon_deg(np.asarray(self.lon_deg)))
+        """Longitude in [-180, 180), as files state it."""
+        return degrees(float(wrap_lon_deg(np.asarray(degrees(self.lon_deg)))))
 
     def metadata(self) -> dict[str, str]:
         """Names and values as GDAL shows them, the same in every format."""
         numbers = {
-            "LAT_DEG": self.lat_deg,
+            "LAT_DEG": degrees(self.lat_deg),
             "LON_DEG": self.wrapped_lon_deg,
-            "AGL_M": self.agl_m,
-            "YAW_DEG": self.yaw_deg,
-            "TILT_DEG": self.tilt_deg,
-            "ROLL_DEG": self.roll_deg,
+            "AGL_M": figure(self.agl_m),
+            "YAW_DEG": degrees(self.yaw_deg),
+            "TILT_DEG": degrees(self.tilt_deg),
+            "ROLL_DEG": degrees(self.roll_deg),
         }
         if self.effective_gsd_m_per_px is not None:
-            numbers["EFFECTIVE_GSD_M_PER_PX"] = self.effective_gsd_m_per_px
+            numbers["EFFECTIVE_GSD_M_PER_PX"] = figure(self.effective_gsd_m_per_px)
         return {
             "NAME": self.name,
             "MAP_TYPE": self.map_type,

@@ -6,6 +6,7 @@ from datetime import datetime
 from typing import NamedTuple
 
 from .description import SOFTWARE, Description
+from .digits import degrees, figure
 from .exposure import Exposure
 from .tiff import HEADER_BYTES, Kind, Tag, directory, header, rational
 
@@ -29,10 +30,10 @@ class FocalTags(NamedTuple):
 
     @classmethod
     def of(cls, focal_length_mm: float, focal_x_px: float, focal_y_px: float) -> FocalTags:
-        """Tags whose product is the focal length in px, however the length in mm is rounded."""
-        length = rational(focal_length_mm)
+        """Tags whose product is the focal length in px, to the digits of a figure, however that in mm is rounded."""
+        length = rational(figure(focal_length_mm))
         per_px = length[0] / length[1] / _MM_PER_CM
-        return cls(length, rational(focal_x_px / per_px), rational(focal_y_px / per_px))
+        return cls(length, rational(figure(focal_x_px) / per_px), rational(figure(focal_y_px) / per_px))
 
     def ratio(self, width_px: int) -> float:
         """Focal length in widths of the picture, in the steps in which OpenSfM and OpenDroneMap work it out.
@@ -96,8 +97,8 @@ def _position(description: Description) -> list[Tag]:
 
     That is what references 0 and 1 mean since version 2.4 of these tags; before, they counted from the sea.
     """
-    lat, lon, exposure = description.lat_deg, description.wrapped_lon_deg, description.exposure
-    altitude_m = description.agl_m if exposure is None else exposure.altitude_m
+    lat, lon, exposure = degrees(description.lat_deg), description.wrapped_lon_deg, description.exposure
+    altitude_m = figure(description.agl_m if exposure is None else exposure.altitude_m)
     heading = round(description.yaw_deg % 360.0 * _HEADING_SHARE) % (360 * _HEADING_SHARE)
     tags = [
         Tag(0, Kind.BYTE, [2, 4, 0, 0]),  # GPSVersionID

@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from ..files import write_whole
 from ..geodesy.mercator import wrap_lon_deg
 from ..mission.plan import Plan
+from .digits import DECIMALS_OF_DEGREES, accuracy, degrees, figure
 from .exif import MAKE, FocalTags
 from .exposure import Optics, body_of, optics_of
 
@@ -60,16 +61,17 @@ def _geo_blocks(plan: Plan, at: Numbers, optics: Optics) -> Iterator[bytes]:
         accuracies = Optics(*(values[rows] for values in optics)).accuracy_m(poses.agl_m)
         numbers = np.stack(
             [
-                wrap_lon_deg(poses.lon_deg),
+                wrap_lon_deg(np.round(poses.lon_deg, DECIMALS_OF_DEGREES)),
                 poses.lat_deg,
                 plan.mission.ground_height_m + poses.agl_m,
                 *poses.attitude,
-                *(np.round(accuracy, 6) for accuracy in accuracies),
+                *accuracies,
             ],
             axis=1,
         )
+        forms = (degrees, degrees, figure, degrees, degrees, degrees, accuracy, accuracy)
         lines = (
-            f"{plan.names[index]}.jpg {' '.join(map(repr, row))}\n"
+            f"{plan.names[index]}.jpg {' '.join(repr(form(value)) for form, value in zip(forms, row))}\n"
             for index, row in zip(at[rows].tolist(), numbers.tolist())
         )
         yield "".join(lines).encode("utf-8")
@@ -107,7 +109,7 @@ def _camera(sizes_and_focals: NDArray[np.float64]) -> dict[str, Any]:
         "projection_type": "brown",
         "width": int(width),
         "height": int(height),
-        "focal_x": focal_x / longer,
-        "focal_y": focal_y / longer,
+        "focal_x": figure(focal_x / longer),
+        "focal_y": figure(focal_y / longer),
         **dict.fromkeys(("c_x", "c_y", "k1", "k2", "k3", "p1", "p2"), 0.0),
     }

@@ -20,6 +20,7 @@ from ..mission.framing import sampled_zooms
 from ..mission.plan import Plan
 from .control_points import ControlPoints
 from .description import Description
+from .digits import degrees, figure
 from .exposure import Exposures
 from .georeference import Georeference
 from .journal import Outcome
@@ -196,12 +197,12 @@ def _camera_metadata(plan: Plan, shot: Window | Shot) -> tuple[tuple[str, str], 
     camera = plan.mission.camera
     return (
         ("FRAME", "camera"),
-        ("FOV_DEG", repr(camera.fov_deg)),
-        ("ASPECT_RATIO", repr(camera.aspect_ratio)),
-        ("GROUND_HEIGHT_M", repr(plan.mission.ground_height_m)),
+        ("FOV_DEG", repr(degrees(camera.fov_deg))),
+        ("ASPECT_RATIO", repr(figure(camera.aspect_ratio))),
+        ("GROUND_HEIGHT_M", repr(figure(plan.mission.ground_height_m))),
         ("RESAMPLING", shot.kernel),
-        ("SKY_SHARE", repr(shot.view.sky_share)),
-        ("ERROR_BOUND_PX", repr(plan.accuracy.bound_px)),
+        ("SKY_SHARE", repr(figure(shot.view.sky_share))),
+        ("ERROR_BOUND_PX", repr(figure(plan.accuracy.bound_px))),
     )
 
 

@@ -9,6 +9,7 @@ OpenDroneMap take them for (Bäumker and Heimes 2001).
 from __future__ import annotations
 
 from .description import Description
+from .digits import accuracy, degrees, figure
 from .exposure import Exposure
 
 NAMESPACE = "http://pix4d.com/camera/1.0/"
@@ -24,15 +25,15 @@ def xmp(description: Description, exposure: Exposure) -> bytes:
     x_mm, y_mm = (at * length / focal for at, focal in zip(exposure.centre_px, exposure.focal_px))
     across_m, in_height_m = exposure.accuracy_m
     values = {
-        "Yaw": repr(description.yaw_deg),
-        "Pitch": repr(description.tilt_deg),
-        "Roll": repr(description.roll_deg),
-        "GPSXYAccuracy": f"{across_m:.6f}",
-        "GPSZAccuracy": f"{in_height_m:.6f}",
+        "Yaw": repr(degrees(description.yaw_deg)),
+        "Pitch": repr(degrees(description.tilt_deg)),
+        "Roll": repr(degrees(description.roll_deg)),
+        "GPSXYAccuracy": repr(accuracy(across_m)),
+        "GPSZAccuracy": repr(accuracy(in_height_m)),
         "ModelType": "perspective",
-        "PrincipalPoint": f"{x_mm!r},{y_mm!r}",
-        "PerspectiveFocalLength": repr(length),
-        "AboveGroundAltitude": repr(description.agl_m),
+        "PrincipalPoint": f"{figure(x_mm)!r},{figure(y_mm)!r}",
+        "PerspectiveFocalLength": repr(figure(length)),
+        "AboveGroundAltitude": repr(figure(description.agl_m)),
     }
     attributes = " ".join(f'Camera:{name}="{value}"' for name, value in values.items())
     return (

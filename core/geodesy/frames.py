@@ -17,6 +17,11 @@ Floats = NDArray[np.float64]
 Numbers = NDArray[np.int64]
 
 
+#: Steps of the edges of pictures that are asked for by their centre, px: below a micrometre of ground and far above
+#: the noise of float64, so that they are the same on every processor.
+_CENTRE_STEP_PX = 2.0**-20
+
+
 class FrameEdges(NamedTuple):
     """Edges of frames as world fractions, (n,) each.
 
@@ -136,9 +141,10 @@ def _centred(windows: Windows, grid: PixelGrid, zoom: int, decimals: int) -> Win
     left, _, right, _ = windows.bounds_px
     # The centre of a window may lie beyond the world's edge; the whole turns it is away are exact.
     turns = np.round((left + right) / 2.0 / world - lon_to_u(lon))
-    return Windows(
-        (lon_to_u(lon) + turns) * world - 0.5 * width, lat_to_v(lat) * world - 0.5 * height, width, height
-    )
+    left = (lon_to_u(lon) + turns) * world - 0.5 * width
+    top = lat_to_v(lat) * world - 0.5 * height
+    left, top = (np.rint(edge / _CENTRE_STEP_PX) * _CENTRE_STEP_PX for edge in (left, top))
+    return Windows(left, top, width, height)
 
 
 def _whole_units(size_px: Floats, grid: PixelGrid) -> Numbers:

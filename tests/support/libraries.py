@@ -99,11 +99,12 @@ def _core_modules() -> Iterator[ModuleType]:
 
 
 @contextlib.contextmanager
-def inexact(seed: int, ulps: float = ULPS) -> Iterator[None]:
+def inexact(seed: int, ulps: float = ULPS, but: str | None = None) -> Iterator[None]:
     """Give the core's loaded modules a numpy and a ``math`` whose functions are off by up to so many units.
 
     Results are exact ones moved by a share of the units that depends on the argument alone: the same argument gives the
-    same result, as in any library. Long double, and what is not the core, is left alone.
+    same result, as in any library. Long double, what is not the core, and modules whose names begin with ``but`` are
+    left alone.
     """
     names = (*_ONE_ARGUMENT.split(), *_TWO_ARGUMENTS.split())
     functions = {name: _function(name, seed + number, ulps) for number, name in enumerate(names)}
@@ -114,6 +115,8 @@ def inexact(seed: int, ulps: float = ULPS) -> Iterator[None]:
     libraries = {np: _Library(np, functions), math: _Library(math, pythons)}
     with contextlib.ExitStack() as replaced:
         for module in list(_core_modules()):
+            if but is not None and module.__name__.startswith(but):
+                continue
             for name, value in list(vars(module).items()):
                 if value is np or value is math:
                     replaced.enter_context(mock.patch.object(module, name, libraries[value]))

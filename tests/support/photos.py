@@ -12,6 +12,9 @@ from pyproj import Transformer
 
 A_M, B_M = 6_378_137.0, 6_356_752.314245179
 
+#: Half of the sixth digit, which is the last that files state of other figures than degrees, relative to a number.
+SIXTH_DIGIT = 5e-6
+
 
 def exiftool(*paths) -> list[dict]:
     """Tags of photos as numbers, ``group:name`` to value, in the order of the paths."""

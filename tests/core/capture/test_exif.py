@@ -24,11 +24,11 @@ from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 from terrainav.core.mission.presets import add_camera, camera_named
 
-from tests.support.photos import exiftool, focal_ratio, ground_seen, position
+from tests.support.photos import SIXTH_DIGIT, exiftool, focal_ratio, ground_seen, position
 from tests.support.sources import PatternSource
 
-# Half a last digit of a second of arc in EXIF, and of the focal tags over a picture: some micrometres of ground.
-TAGS_M = 1e-4
+# Half a ninth decimal of degrees, and half a sixth digit of focal lengths and principal points, 100 m from the middle.
+TAGS_M = 1e-4 + 100.0 * SIXTH_DIGIT
 # An ellipsoid whose axes are longer by a height lies at that height to the square of WGS84's flattening, 1.12e-5.
 PARALLEL = 1.2e-5
 # A map frame is a chart of the ground and not a pinhole's picture; the planner's own limit for choosing one.
@@ -116,13 +116,12 @@ def test_focal_length_and_pixels_of_the_sensor_give_the_field_of_view(tmp_path, 
     worked_out, paths = photographed(tmp_path, mission)
     (tags,) = exiftool(*paths)
     assert (tags["IFD0:Make"], tags["IFD0:Model"], tags["IFD0:Software"]) == ("TerrAInav", model, "TerrAInav")
-    # Half of the last digit that is written.
-    assert 1.0 / (2.0 * camera.half_tangents[0]) == pytest.approx(focal_ratio(tags), rel=1e-8)
+    assert 1.0 / (2.0 * camera.half_tangents[0]) == pytest.approx(focal_ratio(tags), rel=SIXTH_DIGIT)
     length = tags["ExifIFD:FocalLength"]
     width, height = worked_out.size_px
     longer_mm = length * 2.0 * max(camera.half_tangents)
     if focal_length_mm is None:
-        assert longer_mm == pytest.approx(36.0, rel=1e-8)
+        assert longer_mm == pytest.approx(36.0, rel=SIXTH_DIGIT)
     else:
         assert length == pytest.approx(focal_length_mm, rel=1e-9)
         assert longer_mm == pytest.approx(camera_named(name).sensor_mm[0], rel=0.03)
@@ -134,7 +133,7 @@ def test_focal_length_and_pixels_of_the_sensor_give_the_field_of_view(tmp_path, 
         / 2.0
         / length
     )
-    assert math.degrees(field) == pytest.approx(camera.fov_deg, rel=1e-8)
+    assert math.degrees(field) == pytest.approx(camera.fov_deg, rel=SIXTH_DIGIT)
     assert "ExifIFD:FocalLengthIn35mmFormat" not in tags
     assert tags["XMP-Camera:PerspectiveFocalLength"] == pytest.approx(length, rel=1e-8)
 
@@ -152,8 +151,9 @@ def test_every_photo_says_where_and_when_along_the_flight_it_was_taken(tmp_path)
     start = datetime(2024, 2, 29, 23, 59, 59, 750_000, tzinfo=timezone.utc)
     for index, tags in enumerate(exiftool(*paths)):
         lat, lon, altitude = position(tags)
-        assert lat == pytest.approx(worked_out.lat_deg[index], abs=1.5e-11)
-        assert lon == pytest.approx(worked_out.lon_deg[index], abs=1.5e-11)
+        # Nine decimals of degrees, and half of the last digit of a second of arc.
+        assert lat == pytest.approx(worked_out.lat_deg[index], abs=0.52e-9)
+        assert lon == pytest.approx(worked_out.lon_deg[index], abs=0.52e-9)
         assert (altitude, tags["XMP-Camera:AboveGroundAltitude"]) == (-310.0, 120.0)
         # From these versions on the references of an altitude count from the ellipsoid.
         assert (str(tags["ExifIFD:ExifVersion"]), tags["GPS:GPSVersionID"]) == ("0300", "2 4 0 0")
@@ -203,7 +203,7 @@ def test_pillow_and_gdal_read_the_same(tmp_path):
         assert (root[271], root[274]) == ("TerrAInav", 1)
         assert (exposure[40962], exposure[40963]) == image.size
         focal_px = float(exposure[37386]) * float(exposure[41486]) / 10.0
-        assert focal_px == pytest.approx(worked_out.mission.camera.focal_length_px(100), rel=1e-8)
+        assert focal_px == pytest.approx(worked_out.mission.camera.focal_length_px(100), rel=SIXTH_DIGIT)
     opened = gdal.Open(str(path))
     assert opened.GetMetadata()["EXIF_GPSAltitude"] == "(120)"
     (packet,) = opened.GetMetadata("xml:XMP")

@@ -161,15 +161,15 @@ def test_gdal_shows_the_metadata(gdal, tmp_path, image_format):
         "SOURCE": "Synthetic (offline)",
         "ATTRIBUTION": DESCRIPTION.attribution,
         "ZOOM": "18",
-        "LAT_DEG": "35.159889173820034",
-        "LON_DEG": repr(DESCRIPTION.wrapped_lon_deg),
+        "LAT_DEG": "35.159889174",
+        "LON_DEG": "-89.899581735",
         "AGL_M": "120.5",
         "YAW_DEG": "0.0",
         "TILT_DEG": "0.0",
         "ROLL_DEG": "0.0",
     }
     assert expected.items() <= shown.items()
-    assert DESCRIPTION.wrapped_lon_deg == DESCRIPTION.lon_deg
+    assert DESCRIPTION.wrapped_lon_deg == -89.899581735
 
 
 def test_tags_of_a_geotiff(gdal, tmp_path):
@@ -218,8 +218,8 @@ def test_jpeg_says_where_the_camera_was(tmp_path, lat, lon, agl, yaw):
         tmp_path, "jpg", picture(16, 16), georeference(WINDOWS["Agricenter"], (16, 16)), description
     )
     read = exif_position(tmp_path / f"{description.name}.jpg")
-    # Half of the last digit of an EXIF second of arc, in degrees.
-    digit = 0.5e-7 / 3600
+    # Half of the ninth decimal, and of the last digit of an EXIF second of arc, in degrees.
+    digit = 0.5e-9 + 0.5e-7 / 3600
     assert read[0] == pytest.approx(lat, abs=1.01 * digit)
     assert read[1] == pytest.approx((lon + 180.0) % 360.0 - 180.0, abs=1.01 * digit)
     assert read[2] == pytest.approx(agl, abs=0.5e-3)
@@ -251,7 +251,7 @@ def test_png_says_what_it_is(tmp_path):
     assert text["Title"] == DESCRIPTION.title
     assert text["Software"] == "TerrAInav"
     assert text["Copyright"] == DESCRIPTION.attribution
-    assert text["LAT_DEG"] == "35.159889173820034"
+    assert text["LAT_DEG"] == "35.159889174"
 
 
 @pytest.mark.parametrize("image_format", FORMATS)

@@ -1,0 +1,64 @@
+"""Missions of every kind captured by a process of its own: ``python -m tests.support.same_missions FOLDER [SEED]``.
+
+With a seed its mathematical library is one that is up to 4 units in the last place off.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import importlib
+import pkgutil
+import sys
+from pathlib import Path
+
+import terrainav.core
+from terrainav.core.capture.runner import capture
+from terrainav.core.geodesy.camera import Camera
+from terrainav.core.imagery.world import WorldSource
+from terrainav.core.mission.area import Box, Points
+from terrainav.core.mission.mission import Mission
+from terrainav.core.mission.plan import plan
+from terrainav.core.mission.wind import Wind
+
+from tests.support.libraries import inexact
+
+BOX = Box(35.1425, -89.866, 35.1385, -89.860)
+TURNED = {"yaw_deg": 33.0, "tilt_deg": 24.0, "roll_deg": -7.0}
+MISSIONS = {
+    "map": Mission(BOX, 120.0, overlap_along=0.25),
+    "photos": Mission(BOX, 120.0, image_format="jpg", ground_height_m=81.3, max_px=320),
+    "turned": Mission(BOX, 120.0, image_format="jpg", max_px=320, **TURNED),
+    "grid": Mission(BOX, 150.0, image_format="png", grid_angle_deg=37.0, max_px=320),
+    "wind": Mission(BOX, 120.0, wind=Wind(8.0, 250.0, 0.2), max_px=320, resampling="lanczos"),
+    "paper": Mission(BOX, 120.0, layout="paper", image_format="png", camera=Camera(70.0, 1.5)),
+    "horizon": Mission(
+        Points(((40.0, -90.0, 3.0e6), (-62.0, 179.99, 2.0e6))),
+        3.0e6,
+        image_format="png",
+        max_px=320,
+        frame="camera",
+    ),
+}
+
+
+def _load_core() -> None:
+    """Load what the core imports when it is used, so that its library can be replaced."""
+    for found in pkgutil.walk_packages(terrainav.core.__path__, "terrainav.core."):
+        # Loaders need packages that are not there everywhere; the world's landscape is imagery that is given.
+        if not any(part in found.name for part in ("_loader", "__main__")):
+            with contextlib.suppress(ImportError):
+                importlib.import_module(found.name)
+
+
+def main() -> None:
+    """Capture them all."""
+    folder, *seed = sys.argv[1:]
+    _load_core()
+    source = WorldSource()
+    with inexact(int(seed[0]), but="terrainav.core.imagery") if seed else contextlib.nullcontext():
+        for name, mission in MISSIONS.items():
+            capture(plan(mission, source.grid), source, Path(folder) / name)
+
+
+if __name__ == "__main__":
+    main()
