@@ -81,6 +81,7 @@ WORDS = (
     "core/mission/estimate.py",
     "core/mission/export/waypoints.py",
     "core/mission/export/writing.py",
+    "core/mission/framing.py",
     "core/mission/mission.py",
     "core/mission/presets.py",
     "core/mission/rungs.py",

@@ -8,7 +8,7 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 from ..dataset.folder import FOOTPRINTS_FILE, JOURNAL_FILE, MISSION_FILE, PLAN_FILE, REJECTED_FOLDER
-from ..errors import OutputError
+from ..errors import InvalidInput, OutputError
 from ..files import PARTIAL_ENDING, make_folder, write_whole
 from ..lock import open_locked
 from ..mission.export import write_plan
@@ -45,7 +45,7 @@ def open_folder(folder: str | os.PathLike[str], mission: Mission, *, resume: boo
             if found is None:
                 write_whole(path / MISSION_FILE, wanted, durable=True)
                 found, resume = wanted, True
-    if found != wanted:
+    if not is_of(found, mission):
         raise OutputError(f"folder {folder}: holds another mission; choose another folder")
     if not resume:
         raise OutputError(
@@ -54,6 +54,14 @@ def open_folder(folder: str | os.PathLike[str], mission: Mission, *, resume: boo
     for map_type in mission.map_types:
         make_folder(path / map_type)
     return path
+
+
+def is_of(mark: bytes, mission: Mission) -> bool:
+    """Whether a folder's ``mission.json``, perhaps of an earlier version, is of a mission."""
+    try:
+        return mark == mission.to_json().encode("utf-8") or Mission.from_json(mark.decode("utf-8")) == mission
+    except (InvalidInput, UnicodeDecodeError):
+        return False
 
 
 def check_captured(folder: str | os.PathLike[str]) -> None:

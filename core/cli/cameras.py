@@ -18,6 +18,7 @@ _FACTS = {
     "focal_length": "focal_length_mm",
     "aspect_ratio": "aspect_ratio",
     "size_px": "size_px",
+    "image_px": "image_px",
     "source": "source",
 }
 
@@ -46,6 +47,7 @@ def _list(arguments: argparse.Namespace) -> int:
                 "sensor_mm": preset.sensor_mm,
                 "focal_length_mm": preset.focal_length_mm,
                 "size_px": None if preset.width_px is None else [preset.width_px, preset.height_px],
+                "image_px": preset.image_px,
                 "source": preset.source,
                 "user": preset.user,
             }

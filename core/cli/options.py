@@ -200,6 +200,9 @@ def _add_cameras(commands: Any) -> None:
     adding.add_argument(
         "--size-px", type=int, help="width and height of the picture in pixels instead", **pair
     )
+    adding.add_argument(
+        "--image-px", type=int, metavar="N", help="pixels along the longer side, with --aspect-ratio"
+    )
     adding.add_argument("--source", metavar="TEXT", help="where these facts are from")
 
     removing = actions.add_parser("remove", help="forget a camera of your own")

@@ -15,7 +15,7 @@ from ..resources import read_json
 _VIEWS = ("fov_deg", "horizontal_fov_deg", "vertical_fov_deg", "sensor_mm")
 #: JSON has whole numbers of any length.
 _LARGEST = sys.float_info.max
-_KNOWN = (*_VIEWS, "focal_length_mm", "aspect_ratio", "size_px", "source")
+_KNOWN = (*_VIEWS, "focal_length_mm", "aspect_ratio", "size_px", "image_px", "source")
 
 
 @dataclass(frozen=True)
@@ -34,6 +34,8 @@ class CameraPreset:
         Of the sensor, where that is what is known.
     focal_length_mm : float or None
         Of the lens, likewise.
+    image_px : int or None
+        Pixels along the longer side of its pictures, where they are known.
     user : bool
         Whether it is a user's own.
     """
@@ -45,6 +47,7 @@ class CameraPreset:
     source: str
     sensor_mm: tuple[float, float] | None = None
     focal_length_mm: float | None = None
+    image_px: int | None = None
     user: bool = False
 
     @classmethod
@@ -53,8 +56,8 @@ class CameraPreset:
 
         They are a ``sensor_mm`` and its ``focal_length_mm``, or one field of view: ``fov_deg`` (the diagonal one),
         ``horizontal_fov_deg`` or ``vertical_fov_deg``. The shape of the picture is that of ``size_px`` or
-        ``aspect_ratio``, or of the sensor; each of those is a list of width and height. ``source`` says where the
-        facts are from.
+        ``aspect_ratio``, or of the sensor; each of those is a list of width and height. Without ``size_px``,
+        ``image_px`` states the pixels along the longer side. ``source`` says where the facts are from.
 
         Raises
         ------
@@ -88,7 +91,8 @@ class CameraPreset:
             make = {"fov_deg": Camera, "horizontal_fov_deg": Camera.from_horizontal_fov}
             camera = make.get(way, Camera.from_vertical_fov)(_number(data, way), ratio)
         width_px, height_px = (None, None) if size_px is None else map(int, size_px)
-        return cls(name, camera, width_px, height_px, source, sensor_mm, focal_length_mm, user)
+        image_px = _image_px(data) if size_px is None else int(max(size_px))
+        return cls(name, camera, width_px, height_px, source, sensor_mm, focal_length_mm, image_px, user)
 
 
 def _check_facts(data: Mapping[str, Any]) -> str:
@@ -101,9 +105,19 @@ def _check_facts(data: Mapping[str, Any]) -> str:
         raise InvalidInput(f"{' and '.join(given) or 'no field of view'}: give one of {', '.join(_VIEWS)}")
     if (given[0] == "sensor_mm") != ("focal_length_mm" in data):
         raise InvalidInput("sensor_mm and focal_length_mm: one needs the other")
-    if "size_px" in data and "aspect_ratio" in data:
-        raise InvalidInput("size_px and aspect_ratio: give one of the two")
+    for fact in ("aspect_ratio", "image_px"):
+        if "size_px" in data and fact in data:
+            raise InvalidInput(f"size_px and {fact}: give one of the two")
     return given[0]
+
+
+def _image_px(data: Mapping[str, Any]) -> int | None:
+    if "image_px" not in data:
+        return None
+    pixels = _number(data, "image_px")
+    if not pixels.is_integer():
+        raise InvalidInput(f"image_px {data['image_px']!r}: must be a whole number")
+    return int(pixels)
 
 
 def _number(data: Mapping[str, Any], fact: str) -> float:

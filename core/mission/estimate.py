@@ -59,8 +59,8 @@ class Summary:
     zoom: int
     width_px: int
     height_px: int
-    camera_gsd_m_per_px: float
-    source_gsd_m_per_px: float
+    requested_gsd_m_per_px: float
+    delivered_gsd_m_per_px: float
     flight_distance_m: float
     flight_s: float
     area_m2: float | None
@@ -89,14 +89,12 @@ class Summary:
         types = len(self.map_types)
         images = f"{self.images:,}" + (f" for each of {types} map types" if types > 1 else "")
         shape = f"{self.width_px} x {self.height_px} px at zoom {self.zoom}"
+        requested, delivered = map(length_text, (self.requested_gsd_m_per_px, self.delivered_gsd_m_per_px))
         lines = [
             ("images", images),
             ("rows, columns", f"{self.rows}, {self.columns}"),
             ("picture", shape),
-            (
-                "ground sample distance",
-                f"camera {length_text(self.camera_gsd_m_per_px)}, source {length_text(self.source_gsd_m_per_px)}",
-            ),
+            ("ground sample distance", f"requested {requested}, delivered {delivered}"),
             ("flight distance", length_text(self.flight_distance_m)),
             ("flight time", duration_text(self.flight_s)),
         ]
@@ -152,8 +150,8 @@ def estimate(plan: Plan, costs: Costs = ONLINE, connections: int = 8, cores: int
         zoom=plan.zoom,
         width_px=int(plan.width_px.max()),
         height_px=int(plan.height_px.max()),
-        camera_gsd_m_per_px=plan.camera_gsd_m_per_px,
-        source_gsd_m_per_px=plan.source_gsd_m_per_px,
+        requested_gsd_m_per_px=plan.requested_gsd_m_per_px,
+        delivered_gsd_m_per_px=plan.delivered_gsd_m_per_px,
         flight_distance_m=plan.flight_distance_m,
         flight_s=plan.flight_s,
         area_m2=None if coverage is None else coverage.area_m2,
@@ -181,9 +179,10 @@ def upsampling(plan: Plan) -> tuple[str, ...]:
     with detail of its own, as far as the pictures take their pixels from there.
     """
     mission, grid = plan.mission, plan.grid
-    written_m = plan.source_gsd_m_per_px if plan.size_px is None else plan.camera_gsd_m_per_px
+    written_m = plan.picture_gsd_m_per_px
     if mission.img_size is not None:
-        written_m *= float(np.median(plan.width_px)) / mission.img_size[0]
+        width, height, _ = mission.img_size
+        written_m *= float(min(np.median(plan.width_px) / width, np.median(plan.height_px) / height))
     # A camera frame takes its pixels from zooms up to its own, and from no higher one.
     zoom = min(grid.native_zoom, plan.zoom if plan.size_px is None else sampled_zooms(mission, grid)[1])
     own_m = float(np.median(grid.ground_m_per_px(plan.lat_deg, zoom)))
@@ -204,7 +203,7 @@ def _way_out(plan: Plan, zoom: int, factor: float) -> str:
         width, height = (max(int(size / factor), 1) for size in mission.img_size[:2])
         return f"--img-size {width} {height} {mission.img_size[2]} or less"
     if plan.size_px is not None and mission.zoom is None and mission.gsd_m_per_px is None:
-        return f"--max-px {max(int(mission.max_px / factor), 1)} or less, or fly higher"
+        return f"--image-px {max(int(max(plan.size_px) / factor), 1)} or less, or fly higher"
     return f"--zoom {zoom} or a finer source"
 
 

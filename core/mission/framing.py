@@ -32,8 +32,10 @@ _SAME_SIZE = 0.995
 _NARROWED, _BEYOND_FIRST_ORDER = 1e-3, 1.1
 #: World fraction that stands for frames without extent: far below a pixel.
 _SMALLEST = 1e-12
-#: Longest side of a camera frame, px: a picture of it takes 1.2 GB.
-_LONGEST_CAMERA_FRAME_PX = 20_000
+#: Longest side of a picture, px: one of it takes 1.2 GB.
+_LONGEST_PX = 20_000
+#: By how much a picture's side may differ from its frame's, as each edge is rounded on its own.
+_ROUNDED_PX = 1.0
 
 
 class Framed(NamedTuple):
@@ -165,7 +167,33 @@ def nominal_poses(mission: Mission, layout: Layout) -> Poses:
 
 
 def _limit_px(mission: Mission, grid: PixelGrid) -> int:
-    return mission.max_px if grid.max_size_px is None else min(mission.max_px, grid.max_size_px)
+    """Longest side of a picture that a mission, its source and memory allow, px."""
+    limits = [limit * grid.scale for limit in (mission.limit_px, grid.max_size_px) if limit is not None]
+    return min([_LONGEST_PX, *limits])
+
+
+def _check_longest(longest_px: int, mission: Mission, grid: PixelGrid, *, coarsest: bool) -> None:
+    """Refuse pictures that are larger than allowed; ``coarsest`` says that there are no coarser pixels to be had."""
+    limit = _limit_px(mission, grid)
+    if longest_px <= limit:
+        return
+    ways_out = ["fly lower"]
+    if not coarsest:
+        coarser = "choose a lower zoom", "choose a larger ground sample distance"
+        ways_out = [coarser[mission.gsd_m_per_px is not None]]
+    if mission.limit_px is not None and mission.limit_px * grid.scale == limit:
+        ways_out.append("or allow larger pictures (--max-px)")
+    raise InvalidInput(
+        f"pictures of {longest_px:,} px: the longest side allowed here is {limit:,} px; {', '.join(ways_out)}",
+        "max_px",
+    )
+
+
+def _nearest_zoom(mission: Mission, grid: PixelGrid, layout: Layout, px_m: Floats) -> int:
+    """Zoom whose pixels come nearest in ratio to those of an image, which show ``px_m`` right below each capture."""
+    stretch = WGS84.normal_radius_m(layout.lat_deg) * np.cos(np.radians(layout.lat_deg)) * 2.0 * math.pi
+    span = float(np.median(px_m / np.maximum(stretch, 1.0)))
+    return fitting_detail(span, grid, (grid.min_zoom, _highest(mission, grid)))
 
 
 def _highest(mission: Mission, grid: PixelGrid) -> int:
@@ -205,37 +233,38 @@ class MapFraming:
         """None: each picture is as large as its window."""
 
     def zoom(self, layout: Layout) -> int:
-        """Return the zoom asked for, or the highest one at which every picture fits its longest side."""
+        """Return the zoom asked for, or the one nearest to the camera's pixels as far as size and limits allow."""
         mission, grid = self.mission, self.grid
         if mission.zoom is not None:
             return _checked_zoom(mission.zoom, mission, grid)
-        highest = _highest(mission, grid)
         if mission.gsd_m_per_px is not None:
-            return _zoom_for_gsd(mission.gsd_m_per_px, grid, layout.lat_deg, highest)
-        limit = _limit_px(mission, grid)
+            return _zoom_for_gsd(mission.gsd_m_per_px, grid, layout.lat_deg, _highest(mission, grid))
+        camera_px_m = mission.camera.gsd_m_per_px(1.0, mission.image_px) * layout.agl_m
+        zoom = _nearest_zoom(mission, grid, layout, camera_px_m)
         poses = Poses.level(layout.lat_deg, layout.lon_deg, layout.agl_m)
         first, run = poses.runs()
         edges = self.edges(poses.take(first), 0.0)
-        zoom = min(fitting_zoom(max(float(size.max()) for size in edges.size), limit) + 1, highest)
+        if mission.img_size is not None:
+            zoom = max(min(zoom, _zoom_for_size(mission.img_size, edges, grid)), grid.min_zoom)
+        return self._fitting(zoom, edges, run, layout.lon_deg)
+
+    def _fitting(self, zoom: int, edges: FrameEdges, run: NDArray[np.intp], lon_deg: Floats) -> int:
+        """Return the highest zoom, from one down, at which no picture is larger than allowed (the paper's eq. 8).
+
+        Where none is, the lowest.
+        """
+        grid, limit = self.grid, _limit_px(self.mission, self.grid)
+        # Edges are rounded each on its own: a picture has at most one pixel more than its frame.
+        most = max(float(size.max()) for size in edges.size)
 
         def fits(zoom: int) -> bool:
-            # Edges are rounded each on its own: a picture has at most one pixel more than its frame.
-            most = max(float(size.max()) for size in edges.size) * grid.world_px(zoom) + 1.0
-            if most <= limit * grid.scale and grid.centre_decimals is None:
-                return True
-            if most > limit * grid.scale + 2.0 and grid.centre_decimals is None:
-                return False
-            windows = windows_of(edges, run, layout.lon_deg, grid, zoom)
-            return int(max(windows.width_px.max(), windows.height_px.max())) <= limit * grid.scale
+            if grid.centre_decimals is None and abs(most * grid.world_px(zoom) - limit) > _ROUNDED_PX:
+                return most * grid.world_px(zoom) < limit
+            windows = windows_of(edges, run, lon_deg, grid, zoom)
+            return _largest_px(windows) <= limit
 
         while zoom > grid.min_zoom and not fits(zoom):
             zoom -= 1
-        if not fits(zoom):
-            raise InvalidInput(
-                f"pictures from {mission.agl_m:g} m are larger than {limit} px at zoom {zoom}, the source's lowest; "
-                "fly lower or allow larger pictures (--max-px)",
-                "max_px",
-            )
         return zoom
 
 
@@ -251,11 +280,13 @@ class CameraFraming:
         return inscribed_edges(self.mission.camera, poses, ground_of(self.mission), pixel)
 
     def size_px(self, layout: Layout) -> tuple[int, int]:
-        """Size of the images: as fine as the zoom or the distance asked for, else of the longest side allowed."""
+        """Size of the images: as fine as the zoom or the distance asked for, else the camera's as far as allowed."""
         mission, grid = self.mission, self.grid
         aspect = mission.camera.aspect_ratio
-        longest = float(_limit_px(mission, grid) * grid.scale)
+        longest = float(min(mission.image_px, _limit_px(mission, grid)))
         width = longest if aspect >= 1.0 else longest * aspect
+        if mission.img_size is not None:
+            width = min(width, max(float(mission.img_size[0]), mission.img_size[1] * aspect))
         ground_m = mission.camera.ground_size_m(float(np.median(layout.agl_m)))[0]
         finest_m = float(np.median(grid.ground_m_per_px(layout.lat_deg, _highest(mission, grid))))
         if mission.gsd_m_per_px is not None:
@@ -273,11 +304,7 @@ class CameraFraming:
                 "ratio, a higher zoom or larger pictures (--max-px)",
                 "max_px",
             )
-        if max(size) > _LONGEST_CAMERA_FRAME_PX:
-            raise InvalidInput(
-                f"pictures of {size[0]} x {size[1]} px: camera frames end at {_LONGEST_CAMERA_FRAME_PX} px; "
-                "choose a lower zoom or a larger ground sample distance"
-            )
+        _check_longest(max(size), mission, grid, coarsest=mission.zoom == grid.min_zoom)
         return size
 
     def zoom(self, layout: Layout) -> int:
@@ -287,9 +314,15 @@ class CameraFraming:
             return _checked_zoom(mission.zoom, mission, grid)
         poses = Poses.level(layout.lat_deg, layout.lon_deg, layout.agl_m)
         scene = Scene(mission.camera, *self.size_px(layout), poses)
-        stretch = WGS84.normal_radius_m(layout.lat_deg) * np.cos(np.radians(layout.lat_deg)) * 2.0 * math.pi
-        span = float(np.median(scene.nadir_px_m / np.maximum(stretch, 1.0)))
-        return fitting_detail(span, grid, (grid.min_zoom, _highest(mission, grid)))
+        return _nearest_zoom(mission, grid, layout, scene.nadir_px_m)
+
+
+def _zoom_for_size(size: tuple[int, int, int], edges: FrameEdges, grid: PixelGrid) -> int:
+    """Return the lowest zoom at which no picture has to be enlarged to a size."""
+    width, height = (float(np.min(side)) for side in edges.size)
+    times = max(size[0] / width, size[1] / height) / grid.world_px(0)
+    # The exponent that just fits the inverse, taken down, is this one taken up.
+    return -fitting_zoom(times, 256.0)
 
 
 def _zoom_for_gsd(gsd_m_per_px: float, grid: PixelGrid, lat_deg: Floats, highest: int) -> int:
@@ -309,8 +342,12 @@ def _too_fine(gsd_m_per_px: float, finest_m: float) -> InvalidInput:
     )
 
 
-def check_windows(framed: Framed, grid: PixelGrid) -> None:
-    """Refuse pictures that reach beyond the map or are under one pixel, or larger than the source serves."""
+def _largest_px(windows: Windows) -> int:
+    return int(max(windows.width_px.max(), windows.height_px.max()))
+
+
+def check_windows(framed: Framed, mission: Mission, grid: PixelGrid) -> None:
+    """Refuse pictures that reach beyond the map, are under one pixel, or are larger than allowed."""
     windows, poses, zoom = framed.windows, framed.poses, framed.zoom
     world = grid.world_px(zoom)
     _, top, _, bottom = windows.bounds_px
@@ -335,9 +372,4 @@ def check_windows(framed: Framed, grid: PixelGrid) -> None:
             "choose a higher zoom",
             "agl_m",
         )
-    if grid.max_size_px is not None and max(windows.width_px.max(), windows.height_px.max()) > (
-        grid.max_size_px * grid.scale
-    ):
-        raise InvalidInput(
-            f"pictures at zoom {zoom}: larger than the {grid.max_size_px} px the source serves; choose a lower zoom"
-        )
+    _check_longest(_largest_px(windows), mission, grid, coarsest=zoom == grid.min_zoom)

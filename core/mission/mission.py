@@ -31,8 +31,10 @@ FORMATS = ("tif", "jpg", "png")
 RESAMPLINGS = ("nearest", "bilinear", "bicubic", "lanczos")
 #: What the sum of the stages' errors may be where nothing else is said, px.
 DEFAULT_BUDGET_PX = 0.1
-#: The paper's and Google Static Maps' longest side of a picture.
-DEFAULT_MAX_PX = 640
+#: Pixels along the longer side of a camera's image where nothing else is known of the camera.
+DEFAULT_IMAGE_PX = 640
+#: Longest side of a picture in the paper's layout where no other limit is given.
+PAPER_MAX_PX = 640
 DEFAULT_MAX_IMAGES = 10_000_000
 DEFAULT_AIRSPEED_M_PER_S = 15.0
 #: The flight's clock starts here where nothing else is said.
@@ -101,11 +103,14 @@ class Mission:
     source : str
         Name of a source, a URL template, or a file.
     zoom : int or None
-        Fixed zoom; None for the lowest at which every picture fits ``max_px``.
+        Fixed zoom; None for the one whose pixels come nearest to the camera's.
     gsd_m_per_px : float or None
         Wanted ground sample distance of the source, instead of a zoom.
-    max_px : int
-        Longest side of a picture in 256 px terms.
+    image_px : int
+        Pixels along the longer side of the camera's image, >= 1.
+    max_px : int or None
+        Limit of a picture's longest side in 256 px terms: where one would be larger, a lower zoom is taken for all.
+        None for no limit but the source's, and the paper's in its layout.
     upsample : bool
         Whether zooms above the source's native one may be chosen.
     image_format : str
@@ -149,7 +154,8 @@ class Mission:
     source: str = "world"
     zoom: int | None = None
     gsd_m_per_px: float | None = None
-    max_px: int = DEFAULT_MAX_PX
+    image_px: int = DEFAULT_IMAGE_PX
+    max_px: int | None = None
     upsample: bool = False
     image_format: str = "tif"
     img_size: tuple[int, int, int] | None = None
@@ -238,7 +244,11 @@ class Mission:
             math.isfinite(self.gsd_m_per_px) and self.gsd_m_per_px > 0.0
         ):
             raise InvalidInput(f"ground sample distance {self.gsd_m_per_px} m: must be above 0")
-        if self.max_px < 1:
+        if self.image_px < 1:
+            raise InvalidInput(
+                f"longer side of the camera's image {self.image_px} px: must be 1 or more", "image_px"
+            )
+        if self.max_px is not None and self.max_px < 1:
             raise InvalidInput(f"longest side of a picture {self.max_px} px: must be 1 or more")
         if self.max_images < 1:
             raise InvalidInput(f"limit of {self.max_images} images: must be 1 or more")
@@ -249,6 +259,11 @@ class Mission:
                     f"image size {width} {height} {channels}: needs a width and a height of 1 px or more, and 1 or "
                     "3 channels"
                 )
+
+    @property
+    def limit_px(self) -> int | None:
+        """Limit of a picture's longest side in 256 px terms, apart from the source's; None for none."""
+        return PAPER_MAX_PX if self.max_px is None and self.layout == "paper" else self.max_px
 
     @property
     def kind(self) -> str:
@@ -305,7 +320,7 @@ class Mission:
             data["map_types"] = tuple(data.get("map_types", ("satellite",)))
             if data.get("img_size") is not None:
                 data["img_size"] = tuple(data["img_size"])
-            return cls(**data)
+            return cls(**_with_image_px(data))
         except KeyError as missing:
             raise InvalidInput(f"mission without {missing}: the field is needed") from missing
         except InvalidInput:
@@ -365,6 +380,7 @@ _JSON_TYPES: dict[str, tuple[Any, str]] = {
     "date": _TEXT,
     "zoom": _WHOLE,
     "gsd_m_per_px": _NUMBER,
+    "image_px": _WHOLE,
     "max_px": _WHOLE,
     "upsample": (bool, "true or false"),
     "image_format": _TEXT,
@@ -402,6 +418,18 @@ def _made(kind: type[_Part], name: str, values: Any) -> _Part:
     if missing:
         raise InvalidInput(f"mission without {name}.{missing[0]}: the field is needed")
     return kind(**values)
+
+
+def _with_image_px(data: dict[str, Any]) -> dict[str, Any]:
+    """Fields of a mission file; of one that states no image, written before there was one, those that mean the same.
+
+    Such a file's longest side was the camera's, and the limit at once; with a zoom or a ground sample distance it was
+    neither.
+    """
+    if "image_px" in data or data.get("max_px") is None:
+        return data
+    chosen = data.get("zoom") is not None or data.get("gsd_m_per_px") is not None
+    return {**data, "image_px": data["max_px"], "max_px": None if chosen else data["max_px"]}
 
 
 def _area_from_dict(values: Any) -> Area:

@@ -11,7 +11,6 @@ from .mission import (
     DEFAULT_AIRSPEED_M_PER_S,
     DEFAULT_BUDGET_PX,
     DEFAULT_MAX_IMAGES,
-    DEFAULT_MAX_PX,
     DEFAULT_START,
     FORMATS,
     LAYOUTS,
@@ -156,9 +155,21 @@ OPTIONS: tuple[Option, ...] = (
         None,
         "date of the imagery where the source has several (see terrainav sources show NAME)",
     ),
-    Option("zoom", int, None, "zoom to use, instead of the highest at which every picture fits --max-px"),
+    Option(
+        "image_px",
+        int,
+        None,
+        "pixels along the longer side of the camera's image (a camera by name has its own, others 640)",
+    ),
+    Option("zoom", int, None, "zoom to use, instead of the one whose pixels come nearest to the camera's"),
     Option("gsd", float, None, "wanted ground sample distance in metres per pixel, instead of --zoom"),
-    Option("max_px", int, DEFAULT_MAX_PX, "longest side of a picture in pixels of 256 px tiles"),
+    Option(
+        "max_px",
+        int,
+        None,
+        "limit of a picture's longest side in pixels of 256 px tiles, for which a lower zoom is taken (none, 640 with "
+        "--layout paper)",
+    ),
     Option("upsample", str, False, "allow zooms above the source's native one", flag=True),
     Option("format", str, "tif", "of the pictures: tif and png are lossless", choices=FORMATS),
     Option(

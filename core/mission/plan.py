@@ -295,9 +295,35 @@ class Plan:
         return int(self.column.max()) + 1
 
     @cached_property
+    def requested_gsd_m_per_px(self) -> float:
+        """Ground sample distance that was asked for, or else that of the camera's own image straight down, median."""
+        mission = self.mission
+        if mission.gsd_m_per_px is not None:
+            return mission.gsd_m_per_px
+        meant = self.poses if self.nominal is None else self.nominal
+        return mission.camera.gsd_m_per_px(float(np.median(meant.agl_m)), mission.image_px)
+
+    @cached_property
+    def delivered_gsd_m_per_px(self) -> float:
+        """Ground sample distance of the files along their pictures' longer side, after any resizing; median."""
+        size = self.mission.img_size
+        if size is None:
+            return self.picture_gsd_m_per_px
+        wide = self.mission.camera.aspect_ratio >= 1.0
+        planned, written = (self.width_px, size[0]) if wide else (self.height_px, size[1])
+        return self.picture_gsd_m_per_px * float(np.median(planned)) / written
+
+    @cached_property
+    def picture_gsd_m_per_px(self) -> float:
+        """Ground sample distance of the planned pictures: of the zoom's pixels, or of camera frames straight down."""
+        if self.size_px is None:
+            return float(np.median(self.grid.ground_m_per_px(self.lat_deg, self.zoom)))
+        return self.camera_gsd_m_per_px
+
+    @cached_property
     def source_gsd_m_per_px(self) -> float:
-        """Ground sample distance of the source's pixels, median over the pictures."""
-        return float(np.median(self.grid.ground_m_per_px(self.lat_deg, self.zoom)))
+        """Ground sample distance of the finest pixels that the source has of its own, median over the captures."""
+        return float(np.median(self.grid.ground_m_per_px(self.lat_deg, self.grid.native_zoom)))
 
     @cached_property
     def camera_gsd_m_per_px(self) -> float:
@@ -317,7 +343,7 @@ def plan(mission: Mission, grid: PixelGrid) -> Plan:
         the error budget and the mission does not accept that.
     """
     flown, chosen = choose_methods(mission, grid, partial(_disturbed, mission))
-    check_windows(flown, grid)
+    check_windows(flown, mission, grid)
     layout, ground = flown.layout, ground_of(mission)
     corners = ground_corners(mission.camera, flown.poses, ground, chosen.footprint.rung.name)
     nominal = None

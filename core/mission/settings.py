@@ -18,7 +18,7 @@ from ..errors import InvalidInput
 from ..geodesy.camera import Camera
 from .area import Area, Points
 from .coords import UNITS, load_polygon, parse_coords
-from .mission import Mission
+from .mission import DEFAULT_IMAGE_PX, Mission
 from .options import OPTIONS
 from .presets import camera_named
 from .wind import Wind
@@ -84,8 +84,8 @@ def _places(
 
 def _settled_by(name: str) -> set[str]:
     """Options that later places have no say in where one is given: itself, and other ways to state the same."""
-    # A camera by name has its shape; a shape alone is no camera.
-    found = {name, "aspect_ratio"} if name == "camera" else {name}
+    # A camera by name has its shape and its pixels; these alone are no camera.
+    found = {name, "aspect_ratio", "image_px"} if name == "camera" else {name}
     for ways in _WAYS:
         if any(name in way for way in ways):
             found.update(other for way in ways if name not in way for other in way)
@@ -122,10 +122,12 @@ def mission_from(values: Mapping[str, Any]) -> Mission:
     """
     overlap = values["overlap"]
     area, agl_m = _area(values)
+    camera, own_px = _camera(values)
     return Mission(
         area=area,
         agl_m=agl_m,
-        camera=_camera(values),
+        camera=camera,
+        image_px=own_px if values["image_px"] is None else values["image_px"],
         overlap_along=overlap[0],
         overlap_across=overlap[-1],
         layout=values["layout"],
@@ -186,10 +188,16 @@ def _area(values: Mapping[str, Any]) -> tuple[Area, float]:
     return area, agl_m
 
 
-def _camera(values: Mapping[str, Any]) -> Camera:
+def _camera(values: Mapping[str, Any]) -> tuple[Camera, int]:
+    """Camera, and the pixels along the longer side of its image."""
     _check_one_camera(values)
     if values["camera"] is not None:
-        return camera_named(values["camera"]).camera
+        preset = camera_named(values["camera"])
+        return preset.camera, preset.image_px or DEFAULT_IMAGE_PX
+    return _camera_of_numbers(values), DEFAULT_IMAGE_PX
+
+
+def _camera_of_numbers(values: Mapping[str, Any]) -> Camera:
     shape = values["aspect_ratio"]
     if shape is not None and not (shape[0] > 0.0 and shape[1] > 0.0):
         raise InvalidInput(f"aspect ratio {shape[0]:g} {shape[1]:g}: width and height must be above 0")

@@ -31,8 +31,8 @@ MOST_SIZE_PX = 32_768
 #: What the drone's camera has where nothing else is said: the paper's field of view, in University-1652's squares.
 DEFAULT_CAMERA = Camera(78.8, 1.0)
 SATELLITE, DRONE = "satellite", "drone"
-#: A satellite view is made smaller from a window at least as large, so that it is sharp: of the two zooms that
-#: could serve, the finer.
+#: A satellite view is made smaller from a window at least as large, so that it is sharp: with pixels so much finer the
+#: zoom nearest to them is one that could serve, and of those the lowest is taken.
 _FINER = 2
 #: Decimals of the heights and distances that are worked out: 1 mm, the same on machines that differ in the last digit.
 _DECIMALS = 3
@@ -147,7 +147,7 @@ class PairSettings:
             Points(tuple((lat, lon, agl_m) for lat, lon in zip(lat_deg.tolist(), lon_deg.tolist()))),
             camera=camera,
             # One zoom serves all latitudes: the pictures of the lowest are to be as sharp as those of the highest.
-            max_px=math.ceil(self.size_px * _FINER * float(shrunk.max() / shrunk.min())),
+            image_px=math.ceil(self.size_px * _FINER * float(shrunk.max() / shrunk.min())),
             img_size=(self.size_px, self.size_px, 3),
             frame="map",
             # A satellite looks straight down everywhere: how far that is from one camera's picture is no error of it.
@@ -166,7 +166,7 @@ class PairSettings:
             ),
             camera=self.camera,
             tilt_deg=tilt_deg,
-            max_px=self.size_px,
+            image_px=self.size_px,
             img_size=(*self.image_size_px, 3),
             frame="camera",
             accept_error=self.accept_error,
@@ -273,7 +273,7 @@ class PairPlan:
     def to_dict(self) -> dict[str, Any]:
         """JSON-ready mapping: the same settings give the same text."""
         settings = self.settings
-        left_out = ("area", "agl_m", "tilt_deg", "max_px", "frame")
+        left_out = ("area", "agl_m", "tilt_deg", "image_px", "max_px", "frame")
         drone = self.plans[self.shots(0)[0][0]].mission.to_dict()
         return {
             "schema": 1,

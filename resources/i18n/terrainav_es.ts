@@ -1069,8 +1069,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/dock/camera_entries.py"/>
-        <source>Fills in field of view (degrees) and aspect ratio</source>
-        <translation>Rellena el campo de visión (grados) y la relación de aspecto</translation>
+        <source>Fills in field of view (degrees), aspect ratio and the image's longer side (px)</source>
+        <translation>Rellena campo de visión (grados), relación de aspecto y lado mayor de la imagen (px)</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/dock/camera_entries.py"/>
@@ -1094,13 +1094,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/dock/camera_entries.py"/>
-        <source>Lo&amp;ngest side</source>
-        <translation>Lado ma&amp;yor</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/camera_entries.py"/>
-        <source>Most pixels (px) along the longer side of a picture: the source's finest pixels are taken with which every picture fits</source>
-        <translation>Máximo de píxeles (px) en el lado mayor de una imagen: se toman los píxeles más finos de la fuente con los que caben todas las imágenes</translation>
+        <source>Image's lo&amp;nger side</source>
+        <translation>Lado ma&amp;yor de la imagen</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/dock/camera_entries.py"/>
@@ -1116,6 +1111,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/dock/camera_entries.py"/>
         <source>Picture width to height, without unit: 4:3, 4000x3000 or 1.333</source>
         <translation>Anchura entre altura de la imagen, sin unidad: 4:3, 4000x3000 o 1.333</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/camera_entries.py"/>
+        <source>Pixels (px) along the longer side of the camera's image: the source's pixels are taken that come nearest to the camera's. Cameras by name bring their own.</source>
+        <translation>Píxeles (px) en el lado mayor de la imagen de la cámara: se toman los píxeles de la fuente más próximos a los de la cámara. Las cámaras con nombre traen los suyos.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/dock/camera_entries.py"/>
@@ -1356,6 +1356,12 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/dock/dock_sections.py"/>
+        <location filename="../../terrainav_plugin/dock/refusals.py"/>
+        <source>Longest side</source>
+        <translation>Lado mayor</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/dock_sections.py"/>
         <source>Map frame (north-up)</source>
         <translation>Encuadre de mapa (norte arriba)</translation>
     </message>
@@ -1378,6 +1384,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/dock/dock_sections.py"/>
         <source>Nearest pixel</source>
         <translation>Píxel más próximo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/dock_sections.py"/>
+        <source>No picture gets a longer side than so many pixels (px; of a source's 256 px tiles): where one would, a coarser zoom is taken for all</source>
+        <translation>Ninguna imagen tendrá un lado mayor de tantos píxeles (px, de teselas de 256 px): si alguna lo tuviera, se toma para todas un zoom más grueso</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/dock/dock_sections.py"/>
@@ -1470,8 +1481,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/dock/dock_sections.py"/>
-        <source>Which of the source's pixels make the pictures. Automatic: the finest with which every picture fits the longest side (px) of the camera.</source>
-        <translation>Con qué píxeles de la fuente se hacen las imágenes. Automático: los más finos con los que todas las imágenes caben en el lado mayor (px) de la cámara.</translation>
+        <source>Which of the source's pixels make the pictures. Automatic: those that come nearest to the camera's, whose ground per px follows from the height and the image's longer side.</source>
+        <translation>Con qué píxeles de la fuente se hacen las imágenes. Automático: los más próximos a los de la cámara, cuyo terreno por px resulta de la altura y del lado mayor de la imagen.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/dock/dock_sections.py"/>
@@ -1510,6 +1521,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/dock/dock_sections.py"/>
         <source>forget</source>
         <translation>olvidar</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/dock_sections.py"/>
+        <source>no limit</source>
+        <translation>sin límite</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/dock/estimates.py"/>
@@ -1620,11 +1636,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/dock/estimates.py"/>
-        <source>camera {camera}, source {source}</source>
-        <translation>cámara {camera}, fuente {source}</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/estimates.py"/>
         <source>front {share}</source>
         <translation>longitudinal {share}</translation>
     </message>
@@ -1632,6 +1643,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/dock/estimates.py"/>
         <source>nothing ({count} tiles from this computer)</source>
         <translation>nada ({count} teselas de este equipo)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/estimates.py"/>
+        <source>requested {requested}, delivered {delivered}</source>
+        <translation>pedido {requested}, entregado {delivered}</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/dock/estimates.py"/>
@@ -1792,7 +1808,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/dock/flight_entries.py"/>
-        <source>Ground sample distance of the camera: the ground that one pixel of a picture with the longest side of the camera shows, straight down, in centimetres (inches with feet) per px. Height and ground sample distance follow each other; the one typed last stays. How fine the source's own pixels are is in the estimates.</source>
+        <source>Ground sample distance of the camera: the ground that one pixel of an image with the longer side of the camera shows, straight down, in centimetres (inches with feet) per px. Height and ground sample distance follow each other; the one typed last stays. How fine the source's own pixels are is in the estimates.</source>
         <translation>Distancia de muestreo del terreno (GSD) de la cámara: el terreno que muestra un píxel de una imagen con el lado mayor de la cámara, en vertical, en centímetros (pulgadas con los pies) por px. La altura y la distancia de muestreo se siguen la una a la otra; se mantiene la última tecleada. La finura de los píxeles de la fuente figura en la estimación.</translation>
     </message>
     <message>
@@ -1857,8 +1873,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/dock/flight_entries.py"/>
-        <source>With {px} px along the image's longer side this is {height} above ground. To fly higher, enter more under “Longest side” of the camera.</source>
-        <translation>Con {px} px en el lado mayor de la imagen, son {height} sobre el suelo. Para volar más alto, introduzca más en «Lado mayor» de la cámara.</translation>
+        <source>With {px} px along the image's longer side this is {height} above ground. To fly higher, enter more under “Image's longer side” of the camera.</source>
+        <translation>Con {px} px en el lado mayor de la imagen, son {height} sobre el suelo. Para volar más alto, introduzca más en «Lado mayor de la imagen» de la cámara.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/dock/flight_entries.py"/>
@@ -2244,14 +2260,14 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/dock/refusals.py"/>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>Layout</source>
-        <translation>Disposición</translation>
+        <source>Image's longer side</source>
+        <translation>Lado mayor de la imagen</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/dock/refusals.py"/>
-        <source>Longest side</source>
-        <translation>Lado mayor</translation>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <source>Layout</source>
+        <translation>Disposición</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/dock/refusals.py"/>
@@ -3542,6 +3558,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <source>Along the longer side of the camera's image; without it, the chosen camera's own, or 640.</source>
+        <translation>En el lado mayor de la imagen de la cámara; sin él, los propios de la cámara elegida, o 640.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
         <source>Area: coordinates</source>
         <translation>Área: coordenadas</translation>
     </message>
@@ -3642,8 +3663,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>In pixels of 256 px tiles.</source>
-        <translation>En píxeles de teselas de 256 px.</translation>
+        <source>Image's longer side (px)</source>
+        <translation>Lado mayor de la imagen (px)</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
@@ -3657,13 +3678,18 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>Its field of view and aspect ratio. Without one, those below count.</source>
-        <translation>Su campo de visión y relación de aspecto. Sin cámara valen los de abajo.</translation>
+        <source>Its field of view, aspect ratio and pixels. Without one, those below count.</source>
+        <translation>Su campo de visión, relación de aspecto y píxeles. Sin ella cuentan los de abajo.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
         <source>Kind of picture</source>
         <translation>Clase de imagen</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <source>Limit for all pictures, in pixels of 256 px tiles: where one would be larger, a lower zoom is taken.</source>
+        <translation>Límite para todas las imágenes, en píxeles de teselas de 256 px: si alguna fuera mayor, se toma un zoom más bajo.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
@@ -3818,8 +3844,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>Without it, the highest at which every picture fits the longest side.</source>
-        <translation>Sin él, el mayor con el que todas las imágenes caben en el lado mayor.</translation>
+        <source>Without it, the one whose pixels come nearest to the camera's.</source>
+        <translation>Sin él, aquel cuyos píxeles se acercan más a los de la cámara.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
@@ -3943,13 +3969,13 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/plan.py"/>
-        <source>Ground sample distance of the camera (metres)</source>
-        <translation>Distancia de muestreo de la cámara (metros)</translation>
+        <source>Ground sample distance delivered (metres)</source>
+        <translation>Distancia de muestreo del terreno entregada (metros)</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/plan.py"/>
-        <source>Ground sample distance of the source (metres)</source>
-        <translation>Distancia de muestreo de la fuente (metros)</translation>
+        <source>Ground sample distance requested (metres)</source>
+        <translation>Distancia de muestreo del terreno pedida (metros)</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/plan.py"/>
@@ -6347,6 +6373,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/camera_preset.py"/>
+        <source>image_px {0}: must be a whole number</source>
+        <translation>image_px {0}: debe ser un número entero</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/camera_preset.py"/>
         <source>no field of view</source>
         <translation>no hay campo de visión</translation>
     </message>
@@ -6357,8 +6388,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/camera_preset.py"/>
-        <source>size_px and aspect_ratio: give one of the two</source>
-        <translation>size_px y aspect_ratio: dar uno de los dos</translation>
+        <source>size_px and {0}: give one of the two</source>
+        <translation>size_px y {0}: dar uno de los dos</translation>
     </message>
     <message>
         <location filename="../../core/mission/camera_preset.py"/>
@@ -6574,13 +6605,13 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
-        <source>--img-size {0} {1} {2} or less</source>
-        <translation>--img-size {0} {1} {2} o menos</translation>
+        <source>--image-px {0} or less, or fly higher</source>
+        <translation>--image-px {0} o menos, o volar más alto</translation>
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
-        <source>--max-px {0} or less, or fly higher</source>
-        <translation>--max-px {0} o menos, o volar más alto</translation>
+        <source>--img-size {0} {1} {2} or less</source>
+        <translation>--img-size {0} {1} {2} o menos</translation>
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
@@ -6591,11 +6622,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/estimate.py"/>
         <source>about {0}</source>
         <translation>unos {0}</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/estimate.py"/>
-        <source>camera {0}, source {1}</source>
-        <translation>cámara {0}, fuente {1}</translation>
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
@@ -6667,6 +6693,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/estimate.py"/>
         <source>pixels of {0} are asked for, and the source's own are {1} here (zoom {2}): enlarged {3} times, pictures show nothing more; ask for {4}</source>
         <translation>se piden píxeles de {0}, y los propios de la fuente son aquí de {1} (zoom {2}): ampliadas {3} veces, las imágenes no muestran nada más; pedir {4}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/estimate.py"/>
+        <source>requested {0}, delivered {1}</source>
+        <translation>pedida {0}, entregada {1}</translation>
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
@@ -6785,8 +6816,28 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/framing.py"/>
+        <source>choose a larger ground sample distance</source>
+        <translation>elegir una distancia de muestreo del terreno mayor</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/framing.py"/>
+        <source>choose a lower zoom</source>
+        <translation>elegir un zoom menor</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/framing.py"/>
+        <source>fly lower</source>
+        <translation>volar más bajo</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/framing.py"/>
         <source>ground sample distance {0} m: the source's own pixels are {1} m here; ask for that or more, or allow enlarged pixels (--upsample)</source>
         <translation>distancia de muestreo del terreno de {0} m: los píxeles propios de la fuente son aquí de {1} m; pedir eso o más, o permitir píxeles ampliados (--upsample)</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/framing.py"/>
+        <source>or allow larger pictures (--max-px)</source>
+        <translation>o permitir imágenes mayores (--max-px)</translation>
     </message>
     <message>
         <location filename="../../core/mission/framing.py"/>
@@ -6805,18 +6856,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/framing.py"/>
-        <source>pictures at zoom {0}: larger than the {1} px the source serves; choose a lower zoom</source>
-        <translation>imágenes con zoom {0}: mayores que los {1} px que sirve la fuente; elegir un zoom menor</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/framing.py"/>
-        <source>pictures from {0} m are larger than {1} px at zoom {2}, the source's lowest; fly lower or allow larger pictures (--max-px)</source>
-        <translation>las imágenes desde {0} m son mayores que {1} px con zoom {2}, el menor de la fuente; volar más bajo o permitir imágenes mayores (--max-px)</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/framing.py"/>
-        <source>pictures of {0} x {1} px: camera frames end at {2} px; choose a lower zoom or a larger ground sample distance</source>
-        <translation>imágenes de {0} x {1} px: los encuadres de cámara terminan en {2} px; elegir un zoom menor o una distancia de muestreo del terreno mayor</translation>
+        <source>pictures of {0} px: the longest side allowed here is {1} px; {2}</source>
+        <translation>imágenes de {0} px: el lado mayor permitido aquí es de {1} px; {2}</translation>
     </message>
     <message>
         <location filename="../../core/mission/framing.py"/>
@@ -6917,6 +6958,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/mission.py"/>
         <source>limit of {0} images: must be 1 or more</source>
         <translation>límite de {0} imágenes: debe ser 1 o más</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/mission.py"/>
+        <source>longer side of the camera's image {0} px: must be 1 or more</source>
+        <translation>lado mayor de la imagen de la cámara de {0} px: debe ser 1 o más</translation>
     </message>
     <message>
         <location filename="../../core/mission/mission.py"/>

@@ -53,7 +53,7 @@ def save_camera(name: str, state: FormState) -> None:
     if state.fov_mode == SENSOR:
         size_mm = [state.sensor_width_mm, state.sensor_height_mm]
         facts = {"sensor_mm": size_mm, "focal_length_mm": state.focal_length_mm}
-    add_camera(name.strip(), {**facts, "aspect_ratio": ratio})
+    add_camera(name.strip(), {**facts, "aspect_ratio": ratio, "image_px": state.image_px})
 
 
 def forget_camera(name: str) -> None:
@@ -83,5 +83,11 @@ def _choice(preset: CameraPreset) -> CameraChoice:
     if preset.source:
         lines.append(tr("Source: {source}").format(source=preset.source))
     return CameraChoice(
-        preset.name, camera.fov_deg, camera.aspect_ratio, preset.sensor_mm, "\n".join(lines), preset.user
+        preset.name,
+        camera.fov_deg,
+        camera.aspect_ratio,
+        preset.sensor_mm,
+        preset.image_px,
+        "\n".join(lines),
+        preset.user,
     )

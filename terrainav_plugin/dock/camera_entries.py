@@ -53,10 +53,10 @@ class CameraEntries(Entries):
         self.aspect.setToolTip(tr("Picture width to height, without unit: 4:3, 4000x3000 or 1.333"))
         self.add("aspect", tr("Aspect ra&tio"), self.aspect)
         tip = tr(
-            "Most pixels (px) along the longer side of a picture: the source's finest pixels are taken with which "
-            "every picture fits"
+            "Pixels (px) along the longer side of the camera's image: the source's pixels are taken that come nearest "
+            "to the camera's. Cameras by name bring their own."
         )
-        self.add("max_px", tr("Lo&ngest side"), spin("max_px", 0, _SIZE_PX, 0, " px", tip))
+        self.add("image_px", tr("Image's lo&nger side"), spin("image_px", 0, _SIZE_PX, 0, " px", tip))
         self._fill_chooser()
 
     def values(self) -> dict[str, Any]:
@@ -89,7 +89,7 @@ class CameraEntries(Entries):
     # --- making
 
     def _add_chooser(self) -> None:
-        self.camera = combo("camera", (), tr("Fills in field of view (degrees) and aspect ratio"))
+        self.camera = combo("camera", (), _chooser_tip())
         self.more = QToolButton()
         self.more.setObjectName("more_cameras")
         self.more.setIcon(QgsApplication.getThemeIcon("/symbologyAdd.svg"))
@@ -141,7 +141,12 @@ class CameraEntries(Entries):
 
     def with_camera(self, state: FormState, choice: CameraChoice) -> FormState:
         """State with a preset's values, in whichever terms the state has."""
-        plain = replace(state, fov_deg=choice.fov_deg, aspect=aspect_text(choice.aspect_ratio))
+        plain = replace(
+            state,
+            fov_deg=choice.fov_deg,
+            aspect=aspect_text(choice.aspect_ratio),
+            image_px=choice.image_px or FormState().image_px,
+        )
         return with_height(given_by(plain, state.fov_mode, choice.sensor_mm))
 
     def _fill_chooser(self) -> None:
@@ -165,11 +170,7 @@ class CameraEntries(Entries):
             found = next((at for at, choice in enumerate(self._cameras) if _is(choice, state)), None)
             self.camera.setCurrentIndex(len(self._cameras) if found is None else found)
             current = self.camera.currentData()
-        self.camera.setToolTip(
-            current.tip
-            if current is not None and current.tip
-            else tr("Fills in field of view (degrees) and aspect ratio")
-        )
+        self.camera.setToolTip(current.tip if current is not None and current.tip else _chooser_tip())
         self.remove.setEnabled(current is not None and current.user)
 
     def _save(self) -> None:
@@ -199,6 +200,10 @@ class CameraEntries(Entries):
         self.edited.emit("camera")
 
 
+def _chooser_tip() -> str:
+    return tr("Fills in field of view (degrees), aspect ratio and the image's longer side (px)")
+
+
 def _counts(name: str, mode: str) -> bool:
     return mode in ((HORIZONTAL, VERTICAL) if name == "fov_typed_deg" else (SENSOR,))
 
@@ -212,4 +217,5 @@ def _is(choice: CameraChoice, state: FormState) -> bool:
     return (
         round(choice.fov_deg, _SAME_DECIMALS) == round(state.fov_deg, _SAME_DECIMALS)
         and ratio == choice.aspect_ratio
+        and choice.image_px in (None, state.image_px)
     )

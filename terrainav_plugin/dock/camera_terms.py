@@ -96,14 +96,14 @@ def given_by(state: FormState, mode: str, sensor_mm: tuple[float, float] | None 
 def shown_gsd(state: FormState) -> float:
     """Ground sample distance of the camera in the state's unit; 0 where its entries make no camera.
 
-    It is that of a picture whose longer side has ``max_px`` pixels, straight down, at its middle.
+    It is that of a picture whose longer side has ``image_px`` pixels, straight down, at its middle.
     """
     if state.height_by == "gsd":
         return state.camera_gsd
     camera = camera_of(state)
-    if camera is None or not state.agl_m > 0.0 or state.max_px < 1:
+    if camera is None or not state.agl_m > 0.0 or state.image_px < 1:
         return 0.0
-    return in_unit(camera.gsd_m_per_px(state.agl_m, state.max_px), GSD_M[state.agl_unit])
+    return in_unit(camera.gsd_m_per_px(state.agl_m, state.image_px), GSD_M[state.agl_unit])
 
 
 def settled(before: FormState, now: FormState, field: str) -> FormState:
@@ -124,7 +124,7 @@ def settled(before: FormState, now: FormState, field: str) -> FormState:
         now = _with_shape_of_sensor(now)
     if field in _CAMERA:
         now = _with_diagonal(now)
-    if field in _CAMERA or field in ("max_px", "camera_gsd", "agl"):
+    if field in _CAMERA or field in ("image_px", "camera_gsd", "agl"):
         now = with_height(now)
     return now
 
@@ -140,9 +140,9 @@ def with_height(state: FormState) -> FormState:
     if state.height_by != "gsd":
         return state if state.camera_gsd == 0.0 else replace(state, camera_gsd=0.0)
     camera = camera_of(state)
-    if camera is None or not state.camera_gsd > 0.0 or state.max_px < 1:
+    if camera is None or not state.camera_gsd > 0.0 or state.image_px < 1:
         return state
-    agl_m = camera.agl_m(state.camera_gsd * GSD_M[state.agl_unit], state.max_px)
+    agl_m = camera.agl_m(state.camera_gsd * GSD_M[state.agl_unit], state.image_px)
     return replace(state, agl=in_unit(agl_m, HEIGHT_M[state.agl_unit]))
 
 

@@ -50,6 +50,8 @@ class CameraChoice(NamedTuple):
     aspect_ratio : float
     sensor_mm : (width, height) or None
         Where it is known.
+    image_px : int or None
+        Pixels along the longer side of its image, where they are known.
     tip : str
         What is known of the camera, and from where.
     user : bool
@@ -60,5 +62,6 @@ class CameraChoice(NamedTuple):
     fov_deg: float
     aspect_ratio: float
     sensor_mm: tuple[float, float] | None = None
+    image_px: int | None = None
     tip: str = ""
     user: bool = False

@@ -58,8 +58,8 @@ class PixelsSection(Section):
             ("gsd", tr("Ground per px")),
         )
         tip = tr(
-            "Which of the source's pixels make the pictures. Automatic: the finest with which every picture fits the "
-            "longest side (px) of the camera."
+            "Which of the source's pixels make the pictures. Automatic: those that come nearest to the camera's, whose "
+            "ground per px follows from the height and the image's longer side."
         )
         self.add("resolution", tr("Source's pixels"), combo("resolution", ways, tip))
         tip = tr(
@@ -75,6 +75,13 @@ class PixelsSection(Section):
         )
         self.upsample = tick("upsample", tr("Allow enlarged pixels"), tip)
         self.add("upsample", "", self.upsample)
+        tip = tr(
+            "No picture gets a longer side than so many pixels (px; of a source's 256 px tiles): where one would, a "
+            "coarser zoom is taken for all"
+        )
+        most = spin("max_px", 0, _SIZE_PX, 0, " px", tip)
+        most.setSpecialValueText(tr("no limit"))
+        self.add("max_px", tr("Longest side"), most)
         tip = tr("Resize every picture to the width and height below, in pixels (px)")
         self.add("resize", "", tick("resize", tr("Resize pictures"), tip))
         names = ("resize_width_px", "resize_height_px")

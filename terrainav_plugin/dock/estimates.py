@@ -70,10 +70,8 @@ def readout(
     policy : Policy or None
         Of the source's provider, where it has one.
     """
-    mission, grid = plan.mission, plan.grid
-    # Every zoom has pixels half the size of the one before.
-    own_m = summary.source_gsd_m_per_px * 2.0 ** (plan.zoom - grid.native_zoom)
-    coarser = own_m > _COARSER * mission.camera.gsd_m_per_px(mission.agl_m, mission.max_px)
+    mission, grid, own_m = plan.mission, plan.grid, plan.source_gsd_m_per_px
+    coarser = own_m > _COARSER * summary.requested_gsd_m_per_px
     enlargeable = grid.max_zoom > grid.native_zoom and not mission.upsample
     return Readout(
         tuple(in_words_of_the_dock(text) for text in summary.warnings),
@@ -90,7 +88,7 @@ def _figures(mission: Mission, summary: Summary, unit: str, coarser_m: float | N
         lines.append((tr("Coverage"), _coverage(summary, unit)))
     if mission.overlap_along > 0.0 or mission.overlap_across > 0.0:
         lines += _overlap(summary)
-    lines.append((tr("Ground per px"), _gsd(mission, summary, unit, coarser_m)))
+    lines.append((tr("Ground per px"), _gsd(summary, unit, coarser_m)))
     flight = tr("{distance}, {duration}").format(
         distance=length_text(summary.flight_distance_m, unit), duration=duration_text(summary.flight_s)
     )
@@ -202,11 +200,13 @@ def _picture(summary: Summary) -> str:
     )
 
 
-def _gsd(mission: Mission, summary: Summary, unit: str, coarser_m: float | None) -> str:
+def _gsd(summary: Summary, unit: str, coarser_m: float | None) -> str:
     """Ground sample distances; with a hint where the source's own pixels, ``coarser_m``, are the coarser ones."""
-    camera_m = mission.camera.gsd_m_per_px(mission.agl_m, mission.max_px)
-    source = gsd_text(summary.source_gsd_m_per_px, unit)
-    text = tr("camera {camera}, source {source}").format(camera=gsd_text(camera_m, unit), source=source)
+    requested, delivered = (
+        gsd_text(value_m, unit)
+        for value_m in (summary.requested_gsd_m_per_px, summary.delivered_gsd_m_per_px)
+    )
+    text = tr("requested {requested}, delivered {delivered}").format(requested=requested, delivered=delivered)
     if coarser_m is None:
         return text
     hint = tr("the source's own pixels are {source}: the picture has no more detail than that")

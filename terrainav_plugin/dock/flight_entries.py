@@ -56,8 +56,8 @@ class FlightEntries(Entries):
         is_low = state.height_by == "gsd" and 0.0 < state.agl_m < _LOW_M
         text = tr(
             "With {px} px along the image's longer side this is {height} above ground. To fly higher, enter more under "
-            "“Longest side” of the camera."
-        ).format(px=f"{state.max_px:,}", height=length_text(state.agl_m, state.agl_unit))
+            "“Image's longer side” of the camera."
+        ).format(px=f"{state.image_px:,}", height=length_text(state.agl_m, state.agl_unit))
         self.low.say(text if is_low else "")
 
     def _add_height(self) -> None:
@@ -80,7 +80,7 @@ class FlightEntries(Entries):
         self.take("agl_unit", self.agl_unit)
         self.add("agl", tr("He&ight above ground"), self.agl, row(self.agl, self.agl_unit, stretch=0))
         tip = tr(
-            "Ground sample distance of the camera: the ground that one pixel of a picture with the longest side of the "
+            "Ground sample distance of the camera: the ground that one pixel of an image with the longer side of the "
             "camera shows, straight down, in centimetres (inches with feet) per px. Height and ground sample distance "
             "follow each other; the one typed last stays. How fine the source's own pixels are is in the estimates."
         )

@@ -39,8 +39,8 @@ class FormState:
         As typed, where the camera is given by its sensor; otherwise 0.
     aspect : str
         Width over height, as ``4:3`` or as a number.
-    max_px : int
-        Longest side of a picture.
+    image_px : int
+        Pixels along the longer side of the camera's image.
     agl : float
         Height above ground, in ``agl_unit`` (m or ft).
     agl_unit : str
@@ -58,6 +58,8 @@ class FormState:
         What the source's pixels are chosen by: ``auto``, ``zoom`` or ``gsd``.
     zoom, gsd_m_per_px, upsample
         As a mission has them; the first two count where ``resolution`` says so.
+    max_px : int
+        Limit of a picture's longest side; 0 for none.
     resize : bool
         Whether pictures are resized to the size described by the next three.
     resize_width_px, resize_height_px : int
@@ -89,7 +91,7 @@ class FormState:
     sensor_width_mm: float = 0.0
     sensor_height_mm: float = 0.0
     aspect: str = "4:3"
-    max_px: int = 640
+    image_px: int = 640
     agl: float = 120.0
     agl_unit: str = "m"
     height_by: str = "agl"
@@ -106,6 +108,7 @@ class FormState:
     zoom: int = 18
     gsd_m_per_px: float = 0.5
     upsample: bool = False
+    max_px: int = 0
     resize: bool = False
     resize_width_px: int = 640
     resize_height_px: int = 480
@@ -189,7 +192,11 @@ def in_metres(count: float, unit_m: float) -> float:
 
 
 def _with_later_entries(data: dict[str, Any]) -> dict[str, Any]:
-    """Saved entries, with those taken out of ``more`` that the dock has had no entries for in its first version."""
+    """Saved entries, with those taken out of ``more`` that the dock has had no entries for in its first version.
+
+    The longest side of before there was an image's size was that size, also where nobody had changed it: as a limit it
+    would be one that nobody has asked for.
+    """
     try:
         more = json.loads(data.get("more") or "{}")
     except (json.JSONDecodeError, TypeError):
@@ -197,6 +204,9 @@ def _with_later_entries(data: dict[str, Any]) -> dict[str, Any]:
     if not isinstance(more, dict):
         return data
     found = {name: more.pop(name) for name in ("max_px", "upsample", "zoom", "gsd_m_per_px") if name in more}
+    if "image_px" not in data:
+        found["image_px"] = found.get("max_px", data.get("max_px"))
+        found["max_px"] = 0
     for name, way in (("zoom", "zoom"), ("gsd_m_per_px", "gsd")):
         if found.get(name) is not None:
             found["resolution"] = way

@@ -35,7 +35,7 @@ _SAME = (
         "order",
         "airspeed_m_per_s",
     ),
-    *("map_types", "date", "image_format", "max_px", "upsample"),
+    *("map_types", "date", "image_format", "image_px", "upsample"),
     *("yaw_deg", "tilt_deg", "roll_deg", "ground_height_m", "start"),
     *("error_budget_px", "accept_error", "frame", "resampling"),
 )
@@ -50,7 +50,7 @@ _ENTRIES = {
 #: All that the dock has entries for; other fields it carries along.
 _ENTERED = {
     *_SAME,
-    *("area", "agl_m", "camera", "source", "zoom", "gsd_m_per_px", "img_size", "wind"),
+    *("area", "agl_m", "camera", "source", "zoom", "gsd_m_per_px", "max_px", "img_size", "wind"),
 }
 
 
@@ -149,6 +149,7 @@ def _pixels(state: FormState) -> dict[str, Any]:
     return {
         "zoom": state.zoom if state.resolution == "zoom" else None,
         "gsd_m_per_px": state.gsd_m_per_px if state.resolution == "gsd" else None,
+        "max_px": state.max_px or None,
         "img_size": (state.resize_width_px, state.resize_height_px, channels) if state.resize else None,
     }
 
@@ -271,7 +272,7 @@ def state_of(mission: Mission, folder: str, like: FormState | None = None) -> Fo
 
 def _pixel_entries(mission: Mission) -> dict[str, Any]:
     """Entries that ask for a mission's pixels."""
-    entries: dict[str, Any] = {}
+    entries: dict[str, Any] = {"max_px": mission.max_px or 0}
     if mission.zoom is not None:
         entries.update(resolution="zoom", zoom=mission.zoom)
     if mission.gsd_m_per_px is not None:

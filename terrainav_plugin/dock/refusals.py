@@ -24,6 +24,7 @@ def in_words_of_the_dock(message: object) -> str:
         "--error-budget": tr("Error budget"),
         "--accept-error": tr("Go on beyond the budget"),
         "--upsample": tr("Allow enlarged pixels"),
+        "--image-px": tr("Image's longer side"),
         "--max-px": tr("Longest side"),
         "--zoom": tr("Zoom"),
         "--gsd": tr("Source's ground per px"),

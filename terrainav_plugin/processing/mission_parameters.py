@@ -53,7 +53,9 @@ _SAME = {
     "AIRSPEED": "airspeed_m_per_s",
 }
 _FLAGS = {"CROSSHATCH": "crosshatch", "ACCEPT_ERROR": "accept_error", "UPSAMPLE": "upsample"}
-_COUNTS = {"MAX_PX": "max_px", "SEED": "seed", "MAX_IMAGES": "max_images"}
+_COUNTS = {"SEED": "seed", "MAX_IMAGES": "max_images"}
+#: Those that say nothing where they are not given.
+_IF_GIVEN = {"ZOOM": "zoom", "IMAGE_PX": "image_px", "MAX_PX": "max_px"}
 _CHOICES = {
     "LAYOUT": "layout",
     "ORDER": "order",
@@ -108,14 +110,17 @@ def mission_of(
         entries["start"] = text["START"]
     if text["IMG_SIZE"]:
         entries["img_size"] = _size(text["IMG_SIZE"])
-    if parameters.get("ZOOM") is not None:
-        entries["zoom"] = algorithm.parameterAsInt(parameters, "ZOOM", context)
+    camera, own_px = _camera(algorithm, parameters, context)
+    entries["image_px"] = own_px
+    for name, field in _IF_GIVEN.items():
+        if parameters.get(name) is not None:
+            entries[field] = algorithm.parameterAsInt(parameters, name, context)
     if parameters.get("GSD") is not None:
         entries["gsd_m_per_px"] = algorithm.parameterAsDouble(parameters, "GSD", context)
     return Mission(
         area=area,
         agl_m=agl_m,
-        camera=_camera(algorithm, parameters, context),
+        camera=camera,
         map_types=tuple(algorithm.parameterAsEnumStrings(parameters, "MAP_TYPES", context)),
         source=text["OTHER_SOURCE"] or algorithm.parameterAsEnumString(parameters, "SOURCE", context),
         date=text["DATE"],
@@ -159,7 +164,7 @@ def _add_area(algorithm: Algorithm) -> None:
 def _add_camera(algorithm: Algorithm, listed: bool) -> None:
     algorithm.add(
         _choice("CAMERA", tr("Camera"), _cameras(listed), None),
-        tr("Its field of view and aspect ratio. Without one, those below count."),
+        tr("Its field of view, aspect ratio and pixels. Without one, those below count."),
     )
     algorithm.add(
         _number("FOV", tr("Diagonal field of view (degrees)"), 78.8, 0.0, 180.0),
@@ -258,10 +263,15 @@ def _add_details(algorithm: Algorithm) -> None:
         ("RESAMPLING", tr("Resampling"), _RESAMPLINGS, "bilinear", tr("Of camera frames.")),
     ):
         algorithm.add(_choice(name, title, choices, usual), text, advanced=True)
-    lowest = tr("Without it, the highest at which every picture fits the longest side.")
-    number("ZOOM", tr("Zoom"), lowest, None, 0, 30, kind=_WHOLE, optional=True)
+    pixels = tr("Along the longer side of the camera's image; without it, the chosen camera's own, or 640.")
+    number("IMAGE_PX", tr("Image's longer side (px)"), pixels, None, 1, kind=_WHOLE, optional=True)
+    nearest = tr("Without it, the one whose pixels come nearest to the camera's.")
+    number("ZOOM", tr("Zoom"), nearest, None, 0, 30, kind=_WHOLE, optional=True)
     number("GSD", tr("Ground sample distance (metres)"), tr("Instead of a zoom."), None, 0.0, optional=True)
-    number("MAX_PX", tr("Longest side (px)"), tr("In pixels of 256 px tiles."), 640, 1, kind=_WHOLE)
+    limit = tr(
+        "Limit for all pictures, in pixels of 256 px tiles: where one would be larger, a lower zoom is taken."
+    )
+    number("MAX_PX", tr("Longest side (px)"), limit, None, 1, kind=_WHOLE, optional=True)
     flag("UPSAMPLE", tr("Allow upsampling"), tr("Zooms above the source's own detail."))
     texts("IMG_SIZE", tr("Resize pictures to"), tr("width height channels, such as 256 256 3."))
     texts("DATE", tr("Date of the imagery"), tr("Where the source has several."))
@@ -360,20 +370,25 @@ def _area(
     return parse_coords(algorithm.parameterAsString(parameters, "COORDS", context).strip())
 
 
-def _camera(algorithm: Algorithm, parameters: dict[str, Any], context: QgsProcessingContext) -> Camera:
+def _camera(
+    algorithm: Algorithm, parameters: dict[str, Any], context: QgsProcessingContext
+) -> tuple[Camera, int]:
+    """Camera, and the pixels along the longer side of its image."""
     from ...core.geodesy.camera import Camera
+    from ...core.mission.mission import DEFAULT_IMAGE_PX
     from ...core.mission.presets import camera_named
     from ..dock.form_text import parse_aspect
 
     name = algorithm.parameterAsEnumString(parameters, "CAMERA", context)
     if name:
-        return camera_named(name).camera
+        preset = camera_named(name)
+        return preset.camera, preset.image_px or DEFAULT_IMAGE_PX
     text = algorithm.parameterAsString(parameters, "ASPECT", context)
     try:
         ratio = parse_aspect(text)
     except ValueError as wrong:
         raise InvalidInput(tr("aspect ratio {text!r}: must be such as 4:3").format(text=text)) from wrong
-    return Camera(algorithm.parameterAsDouble(parameters, "FOV", context), ratio)
+    return Camera(algorithm.parameterAsDouble(parameters, "FOV", context), ratio), DEFAULT_IMAGE_PX
 
 
 def _wind(

@@ -52,11 +52,12 @@ class Questions:
 
     def belongs_to_another(self, mission: Mission, folder: Path) -> bool:
         """Whether the folder holds another mission; offers one beside it."""
+        from ...core.capture.folder import is_of
         from ...core.dataset.folder import MISSION_FILE
 
         mark = folder / MISSION_FILE
         try:
-            if not mark.is_file() or mark.read_bytes() == mission.to_json().encode():
+            if not mark.is_file() or is_of(mark.read_bytes(), mission):
                 return False
         except OSError:
             # The run itself says what is wrong with the folder.

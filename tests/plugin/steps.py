@@ -11,7 +11,7 @@ from qgis.PyQt.QtWidgets import QPushButton
 
 # Waits end when the thing waited for happens; this only ends a test that would hang. Slow machines take long.
 PATIENCE_MS = 60_000
-# Nine by nine images of 323 x 244 px.
+# Nine by nine images of 646 x 487 px.
 SMALL_BOX = {"north": "35.14", "west": "-89.87", "south": "35.131", "east": "-89.856"}
 
 

@@ -25,7 +25,7 @@ from terrainav.terrainav_plugin.sources import grid_of
 AREA = Box(35.16, -89.90, 35.115, -89.823)
 # Whose map frames are wrong by 0.05 px and whose footprints by less.
 HIGH = {"north": "35.16", "west": "-89.90", "south": "35.115", "east": "-89.823"}
-HIGH_M = 1200.0
+HIGH_M = 600.0
 
 
 def shown(desk):

@@ -83,7 +83,7 @@ def test_numbers_in_another_unit_are_short_where_they_can_be():
 @pytest.mark.parametrize("unit", ["m", "ft"])
 def test_height_and_ground_per_px_are_each_other_s_inverse(unit):
     one_unit_m, one_gsd_m = (1.0, 0.01) if unit == "m" else (0.3048, 0.0254)
-    state = FormState(agl=400.0, agl_unit=unit, max_px=1000)
+    state = FormState(agl=400.0, agl_unit=unit, image_px=1000)
     # 1000 px along the longer side of 4:3 are 1250 px across the diagonal.
     across_m = 2.0 * 400.0 * one_unit_m * math.tan(math.radians(78.8 / 2.0))
     assert shown_gsd(state) == pytest.approx(across_m / 1250.0 / one_gsd_m, rel=1e-12)
@@ -93,11 +93,11 @@ def test_height_and_ground_per_px_are_each_other_s_inverse(unit):
 
 def test_what_was_typed_last_stays_when_the_camera_changes():
     by_height = FormState(agl=100.0)
-    changed = settled(by_height, replace(by_height, max_px=1280), "max_px")
+    changed = settled(by_height, replace(by_height, image_px=1280), "image_px")
     assert changed.agl == 100.0
     assert shown_gsd(changed) == pytest.approx(shown_gsd(by_height) / 2.0)
     by_gsd = settled(by_height, replace(by_height, height_by="gsd", camera_gsd=10.0), "camera_gsd")
-    changed = settled(by_gsd, replace(by_gsd, max_px=1280), "max_px")
+    changed = settled(by_gsd, replace(by_gsd, image_px=1280), "image_px")
     assert changed.camera_gsd == 10.0
     assert changed.agl == pytest.approx(2.0 * by_gsd.agl)
     wide = settled(changed, replace(changed, fov_deg=100.0), "fov_deg")
@@ -145,6 +145,24 @@ def test_presets_fill_in_lens_and_sensor_of_their_data_sheets(desk):
         tip = desk.form.camera.itemData(index, Qt.ItemDataRole.ToolTipRole)
         assert preset.source in tip
         assert preset.width_px is None or f"{preset.width_px} × {preset.height_px} px" in tip
+        assert desk.workflow.state().image_px == (preset.image_px or 640)
+        assert desk.form.camera.currentText() == preset.name
+
+
+def test_a_camera_by_name_brings_its_own_pixels_to_a_wanted_ground_per_px(desk):
+    """A Mavic 3E with 2 cm flew at 9 m, because the image stayed at 640 px."""
+    desk.enter_small_mission()
+    type_number(desk.form.camera_gsd, "2")
+    at = desk.form.camera.findText("DJI Mavic 3E")
+    desk.form.camera.setCurrentIndex(at)
+    desk.form.camera.activated.emit(at)
+    there = desk.form.state()
+    assert (there.image_px, there.camera_gsd) == (5280, 2.0)
+    # 5280 px of 2 cm across 17.3 mm behind a lens of 12.29 mm.
+    assert there.agl_m == pytest.approx(5280 * 0.02 * 12.29 / 17.3, rel=0.01)
+    # With other pixels it is that camera no longer.
+    type_number(desk.form.camera_group.entries["image_px"], "640")
+    assert desk.form.camera.currentText() == "Own values"
 
 
 def test_height_follows_the_ground_per_px_that_is_typed(desk):
@@ -153,9 +171,9 @@ def test_height_follows_the_ground_per_px_that_is_typed(desk):
     wanted = desk.wait_planned().mission
     assert wanted.camera.gsd_m_per_px(wanted.agl_m, 640) == pytest.approx(0.25, rel=1e-12)
     assert desk.form.agl.value() == pytest.approx(wanted.agl_m, abs=1e-4)
-    type_number(desk.form.camera_group.entries["max_px"], "320")
+    type_number(desk.form.camera_group.entries["image_px"], "320")
     halved = desk.wait_planned().mission
-    assert halved.max_px == 320
+    assert halved.image_px == 320
     assert halved.agl_m == pytest.approx(wanted.agl_m / 2.0, rel=1e-12)
     assert desk.form.camera_gsd.value() == 25.0
     desk.choose(desk.form.agl_unit, "ft")
@@ -164,7 +182,7 @@ def test_height_follows_the_ground_per_px_that_is_typed(desk):
     assert desk.wait_planned().mission.agl_m == pytest.approx(halved.agl_m, rel=1e-12)
     type_number(desk.form.agl, "300")
     assert desk.wait_planned().mission.agl_m == pytest.approx(91.44)
-    type_number(desk.form.camera_group.entries["max_px"], "640")
+    type_number(desk.form.camera_group.entries["image_px"], "640")
     assert desk.wait_planned().mission.agl_m == pytest.approx(91.44)
 
 

@@ -65,7 +65,7 @@ def test_unreadable_coordinates_are_marked_until_they_are_right(desk):
             {"fov_mode": "sensor", "sensor_width_mm": 8.0, "sensor_height_mm": 6.0},
             "focal length 0.0 mm: must be above 0",
         ),
-        ("max_px", {"max_px": 0}, "longest side of a picture 0 px: must be 1 or more"),
+        ("image_px", {"image_px": 0}, "longer side of the camera's image 0 px: must be 1 or more"),
         ("camera_gsd", {"height_by": "gsd", "camera_gsd": 0.0}, "must be above 0"),
         ("grid_angle_deg", {"grid_angle_deg": 181.0}, "grid angle 181.0 deg: must be from -180 to 180"),
         ("start", {"start": "tomorrow"}, "start 'tomorrow': must be UTC as 2024-06-21T10:30:00Z"),
@@ -238,7 +238,7 @@ def test_large_shapes_are_looked_at_once_however_much_is_typed(desk, monkeypatch
             watched.setattr(Points, "__post_init__", noted("points", made))
             for key in range(5):
                 desk.form.flight.entries["airspeed_m_per_s"].setValue(10.0 + key)
-                desk.form.camera_group.entries["max_px"].setValue(500 + key)
+                desk.form.camera_group.entries["image_px"].setValue(500 + key)
             assert looks == []
             desk.form.agl.setValue(desk.form.agl.value() + 1.0)
             # Points at another height are other points, made once.

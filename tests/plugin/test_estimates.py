@@ -83,18 +83,19 @@ def test_what_matters_comes_first_and_the_rest_is_behind_the_fold():
         assert all(html.escape(label) in table and html.escape(value) in table for label, value in lines)
 
 
-def test_ground_per_px_is_that_of_the_camera_against_the_source():
+def test_ground_per_px_is_the_two_figures_of_the_command():
     summary, lines = lines_of(Mission(area=AREA, agl_m=120.0))
     # By the formula, from the diagonal of 640 x 480 px.
     camera_cm = 100.0 * 2.0 * 120.0 * math.tan(math.radians(78.8 / 2.0)) / 800.0
-    source_cm = 100.0 * summary.source_gsd_m_per_px
-    assert lines["Ground per px"] == f"camera {camera_cm:.4g} cm, source {source_cm:.4g} cm"
+    delivered_cm = 100.0 * summary.delivered_gsd_m_per_px
+    assert lines["Ground per px"] == f"requested {camera_cm:.4g} cm, delivered {delivered_cm:.4g} cm"
+    assert lines["Ground per px"] == dict(summary.lines())["ground sample distance"]
 
 
 def test_source_that_is_coarser_than_the_camera_is_said_to_be():
     near = Mission(area=Box(35.14, -89.87, 35.1395, -89.8695), agl_m=20.0, source=COARSE)
     summary, lines = lines_of(near)
-    own = f"{100.0 * summary.source_gsd_m_per_px:.4g} cm"
+    own = f"{100.0 * summary.delivered_gsd_m_per_px:.4g} cm"
     hint = f"(the source's own pixels are {own}: the picture has no more detail than that)"
     assert lines["Ground per px"].endswith(hint)
     assert "detail" not in lines_of(near.with_(agl_m=2000.0))[1]["Ground per px"]
@@ -104,8 +105,8 @@ def test_feet_come_with_inches_miles_and_acres():
     there = Mission(area=AREA, agl_m=120.0, layout="paper")
     summary, lines = lines_of(there, unit="ft")
     assert lines["Flight"].startswith(f"{summary.flight_distance_m / 1609.344:.4g} mi, ")
-    inches = summary.source_gsd_m_per_px / 0.0254
-    assert f"source {inches:.4g} in" in lines["Ground per px"]
+    inches = summary.delivered_gsd_m_per_px / 0.0254
+    assert f"delivered {inches:.4g} in" in lines["Ground per px"]
     assert f"of {summary.area_m2 / 2589988.110336:.4g} sq mi" in lines["Coverage"]
     assert f"{summary.uncovered_m2 / 4046.8564224:.4g} acres left out" in lines["Coverage"]
     assert " m," not in lines["Flight"]
@@ -124,7 +125,7 @@ def test_enlarged_pixels_are_offered_where_the_source_is_what_limits_a_picture()
     near = Mission(area=Box(35.14, -89.87, 35.1395, -89.8695), agl_m=20.0, source=COARSE)
     assert readout_of(near)[1].offers_enlarging
     assert not readout_of(near.with_(upsample=True))[1].offers_enlarging
-    # From high up the longest side is the limit.
+    # From high up the camera is the limit.
     assert not readout_of(near.with_(agl_m=2000.0))[1].offers_enlarging
 
 

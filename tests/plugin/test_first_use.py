@@ -181,12 +181,12 @@ def test_ground_per_px_that_leads_near_the_ground_names_the_longer_side(desk, sc
     assert hint.isVisible()
     assert "640 px" in hint.text()
     assert "9.8" in hint.text() or "9.7" in hint.text()
-    assert "Longest side" in hint.text()
+    assert "Image's longer side" in hint.text()
     assert desk.message("camera_gsd") == ""
     desk.dock.findChild(QScrollArea).ensureWidgetVisible(hint)
     screenshot("low", desk.dock)
     # The camera's own size in pixels leads where such a flight is.
-    type_number(desk.form.camera_group.entries["max_px"], "4000")
+    type_number(desk.form.camera_group.entries["image_px"], "4000")
     assert desk.form.agl.value() > 20.0
     assert not hint.isVisible()
     # Who types a low height means it.

@@ -104,10 +104,29 @@ def test_form_saved_before_there_were_entries_for_pixels():
         "more": json.dumps(more),
     }
     there = mission(FormState.from_json(json.dumps(saved)))
-    assert (there.zoom, there.max_px, there.upsample, there.img_size) == (17, 1024, True, (64, 48, 1))
+    assert (there.zoom, there.image_px, there.upsample, there.img_size) == (17, 1024, True, (64, 48, 1))
+    assert there.max_px is None
     assert there.mesh == "rays"
     by_gsd = FormState.from_json(json.dumps({**saved, "more": '{"gsd_m_per_px": 0.3}'}))
     assert (mission(by_gsd).zoom, mission(by_gsd).gsd_m_per_px) == (None, 0.3)
+
+
+def test_no_longest_side_is_hidden_in_a_form_saved_before_there_was_an_image_s_size():
+    saved = json.loads(GOOD.to_json())
+    del saved["image_px"]
+    for longest in (640, 1280):
+        there = mission(FormState.from_json(json.dumps({**saved, "max_px": longest})))
+        assert (there.image_px, there.max_px) == (longest, None)
+    assert mission(FormState.from_json(replace(GOOD, max_px=700).to_json())).max_px == 700
+
+
+def test_a_limit_of_the_longest_side_is_an_entry():
+    assert mission(GOOD).max_px is None
+    limited = mission(GOOD).with_(max_px=700, image_px=900)
+    state = state_of(limited, "")
+    assert (state.max_px, state.image_px, state.more) == (700, 900, "")
+    assert mission(state) == limited
+    assert state_of(mission(GOOD), "").max_px == 0
 
 
 def test_entries_that_do_not_count_are_not_in_the_mission():

@@ -48,8 +48,8 @@ def test_previewed_images_have_the_edges_of_the_plan(previewed):
     assert first["lat"] == planned.lat_deg[0]
     assert first["lon"] == planned.lon_deg[0]
     assert first["agl_m"] == 120.0
-    # Metres of ground a pixel at zoom 18 there, from the sphere's formula.
-    assert first["gsd_m"] == pytest.approx(0.597 * np.cos(np.radians(first["lat"])), rel=2e-3)
+    # Metres of ground a pixel at zoom 19 there, from the sphere's formula.
+    assert first["gsd_m"] == pytest.approx(0.2986 * np.cos(np.radians(first["lat"])), rel=2e-3)
 
 
 def test_centres_and_flight_line_follow_the_plan(previewed):

@@ -251,9 +251,10 @@ def test_plan_gives_what_the_core_plans(tmp_path):
     assert results["OVERLAP_LEAST_ALONG"] == summary.least_overlap_along
     assert (results["TILES"], results["CHOSEN_ZOOM"]) == (summary.unique_tiles, expected.zoom)
     assert (results["FLIGHT_S"], results["ERROR_BOUND"]) == (summary.flight_s, summary.accuracy.bound_px)
-    assert (results["CAMERA_GSD"], results["FILE_BYTES"]) == (
-        summary.camera_gsd_m_per_px,
-        summary.output_bytes,
+    assert results["FILE_BYTES"] == summary.output_bytes
+    assert (results["REQUESTED_GSD"], results["DELIVERED_GSD"]) == (
+        summary.requested_gsd_m_per_px,
+        summary.delivered_gsd_m_per_px,
     )
     assert any(line.startswith("images: ") for line in feedback.lines)
 
@@ -313,6 +314,8 @@ def test_camera_attitude_and_antimeridian():
     )
     found = features_of(results["FOOTPRINTS"])
     assert {feature["tilt_deg"] for feature in found} == {30.0}
+    # 4000 px of a lens of 4.49 mm behind a sensor of 6.3 mm.
+    assert results["REQUESTED_GSD"] == pytest.approx(300.0 * 6.3 / 4.49 / 4000, rel=0.01)
     parts = [feature.geometry().constGet().numGeometries() for feature in found]
     assert set(parts) == {1, 2}
     for feature in found:
@@ -347,6 +350,7 @@ def test_every_field_of_a_mission_has_its_parameter(tmp_path):
         ACCEPT_ERROR=True,
         FRAME="camera",
         RESAMPLING="lanczos",
+        IMAGE_PX=900,
         MAX_PX=800,
         UPSAMPLE=True,
         IMG_SIZE="256 192 3",
@@ -381,6 +385,7 @@ def test_every_field_of_a_mission_has_its_parameter(tmp_path):
         accept_error=True,
         frame="camera",
         resampling="lanczos",
+        image_px=900,
         max_px=800,
         upsample=True,
         img_size=(256, 192, 3),

@@ -311,7 +311,7 @@ def double(folder):
 
 def damage(folder):
     path = folder / "roadmap" / "meta_data.csv"
-    path.write_text(path.read_text().replace(",18,", ",eighteen,", 1))
+    path.write_text(path.read_text().replace(",19,", ",nineteen,", 1))
 
 
 def repeat(folder):
@@ -357,7 +357,7 @@ def unreadable(folder):
         (column_twice, r"has column split more than once; rename or remove all but one"),
         (file_in_the_way, r"rejected in it is no folder, which images are moved to; move it away"),
         (folder_in_the_way, r"in rejected as well"),
-        (damage, r"line 2 has Alt 'eighteen', not a number"),
+        (damage, r"line 2 has Alt 'nineteen', not a number"),
         (repeat, r"in more than one row"),
         (lead_away, r"'\.\./.*' in the table is no name of a file in it"),
         (unreadable, r"image .*: cannot be read"),
@@ -396,7 +396,7 @@ def test_a_capture_does_not_write_over_a_table_that_it_cannot_read(dataset):
     folder, worked_out, source = dataset
     clean(folder, THRESHOLD)
     path = folder / "satellite" / "meta_data.csv"
-    path.write_text(path.read_text().replace(",18,", ",eighteen,", 1))
+    path.write_text(path.read_text().replace(",19,", ",nineteen,", 1))
     before = path.read_bytes()
     with pytest.raises(OutputError, match="repair the table, or remove it"):
         capture(worked_out, source, folder, resume=True)

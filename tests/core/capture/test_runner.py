@@ -482,6 +482,21 @@ def test_the_same_mission_must_be_resumed(in_one_go):
     assert contents(folder) == before
 
 
+def test_a_folder_of_an_earlier_version_is_resumed(tmp_path):
+    """As it was before a mission stated its image's size."""
+    mission = MISSION.with_(max_px=640)
+    capture(planned(mission), PatternSource(), tmp_path)
+    mark = tmp_path / "mission.json"
+    data = json.loads(mark.read_text())
+    del data["image_px"]
+    mark.write_text(json.dumps(data))
+    assert Mission.load(mark) == mission
+    again = capture(planned(mission), PatternSource(), tmp_path, resume=True)
+    assert (again.written, again.skipped) == (0, again.total)
+    with pytest.raises(OutputError, match="holds another mission"):
+        capture(planned(mission.with_(seed=3)), PatternSource(), tmp_path, resume=True)
+
+
 @pytest.mark.parametrize("resume", [False, True])
 def test_another_mission_is_left_alone(in_one_go, resume):
     _, folder, _, _ = in_one_go

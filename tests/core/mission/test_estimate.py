@@ -24,7 +24,7 @@ def test_the_papers_mission_in_words():
     words = text(summary)
     assert words["images"] == "1,935"
     assert words["coverage"] == "100 % (complete)"
-    assert "48.8" in words["ground sample distance"]
+    assert words["ground sample distance"] == "requested 24.64 cm, delivered 24.44 cm"
     assert summary.download_bytes == summary.unique_tiles * ONLINE.request_bytes
     json.dumps(summary.to_dict())
 
@@ -103,6 +103,10 @@ def test_resizing_counts():
 def test_camera_frames_count_by_the_ground_below():
     (text,) = warnings(frame="camera", zoom=18, upsample=True)
     assert "enlarged 4 times" in text
+    (text,) = warnings(frame="camera", image_px=2560, upsample=True)
+    # Pixels of a camera of 640 px are 1.951 m here, and the source's 1.955 m.
+    assert text.endswith("ask for --image-px 638 or less, or fly higher")
+    assert warnings(frame="camera", image_px=638, upsample=True) == ()
     assert warnings(PixelGrid(), frame="camera", zoom=18) == ()
 
 

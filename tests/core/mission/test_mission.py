@@ -10,8 +10,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 from terrainav.core.errors import InvalidInput
 from terrainav.core.geodesy.camera import Camera
+from terrainav.core.geodesy.mercator import PixelGrid
 from terrainav.core.mission.area import Box, Points, Polygon
 from terrainav.core.mission.mission import MAP_TYPES, Mission, utc_time
+from terrainav.core.mission.plan import plan
 from terrainav.core.mission.wind import Wind
 
 BOX = Box(35.16, -89.90, 35.115, -89.823)
@@ -80,6 +82,33 @@ def test_a_mission_comes_back_from_a_file(tmp_path):
     mission.save(tmp_path / "m.json")
     assert Mission.load(tmp_path / "m.json") == mission
     assert [file.name for file in tmp_path.iterdir()] == ["m.json"]
+
+
+def earlier(**fields):
+    """Text of a mission file as it was written before there was an image's size."""
+    data = Mission(Points(((35.0, -89.0, 120.0),)), 120.0).to_dict()
+    del data["image_px"]
+    return json.dumps({**data, "max_px": 640, **fields})
+
+
+def test_a_mission_file_without_an_image_s_size_means_what_it_meant():
+    """Zoom and width of the picture are those that the version of the file made of it."""
+    for text, (zoom, width) in (
+        (earlier(), (18, 323)),
+        (earlier(max_px=1280), (19, 644)),
+        (earlier(max_px=5000), (21, 2576)),
+        (earlier(zoom=19), (19, 644)),
+        (earlier(gsd_m_per_px=0.3), (19, 644)),
+        (earlier(frame="camera"), (19, 640)),
+        (earlier(frame="camera", max_px=1280), (20, 1280)),
+        (earlier(frame="camera", zoom=20), (20, 1288)),
+    ):
+        mission = Mission.from_json(text)
+        worked_out = plan(mission, PixelGrid())
+        assert (worked_out.zoom, int(worked_out.width_px[0])) == (zoom, width), text
+        assert Mission.from_json(mission.to_json()) == mission
+    written_by_hand = {"schema": 1, "agl_m": 120, "area": {"type": "points", "poses": [[35, -89, 120]]}}
+    assert plan(Mission.from_dict(written_by_hand), PixelGrid()).zoom == 19
 
 
 def test_defaults_may_be_left_out():
@@ -152,7 +181,8 @@ def test_a_missing_mission_file_is_named(tmp_path):
         ({"zoom": 3, "gsd_m_per_px": 1.0}, "give one of the two"),
         ({"zoom": -1}, "zoom -1"),
         ({"gsd_m_per_px": 0.0}, "ground sample distance 0.0"),
-        ({"max_px": 0}, "0 px"),
+        ({"max_px": 0}, "longest side of a picture 0 px"),
+        ({"image_px": 0}, "longer side of the camera's image 0 px"),
         ({"max_images": 0}, "0 images"),
         ({"img_size": (0, 5, 3)}, "image size 0 5 3"),
         ({"img_size": (5, 5, 2)}, "1 or 3 channels"),

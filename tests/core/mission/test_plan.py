@@ -13,6 +13,7 @@ from terrainav.core.geodesy.mercator import PixelGrid, lat_to_v, lon_to_u
 from terrainav.core.mission.area import Box, Points, Polygon
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
+from terrainav.core.mission.wind import Wind
 
 AGRICENTER = Box(35.16, -89.90, 35.115, -89.823)
 GRID = PixelGrid()
@@ -25,14 +26,14 @@ STAR = Polygon(
 )
 
 
-def pixel_m2(worked_out, lat):
-    """Ground of one pixel of the map, from the ellipsoid's own radii."""
+def pixel_m(lat, world_px):
+    """Width and height of one pixel of the map on the ground, from the ellipsoid's own radii."""
     e2 = 0.00669437999014
     sine2 = np.sin(np.radians(lat)) ** 2
     east = 6378137.0 / np.sqrt(1 - e2 * sine2)
     north = 6378137.0 * (1 - e2) / (1 - e2 * sine2) ** 1.5
-    angle = 2 * np.pi / GRID.world_px(worked_out.zoom) * np.cos(np.radians(lat))
-    return float(east * north * angle**2)
+    angle = 2 * np.pi / world_px * np.cos(np.radians(lat))
+    return float(east * angle), float(north * angle)
 
 
 def pixels_shown(worked_out, box):
@@ -50,7 +51,7 @@ def pixels_shown(worked_out, box):
 
 def test_the_papers_mission_is_covered_whole_by_the_fewest_images():
     worked_out = plan(Mission(AGRICENTER, 120.0), GRID)
-    assert (len(worked_out), worked_out.rows, worked_out.columns, worked_out.zoom) == (1935, 43, 45, 18)
+    assert (len(worked_out), worked_out.rows, worked_out.columns, worked_out.zoom) == (1935, 43, 45, 19)
     assert worked_out.coverage.complete
     assert worked_out.coverage.share == 1.0
     assert worked_out.coverage.uncovered_m2 == 0.0
@@ -69,7 +70,8 @@ def test_the_papers_own_layout_leaves_ground_out_and_says_how_much():
     assert not coverage.complete
     count, _, _ = pixels_shown(worked_out, AGRICENTER)
     missing_px = int((count == 0).sum())
-    assert coverage.uncovered_m2 == pytest.approx(missing_px * pixel_m2(worked_out, 35.14), rel=0.01)
+    pixel_m2 = np.prod(pixel_m(35.14, GRID.world_px(worked_out.zoom)))
+    assert coverage.uncovered_m2 == pytest.approx(missing_px * pixel_m2, rel=0.01)
     assert coverage.share == pytest.approx(1 - coverage.uncovered_m2 / coverage.area_m2, abs=1e-6)
     assert coverage.share <= 1 - coverage.uncovered_m2 / coverage.area_m2
 
@@ -174,7 +176,7 @@ def test_a_polygon_is_covered_and_nothing_else_is_flown(layout):
     missing = int((ground & (count == 0)).sum())
     assert (missing == 0) == (layout == "cover")
     assert worked_out.coverage.complete == (layout == "cover")
-    pixel = pixel_m2(worked_out, 35.14)
+    pixel = np.prod(pixel_m(35.14, world))
     assert worked_out.coverage.uncovered_m2 == pytest.approx(missing * pixel, rel=0.05)
     assert worked_out.coverage.area_m2 == pytest.approx(ground.sum() * pixel, rel=1e-3)
     whole_box = plan(Mission(STAR.bounds, 120.0, layout=layout, zoom=16), GRID)
@@ -242,29 +244,164 @@ def test_points_keep_their_own_heights_and_share_a_zoom():
     assert worked_out.overlap.least_along is None
     widths = worked_out.windows.width_px * GRID.ground_m_per_px(worked_out.lat_deg, worked_out.zoom)
     assert widths[0] / widths[1] == pytest.approx(2.0, rel=0.01)
-    assert worked_out.windows.width_px.max() <= 640
 
 
-def test_the_zoom_is_the_highest_at_which_all_pictures_fit():
+# --- size and zoom
+
+#: Of every zoom there is.
+DEEP = PixelGrid(max_zoom=30, native_zoom=30)
+MAVIC_3E = Camera.from_sensor((17.3, 13.0), 12.29, 5280 / 3956)
+
+
+def test_the_default_has_as_many_pixels_as_its_camera():
+    worked_out = plan(Mission(AGRICENTER, 120.0), GRID)
+    assert worked_out.zoom == 19
+    assert worked_out.windows.width_px.max() == pytest.approx(640, rel=0.02)
+    # 120 m and 78.8 degrees across 640 by 480 px, and a pixel of zoom 19 at the latitude of Memphis.
+    assert worked_out.requested_gsd_m_per_px == pytest.approx(
+        2 * 120.0 * np.tan(np.radians(78.8) / 2) * 0.8 / 640
+    )
+    assert worked_out.delivered_gsd_m_per_px == pytest.approx(pixel_m(35.1375, 256 << 19)[0], rel=1e-4)
+
+
+@settings(max_examples=40, deadline=None)
+@given(
+    st.floats(-84.0, 84.0),
+    st.floats(3.0, 16e3),
+    st.integers(40, 9000),
+    st.sampled_from([256, 512]),
+    st.sampled_from([Camera(), Camera(40.0, 0.7), MAVIC_3E]),
+    st.sampled_from(["map", "camera"]),
+)
+def test_no_other_zoom_has_pixels_nearer_to_the_camera_s(lat, agl, image_px, tile_px, camera, frame):
+    grid = PixelGrid(tile_px=tile_px, max_zoom=30, native_zoom=30)
+    mission = Mission(
+        Points(((lat, 10.0, agl),)), agl, camera, image_px=image_px, frame=frame, accept_error=True
+    )
+    assume(abs(lat) < 70.0 or agl < 3e3)
+    worked_out = plan(mission, grid)
+    wanted_m = max(camera.ground_size_m(agl)) / image_px
+    off = [
+        abs(np.log2(pixel_m(lat, tile_px * 2.0**zoom)[0] / wanted_m))
+        for zoom in (worked_out.zoom - 1, worked_out.zoom, worked_out.zoom + 1)
+    ]
+    assert off[1] <= min(off) + 1e-9
+    assert worked_out.requested_gsd_m_per_px == pytest.approx(wanted_m)
+    assert (
+        abs(np.log2(worked_out.delivered_gsd_m_per_px / wanted_m)) <= (0.5 if frame == "map" else 0.02) + 1e-9
+    )
+
+
+@pytest.mark.parametrize("max_px", [160, 640, 645, 646, 5000])
+def test_a_limit_takes_the_highest_zoom_at_which_all_pictures_fit(max_px):
     for agl in (10.0, 97.3, 120.0, 240.0, 1000.0, 16e3):
-        worked_out = plan(
-            Mission(Points(((35.14, -89.86, agl),)), agl, frame="map", accept_error=True),
-            PixelGrid(max_zoom=30, native_zoom=30),
+        mission = Mission(
+            Points(((35.14, -89.86, agl), (36.14, -89.86, agl))),
+            agl,
+            frame="map",
+            accept_error=True,
+            max_px=max_px,
+            image_px=9999,
         )
-        finer = plan(
-            worked_out.mission.with_(zoom=worked_out.zoom + 1), PixelGrid(max_zoom=30, native_zoom=30)
-        )
-        assert worked_out.windows.width_px.max() <= 640 < finer.windows.width_px.max()
+        worked_out = plan(mission, DEEP)
+        finer = plan(mission.with_(zoom=worked_out.zoom + 1, max_px=None), DEEP)
+        assert worked_out.windows.width_px.max() <= max_px < finer.windows.width_px.max()
+        # Where the camera's own pixels fit, there is nothing to be limited.
+        own = mission.with_(image_px=40)
+        assert plan(own, DEEP).zoom == plan(own.with_(max_px=None), DEEP).zoom
+
+
+def test_a_limit_is_the_sources_and_the_papers_too():
+    served = PixelGrid(max_zoom=21, native_zoom=21, centre_decimals=6, max_size_px=640)
+    for mission, grid in (
+        (Mission(AGRICENTER, 120.0, layout="paper"), GRID),
+        (Mission(AGRICENTER, 120.0, image_px=5280), served),
+        (Mission(AGRICENTER, 120.0, max_px=640), GRID),
+    ):
+        worked_out = plan(mission, grid)
+        assert worked_out.zoom == 18
+        assert worked_out.windows.width_px.min() == pytest.approx(323, abs=1)
+        assert worked_out.delivered_gsd_m_per_px > 1.9 * worked_out.requested_gsd_m_per_px
+    assert plan(Mission(AGRICENTER, 120.0, layout="paper", max_px=700), GRID).zoom == 19
+    tilted = Mission(AGRICENTER, 120.0, tilt_deg=10.0, layout="paper", image_px=900)
+    assert max(plan(tilted, GRID).size_px) == 640
+
+
+@pytest.mark.parametrize(
+    ("mission", "grid", "says"),
+    [
+        (
+            Mission(AGRICENTER, 120.0, zoom=19, max_px=640),
+            GRID,
+            r"646 px.*640 px; choose a lower zoom, or allow",
+        ),
+        (
+            Mission(AGRICENTER, 120.0, gsd_m_per_px=0.3, max_px=640),
+            GRID,
+            "a larger ground sample distance, or",
+        ),
+        (Mission(AGRICENTER, 120.0, zoom=19), PixelGrid(max_size_px=640), "640 px; choose a lower zoom$"),
+        (Mission(AGRICENTER, 120.0, zoom=22, tilt_deg=9.0, max_px=640), GRID, "5,1.. px: .*640 px"),
+        (
+            Mission(AGRICENTER, 120.0, max_px=640),
+            PixelGrid(min_zoom=19),
+            "640 px; fly lower, or allow larger",
+        ),
+        (Mission(Points(((35.0, -89.0, 9e3),)), 9e3, zoom=22, accept_error=True), GRID, "20,000 px; choose"),
+    ],
+)
+def test_what_is_asked_for_beyond_a_limit_is_refused(mission, grid, says):
+    with pytest.raises(InvalidInput, match=says):
+        plan(mission, grid)
+
+
+@settings(max_examples=30, deadline=None)
+@given(st.integers(20, 1500), st.integers(20, 1500), st.sampled_from([256, 512]), st.floats(30.0, 3000.0))
+def test_resizing_takes_no_finer_zoom_than_it_needs(width, height, tile_px, agl):
+    grid = PixelGrid(tile_px=tile_px, max_zoom=30, native_zoom=30)
+    mission = Mission(Points(((35.14, -89.86, agl),)), agl, accept_error=True, frame="map")
+    plain, resized = plan(mission, grid), plan(mission.with_(img_size=(width, height, 3)), grid)
+    assert resized.zoom <= plain.zoom
+    coarser = plan(mission.with_(zoom=resized.zoom - 1), grid)
+    # A frame of 255.6 px, whose window may have 255, is as good as 256.
+    enough = resized.width_px[0] >= width - 1 and resized.height_px[0] >= height - 1
+    assert enough or resized.zoom == plain.zoom
+    assert coarser.width_px[0] <= width or coarser.height_px[0] <= height
+
+
+def test_camera_frames_are_made_no_larger_than_they_are_written():
+    mission = Mission(AGRICENTER, 120.0, tilt_deg=10.0)
+    assert plan(mission.with_(img_size=(320, 240, 3)), GRID).size_px == (320, 240)
+    assert plan(mission.with_(img_size=(224, 224, 3)), GRID).size_px == (299, 224)
+    assert plan(mission.with_(img_size=(1280, 960, 3)), GRID).size_px == (640, 480)
+    assert plan(mission.with_(img_size=(320, 240, 3)), GRID).zoom == plan(mission, GRID).zoom - 1
+
+
+def test_requested_and_delivered_are_of_the_files():
+    mission = Mission(AGRICENTER, 120.0)
+    asked = plan(mission.with_(gsd_m_per_px=0.3), GRID)
+    assert (asked.requested_gsd_m_per_px, asked.zoom) == (0.3, 19)
+    resized = plan(mission.with_(img_size=(256, 256, 3)), GRID)
+    width = float(np.median(resized.width_px))
+    assert resized.delivered_gsd_m_per_px == pytest.approx(
+        plan(mission, GRID).delivered_gsd_m_per_px * width / 256
+    )
+    tall = plan(mission.with_(camera=Camera(78.8, 0.5), img_size=(256, 256, 3)), GRID)
+    assert tall.delivered_gsd_m_per_px == pytest.approx(
+        max(tall.mission.camera.ground_size_m(120.0)) / 256, rel=0.01
+    )
+    in_wind = mission.with_(wind=Wind(8.0, 250.0, 0.2))
+    assert plan(in_wind, GRID).requested_gsd_m_per_px == plan(mission, GRID).requested_gsd_m_per_px
 
 
 def test_native_resolution_is_kept_unless_told_otherwise():
     coarse = PixelGrid(max_zoom=20, native_zoom=16)
     mission = Mission(Points(((35.14, -89.86, 120.0),)), 120.0)
     assert plan(mission, coarse).zoom == 16
-    assert plan(mission.with_(upsample=True), coarse).zoom == 18
+    assert plan(mission.with_(upsample=True), coarse).zoom == 19
     with pytest.raises(InvalidInput, match="zoom 20: the source's own pixels end at zoom 16"):
-        plan(mission.with_(zoom=20, max_px=5000), coarse)
-    assert plan(mission.with_(zoom=20, max_px=5000, upsample=True), coarse).zoom == 20
+        plan(mission.with_(zoom=20), coarse)
+    assert plan(mission.with_(zoom=20, upsample=True), coarse).zoom == 20
 
 
 def test_camera_frames_have_no_more_pixels_than_the_ground_right_below():
@@ -281,10 +418,11 @@ def test_camera_frames_have_no_more_pixels_than_the_ground_right_below():
     assert plan(mission.with_(gsd_m_per_px=0.5, upsample=True), coarse).size_px[0] > own.size_px[0]
 
 
-def test_larger_tiles_multiply_the_pixels_not_the_zoom():
-    mission = Mission(AGRICENTER, 120.0)
+@pytest.mark.parametrize("changes", [{"zoom": 18}, {"max_px": 640, "image_px": 5000}])
+def test_larger_tiles_multiply_the_pixels_of_a_zoom(changes):
+    mission = Mission(AGRICENTER, 120.0, **changes)
     small, large = plan(mission, PixelGrid()), plan(mission, PixelGrid(tile_px=512))
-    assert small.zoom == large.zoom
+    assert small.zoom == large.zoom == 18
     np.testing.assert_allclose(large.windows.width_px, 2 * small.windows.width_px, atol=2)
     assert large.coverage.complete
 
@@ -293,7 +431,7 @@ def test_a_wanted_ground_sample_distance_chooses_the_zoom():
     mission = Mission(AGRICENTER, 120.0, gsd_m_per_px=0.5)
     worked_out = plan(mission, GRID)
     assert worked_out.zoom == 18
-    assert worked_out.source_gsd_m_per_px <= 0.5
+    assert worked_out.delivered_gsd_m_per_px <= 0.5
     with pytest.raises(InvalidInput, match=r"ground sample distance 0\.001 m"):
         plan(mission.with_(gsd_m_per_px=0.001), GRID)
 

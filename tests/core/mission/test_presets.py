@@ -64,6 +64,7 @@ def test_pixels_are_square(facts):
     assert pitch_um[0] == pytest.approx(pitch_um[1], rel=0.03)
     preset = PRESETS[facts["name"]]
     assert [preset.width_px, preset.height_px] == facts["size_px"]
+    assert preset.image_px == max(facts["size_px"])
     assert preset.camera.aspect_ratio == facts["size_px"][0] / facts["size_px"][1]
     # The focal length in px that the camera derives is that of the lens, but for the sensor's own rounding.
     assert preset.camera.focal_length_px(preset.width_px) == pytest.approx(
@@ -106,6 +107,20 @@ def test_a_vertical_field_of_view_and_a_size_in_pixels():
     assert preset.camera.vertical_fov_deg == pytest.approx(40.0, abs=1e-12)
     assert (preset.camera.aspect_ratio, preset.width_px, preset.height_px) == (1.5, 3000, 2000)
     assert (preset.source, preset.user, preset.sensor_mm) == ("", True, None)
+    assert preset.image_px == 3000
+
+
+def test_pixels_along_the_longer_side_of_a_shape():
+    data = {"fov_deg": 60.0, "aspect_ratio": [2, 3], "image_px": 1001}
+    preset = CameraPreset.from_dict("X", data, user=True)
+    assert (preset.image_px, preset.width_px, preset.camera.aspect_ratio) == (1001, None, 2 / 3)
+    for wrong, says in (
+        ({"image_px": 100.5}, "image_px 100.5: must be a whole number"),
+        ({"image_px": 0}, "image_px 0: must be a number above 0"),
+        ({"size_px": [2, 3], "aspect_ratio": None}, "size_px and image_px: give one of the two"),
+    ):
+        with pytest.raises(InvalidInput, match=says):
+            CameraPreset.from_dict("X", {**data, **wrong}, user=True)
 
 
 @pytest.mark.parametrize("name", ["DJI Mavic 3E", "dji mavic 3e", "  DJI  MAVIC 3e ", "mavic 3e"])

@@ -61,8 +61,8 @@ def test_bounds_in_words_are_never_less_than_they_are(bound):
     ("changes", "footprint", "picture", "mesh"),
     [
         ({}, "loc1", "map", None),
-        ({"error_budget_px": 0.008}, "loc2", "map", None),
-        ({"error_budget_px": 0.0045}, "exact", "map", None),
+        ({"error_budget_px": 0.016}, "loc2", "map", None),
+        ({"error_budget_px": 0.009}, "exact", "map", None),
         ({"error_budget_px": 0.004}, "exact", "camera", "mesh-0.003px"),
         ({"error_budget_px": 1e-6}, "exact", "camera", "rays"),
         ({"error_budget_px": 3.0, "yaw_deg": 1e-4}, "loc1", "map", None),
@@ -84,8 +84,8 @@ def test_the_agricenter_takes_what_it_needs(changes, footprint, picture, mesh):
 def test_what_was_chosen_and_left_out_in_words():
     chosen = plan(Mission(AGRICENTER, 120.0), PixelGrid()).accuracy
     assert chosen.text() == (
-        "footprint: loc1, ≤ 0.0041 px; picture: map, ≤ 0.0042 px; left out: resampling, exact footprints, wind; "
-        "terrain: not bounded, up to 1.7 px per metre of relief"
+        "footprint: loc1, ≤ 0.0082 px; picture: map, ≤ 0.0083 px; left out: resampling, exact footprints, wind; "
+        "terrain: not bounded, up to 3.4 px per metre of relief"
     )
     tilted = plan(Mission(AGRICENTER, 120.0, tilt_deg=85.0), PixelGrid()).accuracy
     assert tilted.condition == math.inf

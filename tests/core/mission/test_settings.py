@@ -34,7 +34,7 @@ def test_the_command_line_comes_before_the_environment_before_the_file_before_th
     assert values["layout"] == "cover"
 
 
-CAMERA = {"fov", "hfov", "vfov", "camera", "sensor", "focal_length", "aspect_ratio"}
+CAMERA = {"fov", "hfov", "vfov", "camera", "sensor", "focal_length", "aspect_ratio", "image_px"}
 
 
 @pytest.mark.parametrize(
@@ -58,6 +58,10 @@ CAMERA = {"fov", "hfov", "vfov", "camera", "sensor", "focal_length", "aspect_rat
             {"sensor": [36, 24], "focal_length": 50},
             {"focal_length": 35.0, "sensor": (36.0, 24.0)},
         ),
+        # A camera by name has its own pixels, unless others are asked for where it is, or before it.
+        ({"camera": "DJI Mini 2"}, {"TERRAINAV_IMAGE_PX": "900"}, {}, {"camera": "DJI Mini 2"}),
+        ({}, {}, {"camera": "NVIG", "image_px": 900}, {"camera": "NVIG", "image_px": 900}),
+        ({"image_px": "900"}, {}, {"camera": "NVIG"}, {"camera": "NVIG", "image_px": 900}),
         # What has lost is not even read.
         ({"hfov": "60"}, {"TERRAINAV_FOV": "wide"}, {}, {"hfov": 60.0}),
         # A shape is no camera: this is refused as before.
@@ -176,6 +180,27 @@ def test_a_height_of_its_own_replaces_the_coordinates():
 
 def test_a_camera_by_name():
     assert make(coords="35.1_-89.8_120", camera="dji mini 2").camera.fov_deg == pytest.approx(82.4, abs=0.1)
+
+
+@pytest.mark.parametrize(
+    ("given", "image_px"),
+    [
+        ({}, 640),
+        ({"fov": "60"}, 640),
+        ({"camera": "Mavic 3E"}, 5280),
+        # Of which nobody has stated the pixels.
+        ({"camera": "NVIG"}, 640),
+        ({"camera": "Mavic 3E", "image_px": "1000"}, 1000),
+        ({"image_px": "1000"}, 1000),
+    ],
+)
+def test_a_camera_by_name_brings_its_own_pixels(given, image_px):
+    assert make(coords="35.1_-89.8_120", **given).image_px == image_px
+
+
+def test_an_image_of_no_pixels_is_refused():
+    with pytest.raises(InvalidInput, match="0 px: must be 1 or more"):
+        make(coords="35.1_-89.8_120", image_px="0")
 
 
 @pytest.mark.parametrize(
