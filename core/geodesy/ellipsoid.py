@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cache
 from typing import NamedTuple
 
 import numpy as np
@@ -19,9 +20,11 @@ Floats = NDArray[np.float64]
 _QUADRATURE_NODES = 16
 
 
+@cache
 def gauss_legendre(count: int) -> tuple[Floats, Floats]:
-    """Nodes in (-1, 1) and weights of Gauss-Legendre quadrature, (count,) each."""
+    """Nodes in (-1, 1) and weights of Gauss-Legendre quadrature, (count,) each, read-only."""
     nodes, weights = np.polynomial.legendre.leggauss(count)  # type: ignore[no-untyped-call, unused-ignore]
+    nodes.flags.writeable = weights.flags.writeable = False
     return nodes, weights
 
 

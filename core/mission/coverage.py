@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -21,6 +22,8 @@ Numbers = NDArray[np.int64]
 _SHARE_DECIMALS = 6
 #: Strips looked at in one go, to bound memory however many rectangles there are.
 _CHUNK = 2_000_000
+#: Most lines along each axis of the grid that gaps are looked for in, for each rectangle.
+_MOST_CELLS = 4
 #: Ground below this is the noise of clipping in degrees (1e-14 deg along a kilometre of edge): 1 mm².
 _NO_GROUND_M2 = 1e-6
 
@@ -97,9 +100,7 @@ def _reached(strip: Numbers, end: Floats) -> Floats:
 
 def _pieces(rectangles: Rectangles, first: Numbers, last: Numbers) -> tuple[Numbers, Floats, Floats]:
     """Strip, start and end of every rectangle's piece in each of its strips ``first`` to ``last`` (excluded)."""
-    counts = np.maximum(last - first, 0)
-    owner = np.repeat(np.arange(len(counts)), counts)
-    strip = first[owner] + np.arange(len(owner)) - np.repeat(np.cumsum(counts) - counts, counts)
+    owner, strip = _spread(first, last)
     return strip, rectangles.x0[owner], rectangles.x1[owner]
 
 
@@ -113,28 +114,171 @@ def _chunks(first: Numbers, last: Numbers, strips: int) -> list[tuple[int, int]]
 
 
 def gaps(rectangles: Rectangles, within: tuple[float, float, float, float]) -> Rectangles:
-    """What the rectangles leave of ``within`` (x0, y0, x1, y1), as rectangles of its own."""
+    """What the rectangles leave of ``within`` (x0, y0, x1, y1), as rectangles of its own.
+
+    Found cell by cell of a grid whose cells are as large as the rectangles are on average, so that the work grows with
+    their number where no place is in more than some of them. Nothing is rounded: the cells' own edges are cuts.
+    """
     west, north, east, south = within
     x0, x1 = (np.clip(x, west, east) for x in (rectangles.x0, rectangles.x1))
     y0, y1 = (np.clip(y, north, south) for y in (rectangles.y0, rectangles.y1))
-    breaks = np.unique(np.concatenate([y0, y1, [north, south]]))
-    first, last = np.searchsorted(breaks, y0), np.searchsorted(breaks, y1)
-    found = []
-    for start, stop in _chunks(first, last, len(breaks) - 1):
-        inside = (first < stop) & (last > start)
-        part = Rectangles(x0[inside], y0[inside], x1[inside], y1[inside])
-        strip, begin, end = _pieces(part, np.maximum(first[inside], start), np.minimum(last[inside], stop))
-        # The limits themselves, as pieces without width in every strip, make each gap lie between two pieces.
-        strips = np.arange(start, stop)
-        strip = np.concatenate([strips, strip, strips])
-        begin = np.concatenate([np.full(len(strips), west), begin, np.full(len(strips), east)])
-        end = np.concatenate([np.full(len(strips), west), end, np.full(len(strips), east)])
-        order = np.lexsort((begin, strip))
-        strip, begin, end = strip[order], begin[order], end[order]
-        reached = _reached(strip, end)
-        open_ = np.isfinite(reached) & (begin > reached)
-        found.append(np.stack([reached[open_], breaks[strip[open_]], begin[open_], breaks[strip[open_] + 1]]))
-    return Rectangles(*np.concatenate(found, axis=1)) if found else Rectangles(*np.empty((4, 0)))
+    held = (x1 > x0) & (y1 > y0)
+    clipped = Rectangles(x0[held], y0[held], x1[held], y1[held])
+    if not (east > west and south > north):
+        return Rectangles(*np.empty((4, 0)))
+    if not held.any():
+        return Rectangles(*(np.array([edge]) for edge in within))
+    cells = _Cells.under(clipped, within)
+    found = [cells.unoccupied(), *cells.gaps(clipped)]
+    return Rectangles(*(np.concatenate(edges) for edges in zip(*found)))
+
+
+class _Cells(NamedTuple):
+    """A grid over rectangles: its lines, and in each cell those that share ground with it, by cells.
+
+    Attributes
+    ----------
+    x, y : array (columns + 1,), (rows + 1,)
+    column, row : array (m,)
+        Cell of each pair of a cell and a rectangle.
+    owner : array (m,)
+        Index of the rectangle.
+    """
+
+    x: Floats
+    y: Floats
+    column: Numbers
+    row: Numbers
+    owner: Numbers
+
+    @classmethod
+    def under(cls, rectangles: Rectangles, within: tuple[float, float, float, float]) -> _Cells:
+        """Grid over rectangles that lie within bounds."""
+        west, north, east, south = within
+        x, first_x, last_x = _lines(rectangles.x0, rectangles.x1, west, east)
+        y, first_y, last_y = _lines(rectangles.y0, rectangles.y1, north, south)
+        owner, column = _spread(first_x, last_x)
+        pair, row = _spread(first_y[owner], last_y[owner])
+        column, owner = column[pair], owner[pair]
+        order = np.argsort(row * len(x) + column, kind="stable")
+        return cls(x, y, column[order], row[order], owner[order])
+
+    def unoccupied(self) -> Rectangles:
+        """Cells without a rectangle; those side by side, and rows of nothing else, are one."""
+        columns, rows = len(self.x) - 1, len(self.y) - 1
+        new = np.append(True, (np.diff(self.row) > 0) | (np.diff(self.column) > 0))
+        column, row = self.column[new], self.row[new]
+        # Between each occupied cell and the next one of its row, before a row's first one, and after its last.
+        begins = np.append(True, row[1:] != row[:-1])
+        ends = np.append(begins[1:], True)
+        first = np.concatenate([np.where(begins, 0, np.append(0, column[:-1] + 1)), column[ends] + 1])
+        last = np.concatenate([column, np.full(int(ends.sum()), columns)])
+        top = np.concatenate([row, row[ends]])
+        some = last > first
+        first, last, top = first[some], last[some], top[some]
+        used = np.concatenate([[-1], row[ends], [rows]])
+        empty = np.flatnonzero(np.diff(used) > 1)
+        return Rectangles(
+            np.concatenate([self.x[first], np.full(len(empty), self.x[0])]),
+            np.concatenate([self.y[top], self.y[used[empty] + 1]]),
+            np.concatenate([self.x[last], np.full(len(empty), self.x[-1])]),
+            np.concatenate([self.y[top + 1], self.y[used[empty + 1]]]),
+        )
+
+    def gaps(self, rectangles: Rectangles) -> Iterator[Rectangles]:
+        """What the rectangles leave of the cells that they share ground with, some cells at a time."""
+        new = np.append(True, (np.diff(self.row) > 0) | (np.diff(self.column) > 0))
+        cell = np.cumsum(new) - 1
+        column, row = self.column[new], self.row[new]
+        bounds = Rectangles(self.x[column], self.y[row], self.x[column + 1], self.y[row + 1])
+        x0, y0, x1, y1 = (edge[self.owner] for edge in rectangles)
+        left, top, right, bottom = (edge[cell] for edge in bounds)
+        whole = (x0 <= left) & (y0 <= top) & (x1 >= right) & (y1 >= bottom)
+        hidden = np.zeros(len(column), bool)
+        hidden[cell[whole]] = True
+        open_ = ~hidden[cell]
+        parts = Rectangles(
+            np.maximum(x0, left)[open_],
+            np.maximum(y0, top)[open_],
+            np.minimum(x1, right)[open_],
+            np.minimum(y1, bottom)[open_],
+        )
+        cell = cell[open_]
+        counts = np.bincount(cell, minlength=len(column))
+        # A cell of k parts has up to 2 k + 1 strips, each of which may hold all of them.
+        size = np.cumsum(counts * (2 * counts + 1))
+        start = 0
+        while start < len(counts):
+            stop = max(int(np.searchsorted(size, (size[start - 1] if start else 0) + _CHUNK)), start + 1)
+            some = slice(*np.searchsorted(cell, [start, stop]).tolist())
+            cells = start + np.flatnonzero(~hidden[start:stop])
+            if len(cells):
+                these, around = (
+                    Rectangles(*(edge[at] for edge in all_)) for all_, at in ((parts, some), (bounds, cells))
+                )
+                yield _gaps_in_cells(these, cell[some], around, cells)
+            start = stop
+
+
+def _lines(low: Floats, high: Floats, least: float, most: float) -> tuple[Floats, Numbers, Numbers]:
+    """Lines of a grid along one axis, and the first and last cell (excluded) of spans between them."""
+    # As wide as the spans on average; where these are few in a wide field, no more than some for each.
+    count = min(math.ceil((most - least) / float(np.mean(high - low))), _MOST_CELLS * len(low))
+    lines = np.linspace(least, most, count + 1)
+    return lines, np.searchsorted(lines, low, "right") - 1, np.searchsorted(lines, high, "left")
+
+
+def _spread(first: Numbers, last: Numbers) -> tuple[Numbers, Numbers]:
+    """Index of each range ``first`` to ``last`` (excluded) for each of its numbers, and the number."""
+    counts = np.maximum(last - first, 0)
+    owner = np.repeat(np.arange(len(counts)), counts)
+    return owner, first[owner] + np.arange(len(owner)) - np.repeat(np.cumsum(counts) - counts, counts)
+
+
+def _gaps_in_cells(parts: Rectangles, cell: Numbers, bounds: Rectangles, cells: Numbers) -> Rectangles:
+    """What parts leave of their cells, each cut into strips at its parts' own tops and bottoms.
+
+    Parameters
+    ----------
+    parts : Rectangles
+        (m,), each inside its cell.
+    cell : array (m,)
+        Number of the cell of each.
+    bounds : Rectangles
+        (k,) of the cells.
+    cells : array (k,)
+        Their numbers.
+    """
+    y = np.concatenate([parts.y0, parts.y1, bounds.y0, bounds.y1])
+    of = np.concatenate([cell, cell, cells, cells])
+    order = np.lexsort((y, of))
+    y, of = y[order], of[order]
+    new = np.append(True, (of[1:] != of[:-1]) | (y[1:] != y[:-1]))
+    rank = np.empty(len(order), np.int64)
+    rank[order] = np.cumsum(new) - 1
+    y, of = y[new], of[new]
+    # A strip is named by its upper line; the last line of a cell has none below it.
+    is_strip = np.append(of[1:] == of[:-1], False)
+    at = np.searchsorted(cells, of)
+    west, east, below = bounds.x0[at], bounds.x1[at], np.append(y[1:], np.inf)
+    count = len(parts.y0)
+    strip, begin, end = _pieces(parts, rank[:count], rank[count : 2 * count])
+    sorted_ = np.lexsort((begin, strip))
+    strip, begin, end = strip[sorted_], begin[sorted_], end[sorted_]
+    reached = np.maximum(_reached(strip, end), west[strip])
+    between = begin > reached
+    last = np.append(strip[1:] != strip[:-1], True) if len(strip) else np.empty(0, bool)
+    to, after = np.maximum(reached, end)[last], strip[last]
+    ending = to < east[after]
+    to, after = to[ending], after[ending]
+    bare = np.flatnonzero(is_strip & (np.bincount(strip, minlength=len(y)) == 0))
+    at = np.concatenate([strip[between], after, bare])
+    return Rectangles(
+        np.concatenate([reached[between], to, west[bare]]),
+        y[at],
+        np.concatenate([begin[between], east[after], east[bare]]),
+        below[at],
+    )
 
 
 def coverage(area: Box | Polygon, windows: Windows, grid: PixelGrid, zoom: int) -> Coverage:
