@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-from functools import lru_cache
-
 import numpy as np
 
-from .lattice import Array, Grid, Samples, Window, cell_hash, mix, refine, salt, signed
-from .region import BLOCK_ZOOM
+from .lattice import Array, Window, cell_hash, mix, refine, salt, signed
+from .region import neighbourhood
+from .samples import Grid, Samples
+from .shared import shared
 
 _SPECKLE_FIRST = 14
-_SPECKLE_KEPT = 20
-"""Octaves down to this level are remembered for a block of tiles."""
 
 _STRIPE_COUNT = 8192
 _STRIPES_PER_PX = 4
@@ -23,18 +21,7 @@ def speckle(seed: int, samples: Samples, last_level: int) -> Array | None:
     """Evaluate texture of all scales from 2.4 km down to `last_level`, with a standard deviation of 0.1 an octave."""
     if last_level < _SPECKLE_FIRST:
         return None
-    windows = [samples.cells(last_level).support()]
-    top = max(min(last_level, _SPECKLE_KEPT), _SPECKLE_FIRST)
-    while windows[-1].level > top:
-        windows.append(windows[-1].parent())
-    up = max(samples.zoom - BLOCK_ZOOM, 0)
-    c, whole = _coarse_speckle(seed, samples.zoom - up, samples.x >> up, samples.y >> up, top)
-    first = windows.pop()
-    i, j = first.i0 - whole.i0, first.j0 - whole.j0
-    c, coarse = c[j : j + first.rows, i : i + first.columns], first
-    for window in reversed(windows):
-        c, coarse = refine(c, coarse, window) + _octave(seed, window), window
-    return samples.spline(c, coarse)
+    return samples.spline(*_speckle(seed, last_level, *neighbourhood(samples)))
 
 
 def _octave(seed: int, window: Window) -> Array:
@@ -44,20 +31,21 @@ def _octave(seed: int, window: Window) -> Array:
     return noise
 
 
-@lru_cache(maxsize=48)
-def _coarse_speckle(seed: int, zoom: int, x: int, y: int, level: int) -> tuple[Array, Window]:
-    """Coefficients at `level` over a block, which neighbouring tiles share."""
-    windows = [Grid(zoom, x, y).cells(level).support().grown(2)]
+@shared(32)
+def _speckle(seed: int, level: int, zoom: int, x: int, y: int) -> tuple[Array, Window]:
+    """Coefficients at `level` over a tile of any zoom."""
+    windows = [Grid(zoom, x, y).cells(level).support()]
     while windows[-1].level > _SPECKLE_FIRST:
         windows.append(windows[-1].parent())
     coarse = windows.pop()
     c: Array = _octave(seed, coarse)
     for window in reversed(windows):
-        c, coarse = refine(c, coarse, window) + _octave(seed, window), window
+        c, coarse = refine(c, coarse, window), window
+        c += _octave(seed, window)
     return c, coarse
 
 
-@lru_cache(maxsize=32)
+@shared(32)
 def _stripe_table(seed: int, pixel_m: float) -> Array:
     """One period of the stripes at a pixel size, sampled `_STRIPES_PER_PX` times a pixel.
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from .buildings import Footprints
+from .buildings import footprints
 from .climate import height
 from .leaves import HALF_WIDTH_M, LANE, MAIN, ROAD, TRACK
 from .paint import Canvas
@@ -43,8 +43,8 @@ def roadmap(scene: Scene) -> Canvas:
 
 
 def _draw_buildings(canvas: Canvas, scene: Scene) -> None:
-    prints = Footprints(scene.parcels)
-    if not prints.none:
+    prints = footprints(scene.parcels)
+    if prints is not None:
         for colour, grow in ((BUILDING_EDGE, 0.0), (BUILDING, -0.7)):
             canvas.blend(prints.cover(grow_m=grow), colour)
 

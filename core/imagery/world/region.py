@@ -7,12 +7,13 @@ deviation, so that a shore drawn from too few octaves is as soft as the shore th
 
 from __future__ import annotations
 
-from functools import lru_cache
 from typing import Callable
 
 import numpy as np
 
-from .lattice import WORLD_M, Array, Grid, Samples, Window, cell_hash, refine, salt, signed
+from .lattice import WORLD_M, Array, Window, cell_hash, refine, salt, signed
+from .samples import Grid, Samples
+from .shared import shared
 
 FINEST_OCTAVE = 19
 """No regional quantity has octaves shorter than the cells of this level, 76 m."""
@@ -28,6 +29,9 @@ COARSE = 10
 
 BLOCK_ZOOM = 15
 """From this zoom on regions are worked out, and remembered, for tiles of this zoom, 1.2 km wide."""
+
+_SHARED_TILES_LOG2 = 2
+"""From two zooms further in on, what is finer than a region is shared by blocks of four by four tiles."""
 
 _FIELDS: dict[str, tuple[int, tuple[float, ...]]] = {
     # name: first level, amplitude of each octave from there on
@@ -122,7 +126,7 @@ def _descend(seed: int, windows: list[Window], c: Array, ridge: Array | None) ->
     return c, ridge
 
 
-@lru_cache(maxsize=64)
+@shared(64)
 def _coarse(seed: int, window: Window) -> tuple[Array, Array | None]:
     """Coefficients at a window of level `COARSE` or coarser: neighbouring tiles ask for the same ones."""
     windows = _ancestry(window, 0)
@@ -159,6 +163,12 @@ def finest_level(zoom: int) -> int:
     return min(zoom + 8 - MIN_CELL_PX_LOG2, max(FINEST_OCTAVE, min(zoom + 2, FINEST_OCTAVE + 2)))
 
 
+def neighbourhood(samples: Samples) -> tuple[int, int, int]:
+    """Return the tile (zoom, x, y) of some zoom further out whose tiles share what is worked out around samples."""
+    up = min(max(samples.zoom - BLOCK_ZOOM, 0), _SHARED_TILES_LOG2)
+    return samples.zoom - up, samples.x >> up, samples.y >> up
+
+
 class Region:
     """The regional fields over a block: a tile of zoom `BLOCK_ZOOM` or, at lower zooms, one tile."""
 
@@ -174,6 +184,8 @@ class Region:
         values = (wide[..., :-2] + wide[..., 2:] + np.float32(4) * wide[..., 1:-1]) * np.float32(1 / 6)
         self.nodes: dict[str, Array] = dict(zip(NAMES, values))
         self._derived: dict[str, Array] = {}
+        low, high = c.min(axis=(1, 2)), c.max(axis=(1, 2))
+        self._extremes = dict(zip(NAMES, zip(low.tolist(), high.tolist())))
 
     @staticmethod
     def around(seed: int, samples: Samples) -> Region:
@@ -200,6 +212,10 @@ class Region:
         east += south
         return np.sqrt(east, out=east)
 
+    def extremes(self, name: str) -> tuple[float, float]:
+        """Bound a field over the whole block."""
+        return self._extremes[name]
+
     def span(self, name: str, samples: Samples) -> tuple[float, float]:
         """Bound a field over samples: a spline lies between its coefficients."""
         c = self._under(self.coefficients[_INDEX[name]], self.window, samples)
@@ -221,6 +237,14 @@ class Region:
             self._derived[name] = function(self.nodes).astype(np.float32, copy=False)
         return self._derived[name]
 
+    def derived_extremes(self, function: Callable[[dict[str, Array]], Array]) -> tuple[float, float]:
+        """Bound a function of the fields over the whole block."""
+        name = function.__name__
+        if name not in self._extremes:
+            c = self.derived(function)
+            self._extremes[name] = float(c.min()), float(c.max())
+        return self._extremes[name]
+
     def smooth(self, function: Callable[[dict[str, Array]], Array], samples: Samples) -> Array:
         """Evaluate a function of the fields at samples, smoothly between lattice points."""
         c, window = self.derived(function), self.window.grown(-1)
@@ -236,6 +260,6 @@ class Region:
         return float(c.min()), float(c.max())
 
 
-@lru_cache(maxsize=48)
+@shared(48)
 def _region(seed: int, zoom: int, block: tuple[int, int, int]) -> Region:
     return Region(seed, zoom, block)

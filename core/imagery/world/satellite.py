@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from . import climate, trees
-from .buildings import Footprints
+from .buildings import footprints
 from .detail import speckle, stripes
 from .lattice import Array
 from .leaves import HALF_WIDTH_M, HEDGE, LANE, MAIN, ROAD, TRACK, farm_mean
@@ -18,7 +18,7 @@ _VERGE = (138, 138, 92)
 _MARKING, _MOTORWAY = (224, 206, 130), (134, 132, 130)
 _RIVER = (62, 84, 82)
 _LAKE = (44, 66, 76)
-_SHADOW = (26, 30, 34)
+_SHADOW, _SHADOW_M = (26, 30, 34), 2.6
 _FLOOR = (44, 52, 32)
 
 
@@ -69,7 +69,7 @@ class _Land:
         scene = self.scene
         seed, samples = scene.seed, scene.samples
         self.speckle = speckle(seed, samples, min(self.zoom + 6, 28))
-        canvas = Canvas(np.stack([self.parcels.take(c) for c in self.looks.colour]), samples.shape)
+        canvas = Canvas([self.parcels.take(c) for c in self.looks.colour], samples.shape)
         wild = self.parcels.leaf(self.looks.wild)
         if wild.any():
             canvas.blend(self.parcels.spread(wild), scene.region.smooth(climate.natural_colour, samples))
@@ -118,16 +118,13 @@ class _Land:
         canvas.blend(self.scene.motorway(), _MOTORWAY)
 
     def _buildings(self, canvas: Canvas) -> None:
-        prints = Footprints(self.parcels)
-        if prints.none:
+        prints = footprints(self.parcels)
+        if prints is None:
             return
+        at, near = prints.near(_SHADOW_M)
         if self.zoom >= 15:
-            shadow = prints.cover(moved_m=2.6).ravel()
-            at = np.flatnonzero(shadow)
-            canvas.touch(at, shadow[at] * np.float32(0.6), _SHADOW)
-        cover = prints.cover().ravel()
-        at = np.flatnonzero(cover)
-        canvas.touch(at, cover[at], prints.roofs(at))
+            canvas.touch(at, near.cover(moved_m=_SHADOW_M) * np.float32(0.6), _SHADOW)
+        canvas.touch(at, near.cover(), near.roofs())
 
     def _trees(self, canvas: Canvas) -> None:
         contrast = 0.55 if self.zoom == trees.FIRST_ZOOM else 1.0

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from . import climate
-from .lattice import Array, Samples
+from .lattice import Array
 from .paint import ramp
 from .parcels import Parcels
 from .region import Region
+from .samples import Samples
 
 PARCEL_ZOOM = 8
 #: Zoom up to which relief is toned down, and what is left of it at each zoom farther out.
@@ -51,21 +54,26 @@ class Scene:
     def _value(self, name: str) -> Array:
         return self.region.value(name, self.samples)
 
+    def _bounds(self, name: str) -> Iterator[tuple[float, float]]:
+        """Bound a field over the block, which costs nothing, and then over the samples."""
+        yield self.region.extremes(name)
+        yield self.region.span(name, self.samples)
+
     def _reach(self, name: str, half_width_m: float) -> float:
         """Bound on the field within a course of some half width, blur included."""
         return (half_width_m + self.pixel_m) * _MOST_STEEPNESS[name] + self.region.blur(name)
 
-    def _course(self, name: str, half_width_m: float, factor: Array | None) -> Array | None:
-        """Coverage by a line that follows the zeros of a field."""
-        low, high = self.region.span(name, self.samples)
+    def _course(self, name: str, half_width_m: float, factor: str | None) -> Array | None:
+        """Coverage by a line that follows the zeros of a field, its width times a share of the climate's."""
         reach = self._reach(name, half_width_m)
-        if low > reach or high < -reach:
-            return None
+        for low, high in self._bounds(name):
+            if low > reach or high < -reach:
+                return None
         f = self._value(name)
         steep = self.region.steepness(name, self.samples)
         width = np.maximum(steep, np.float32(_LEAST_STEEPNESS[name])) * np.float32(half_width_m)
         if factor is not None:
-            width *= factor
+            width *= self._climate(factor)
         soft = steep
         soft *= np.float32(self.pixel_m)
         soft += np.float32(self.region.blur(name) + 1e-12)
@@ -89,7 +97,8 @@ class Scene:
         return self._cache["sea"]
 
     def _sea(self) -> Array | None:
-        if self.region.span("land", self.samples)[0] > self._reach("land", 0.0):
+        reach = self._reach("land", 0.0)
+        if any(low > reach for low, _ in self._bounds("land")):
             return None
         steep = self.region.steepness("land", self.samples) * np.float32(self.pixel_m)
         return ramp(-self._value("land"), steep + np.float32(self.region.blur("land") + 1e-12))
@@ -97,8 +106,8 @@ class Scene:
     def rivers(self) -> Array | None:
         """Coverage by rivers and brooks."""
         if "rivers" not in self._cache:
-            river = self._course("river", RIVER_HALF_WIDTH_M, self._climate("wateriness"))
-            brook = self._course("brook", BROOK_HALF_WIDTH_M, self._climate("wateriness"))
+            river = self._course("river", RIVER_HALF_WIDTH_M, "wateriness")
+            brook = self._course("brook", BROOK_HALF_WIDTH_M, "wateriness")
             self._cache["rivers"] = _union(river, brook)
         return self._cache["rivers"]
 
@@ -110,7 +119,8 @@ class Scene:
 
     def _lakes(self) -> Array | None:
         least = 1.08
-        if self.region.span("lake", self.samples)[1] < least - self._reach("lake", 0.0):
+        reach = self._reach("lake", 0.0)
+        if any(high < least - reach for _, high in self._bounds("lake")):
             return None
         above = self._value("lake") - (
             np.float32(least + 1.2) - np.float32(1.2) * self._climate("wateriness")
@@ -129,6 +139,10 @@ class Scene:
         return self._cache["woods"]
 
     def _woods(self) -> Array | None:
+        if self.region.extremes("wood")[1] < self.region.derived_extremes(climate.wood_threshold)[
+            0
+        ] - self._reach("wood", 0.0):
+            return None
         low, high = self.region.span("wood", self.samples)
         least, most = self.region.derived_span(climate.wood_threshold, self.samples)
         reach = self._reach("wood", 0.0)

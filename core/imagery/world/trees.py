@@ -7,11 +7,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .buildings import Footprints
-from .lattice import WORLD_M, Array, Cells, Grid, Window, bits, cell_hash, salt
+from .buildings import footprints
+from .lattice import WORLD_M, Array, Window, bits, cell_hash, salt
 from .leaves import HALF_WIDTH_M, HEDGE, LANE, MAIN, ROAD
 from .paint import Canvas, clip01
+from .parcels import root_squares
+from .region import Region, neighbourhood
+from .samples import Cells, Few, Tiles
 from .scene import Scene
+from .shared import shared
 
 LEVEL = 22
 """Cells of 9.6 m hold a crown each."""
@@ -35,9 +39,13 @@ _DENSE = 0.25
 
 @dataclass(frozen=True)
 class Crowns:
-    """Trees of a block of cells: arrays (rows, columns); centres and radii in cells."""
+    """Trees of blocks of cells: arrays (..., rows, columns); centres and radii in cells.
 
-    window: Window
+    `i0`, `j0`, shape (...), are the column and row of each block's first cell.
+    """
+
+    i0: Array
+    j0: Array
     there: Array
     x: Array
     y: Array
@@ -45,8 +53,15 @@ class Crowns:
     tone: Array
     hue: Array
 
+    def within(self, block: int, window: Window) -> Crowns:
+        """Return the trees of a window of one of the blocks."""
+        i, j = window.i0 - int(self.i0[block]), window.j0 - int(self.j0[block])
+        at = (block, slice(j, j + window.rows), slice(i, i + window.columns))
+        tables = (self.there, self.x, self.y, self.radius, self.tone, self.hue)
+        return Crowns(self.i0[block] + i, self.j0[block] + j, *(table[at] for table in tables))
 
-def _chances(scene: Scene) -> Array:
+
+def _chance(scene: Scene) -> Array:
     """How likely each cell of a scene of cells holds a tree."""
     shape = scene.samples.shape
     chance = np.full(shape, 0.006, dtype=np.float32)
@@ -64,8 +79,8 @@ def _chances(scene: Scene) -> Array:
         d = parcels.distance_m(line)
         if d is not None:
             chance[d < HALF_WIDTH_M[line] + 3.2] = 0.0
-    prints = Footprints(parcels)
-    if not prints.none:
+    prints = footprints(parcels)
+    if prints is not None:
         chance[prints.cover(moved_m=1.5, grow_m=4.4) > 0.5] = 0.0
     for cover in (scene.water(), scene.motorway()):
         if cover is not None:
@@ -75,22 +90,47 @@ def _chances(scene: Scene) -> Array:
 
 def plant(scene: Scene) -> list[tuple[Cells, Crowns]]:
     """Plant trees in the cells under a scene's samples, and in woods between them too."""
-    seed, samples = scene.seed, scene.samples
-    cells, between = samples.cells(LEVEL), samples.cells(LEVEL, shifted=True)
-    block = between.window(1, 0)  # the four cells around each cell between
-    chance = _chances(Scene(seed, Grid(samples.zoom, samples.x, samples.y, block)))
-    window = cells.window()
-    i, j = window.i0 - block.i0, window.j0 - block.j0
-    planted = [(cells, _grow(seed, window, chance[j : j + window.rows, i : i + window.columns], 0))]
-    dense = chance > _WOODED
-    dense = dense[:-1, :-1] & dense[1:, :-1] & dense[:-1, 1:] & dense[1:, 1:]
-    if dense.any():
-        planted.append((between, _grow(seed, between.window(), dense * np.float32(0.96), 1)))
+    samples = scene.samples
+    zoom, x, y = neighbourhood(samples)
+    up = samples.zoom - zoom
+    tile = ((samples.y - (y << up)) << up) + samples.x - (x << up)
+    planted = []
+    for crowns, shifted in zip(_stand(scene.seed, samples.zoom, zoom, x, y), (False, True)):
+        cells = samples.cells(LEVEL, shifted)
+        planted.append((cells, crowns.within(tile, cells.window())))
     return planted
 
 
-def _grow(seed: int, window: Window, chance: Array, number: int) -> Crowns:
-    i, j = window.indices()
+@shared(32)
+def _stand(seed: int, zoom: int, around: int, x: int, y: int) -> tuple[Crowns, Crowns]:
+    """Plant the tiles of `zoom`, by rows, that are in a tile of `around`: in cells, and between four cells."""
+    up = zoom - around
+    step = np.arange(1 << up, dtype=np.int64)
+    rows, columns = (a.ravel() for a in np.meshgrid((y << up) + step, (x << up) + step, indexing="ij"))
+    chance, tiles = _chances(seed, zoom, columns, rows)
+    i, j = tiles.columns, tiles.rows
+    dense = chance > _WOODED
+    dense = dense[:, :-1, :-1] & dense[:, 1:, :-1] & dense[:, :-1, 1:] & dense[:, 1:, 1:]
+    inside = slice(1, -1)
+    return (
+        _grow(seed, i[..., inside], j[:, inside], chance[:, inside, inside], 0),
+        _grow(seed, i[..., 1:], j[:, 1:], dense * np.float32(0.96), 1),
+    )
+
+
+def _chances(seed: int, zoom: int, x: Array, y: Array) -> tuple[Array, Tiles]:
+    """How likely each cell in and right around some tiles holds a tree; and the cells."""
+    tiles = Tiles(zoom, x, y, LEVEL)
+    chance = np.empty(tiles.shape, dtype=np.float32)
+    # The land is divided for the root squares that a tile touches, not for those of its neighbours.
+    squares = root_squares(Region.around(seed, tiles), tiles)
+    for alike in np.unique(squares, axis=0):
+        at = np.flatnonzero((squares == alike).all(axis=1))
+        chance[at] = _chance(Scene(seed, Tiles(zoom, x[at], y[at], LEVEL)))
+    return chance, tiles
+
+
+def _grow(seed: int, i: Array, j: Array, chance: Array, number: int) -> Crowns:
     h = cell_hash(salt(seed, 7, number), LEVEL, i, j)
     k = cell_hash(salt(seed, 8, number), LEVEL, i, j)
     there = bits(h, 0, 8) < chance
@@ -101,29 +141,31 @@ def _grow(seed: int, window: Window, chance: Array, number: int) -> Crowns:
     y = np.float32(0.5) + slack * (bits(h, 23, 9) * np.float32(2) - np.float32(1))
     tone = np.float32(0.80) + np.float32(0.4) * bits(k, 0, 8)
     hue = bits(k, 8, 8) - np.float32(0.5)
-    return Crowns(window, there, x, y, radius, tone, hue)
+    return Crowns(i[:, 0, 0], j[:, 0, 0], there, x, y, radius, tone, hue)
 
 
 class _Drawn:
     """Crowns' attributes at the samples: at all of them or, where crowns are few, at those in a cell with one."""
 
     def __init__(self, canvas: Canvas, cells: Cells, crowns: Crowns) -> None:
-        self.canvas, self.cells, self.window = canvas, cells, crowns.window
-        self.dense = float(crowns.there.mean()) > _DENSE
-        if not self.dense:
-            near = np.broadcast_to(cells.spread(crowns.there, crowns.window), cells.inner())
-            self.at = np.flatnonzero(near)
-            self.cells = cells.pick(self.at)
+        self.canvas, self.cells = canvas, cells
+        self.fx, self.fy = cells.fx, cells.fy
+        self.few: Few | None = None
+        if float(crowns.there.mean()) <= _DENSE:
+            self.few = cells.among(crowns.there)
+            self.fx, self.fy = self.few.fx, self.few.fy
 
     def take(self, table: Array) -> Array:
-        return self.cells.spread(table, self.window)
+        return self.cells.spread(table, self.cells.window()) if self.few is None else table[self.few.cells]
 
     def sample(self, values: Array) -> Array:
-        return values.reshape(self.cells.inner()) if self.dense else values.ravel()[self.at]
+        return (
+            values.reshape(self.cells.inner()) if self.few is None else values.take(self.few.at, mode="clip")
+        )
 
     def blend(self, cover: Array, colour: Sequence[float | Array]) -> None:
-        if not self.dense:
-            self.canvas.touch(self.at, cover, colour)
+        if self.few is not None:
+            self.canvas.touch(self.few.at, cover, colour)
             return
         for plane, ink in zip(self.canvas.planes, colour):
             view = plane.reshape(self.cells.inner())
@@ -148,11 +190,11 @@ def draw(
     one = np.float32(1)
     radius = np.where(crowns.there, crowns.radius, np.float32(1e-3))
     inverse = drawn.take(one / radius)
-    dx = (drawn.cells.fx - drawn.take(crowns.x)) * inverse
-    dy = drawn.cells.fy - drawn.take(crowns.y)
+    dx = (drawn.fx - drawn.take(crowns.x)) * inverse
+    dy = drawn.fy - drawn.take(crowns.y)
     dy *= inverse
     sharp = drawn.take(radius * np.float32(0.5 * CELL_M / pixel_m))
-    if pixel_m < _SHADOW_M and not drawn.dense:
+    if pixel_m < _SHADOW_M and drawn.few is not None:
         shift = np.float32(_SHADOW_M / CELL_M) * inverse
         sx, sy = dx - shift, dy - shift
         shade = (one - (sx * sx + sy * sy)) * sharp

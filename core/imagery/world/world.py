@@ -9,9 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import InvalidInput
-from .lattice import Array, Grid, Points
+from .lattice import Array
 from .maps import roadmap, terrain
 from .paint import Canvas
+from .samples import Grid, Points
 from .satellite import satellite
 from .scene import Scene
 
