@@ -40,7 +40,8 @@ from terrainav.core.geodesy.mercator import PixelGrid
 from terrainav.core.imagery.cache.tile_cache import TileCache
 from terrainav.core.imagery.client import Client
 from terrainav.core.imagery.decode import Placeholder
-from terrainav.core.imagery.transport import RequestsTransport, Timeouts
+from terrainav.core.imagery.requests_transport import RequestsTransport
+from terrainav.core.imagery.transport import Timeouts
 from terrainav.core.imagery.xyz import XYZSource
 from terrainav.core.mission.area import Box
 from terrainav.core.mission.mission import Mission

@@ -13,8 +13,7 @@ from ..imagery.source import Part, Window, tile_parts
 from ..mission.framing import ground_of
 from ..mission.plan import Plan
 from .perspective import camera_parts, render
-from .picture import assemble
-from .records import window_of
+from .picture import assemble, window_of
 
 #: Captures whose footprints are timed; a million cost no more per capture.
 _FOOTPRINTS_TIMED = 10_000

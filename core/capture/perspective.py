@@ -7,7 +7,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from PIL import Image
 
 from ..errors import PartError
 from ..geodesy.mercator import PixelGrid, lon_to_u
@@ -19,7 +18,6 @@ from .resample import sample
 Floats = NDArray[np.float64]
 Pixels = NDArray[np.uint8]
 
-_PILLOW: dict[str, Any] = {"nearest": Image.NEAREST, "bilinear": Image.BILINEAR, "bicubic": Image.BICUBIC}
 #: Samples of single pixels gathered in one go.
 _BATCH = 1 << 16
 
@@ -112,6 +110,9 @@ def _refuse_missing(count: int) -> None:
 
 def _warp(picture: Pixels, patches: Patches, ground: _Ground, grid: PixelGrid, u: float, kernel: str) -> None:
     """Fill patches, each by the perspective through its corners."""
+    from PIL import Image
+
+    resampling: Any = {"nearest": Image.NEAREST, "bilinear": Image.BILINEAR, "bicubic": Image.BICUBIC}[kernel]
     world = grid.world_px(patches.zoom)
     image = Image.fromarray(ground.pixels)
     absent = None if ground.missing is None else Image.fromarray(ground.missing.astype(np.uint8) * 255)
@@ -123,7 +124,7 @@ def _warp(picture: Pixels, patches: Patches, ground: _Ground, grid: PixelGrid, u
         zip(width.tolist(), height.tolist()),
         _perspectives(x, y, width, height).tolist(),
     ):
-        seen = image.transform(size, Image.PERSPECTIVE, coefficients, _PILLOW[kernel])
+        seen = image.transform(size, Image.PERSPECTIVE, coefficients, resampling)
         if wide > 1 or high > 1:
             seen = seen.reduce((wide, high))
         left, top, right, bottom = box

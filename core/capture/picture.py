@@ -6,12 +6,18 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
-from PIL import Image
 
 from ..errors import PartError
 from ..imagery.source import Part, Window
+from ..mission.plan import Plan
 
 Pixels = NDArray[np.uint8]
+
+
+def window_of(plan: Plan, index: int) -> Window:
+    """Window of one capture; its left and top are int where the source's grid is."""
+    left, top, width, height = (values[index].item() for values in plan.windows)
+    return Window(plan.zoom, left, top, width, height)
 
 
 def assemble(window: Window, parts: Sequence[Part], pixels: Mapping[Window, Pixels]) -> Pixels:
@@ -83,6 +89,8 @@ def resized(picture: Pixels, img_size: tuple[int, int, int] | None) -> Pixels:
     if img_size is None:
         return picture
     width, height, channels = img_size
+    from PIL import Image
+
     image = Image.fromarray(picture)
     if channels == 1:
         image = image.convert("L")

@@ -25,7 +25,7 @@ from .exposure import Exposures
 from .georeference import Georeference
 from .journal import Outcome
 from .perspective import camera_parts, render
-from .picture import assemble, resized
+from .picture import assemble, resized, window_of
 from .writers import Place, write_picture
 
 Floats = NDArray[np.float64]
@@ -109,12 +109,6 @@ def make_picture(job: PictureJob, parts: Sequence[Part], pixels: Mapping[Window,
     size_bytes = write_picture(job.folder, job.image_format, picture, job.place, job.description)
     bits = entropy(picture[..., :3] if picture.ndim > 2 else picture)
     return made._replace(entropy=bits, size_bytes=size_bytes)
-
-
-def window_of(plan: Plan, index: int) -> Window:
-    """Window of one capture; its left and top are int where the source's grid is."""
-    left, top, width, height = (values[index].item() for values in plan.windows)
-    return Window(plan.zoom, left, top, width, height)
 
 
 def parts_of(plan: Plan, source: Source, index: int) -> list[Part]:

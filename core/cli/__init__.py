@@ -2,37 +2,28 @@
 
 from __future__ import annotations
 
-import argparse
 import contextlib
+import importlib
 import os
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 from ..errors import Cancelled, InvalidInput, TerrAInavError
-from .caching import run_cache
-from .cameras import run_cameras
-from .cleaning import run_clean
-from .converting import run_convert
 from .exits import BAD_INPUT, DONE, FAILED, STOPPED
-from .flying import run_capture, run_plan, run_report
-from .listing import run_sources
-from .loading import run_load
-from .options import normalised, parser
-from .pairing import run_pairs
-from .splitting import run_split
 
-_COMMANDS: dict[str, Callable[[argparse.Namespace], int]] = {
-    "plan": run_plan,
-    "capture": run_capture,
-    "clean": run_clean,
-    "split": run_split,
-    "convert": run_convert,
-    "pairs": run_pairs,
-    "load": run_load,
-    "report": run_report,
-    "sources": run_sources,
-    "cameras": run_cameras,
-    "cache": run_cache,
+#: The module of each command and its function there; only the one that is run is imported.
+_COMMANDS = {
+    "plan": ("flying", "run_plan"),
+    "capture": ("flying", "run_capture"),
+    "clean": ("cleaning", "run_clean"),
+    "split": ("splitting", "run_split"),
+    "convert": ("converting", "run_convert"),
+    "pairs": ("pairing", "run_pairs"),
+    "load": ("loading", "run_load"),
+    "report": ("flying", "run_report"),
+    "sources": ("listing", "run_sources"),
+    "cameras": ("cameras", "run_cameras"),
+    "cache": ("caching", "run_cache"),
 }
 
 
@@ -65,17 +56,28 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 def _run(argv: Sequence[str]) -> int:
+    if list(argv) == ["--version"]:
+        # Asked for by scripts: it need not wait for the parser of all options.
+        return _print_version()
+    from .options import normalised, parser
+
     reader = parser()
     arguments = reader.parse_args(normalised(argv))
     if arguments.version:
-        from ..version import version
-
-        print(f"terrainav {version()}")
-        return DONE
+        return _print_version()
     if arguments.command is None:
         reader.print_help()
         return DONE
-    return _COMMANDS[arguments.command](arguments)
+    module, function = _COMMANDS[arguments.command]
+    code: int = getattr(importlib.import_module(f".{module}", __name__), function)(arguments)
+    return code
+
+
+def _print_version() -> int:
+    from ..version import version
+
+    print(f"terrainav {version()}")
+    return DONE
 
 
 def _drop_output() -> None:

@@ -7,7 +7,6 @@ import json
 from typing import TYPE_CHECKING, Any
 
 from ..errors import InvalidInput
-from ..mission.estimate import size_text
 from .exits import DONE
 
 if TYPE_CHECKING:
@@ -39,6 +38,7 @@ def run_cache(arguments: argparse.Namespace) -> int:
     """List or clear the cache."""
     _check_folder(arguments.cache_dir)
     from ..imagery.cache.tile_cache import TileCache
+    from ..mission.estimate import size_text
 
     cache = TileCache(arguments.cache_dir)
     if arguments.action == "clear":

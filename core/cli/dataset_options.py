@@ -4,9 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from ..dataset.clean import DEFAULT_ENTROPY
-from ..dataset.dataset import LAYOUTS
-from ..dataset.parts import PARTS, TRAIN
+from ..dataset.choices import DEFAULT_ENTROPY, LAYOUTS, PARTS, TRAIN
 from .pairing import add_pairs
 from .parsing import add_json
 from .splitting import add_split

@@ -14,18 +14,15 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..errors import InvalidInput
-from ..mission.estimate import OFFLINE, ONLINE, estimate
-from ..mission.export import check_plan_ending, write_plan
-from ..mission.mission import Mission
 from ..mission.options import OPTIONS, RUN_OPTIONS
-from ..mission.plan import Plan, plan
-from ..mission.settings import mission_from, resolve
 from .caching import opened_cache
 from .exits import DONE, INCOMPLETE, STOPPED
 
 if TYPE_CHECKING:
     from ..capture.runner import CaptureResult, Failure, Progress
     from ..imagery.source import Source
+    from ..mission.mission import Mission
+    from ..mission.plan import Plan
     from ..pairs.capturing import PairResult
 
 #: Failed pictures named on the terminal; all are in the journal and the tables.
@@ -37,6 +34,9 @@ _REPORT_REQUESTS = 200
 
 def _settings(arguments: argparse.Namespace) -> tuple[Mission, dict[str, Any]]:
     """Return the mission asked for, and the options of its run."""
+    from ..mission.mission import Mission
+    from ..mission.settings import mission_from, resolve
+
     given = {option.name: getattr(arguments, option.name) for option in OPTIONS}
     if arguments.mission_file is None:
         values = resolve(given, config=arguments.config)
@@ -87,6 +87,7 @@ def _check_terms(worked_out: Plan, source: Source, requests: int, accept_terms: 
 
 def _print_summary(worked_out: Plan, source: Source, values: dict[str, Any], as_json: bool) -> None:
     from ..capture.cost import timed_cost
+    from ..mission.estimate import OFFLINE, ONLINE, estimate
 
     policy = source.policy
     costs = replace(OFFLINE if source.name == "world" else ONLINE, requests_per_s=policy.requests_per_s)
@@ -108,6 +109,9 @@ def _print_summary(worked_out: Plan, source: Source, values: dict[str, Any], as_
 
 def run_plan(arguments: argparse.Namespace) -> int:
     """Work a mission out, print its figures, write its files."""
+    from ..mission.export import check_plan_ending, write_plan
+    from ..mission.plan import plan
+
     for path in arguments.output:
         if not path.endswith(".json"):
             check_plan_ending(path)
@@ -189,6 +193,7 @@ def _run(
     cancelled: Callable[[], bool],
 ) -> CaptureResult:
     from ..capture.runner import capture
+    from ..mission.plan import plan
 
     worked_out = plan(mission, source.grid)
     _check_terms(worked_out, source, worked_out.requests * len(mission.map_types), arguments.accept_terms)
@@ -262,6 +267,7 @@ def _say(what: str) -> None:
 
 def run_report(arguments: argparse.Namespace) -> int:
     """Measure a mission's error against run time."""
+    from ..mission.plan import plan
     from ..report.page import write_report
 
     mission, values = _settings(arguments)

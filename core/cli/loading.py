@@ -10,7 +10,6 @@ from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
 from ..errors import InvalidInput
-from ..mission.settings import resolve
 from .exits import DONE
 
 if TYPE_CHECKING:
@@ -23,6 +22,8 @@ _SETTINGS = ("img_size", "batch_size", "seed", "dataset")
 
 def run_load(arguments: argparse.Namespace) -> int:
     """Take all batches of one epoch, and print their shapes and the images per second."""
+    from ..mission.settings import resolve
+
     values = resolve({name: getattr(arguments, name) for name in _SETTINGS}, config=arguments.config)
     samples, batches = _opened(arguments, values)
     shapes: Counter[tuple[tuple[int, ...], tuple[int, ...]]] = Counter()

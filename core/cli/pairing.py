@@ -9,10 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..errors import InvalidInput
-from ..geodesy.camera import Camera
 from ..mission.options import OPTIONS, Option
-from ..mission.presets import camera_named
-from ..mission.settings import resolve
 from .caching import opened_cache
 from .exits import DONE, INCOMPLETE, STOPPED
 from .flying import NAMED_FAILURES, Bar, interruptible, print_failed, print_written
@@ -146,6 +143,7 @@ def _shared_options() -> list[Option]:
 def run_pairs(arguments: argparse.Namespace) -> int:
     """Capture pairs into a folder."""
     from ..imagery.opening import open_source
+    from ..mission.settings import resolve
     from ..pairs.planning import plan_pairs
     from ..pairs.sheet import check_sheet, contact_sheet
 
@@ -184,6 +182,8 @@ def run_pairs(arguments: argparse.Namespace) -> int:
 
 
 def _settings(arguments: argparse.Namespace, values: dict[str, Any]) -> PairSettings:
+    from ..geodesy.camera import Camera
+    from ..mission.presets import camera_named
     from ..pairs.planning import DEFAULT_SIZE_PX, PairSettings
 
     (map_type,) = values["map_type"] if len(values["map_type"]) == 1 else (None,)

@@ -6,8 +6,7 @@ import argparse
 import json
 from typing import TYPE_CHECKING, Any
 
-from ..dataset.frames import FRAMES
-from ..dataset.split import SEED, SHARES, WAYS
+from ..dataset.choices import FRAMES, SEED, SHARES, WAYS
 from .exits import DONE
 from .parsing import add_json
 

@@ -16,6 +16,7 @@ from ..drawing import check_matplotlib
 from ..errors import Cancelled, InvalidInput
 from ..files import clear_partial
 from ..lock import open_locked
+from .choices import DEFAULT_ENTROPY
 from .deciding import Deciding, Report, deciding_entropies
 from .figures import draw_all
 from .folder import JOURNAL_FILE, TABLE_FILE, image_folder, map_type_folders
@@ -25,8 +26,6 @@ from .thresholds import otsu
 
 #: Column of the table: why an image is rejected; empty for one that is kept. A table that has none is not cleaned.
 REJECTED = "rejected"
-#: The paper's: in its dataset, images below it lack significant detail.
-DEFAULT_ENTROPY = 2.1
 #: Of 256 grey levels, in bits.
 HIGHEST_ENTROPY = 8.0
 

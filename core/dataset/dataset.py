@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InvalidInput
+from .choices import LAYOUTS
 from .decode import open_image
 from .folder import REJECTED_FOLDER, TABLE_FILE, image_folder, map_type_folders, map_type_of
 from .images import Images, some
@@ -19,8 +20,6 @@ from .published import check_names
 from .table import Table
 from .vbn import read_vbn
 
-#: How folders of datasets may be laid out: ours and the paper's published ones, and the Night Vision supplement's.
-LAYOUTS = ("TerrAInav", "VBN")
 #: The map type of a supplement's images, which are no map's.
 VBN_MAP_TYPE = "camera"
 #: Pillow's modes by the channels that are asked for.

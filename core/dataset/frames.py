@@ -15,11 +15,10 @@ from ..errors import InvalidInput
 from ..geodesy.mercator import HALF_WORLD_M, lat_to_v, lon_to_u, u_to_lon, v_to_lat, wrap_lon_deg
 from ..geodesy.proj_arrays import through_proj
 from ..geodesy.utm import utm_zone
+from .choices import FRAMES
 
 Floats = NDArray[np.float64]
 
-#: Frames that are chosen by name; else a code ``EPSG:…``.
-FRAMES = ("utm", "mercator", "mission")
 MERCATOR = "EPSG:3857"
 #: Where UTM ends and the Universal Polar Stereographic system begins, degrees (NGA.SIG.0012).
 _UTM_NORTH_DEG, _UTM_SOUTH_DEG = 84.0, -80.0

@@ -17,8 +17,9 @@ from numpy.typing import NDArray
 
 from ..errors import InvalidInput
 from ..files import write_whole
+from .choices import TRAIN
 from .frames import Frame, frame_of
-from .parts import TRAIN, part_of, taken
+from .parts import part_of, taken
 from .scaling import Scaler
 from .table import Table
 

@@ -18,12 +18,13 @@ from numpy.typing import NDArray
 
 from ..errors import InvalidInput, OutputError
 from .augment import Augmentation
+from .choices import PARTS, TRAIN
 from .dataset import Dataset, ImageSet, read_dataset
 from .decode import open_image
 from .folder import TABLE_FILE
 from .images import some
 from .labels import LABELS_FILE, Labels, labels_of_tables
-from .parts import GAP, PARTS, TRAIN, part_of, taken
+from .parts import GAP, part_of, taken
 
 Indices = Union[Sequence[int], NDArray[np.int64]]
 

@@ -10,13 +10,12 @@ from .table import Table
 
 #: Column of the table: the part of an image. A table that has none is not split.
 SPLIT = "split"
-TRAIN, VALIDATION, TEST = PARTS = ("train", "validation", "test")
 #: In place of a part: an image that is in none, as its ground is shared with another part or is too near to one.
 GAP = "gap"
 
 
 def part_of(table: Table) -> tuple[str, ...] | None:
-    """Part of each row: one of `PARTS`, `GAP`, or empty where the image is not taken; None without a split."""
+    """Part of each row: one of `choices.PARTS`, `GAP`, or empty where the image is not taken; None without a split."""
     return table.other.get(SPLIT)
 
 

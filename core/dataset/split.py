@@ -18,22 +18,18 @@ from numpy.typing import NDArray
 
 from ..errors import InvalidInput
 from .blocks import blocks_of, deviation, largest_side_m, parted
+from .choices import PARTS, SEED, SHARES, WAYS
 from .clean import held
 from .dataset import ImageSet, read_dataset
 from .folder import TABLE_FILE
 from .frames import middle_of
 from .ground import Boxes, boxes_of
 from .labels import LABELS_FILE, Labels, labels_of_tables, mark_unfinished
-from .parts import GAP, PARTS, SPLIT, taken
+from .parts import GAP, SPLIT, taken
 from .table import Table
 
 Numbers = NDArray[np.int64]
 
-#: The paper's.
-SHARES = (0.8, 0.1, 0.1)
-SEED = 2024
-#: How images are put in order, or by what they are split.
-WAYS = ("shuffled", "in-order", "blocks")
 #: Shares written as decimals add up to 1 within their rounding.
 _SUM_OFF = 1e-9
 #: Sides of blocks that are tried where none is asked for, times the longest side of an image and its gap.

@@ -11,15 +11,12 @@ from ..errors import InvalidInput, SourceError
 from .catalogue.entry import CatalogueEntry, under_provider
 from .catalogue.listing import entry_named
 from .catalogue.user_sources import NAME, described
-from .services.ogc import is_service, service_entry
 from .source import Source
-from .staticmap import GOOGLE_URL, StaticMapSource
 from .template import Template
-from .transport import Transport
-from .xyz import XYZSource
 
 if TYPE_CHECKING:
     from .cache.tile_cache import TileCache
+    from .transport import Transport
 
 #: Endings by which a name is known for a raster file that is not there, to say the right thing.
 _RASTER_ENDINGS = frozenset(
@@ -34,7 +31,7 @@ _QGIS = "qgis:"
 
 def is_template(name: str) -> bool:
     """Whether a source is named by its URL template."""
-    return not is_file(name) and not is_service(name) and ("://" in name or "{" in name)
+    return not is_file(name) and not _is_service(name) and ("://" in name or "{" in name)
 
 
 def is_file(name: str) -> bool:
@@ -55,6 +52,14 @@ def is_file(name: str) -> bool:
         or ending == _MBTILES_ENDING
         or (NAME.fullmatch(name) is None and _is_there(name))
     )
+
+
+def _is_service(name: str) -> bool:
+    if "://" not in name:
+        return False
+    from .services.ogc import is_service
+
+    return is_service(name)
 
 
 def _is_there(name: str) -> bool:
@@ -161,6 +166,8 @@ def open_entry(
     if entry.key_env and not key and not plan_only:
         raise SourceError(f"{entry.title}: needs an API key: set the environment variable {entry.key_env}")
     if entry.kind == "static-map":
+        from .staticmap import GOOGLE_URL, StaticMapSource
+
         return StaticMapSource(
             key or "",
             secret or (os.environ.get(entry.signing_env) if entry.signing_env else None),
@@ -173,6 +180,8 @@ def open_entry(
             transport=transport,
             connections=connections,
         )
+    from .xyz import XYZSource
+
     return XYZSource(
         entry.templates(chosen),
         name=entry.name,
@@ -211,7 +220,9 @@ def entry_of(
         )
     if is_file(name):
         raise InvalidInput(f"source {name}: a file states no terms; name one of the sources that have some")
-    if is_service(name):
+    if _is_service(name):
+        from .services.ogc import service_entry
+
         return service_entry(name, key=key, tile_px=tile_px, transport=transport)
     if not is_template(name):
         return entry_named(name)

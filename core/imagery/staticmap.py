@@ -17,10 +17,12 @@ from ..errors import InvalidInput, PartError
 from ..geodesy.frames import Windows, window_centres
 from ..geodesy.mercator import PixelGrid
 from .client import Client
-from .decode import Placeholder, decode
+from .decode import decode
+from .placeholder import Placeholder
 from .policy import Policy
+from .requests_transport import RequestsTransport
 from .source import Part, Pixels, Window
-from .transport import RequestsTransport, Stop, Transport
+from .transport import Stop, Transport
 
 GOOGLE_URL = "https://maps.googleapis.com/maps/api/staticmap"
 MAP_TYPES = ("satellite", "roadmap", "terrain")

@@ -10,12 +10,14 @@ from ..geodesy.mercator import PixelGrid
 from .cache.tile_cache import TileCache
 from .cache.tilestore import TileStore
 from .client import Client
-from .decode import Placeholder, decode
+from .decode import decode
+from .placeholder import Placeholder
 from .policy import Policy
+from .requests_transport import RequestsTransport
 from .source import Part, Pixels, Window, tile_parts
 from .template import Template
 from .tiles import Tile, tile_address
-from .transport import RequestsTransport, Response, Stop, Transport
+from .transport import Response, Stop, Transport
 
 #: What {map_type} in a template may stand for.
 MAP_TYPES = ("satellite", "roadmap", "terrain")

@@ -15,11 +15,11 @@ from ..geodesy.accuracy import Scene
 from ..geodesy.mercator import PixelGrid
 from ..geodesy.poses import Poses
 from .area import Points
+from .choices import AUTO
 from .framing import CameraFraming, Framed, MapFraming, framed, ground_of
 from .layout import Layout
 from .mission import Mission
 from .rungs import (
-    AUTO,
     Accuracy,
     Choice,
     Rung,

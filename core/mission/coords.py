@@ -10,10 +10,8 @@ from typing import Any
 
 from ..errors import InvalidInput
 from .area import Area, Box, Points, Polygon
+from .choices import KINDS, UNITS
 
-FEET_IN_METRES = 0.3048
-UNITS = {"m": 1.0, "ft": FEET_IN_METRES}
-KINDS = ("single", "list", "raster")
 _FORMATS = '"lat_lon_agl", "latTL_lonTL_latBR_lonBR_agl", or a text file of "lat lon agl [yaw]" lines'
 _SEPARATORS = re.compile(r"[_,;\s]+")
 _UNICODE_MINUS = {0x2212: "-", 0x2013: "-", 0xFE63: "-", 0xFF0D: "-"}

@@ -15,7 +15,8 @@ from ..geodesy.frames import FrameEdges
 from ..geodesy.mercator import MAX_LAT_DEG, lat_to_v, lon_to_u, u_to_lon, v_to_lat
 from ..geodesy.utm import utm_zone
 from .area import Box, Points, Polygon
-from .mission import ONE_WAY, Mission
+from .choices import ONE_WAY
+from .mission import Mission
 from .shape import row_spans, touching
 
 Floats = NDArray[np.float64]

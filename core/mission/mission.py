@@ -15,30 +15,30 @@ from ..errors import InvalidInput
 from ..files import write_whole
 from ..geodesy.camera import Camera
 from .area import Area, Box, Points, Polygon, check_agl
-from .rungs import AUTO, FOOTPRINTS, FRAMES, MESHES
+from .choices import (
+    AUTO,
+    DEFAULT_AIRSPEED_M_PER_S,
+    DEFAULT_BUDGET_PX,
+    DEFAULT_IMAGE_PX,
+    DEFAULT_MAX_IMAGES,
+    DEFAULT_START,
+    FOOTPRINTS,
+    FORMATS,
+    FRAMES,
+    LAYOUTS,
+    MAP_TYPES,
+    MESHES,
+    ORDERS,
+    PAPER_MAX_PX,
+    RESAMPLINGS,
+    SERPENTINE,
+)
 from .wind import Wind, check_airspeed
 
 _Part = TypeVar("_Part", Box, Camera, Wind)
 
 #: Version of the mission file; readers accept this one and refuse newer ones.
 SCHEMA = 1
-MAP_TYPES = ("satellite", "roadmap", "terrain")
-LAYOUTS = ("cover", "paper")
-#: Whether rows are flown to and fro, or each from its beginning.
-SERPENTINE, ONE_WAY = ORDERS = ("serpentine", "one-way")
-FORMATS = ("tif", "jpg", "png")
-#: How a camera frame takes its pixels from the source's.
-RESAMPLINGS = ("nearest", "bilinear", "bicubic", "lanczos")
-#: What the sum of the stages' errors may be where nothing else is said, px.
-DEFAULT_BUDGET_PX = 0.1
-#: Pixels along the longer side of a camera's image where nothing else is known of the camera.
-DEFAULT_IMAGE_PX = 640
-#: Longest side of a picture in the paper's layout where no other limit is given.
-PAPER_MAX_PX = 640
-DEFAULT_MAX_IMAGES = 10_000_000
-DEFAULT_AIRSPEED_M_PER_S = 15.0
-#: The flight's clock starts here where nothing else is said.
-DEFAULT_START = "2000-01-01T00:00:00Z"
 #: Ground lies between these, metres: the shore of the Dead Sea and Everest, with room for geoid and lakes' beds.
 LOWEST_GROUND_M, HIGHEST_GROUND_M = 12_000.0, 9_000.0
 

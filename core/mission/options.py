@@ -6,19 +6,23 @@ from dataclasses import dataclass
 from typing import Any, Callable
 
 from ..errors import InvalidInput
-from .coords import KINDS, UNITS
-from .mission import (
+from .choices import (
+    AUTO,
     DEFAULT_AIRSPEED_M_PER_S,
     DEFAULT_BUDGET_PX,
     DEFAULT_MAX_IMAGES,
     DEFAULT_START,
+    FOOTPRINTS,
     FORMATS,
+    FRAMES,
+    KINDS,
     LAYOUTS,
     MAP_TYPES,
+    MESHES,
     ORDERS,
     RESAMPLINGS,
+    UNITS,
 )
-from .rungs import AUTO, FOOTPRINTS, FRAMES, MESHES
 
 
 @dataclass(frozen=True)

@@ -12,13 +12,7 @@ import numpy as np
 from ..errors import InvalidInput
 from ..geodesy import accuracy
 from ..geodesy.accuracy import Scene
-
-#: The stages' methods, from cheap to exact. The mesh is a stage of camera frames only.
-FOOTPRINTS = ("loc1", "loc2", "exact")
-FRAMES = ("map", "camera")
-MESH_TOLERANCES_PX = (1.0, 0.3, 0.1, 0.03, 0.01, 0.003, 0.001)
-MESHES = (*(f"mesh-{tolerance:g}px" for tolerance in MESH_TOLERANCES_PX), "rays")
-AUTO = "auto"
+from .choices import AUTO, MESH_TOLERANCES_PX, MESHES
 
 
 @dataclass(frozen=True)

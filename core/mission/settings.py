@@ -17,8 +17,9 @@ from typing import Any
 from ..errors import InvalidInput
 from ..geodesy.camera import Camera
 from .area import Area, Points
-from .coords import UNITS, load_polygon, parse_coords
-from .mission import DEFAULT_IMAGE_PX, Mission
+from .choices import DEFAULT_IMAGE_PX, UNITS
+from .coords import load_polygon, parse_coords
+from .mission import Mission
 from .options import OPTIONS
 from .presets import camera_named
 from .wind import Wind

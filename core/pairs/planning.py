@@ -16,7 +16,8 @@ from ..geodesy.camera import Camera
 from ..geodesy.ellipsoid import WGS84, Ellipsoid
 from ..geodesy.mercator import PixelGrid, u_to_lon, v_to_lat
 from ..mission.area import Box, Points
-from ..mission.mission import DEFAULT_BUDGET_PX, Mission
+from ..mission.choices import DEFAULT_BUDGET_PX
+from ..mission.mission import Mission
 from ..mission.plan import Plan, plan
 from .parts import PARTS, SHARES, check_shares, part_places
 from .places import Place, cartesian_m, spread_places

@@ -12,8 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..capture.perspective import camera_parts, render
-from ..capture.picture import assemble, resized
-from ..capture.records import window_of
+from ..capture.picture import assemble, resized, window_of
 from ..errors import PartError
 from ..geodesy.accuracy import Scene
 from ..geodesy.frames import map_windows

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ..mission.choices import DEFAULT_AIRSPEED_M_PER_S
 from ..mission.flight import intervals_s, legs
 from ..mission.gusts import flight_system
-from ..mission.mission import DEFAULT_AIRSPEED_M_PER_S
 from ..mission.plan import Plan
 from ..mission.sde import LinearSystem, factor
 from ..mission.wind import Wind, fly

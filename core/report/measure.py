@@ -13,15 +13,10 @@ from ..capture.resample import KERNELS
 from ..geodesy.accuracy import outside_flat_domain
 from ..geodesy.footprint import ground_corners
 from ..imagery.source import Source
+from ..mission.choices import MESH_TOLERANCES_PX
 from ..mission.framing import ground_of
 from ..mission.plan import Plan
-from ..mission.rungs import (
-    MESH_TOLERANCES_PX,
-    Rung,
-    footprint_rungs,
-    mesh_rungs,
-    picture_rungs,
-)
+from ..mission.rungs import Rung, footprint_rungs, mesh_rungs, picture_rungs
 from . import geometry
 from .bench import BY_RAYS, Bench, Way
 from .flight import Flight, interval_of, measure_flight, seconds_of_flight

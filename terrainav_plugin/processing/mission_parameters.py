@@ -375,7 +375,7 @@ def _camera(
 ) -> tuple[Camera, int]:
     """Camera, and the pixels along the longer side of its image."""
     from ...core.geodesy.camera import Camera
-    from ...core.mission.mission import DEFAULT_IMAGE_PX
+    from ...core.mission.choices import DEFAULT_IMAGE_PX
     from ...core.mission.presets import camera_named
     from ..dock.form_text import parse_aspect
 

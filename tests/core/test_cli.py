@@ -11,7 +11,6 @@ import time
 from pathlib import Path
 
 import pytest
-from terrainav.core.cli import flying
 
 from tests.support.command import command
 from tests.support.tileserver import TileServer
@@ -269,7 +268,7 @@ def test_an_interrupt_while_planning_is_one_line(run, monkeypatch):
     def interrupted(*_):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(flying, "plan", interrupted)
+    monkeypatch.setattr("terrainav.core.mission.plan.plan", interrupted)
     assert one_line(run("plan", "--coords", BOX), 130) == "terrainav: stopped"
 
 
@@ -277,7 +276,7 @@ def test_too_little_memory_is_one_line(run, monkeypatch):
     def exhausted(*_):
         raise MemoryError
 
-    monkeypatch.setattr(flying, "plan", exhausted)
+    monkeypatch.setattr("terrainav.core.mission.plan.plan", exhausted)
     assert one_line(run("plan", "--coords", BOX), 3).startswith("terrainav: not enough memory; ask for less")
 
 

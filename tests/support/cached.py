@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from terrainav.core.imagery.client import Client
+from terrainav.core.imagery.requests_transport import RequestsTransport
 from terrainav.core.imagery.source import Window
-from terrainav.core.imagery.transport import RequestsTransport, Timeouts
+from terrainav.core.imagery.transport import Timeouts
 from terrainav.core.imagery.xyz import XYZSource
 
 ZOOM = 9

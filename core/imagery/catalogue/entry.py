@@ -12,7 +12,7 @@ from urllib.parse import quote
 from ...errors import InvalidInput
 from ...geodesy.mercator import PixelGrid
 from ...resources import read_json
-from ..decode import Placeholder
+from ..placeholder import Placeholder
 from ..policy import Policy
 from ..template import Template
 from .dates import Dates

@@ -15,8 +15,9 @@ from ...errors import InvalidInput, PartError, SourceError, TerrAInavError
 from ..catalogue.entry import KEY_ENV
 from ..client import Client, first_words
 from ..policy import Policy
+from ..requests_transport import RequestsTransport
 from ..template import check_address
-from ..transport import RequestsTransport, Transport
+from ..transport import Transport
 
 #: Choices after the # of each kind of service.
 CHOICES = {

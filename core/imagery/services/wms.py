@@ -14,7 +14,7 @@ from ...geodesy.mercator import HALF_WORLD_M
 from ..catalogue.dates import Dates, dates_of_dimension
 from ..catalogue.entry import KEY_ENV, WORLD_DEG, CatalogueEntry
 from ..catalogue.user_sources import DEFAULT_MAX_ZOOM
-from ..decode import Placeholder
+from ..placeholder import Placeholder
 from ..template import BBOX
 from .capabilities import NAMED, Document, Offered, chosen_format, chosen_one, credit_of, one_line, policy_of
 from .wmts import with_query

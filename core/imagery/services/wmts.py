@@ -12,7 +12,7 @@ from ...errors import InvalidInput
 from ...geodesy.mercator import HALF_WORLD_M
 from ..catalogue.dates import Dates, dates_of_dimension
 from ..catalogue.entry import KEY_ENV, CatalogueEntry
-from ..decode import Placeholder
+from ..placeholder import Placeholder
 from .capabilities import (
     NAMED,
     Document,

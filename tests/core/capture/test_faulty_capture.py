@@ -11,16 +11,17 @@ from contextlib import closing, contextmanager
 import numpy as np
 import pytest
 from PIL import Image
-from terrainav.core.capture.records import window_of
+from terrainav.core.capture.picture import window_of
 from terrainav.core.capture.runner import capture
 from terrainav.core.dataset.table import Table
 from terrainav.core.errors import SourceError
 from terrainav.core.geodesy.mercator import PixelGrid
 from terrainav.core.imagery.cache.tile_cache import TileCache
 from terrainav.core.imagery.client import Client
-from terrainav.core.imagery.decode import Placeholder
+from terrainav.core.imagery.placeholder import Placeholder
+from terrainav.core.imagery.requests_transport import RequestsTransport
 from terrainav.core.imagery.source import tile_parts
-from terrainav.core.imagery.transport import RequestsTransport, Timeouts
+from terrainav.core.imagery.transport import Timeouts
 from terrainav.core.imagery.xyz import XYZSource
 from terrainav.core.mission.area import Box
 from terrainav.core.mission.mission import Mission

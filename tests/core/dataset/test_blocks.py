@@ -15,8 +15,9 @@ from pyproj import Geod
 from terrainav.core.capture.runner import capture
 from terrainav.core.dataset import ground
 from terrainav.core.dataset.blocks import near
+from terrainav.core.dataset.choices import PARTS
 from terrainav.core.dataset.ground import Boxes
-from terrainav.core.dataset.parts import GAP, PARTS, part_of
+from terrainav.core.dataset.parts import GAP, part_of
 from terrainav.core.dataset.split import split
 from terrainav.core.dataset.table import Table
 from terrainav.core.errors import InvalidInput

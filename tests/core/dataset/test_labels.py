@@ -7,7 +7,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from pyproj import Geod, Transformer
-from terrainav.core.dataset.frames import FRAMES, frame_of, middle_of
+from terrainav.core.dataset.choices import FRAMES
+from terrainav.core.dataset.frames import frame_of, middle_of
 from terrainav.core.dataset.labels import Labels, labels_of, labels_of_tables, mark_unfinished
 from terrainav.core.errors import InvalidInput
 

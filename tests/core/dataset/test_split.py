@@ -11,10 +11,11 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from terrainav.core.capture.runner import capture
+from terrainav.core.dataset.choices import PARTS
 from terrainav.core.dataset.clean import clean
 from terrainav.core.dataset.labels import LABELS_FILE, Labels
 from terrainav.core.dataset.loading import Samples
-from terrainav.core.dataset.parts import PARTS, SPLIT, part_of, taken
+from terrainav.core.dataset.parts import SPLIT, part_of, taken
 from terrainav.core.dataset.split import shuffled, split
 from terrainav.core.dataset.table import Table
 from terrainav.core.errors import InvalidInput, OutputError

@@ -21,7 +21,7 @@ from terrainav.core.errors import InvalidInput, OutputError, PartError, SourceEr
 from terrainav.core.geodesy.mercator import PixelGrid
 from terrainav.core.imagery.cache import tilefile
 from terrainav.core.imagery.cache.tile_cache import TileCache, default_folder
-from terrainav.core.imagery.decode import Placeholder
+from terrainav.core.imagery.placeholder import Placeholder
 from terrainav.core.imagery.policy import Policy
 from terrainav.core.mission.area import Box
 from terrainav.core.mission.mission import Mission

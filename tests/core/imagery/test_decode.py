@@ -11,7 +11,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from PIL import Image, ImageFile
 from terrainav.core.errors import PartError
-from terrainav.core.imagery.decode import Placeholder, decode
+from terrainav.core.imagery.decode import decode
+from terrainav.core.imagery.placeholder import Placeholder
 
 from tests.support.faults import bomb
 from tests.support.patterns import encode_position, to_bytes

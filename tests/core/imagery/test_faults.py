@@ -13,9 +13,10 @@ import pytest
 from terrainav.core.errors import Cancelled, PartError, SourceError, TerrAInavError
 from terrainav.core.geodesy.mercator import PixelGrid
 from terrainav.core.imagery.client import Client
-from terrainav.core.imagery.decode import Placeholder
+from terrainav.core.imagery.placeholder import Placeholder
+from terrainav.core.imagery.requests_transport import RequestsTransport
 from terrainav.core.imagery.source import Window
-from terrainav.core.imagery.transport import RequestsTransport, Timeouts
+from terrainav.core.imagery.transport import Timeouts
 from terrainav.core.imagery.xyz import XYZSource
 
 from tests.support.faults import FAULTS, QUOTA_WORDS, flat_placeholder

@@ -14,8 +14,9 @@ import numpy as np
 import pytest
 from terrainav.core.errors import Cancelled, PartError
 from terrainav.core.imagery.client import Client
+from terrainav.core.imagery.requests_transport import RequestsTransport
 from terrainav.core.imagery.source import Window
-from terrainav.core.imagery.transport import RequestsTransport, Timeouts, TransportError
+from terrainav.core.imagery.transport import Timeouts, TransportError
 from terrainav.core.imagery.xyz import XYZSource
 
 from tests.support.patterns import positions

@@ -1,0 +1,266 @@
+"""The transport of the headless core: requests, with deadlines and cancelling of its own."""
+
+from __future__ import annotations
+
+import logging
+import time
+import weakref
+from collections.abc import Mapping
+from contextlib import closing
+from http import HTTPStatus
+from typing import Any, Callable, NamedTuple
+from urllib.parse import SplitResult, urljoin, urlsplit
+
+import requests
+import urllib3
+from requests.adapters import HTTPAdapter
+from requests.utils import DEFAULT_CA_BUNDLE_PATH, select_proxy
+from urllib3.connection import HTTPConnection, HTTPSConnection
+from urllib3.connectionpool import HTTPConnectionPool, HTTPSConnectionPool
+
+from ..errors import Cancelled
+from .transport import MAX_BODY_BYTES, MAX_REDIRECTS, Response, Stop, Timeouts, TransportError, user_agent
+from .watch import Watch
+
+_CHUNK_BYTES = 1 << 16
+#: Hosts with a pool of connections each: a template's subdomains, and those that redirects lead to.
+_HOSTS = 64
+
+
+class _Host(NamedTuple):
+    """What every request to one host needs: looked up once, because that takes longer than a request does.
+
+    ``prefix`` stands before the path of each request: a proxy wants all of an http URL.
+    """
+
+    pool: HTTPConnectionPool
+    headers: Mapping[str, str]
+    prefix: str
+
+
+class RequestsTransport:
+    """Transport with a pool as large as the connections: requests' settings, urllib3's connections.
+
+    What the environment says of proxies and certificates is asked of requests, once for each host; each request is
+    then made on urllib3's pool, which takes two fifths of the processor time that it takes through a Session.
+
+    Parameters
+    ----------
+    connections : int
+        Connections kept open to a host.
+    timeouts : Timeouts
+    max_body_bytes : int
+        Bodies beyond this are given up.
+    """
+
+    def __init__(
+        self,
+        connections: int = 8,
+        timeouts: Timeouts = Timeouts(),  # noqa: B008 (an immutable value)
+        max_body_bytes: int = MAX_BODY_BYTES,
+    ) -> None:
+        self._timeouts = timeouts
+        self._timeout = urllib3.Timeout(connect=timeouts.connect_s, read=timeouts.read_s)
+        self._max_body_bytes = max_body_bytes
+        self._watch = Watch()
+        # Pictures do not compress further, so their Content-Length may as well be that of the picture.
+        self._headers = {
+            "User-Agent": user_agent(),
+            "Accept": "image/*,*/*;q=0.1",
+            "Accept-Encoding": "identity",
+        }
+        self._session = requests.Session()
+        self._adapter = _Adapter(connections, self._watch)
+        self._session.mount("http://", self._adapter)
+        self._session.mount("https://", self._adapter)
+        self._hosts: dict[tuple[str, str], _Host] = {}
+        # Also where nobody closes it, so that no connection and no filter stays behind.
+        self._free = weakref.finalize(self, _free, self._session, _quiet(self._watch))
+
+    def get(
+        self, url: str, headers: Mapping[str, str] | None = None, cancelled: Stop | None = None
+    ) -> Response:
+        """Answer of any status; see `Transport.get`."""
+        problem: TransportError
+        with self._watch.over(cancelled, time.monotonic() + self._timeouts.whole_s) as exchange:
+            try:
+                return self._follow(url, headers or {})
+            except TransportError as failure:
+                problem = failure
+            except (requests.RequestException, urllib3.exceptions.HTTPError, OSError, ValueError) as failure:
+                problem = self._problem(failure, urlsplit(url).hostname)
+        # Raised out here, where the failure that holds the URL is no part of it any more.
+        if exchange.ended == "cancelled":
+            raise Cancelled("cancelled while waiting for the network")
+        if exchange.ended == "late":
+            raise TransportError(f"no whole answer within {self._timeouts.whole_s:g} s")
+        raise TransportError(str(problem), again=problem.again, away=problem.away)
+
+    def close(self) -> None:
+        """Free the connections and end what is under way."""
+        self._watch.close()
+        self._free()
+
+    def _follow(self, url: str, headers: Mapping[str, str]) -> Response:
+        for _ in range(MAX_REDIRECTS + 1):
+            parts = urlsplit(url)
+            if parts.scheme not in ("http", "https"):
+                raise TransportError("redirect to something else than http or https", again=False)
+            host = self._host(parts)
+            path = host.prefix + (parts.path or "/")
+            with closing(
+                host.pool.urlopen(  # type: ignore[no-untyped-call]
+                    "GET",
+                    f"{path}?{parts.query}" if parts.query else path,
+                    headers={**host.headers, **headers},
+                    redirect=False,
+                    retries=False,
+                    assert_same_host=False,
+                    preload_content=False,
+                    timeout=self._timeout,
+                )
+            ) as answer:
+                body = self._body(answer)
+                location = answer.get_redirect_location()
+                if not location:
+                    named = {name.lower(): value for name, value in answer.headers.items()}
+                    return Response(answer.status, named, body)
+            url = urljoin(url, location)
+        raise TransportError(f"more than {MAX_REDIRECTS} redirects", again=False)
+
+    def _host(self, parts: SplitResult) -> _Host:
+        """Pool, headers and prefix for a URL's host, with the proxy and certificates the environment names."""
+        named = parts.scheme, parts.netloc
+        found = self._hosts.get(named)
+        if found is None:
+            # No more than urllib3 keeps: those it drops it closes.
+            if len(self._hosts) >= _HOSTS:
+                self._hosts.clear()
+            found = self._hosts[named] = self._opened(parts)
+        return found
+
+    def _opened(self, parts: SplitResult) -> _Host:
+        request = requests.Request(
+            "GET", parts._replace(path="/", query="").geturl(), self._headers
+        ).prepare()
+        url = str(request.url)
+        settings = self._session.merge_environment_settings(url, {}, None, None, None)
+        proxy = select_proxy(url, settings["proxies"])
+        managers = (
+            self._adapter.proxy_manager_for(_with_scheme(proxy)) if proxy else self._adapter.poolmanager
+        )
+        pool = managers.connection_from_url(url)
+        # By name also where it is the usual one: not every version of requests finds that itself here.
+        bundle = DEFAULT_CA_BUNDLE_PATH if settings["verify"] is True else settings["verify"]
+        self._adapter.cert_verify(pool, url, bundle, settings["cert"])  # type: ignore[no-untyped-call]
+        # That is all of the URL where a proxy is asked for it, and the path elsewhere.
+        prefix = str(self._adapter.request_url(request, settings["proxies"]))  # type: ignore[no-untyped-call]
+        return _Host(pool, dict(request.headers), prefix.rstrip("/"))
+
+    def _body(self, answer: urllib3.HTTPResponse) -> bytes:
+        chunks, size = [], 0
+        for chunk in answer.stream(_CHUNK_BYTES, decode_content=True):
+            chunks.append(chunk)
+            size += len(chunk)
+            if size > self._max_body_bytes:
+                raise TransportError(f"body beyond {self._max_body_bytes} bytes", again=False)
+        # What an unchanged picture would be long is not the length of this answer (RFC 9110, 8.6).
+        bodiless = answer.status == HTTPStatus.NOT_MODIFIED
+        length = "" if bodiless else answer.headers.get("Content-Length", "")
+        # urllib3 before 2 takes the end of the connection for the end of the body.
+        if length.isdigit() and "Transfer-Encoding" not in answer.headers and answer.tell() < int(length):
+            raise TransportError(f"body broke off after {answer.tell()} of {length} bytes")
+        return b"".join(chunks)
+
+    def _problem(self, failure: Exception, host: str | None) -> TransportError:
+        """Say what failed in words of our own: those of the libraries quote the URL."""
+        if isinstance(failure, (urllib3.exceptions.SSLError, requests.exceptions.SSLError)):
+            return TransportError(f"no trusted connection to {host} (TLS)", again=False, away=True)
+        if isinstance(failure, urllib3.exceptions.ProxyError):
+            return TransportError("the proxy does not answer", away=True)
+        # Before the timeouts, which they are among.
+        if isinstance(
+            failure, (urllib3.exceptions.NewConnectionError, urllib3.exceptions.ConnectTimeoutError)
+        ):
+            return TransportError(f"no connection to {host}", away=True)
+        if isinstance(failure, urllib3.exceptions.TimeoutError):
+            return TransportError(f"no answer from {host} for {self._timeouts.read_s:g} s")
+        if isinstance(failure, (requests.exceptions.InvalidURL, urllib3.exceptions.LocationValueError)):
+            return TransportError("the URL is not valid", again=False)
+        return TransportError(f"connection to {host} broke off")
+
+
+def _with_scheme(proxy: str) -> str:
+    return proxy if "://" in proxy else f"http://{proxy}"
+
+
+def _free(session: requests.Session, undo: Callable[[], None]) -> None:
+    session.close()
+    undo()
+
+
+def _quiet(watch: Watch) -> Callable[[], None]:
+    """Keep urllib3 from logging the URLs of watched requests, which hold keys; return what undoes it."""
+
+    def others(_record: logging.LogRecord) -> bool:
+        return not watch.here()
+
+    loggers = [logging.getLogger(f"urllib3.{name}") for name in ("connection", "connectionpool", "response")]
+    for logger in loggers:
+        logger.addFilter(others)
+
+    def undo() -> None:
+        for logger in loggers:
+            logger.removeFilter(others)
+
+    # A request that is given up logs its URL while it ends.
+    return lambda: watch.when_idle(undo)
+
+
+class _Adapter(HTTPAdapter):
+    """Adapter whose connections can be given up while they wait."""
+
+    def __init__(self, connections: int, watch: Watch) -> None:
+        self._pools = _pool_classes(watch)
+        super().__init__(pool_connections=_HOSTS, pool_maxsize=connections)
+
+    def init_poolmanager(self, *args: Any, **kwargs: Any) -> None:
+        super().init_poolmanager(*args, **kwargs)  # type: ignore[no-untyped-call]
+        self.poolmanager.pool_classes_by_scheme = self._pools
+
+    def proxy_manager_for(self, proxy: str, **kwargs: Any) -> Any:
+        manager = super().proxy_manager_for(proxy, **kwargs)  # type: ignore[no-untyped-call]
+        manager.pool_classes_by_scheme = self._pools
+        return manager
+
+
+def _pool_classes(watch: Watch) -> dict[str, type[HTTPConnectionPool]]:
+    """Make connection pools of urllib3 whose connections tell ``watch`` what they wait on."""
+
+    class Watched:
+        sock: Any
+
+        def connect(self) -> None:
+            watch.run(super().connect, self.close)  # type: ignore[misc]
+            watch.attach(self.sock)
+
+        def getresponse(self, *args: Any, **kwargs: Any) -> Any:
+            watch.attach(self.sock)
+            return super().getresponse(*args, **kwargs)  # type: ignore[misc]
+
+        def close(self) -> None:
+            super().close()  # type: ignore[misc]
+
+    class Plain(Watched, HTTPConnection):
+        pass
+
+    class Secure(Watched, HTTPSConnection):
+        pass
+
+    class PlainPool(HTTPConnectionPool):
+        ConnectionCls = Plain
+
+    class SecurePool(HTTPSConnectionPool):
+        ConnectionCls = Secure
+
+    return {"http": PlainPool, "https": SecurePool}
