@@ -39,7 +39,7 @@ from terrainav.core.files import write_whole
 from terrainav.core.geodesy.mercator import PixelGrid
 from terrainav.core.imagery.cache.tile_cache import TileCache
 from terrainav.core.imagery.client import Client
-from terrainav.core.imagery.decode import Placeholder
+from terrainav.core.imagery.placeholder import Placeholder
 from terrainav.core.imagery.requests_transport import RequestsTransport
 from terrainav.core.imagery.transport import Timeouts
 from terrainav.core.imagery.xyz import XYZSource
