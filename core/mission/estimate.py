@@ -46,7 +46,7 @@ class Costs:
 _ENCODE_S_PER_PX = {"tif": 1.3e-7, "jpg": 1.1e-7, "png": 1.7e-7}
 ONLINE = Costs(0.06, 15_000.0, _ENCODE_S_PER_PX, {"tif": 1.7, "jpg": 0.55, "png": 1.6})
 #: The embedded world: tiles are computed on the spot, and are smoother than photographs.
-OFFLINE = Costs(0.025, 0.0, _ENCODE_S_PER_PX, {"tif": 0.88, "jpg": 0.31, "png": 0.69})
+OFFLINE = Costs(0.01, 0.0, _ENCODE_S_PER_PX, {"tif": 0.88, "jpg": 0.31, "png": 0.69})
 
 
 @dataclass(frozen=True)
