@@ -54,7 +54,8 @@ ROOT = Path(__file__).resolve().parents[1]
 LAT_DEG, LON_DEG, AGL_M, LONGEST_PX = 35.14, -89.86, 120.0, 400
 #: Tiles in ten thousand that each of these falls on: once, or for good. Together a twentieth.
 ONCE = dict.fromkeys(
-    ("408", "425", "500", "502", "503", "504", "reset", "short-body", "stall", "stall-mid-body"), 25
+    ("408", "425", "500", "502", "503", "504", "reset", "short-body", "stall", "stall-mid-body", "bad-copy"),
+    25,
 )
 ONCE.update({"429-seconds": 5, "429-date": 5, "quota": 3})
 FOR_GOOD = dict.fromkeys(

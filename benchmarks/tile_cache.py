@@ -59,7 +59,7 @@ def read_bare(folder: Path, template: str, count: int) -> None:
     store.close()
 
 
-def refused(_headers: object) -> object:
+def refused(_headers: object, _read: object) -> object:
     """Stand in for the server where nothing should be asked."""
     raise RuntimeError("a tile was not in the cache")
 

@@ -10,6 +10,7 @@ import threading
 import time
 from collections.abc import Mapping
 from http import HTTPStatus
+from typing import Callable, TypeVar
 from urllib.parse import quote, quote_plus
 
 from ..errors import Cancelled, PartError, SourceError
@@ -39,6 +40,10 @@ _QUOTA = re.compile(
 _WORDS_CHARACTERS = 200
 #: Ends what was cut short.
 _CUT = "…"
+#: Asks every cache on the way for the server's own answer (RFC 9111, 5.2.1.4); the second is for those of HTTP/1.0.
+_PAST_CACHES = {"Cache-Control": "no-cache", "Pragma": "no-cache"}
+
+Picture = TypeVar("Picture")
 
 
 class OutOfReach(PartError):
@@ -47,6 +52,10 @@ class OutOfReach(PartError):
 
 class NotThere(PartError):
     """The provider has no such part (404, 410)."""
+
+
+class BrokenPictureError(PartError):
+    """An answer came whole and cannot be decoded: what a cache on the way holds may be a bad copy."""
 
 
 class Pace:
@@ -133,7 +142,7 @@ class Client:
         cancelled: Stop | None = None,
         headers: Mapping[str, str] | None = None,
     ) -> Response:
-        """Answer with status 200; or 304, where ``headers`` were given.
+        """Answer with status 200; or 304, where ``headers`` are conditions.
 
         Parameters
         ----------
@@ -143,7 +152,7 @@ class Client:
         cancelled : callable or None
             Asked during every wait.
         headers : mapping or None
-            To be sent with the request: conditions under which an answer is wanted.
+            To be sent with the request, such as conditions under which an answer is wanted.
 
         Raises
         ------
@@ -169,7 +178,7 @@ class Client:
                 self._away.clear()
                 self._silent_until_s = 0.0
                 if response.status == HTTPStatus.OK or (
-                    headers and response.status == HTTPStatus.NOT_MODIFIED
+                    response.status == HTTPStatus.NOT_MODIFIED and _is_conditional(headers)
                 ):
                     return self._without_secrets(response)
                 reason, status, silent = self._judge(response, what), response.status, False
@@ -177,7 +186,7 @@ class Client:
             if attempt < tries - 1:
                 self._pause(max(wait_s, self._backoff_s(url, attempt)), cancelled)
         else:
-            reason += f" (tried {tries} times)" if tries > 1 else ""
+            reason += _tried(tries)
         if status == HTTPStatus.TOO_MANY_REQUESTS:
             raise SourceError(f"{self._title}: {reason}; ask for less at a time, or resume later")
         if silent:
@@ -185,6 +194,37 @@ class Client:
         if silent or status >= HTTPStatus.INTERNAL_SERVER_ERROR:
             raise OutOfReach(f"{what}: {reason}")
         raise PartError(f"{what}: {reason}")
+
+    def picture(
+        self,
+        url: str,
+        what: str,
+        read: Callable[[Response], Picture],
+        cancelled: Stop | None = None,
+        headers: Mapping[str, str] | None = None,
+    ) -> tuple[Response, Picture]:
+        """Answer as of `get`, and what is read of it: a picture that is broken is asked for once more.
+
+        The second request gets round the caches on the way, any of which may hold a bad copy.
+
+        Parameters
+        ----------
+        read : callable
+            Makes a picture of an answer, or raises PartError.
+
+        Raises
+        ------
+        PartError, SourceError, Cancelled
+            As `get` does; PartError also where the answer is no picture.
+        """
+        response, times = self.get(url, what, cancelled, headers), 1
+        picture = _picture_or_problem(response, read)
+        if isinstance(picture, BrokenPictureError):
+            response, times = self.get(url, what, cancelled, _PAST_CACHES), 2
+            picture = _picture_or_problem(response, read)
+        if isinstance(picture, PartError):
+            raise PartError(self.redacted(f"{what}: {picture}{_tried(times)}"))
+        return response, picture
 
     def out_of_reach(self) -> bool:
         """Whether a part found no answer a moment ago, and none has come since."""
@@ -271,6 +311,22 @@ class Client:
     def _refuse_cancelled(self, cancelled: Stop | None) -> None:
         if self._closed.is_set() or (cancelled is not None and cancelled()):
             raise Cancelled("cancelled while waiting for the network")
+
+
+def _tried(times: int) -> str:
+    return f" (tried {times} times)" if times > 1 else ""
+
+
+def _picture_or_problem(response: Response, read: Callable[[Response], Picture]) -> Picture | PartError:
+    """What is read; a problem is returned, so that one which quotes a key is no part of that which is raised of it."""
+    try:
+        return read(response)
+    except PartError as wrong:
+        return wrong
+
+
+def _is_conditional(headers: Mapping[str, str] | None) -> bool:
+    return any(name.startswith("If-") for name in headers or ())
 
 
 def retry_after_s(response: Response, now_s: float) -> float:

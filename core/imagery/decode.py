@@ -9,7 +9,7 @@ import numpy as np
 from PIL import GifImagePlugin, ImageFile, JpegImagePlugin, PngImagePlugin, WebPImagePlugin, features
 
 from ..errors import PartError
-from .client import first_words
+from .client import BrokenPictureError, first_words
 from .source import Pixels
 
 #: What must not follow 0xFF within the entropy-coded data of a JPEG (ITU-T T.81, B.1.1.5), and what may.
@@ -45,7 +45,7 @@ def decode(
     Raises
     ------
     PartError
-        With the reason alone: who asked knows the part.
+        With the reason alone: who asked knows the part. `BrokenPictureError` where another copy may be whole.
     """
     try:
         image = _open(body, content_type)
@@ -55,7 +55,7 @@ def decode(
             )
         image.load()
     except (OSError, SyntaxError, ValueError, EOFError, IndexError, KeyError, OverflowError) as broken:
-        raise PartError(f"broken picture ({str(broken) or type(broken).__name__})") from broken
+        raise BrokenPictureError(f"broken picture ({str(broken) or type(broken).__name__})") from broken
     return _rgb(image, alpha)
 
 
@@ -76,10 +76,13 @@ def _open(body: bytes, content_type: str) -> ImageFile.ImageFile:
     if body[:6] in (b"GIF87a", b"GIF89a"):
         return GifImagePlugin.GifImageFile(io.BytesIO(body))
     if not body:
-        raise PartError("an empty answer instead of a picture")
+        raise BrokenPictureError("an empty answer instead of a picture")
     words = first_words(body, content_type)
     kind = content_type.partition(";")[0].strip() or "something"
-    raise PartError(f"{kind} instead of a picture" + (f": {words}" if words else ""))
+    if words:
+        # It says what it is: that is the provider's answer, and no copy of a picture gone bad.
+        raise PartError(f"{kind} instead of a picture: {words}")
+    raise BrokenPictureError(f"{kind} instead of a picture")
 
 
 def _check_jpeg(body: bytes) -> None:

@@ -13,7 +13,7 @@ from urllib.parse import quote, urlencode, urlsplit
 
 import numpy as np
 
-from ..errors import InvalidInput, PartError
+from ..errors import InvalidInput
 from ..geodesy.frames import Windows, window_centres
 from ..geodesy.mercator import PixelGrid
 from .client import Client
@@ -22,7 +22,7 @@ from .placeholder import Placeholder
 from .policy import Policy
 from .requests_transport import RequestsTransport
 from .source import Part, Pixels, Window
-from .transport import Stop, Transport
+from .transport import Response, Stop, Transport
 
 GOOGLE_URL = "https://maps.googleapis.com/maps/api/staticmap"
 MAP_TYPES = ("satellite", "roadmap", "terrain")
@@ -119,15 +119,14 @@ class StaticMapSource:
         """
         lat_deg, lon_deg = self.centre(part)
         what = f"picture at {lat_deg},{lon_deg} zoom {part.zoom}"
-        response = self._client.get(self._request(map_type, part, lat_deg, lon_deg), what, cancelled)
-        try:
+
+        def read(response: Response) -> Pixels:
             _WARNING.refuse(response.body, response.headers)
             return decode(
                 response.body, part.width_px, part.height_px, response.headers.get("content-type", "")
             )
-        except PartError as reason:
-            failure = PartError(self._client.redacted(f"{what}: {reason}"))
-        raise failure
+
+        return self._client.picture(self._request(map_type, part, lat_deg, lon_deg), what, read, cancelled)[1]
 
     def centre(self, part: Window) -> tuple[str, str]:
         """Latitude and longitude of a window's centre as they are sent, with six decimals.

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Mapping
+from typing import Callable
 
-from ..errors import InvalidInput, PartError, SourceError
+from ..errors import InvalidInput, SourceError
 from ..geodesy.mercator import PixelGrid
 from .cache.tile_cache import TileCache
 from .cache.tilestore import TileStore
@@ -16,7 +17,7 @@ from .policy import Policy
 from .requests_transport import RequestsTransport
 from .source import Part, Pixels, Window, tile_parts
 from .template import Template
-from .tiles import Tile, tile_address
+from .tiles import tile_address
 from .transport import Response, Stop, Transport
 
 #: What {map_type} in a template may stand for.
@@ -139,18 +140,14 @@ class XYZSource:
             key=self._key_needed(map_type),
         )
 
-        def ask(headers: Mapping[str, str]) -> Response:
+        def ask(headers: Mapping[str, str], read: Callable[[Response], Pixels]) -> tuple[Response, Pixels]:
             self._count()
-            return self._client.get(url, str(tile), cancelled, headers)
-
-        def read(body: bytes, headers: Mapping[str, str]) -> Pixels:
-            return self._read(tile, body, headers)
+            return self._client.picture(url, str(tile), read, cancelled, headers)
 
         store = self._store(map_type)
         if store is not None:
-            return store.fetch(tile, ask, read, self._client.out_of_reach)
-        response = ask({})
-        return read(response.body, response.headers)
+            return store.fetch(tile, ask, self._read, self._client.out_of_reach)
+        return ask({}, lambda response: self._read(response.body, response.headers))[1]
 
     def close(self) -> None:
         """End what is under way (it raises `Cancelled`) and free the connections."""
@@ -162,18 +159,13 @@ class XYZSource:
         for store in stores:
             store.close()
 
-    def _read(self, tile: Tile, body: bytes, headers: Mapping[str, str]) -> Pixels:
+    def _read(self, body: bytes, headers: Mapping[str, str]) -> Pixels:
         """Pixels of an answer or of a stored tile; raises PartError for what is no imagery."""
-        try:
-            self._placeholder.refuse(body, headers)
-            size, kind = self.grid.tile_px, headers.get("content-type", "")
-            pixels = decode(body, size, size, kind, alpha=self._alpha)
-            self._placeholder.refuse_flat(pixels)
-        except PartError as reason:
-            failure = PartError(self._client.redacted(f"{tile}: {reason}"))
-        else:
-            return pixels
-        raise failure
+        self._placeholder.refuse(body, headers)
+        size, kind = self.grid.tile_px, headers.get("content-type", "")
+        pixels = decode(body, size, size, kind, alpha=self._alpha)
+        self._placeholder.refuse_flat(pixels)
+        return pixels
 
     def _store(self, map_type: str) -> TileStore | None:
         """Tiles kept of a map type; None where none are to be kept."""

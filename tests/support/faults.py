@@ -97,6 +97,15 @@ def _corrupt(handler, body):
     handler.answer(200, bytes(broken), content_type(body))
 
 
+def _bad_copy(handler, body):
+    """Answer as a proxy whose copy is broken, and which asks the server itself only where it is told to."""
+    past = "no-cache" in handler.headers.get("Cache-Control", "")
+    if past and not any(name.startswith("If-") for name in handler.headers):
+        handler.answer(200, body, content_type(body))
+    else:
+        _corrupt(handler, body)
+
+
 def _wrong_size(handler, body):
     handler.answer(200, to_bytes(handler.picture(body).resize((100, 120)), "png"), "image/png")
 
@@ -171,6 +180,7 @@ FAULTS = {
     "truncated-jpeg": _truncated,
     "corrupt-jpeg": _corrupt_jpeg,
     "corrupt": _corrupt,
+    "bad-copy": _bad_copy,
     "wrong-size": _wrong_size,
     "flat": _flat,
     "transparent": _transparent,

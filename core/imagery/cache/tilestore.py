@@ -7,6 +7,7 @@ import sqlite3
 import threading
 import time
 from collections.abc import Mapping
+from http import HTTPStatus
 from itertools import islice
 from typing import Callable
 
@@ -35,10 +36,11 @@ FILE_ERRORS = (sqlite3.Error, ValueError, TypeError, OverflowError, MemoryError)
 
 _log = logging.getLogger(__name__)
 
-#: Sends a request with these headers; status 200, or 304 where there were headers.
-Ask = Callable[[Mapping[str, str]], Response]
 #: Turns body and headers into pixels, or raises PartError.
 Read = Callable[[bytes, Mapping[str, str]], Pixels]
+#: Sends a request with these headers; an answer with status 200, or 304 where there were headers, and what the
+#: callable reads of it.
+Ask = Callable[[Mapping[str, str], Callable[[Response], Pixels]], tuple[Response, Pixels]]
 
 
 class TileStore:
@@ -92,27 +94,35 @@ class TileStore:
         PartError, SourceError, Cancelled
             As ``ask`` and ``read`` do.
         """
+
+        def new(response: Response) -> Pixels:
+            return read(response.body, response.headers)
+
         kept, pixels = self._usable(tile, read)
         if kept is None or pixels is None:
-            return self._asked(tile, ask({}), read)
+            return self._received(tile, *ask({}, new))
+        stored = pixels
         stale_allowed = kept.freshness.stale_allowed
         if kept.freshness.is_fresh(self._clock()) or (stale_allowed and out_of_reach()):
             self._note_use(tile, kept)
-            return pixels
+            return stored
         try:
-            response = ask(kept.freshness.conditions())
+            response, pixels = ask(
+                kept.freshness.conditions(),
+                lambda response: stored if response.status == HTTPStatus.NOT_MODIFIED else new(response),
+            )
         except OutOfReach:
             if not stale_allowed:
                 raise
             self._note_use(tile, kept)
-            return pixels
+            return stored
         except NotThere:
             self._change(tile, None)
             raise
-        if response.status != 304:
-            return self._asked(tile, response, read)
+        if response.status != HTTPStatus.NOT_MODIFIED:
+            return self._received(tile, response, pixels)
         self._keep(tile, kept.body, kept.freshness.renewed(response.headers, self._clock()))
-        return pixels
+        return stored
 
     def flush(self) -> None:
         """Write what is waiting; where another program holds the file, it goes on waiting."""
@@ -183,9 +193,8 @@ class TileStore:
             self._failed(wrong, file)
         return None
 
-    def _asked(self, tile: Tile, response: Response, read: Read) -> Pixels:
-        """Pixels of an answer, which is kept once it has shown to be a picture."""
-        pixels = read(response.body, response.headers)
+    def _received(self, tile: Tile, response: Response, pixels: Pixels) -> Pixels:
+        """Keep an answer that has shown to be a picture, and return its pixels."""
         self._keep(tile, response.body, freshness(response.headers, self._clock()))
         return pixels
 

@@ -27,7 +27,7 @@ from terrainav.core.mission.area import Box
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 
-from tests.core.imagery.test_faults import BROKEN, PASSING, REFUSED
+from tests.core.imagery.test_faults import BROKEN, PASSING, REFUSED, SPOILT
 from tests.support.caches import check_cache
 from tests.support.faults import FAULTS, flat_placeholder
 from tests.support.patterns import MODULUS, decode_position
@@ -56,6 +56,7 @@ HANG = Timeouts(connect_s=60.0, read_s=60.0, whole_s=120.0)
 # What does not pass fails the pictures as the reason says.
 LASTING = {
     **BROKEN,
+    **SPOILT,
     **{kind: "(tried 2 times)" for kind in PASSING if not kind.startswith("429")},
     "trickle": "no whole answer within 0.6 s",
 }
@@ -161,13 +162,13 @@ def check(folder, failed=frozenset(), reason="", *, stopped=False):
 
 
 def test_the_list_of_faults_is_whole():
-    assert {*LASTING, *PASSING, *REFUSED} == set(FAULTS)
+    assert {*LASTING, *PASSING, *REFUSED, "bad-copy"} == set(FAULTS)
     assert 0 < len(CONCERNED) < len(PLAN)
 
 
-@pytest.mark.parametrize("kind", PASSING)
+@pytest.mark.parametrize("kind", [*PASSING, *SPOILT, "bad-copy"])
 def test_what_passes_costs_nothing(server, tmp_path, whole, kind):
-    server.fail(kind, *BAD, times=1)
+    server.fail(kind, *BAD, times=None if kind == "bad-copy" else 1)
     result = run(server, tmp_path / "out", cache=tmp_path / "cache")
     assert (result.written, result.failed) == (len(PLAN), ())
     check(tmp_path / "out")
@@ -190,6 +191,8 @@ def test_what_lasts_fails_the_pictures_it_concerns_until_it_is_over(server, tmp_
 
     server.heal()
     before = server.tile_requests
+    if kind in SPOILT:
+        assert {before[("", *tile)] for tile in BAD} == {2}
     resumed = run(server, tmp_path / "out", resume=True, **options)
     assert (resumed.written, resumed.skipped, resumed.failed) == (len(CONCERNED), result.written, ())
     check(tmp_path / "out")
@@ -235,7 +238,7 @@ def test_a_refusal_of_everything_costs_a_handful_of_requests(server, tmp_path):
 
 
 def test_many_faults_at_rates(server, tmp_path, whole):
-    for kind in ("500", "503", "408", "reset", "short-body"):
+    for kind in ("500", "503", "408", "reset", "short-body", "bad-copy"):
         server.fail(kind, share=0.1, times=1)
     for kind in ("404", "corrupt", "truncated-jpeg", "html", "flat", "wrong-size"):
         server.fail(kind, share=0.04)

@@ -203,6 +203,19 @@ def test_a_failing_server_leaves_the_stale_copy(cache, clock, kind):
         assert sum(server.requests.values()) == 3
 
 
+def test_a_bad_copy_in_place_of_what_has_expired_is_got_round(cache, clock):
+    with CachingTileServer(headers=HOUR, etag=True, clock=clock) as server:
+        fetch(server, cache)
+        clock.now_s += 3601
+        # Asked for under conditions, which the second request must not repeat.
+        server.fail("bad-copy")
+        fetch(server, cache)
+        assert sum(server.requests.values()) == 3
+        fetch(server, cache)
+        assert sum(server.requests.values()) == 3
+    assert stored(cache) == 1
+
+
 @pytest.mark.parametrize("kind", ["404", "410"])
 def test_a_tile_that_is_gone_is_gone_from_the_cache(cache, clock, kind):
     with CachingTileServer(headers=HOUR) as server:
@@ -457,7 +470,12 @@ def test_after_closing_nothing_is_stored(cache):
         store = source._stores[""]
         source.close()
         store.close()
-        pixels = store.fetch((ZOOM, 1, 0), lambda _: server_answer(), lambda body, _: body, lambda: False)
+        pixels = store.fetch(
+            (ZOOM, 1, 0),
+            lambda _, read: (server_answer(), read(server_answer())),
+            lambda body, _: body,
+            lambda: False,
+        )
         assert pixels == b"body"
     assert stored(cache) == 1
     # The server's own thread may still be about to end.

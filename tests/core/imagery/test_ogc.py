@@ -442,6 +442,43 @@ def test_an_exception_with_status_200_is_no_picture(server):
         PartError, match=r"text/xml instead of a picture: msDrawMap\(\): failed to draw layer"
     ):
         source.fetch("", Window(1, 0, 0, 256, 256))
+    # The server has said what is wrong: asking again is of no use.
+    assert server.asked[-1].count("GetMap") == 1
+    assert "GetCapabilities" in server.asked[-2]
+    source.close()
+
+
+def wmts(server):
+    rest = f"{server.url}/tiles/{{TileMatrix}}/{{TileRow}}/{{TileCol}}.png"
+    document = wmts_document(
+        [wmts_layer("ortho", {"quad": [str(zoom) for zoom in range(19)]}, resources=[("image/png", rest)])],
+        [matrix_set("quad", [matrix(str(zoom), zoom) for zoom in range(19)])],
+    )
+    serve_tiles(server, document, r"/tiles/(?P<z>\d+)/(?P<y>\d+)/(?P<x>\d+)\.png\?")
+
+
+@pytest.mark.parametrize("kind", ["wms", "wmts"])
+def test_a_broken_picture_is_asked_for_once_more(server, kind):
+    if kind == "wms":
+        wms(server, "1.3.0", LAYERS_130)
+        source = open_source(f"wms:{server.url}/ows#layers=ortho")
+    else:
+        wmts(server)
+        source = open_source(f"wmts:{server.url}/caps.xml")
+    right, broken = server.answer, [True]
+
+    def answer(path, query):
+        status, mime, body = right(path, query)
+        return status, mime, body[:-40] if broken and broken.pop() else body
+
+    server.answer, before = answer, len(server.asked)
+    tile = source.fetch("", Window(9, 256, 256, 256, 256))
+    assert (tile == patterns.positions("satellite", 9, 1, 1, 256)).all()
+    assert len(server.asked) - before == 2
+    broken.extend([True] * 9)
+    with pytest.raises(PartError, match=r"broken picture \(.*\) \(tried 2 times\)"):
+        source.fetch("", Window(9, 512, 256, 256, 256))
+    assert len(server.asked) - before == 4
     source.close()
 
 

@@ -51,6 +51,20 @@ def planned(source, lat_deg, lon_deg, agl_m=120.0, zoom=18):
     return Window(zoom, *(values[0].item() for values in windows))
 
 
+def test_a_broken_picture_is_asked_for_once_more(server, source_of):
+    source = source_of(server)
+    (part,) = source.parts(planned(source, 35.135, -89.861))
+    whole = source.fetch("satellite", part.window)
+    server.fail("bad-copy")
+    assert np.array_equal(source.fetch("satellite", part.window), whole)
+    assert sum(server.requests.values()) == 3
+    server.heal()
+    server.fail("corrupt")
+    with pytest.raises(PartError, match=r"broken picture \(.*\) \(tried 2 times\)$"):
+        source.fetch("satellite", part.window)
+    assert sum(server.requests.values()) == 5
+
+
 def test_the_documentation_s_own_example_of_a_signature():
     url = "https://maps.googleapis.com/maps/api/geocode/json?address=New+York&client=clientID"
     assert sign(url, "vNIXE0xscrmjlyV-12Nj_BvUPaw=") == url + "&signature=chaRF2hTJKOScPr-RQCEhZbSzIE="
