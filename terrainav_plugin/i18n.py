@@ -21,6 +21,8 @@ _DEPTH = 6
 #: Joints of what the core puts together of several messages, beside the colon.
 _JOINTS = ("; ", ", ")
 _BRACKETED = re.compile(r"(.+?) \((.+)\)", re.DOTALL)
+#: What ends a reason, whatever brackets it has itself.
+_TRIED = re.compile(r"(.+)( \(tried \d+ times\))", re.DOTALL)
 
 
 def tr(text: str) -> str:
@@ -81,6 +83,9 @@ def _told(text: str, depth: int, *, whole: bool) -> str:
     translated = QCoreApplication.translate(_CORE, text)
     if translated != text or " " not in text or not depth:
         return translated
+    tried = _TRIED.fullmatch(text)
+    if tried is not None:
+        return _told(tried[1], depth - 1, whole=whole) + _told(tried[2], depth - 1, whole=True)
     for fixed, template in _templates():
         if not all(part in text for part in fixed):
             continue

@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 BYTES_PER_MB = 1_000_000
 UNITS = ("m", "ft")
 _CACHE_ENV = "TERRAINAV_CACHE_DIR"
+#: As `Placeholder` takes them.
+_DIGEST = re.compile(r"\b[0-9a-f]{16,64}\b")
 
 
 class _Text:
@@ -92,6 +94,9 @@ class Settings:
     connections = _Whole(8, 1, 64)
     """Requests under way at once, where the provider allows so many."""
 
+    placeholders = _Text()
+    """SHA-256 of tiles that count as missing, with spaces between them."""
+
     units = _Text("m", UNITS)
     """Unit of heights in a mission that begins: m or ft."""
 
@@ -116,6 +121,15 @@ class Settings:
         settings.endGroup()
         found = {name: self.authcfg(name) for name in sorted(names)}
         return {name: authcfg for name, authcfg in found.items() if authcfg}
+
+    @property
+    def missing_tiles(self) -> tuple[str, ...]:
+        """SHA-256, or first digits of it, of tiles that count as missing; what is none, in the file, is left out."""
+        return tuple(_DIGEST.findall(self.placeholders.lower()))
+
+    def treat_as_missing(self, digest: str) -> None:
+        """Have a tile count as missing from now on."""
+        self.placeholders = " ".join(dict.fromkeys((*self.missing_tiles, digest)))
 
     @property
     def missions(self) -> Path:

@@ -127,11 +127,21 @@ def open_for_capture(
     *,
     transport: Transport | None = None,
     snapshot: Snapshot | None = None,
+    placeholders: tuple[str, ...] = (),
 ) -> Source:
-    """Source of a mission, ready to fetch; raises InvalidInput or SourceError."""
+    """Source of a mission, ready to fetch; raises InvalidInput or SourceError.
+
+    Tiles that are ``placeholders`` by their SHA-256 count as missing, and so do those of the settings.
+    """
     if snapshot is not None:
         return LayerSource(snapshot)
-    return _opened(mission, key=key, transport=transport, cache=Settings().tile_cache())
+    return _opened(
+        mission,
+        key=key,
+        transport=transport,
+        cache=Settings().tile_cache(),
+        placeholders=(*Settings().missing_tiles, *placeholders),
+    )
 
 
 def transport_for(source: str, connections: int | None = None) -> QgisTransport:
@@ -203,6 +213,7 @@ def _opened(
     key: str | None = None,
     transport: Transport | None = None,
     cache: TileCache | None = None,
+    placeholders: tuple[str, ...] = (),
     plan_only: bool = False,
 ) -> Source:
     from ..core.imagery.opening import open_entry, open_source
@@ -212,6 +223,7 @@ def _opened(
         "connections": Settings().connections,
         "transport": transport,
         "cache": cache,
+        "placeholders": placeholders,
         "plan_only": plan_only,
     }
     if is_connection(mission.source):

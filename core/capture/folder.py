@@ -129,6 +129,19 @@ def complete_pictures(folder: Path, endings: tuple[str, ...], outcomes: Mapping[
     return {name for name, outcome in outcomes.items() if complete(outcome)}
 
 
+def remove_picture(folder: Path, endings: tuple[str, ...], name: str) -> None:
+    """Remove all files of a picture of a map type's folder, wherever cleaning has put them; raises OutputError."""
+    for place in (folder, folder / REJECTED_FOLDER):
+        for ending in reversed(endings):
+            path = place / (name + ending)
+            try:
+                path.unlink(missing_ok=True)
+            except OSError as wrong:
+                raise OutputError(
+                    f"file {path}: cannot be removed ({wrong.strerror}); close what shows it"
+                ) from wrong
+
+
 def _sizes(folder: Path) -> dict[str, int]:
     try:
         with os.scandir(folder) as entries:

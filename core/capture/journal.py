@@ -38,6 +38,8 @@ class Outcome:
         Shares of its pixels that see no ground, and ground that no Web-Mercator source has.
     size_bytes : int
         Of all its files together; 0 where it is not known.
+    repeated : tuple of str
+        Digests of files it was made of that came for other places far away, too; see `Repeats`.
     """
 
     map_type: str
@@ -47,6 +49,7 @@ class Outcome:
     sky_share: float = 0.0
     unmapped_share: float = 0.0
     size_bytes: int = 0
+    repeated: tuple[str, ...] = ()
 
     @property
     def status(self) -> str:
@@ -66,6 +69,8 @@ class Outcome:
             fields.update(sky_share=self.sky_share, unmapped_share=self.unmapped_share)
         if self.size_bytes:
             fields.update(size_bytes=self.size_bytes)
+        if self.repeated:
+            fields.update(repeated=self.repeated)
         return json.dumps(fields, ensure_ascii=False).encode("utf-8") + b"\n"
 
     @classmethod
@@ -82,6 +87,7 @@ class Outcome:
                 float(fields.get("sky_share", 0.0)),
                 float(fields.get("unmapped_share", 0.0)),
                 int(fields.get("size_bytes", 0)),
+                tuple(map(str, fields.get("repeated", ()))),
             )
         except (ValueError, KeyError, TypeError, AttributeError):
             return None

@@ -46,6 +46,27 @@ class Failure:
 
 
 @dataclass(frozen=True)
+class Repeat:
+    """A file that the provider sent for several places far apart: open water, snow, or a placeholder.
+
+    Parameters
+    ----------
+    map_type : str
+    sha256 : str
+        First digits of its SHA-256, as `open_source` takes them for a placeholder.
+    places : int
+        Tiles it came for; with Static Maps, pictures.
+    images : tuple of str
+        Names of the pictures that show it, in the plan's order.
+    """
+
+    map_type: str
+    sha256: str
+    places: int
+    images: tuple[str, ...]
+
+
+@dataclass(frozen=True)
 class CaptureResult:
     """What a capture did.
 
@@ -63,6 +84,8 @@ class CaptureResult:
         Wall time, without pauses.
     cancelled : bool
         Whether it was stopped; it can be resumed.
+    repeated : tuple of Repeat
+        What came for several places far apart in this run, by map type, that of the most places first.
     """
 
     folder: Path
@@ -74,3 +97,4 @@ class CaptureResult:
     unique_parts: int
     seconds: float
     cancelled: bool
+    repeated: tuple[Repeat, ...] = ()

@@ -6,7 +6,9 @@ import math
 import os
 import time
 from collections import Counter
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
@@ -16,17 +18,19 @@ from numpy.typing import NDArray
 from ..dataset.folder import JOURNAL_FILE, TABLE_FILE
 from ..dataset.table import other_columns
 from ..errors import InvalidInput, OutputError, PartError
-from ..imagery.source import Part, Source, Window
+from ..imagery.placeholder import PLACEHOLDER_REASON
+from ..imagery.repeats import Repeats, corner
+from ..imagery.source import Part, Provided, Received, Source, Window
 from ..mission.plan import Plan
-from .folder import check_captured, complete_pictures, open_folder, write_plan_files
+from .folder import check_captured, complete_pictures, open_folder, remove_picture, write_plan_files
 from .journal import FAILED, Journal, Outcome
 from .odm import write_odm_files
 from .pipeline import Pipeline, sweep
 from .records import Made, PictureJob, exposures_of, job_of, make_picture, parts_of, table_of
-from .result import CaptureResult, Failure, Progress
+from .result import CaptureResult, Failure, Progress, Repeat
 from .writers import check_size, file_endings
 
-__all__ = ["CaptureResult", "Failure", "Progress", "capture"]
+__all__ = ["CaptureResult", "Failure", "Progress", "Repeat", "capture"]
 
 Numbers = NDArray[np.int64]
 
@@ -69,11 +73,13 @@ def capture(
     workers : int or None
         Pictures assembled and written at once; None for as many as there are processors.
     resume : bool
-        Go on with a folder that holds this mission: what is missing or has failed is made.
+        Go on with a folder that holds this mission: what is missing or has failed is made, and so is what shows a
+        file that the source counts as placeholder by now, if an earlier run has noted it (a `Repeat`).
     only : iterable of int or None
         Indices of the captures to make; None for all.
     only_failed : bool
-        Make those that an earlier run has noted as failed, and nothing else; the folder has to hold this mission.
+        Make those that an earlier run has noted as failed, and those with such a placeholder, and nothing else; the
+        folder has to hold this mission.
     progress : callable
         Called in this thread with a Progress, about ten times a second at most, and at the end.
     cancelled : callable
@@ -218,7 +224,10 @@ class _Run:
         self._map_types = plan.mission.map_types
         self._done = self._requests = self._unique_parts = 0
         self._failures: list[tuple[int, int, Failure]] = []
+        self._repeated: list[Repeat] = []
+        self._endings = file_endings(plan.mission.image_format, on_map=plan.size_px is None)
         self._outcomes = self._known_outcomes()
+        self._drop_placeholders()
         self._other_columns = {
             map_type: other_columns(folder / map_type / TABLE_FILE) for map_type in self._map_types
         }
@@ -233,7 +242,6 @@ class _Run:
 
     def _known_outcomes(self) -> dict[str, dict[str, Outcome]]:
         """What earlier runs have left of each map type: failures, and pictures that are still there."""
-        endings = file_endings(self._plan.mission.image_format, on_map=self._plan.size_px is None)
         names = set(self._plan.names)
         known: dict[str, dict[str, Outcome]] = {}
         for map_type in self._map_types:
@@ -244,9 +252,20 @@ class _Run:
                     f"folder {self._folder}: holds this mission with other pictures, such as {foreign}, because the "
                     "source or the version was another; choose another folder"
                 )
-            there = complete_pictures(self._folder / map_type, endings, outcomes)
+            there = complete_pictures(self._folder / map_type, self._endings, outcomes)
             known[map_type] = {n: o for n, o in outcomes.items() if o.status == FAILED or n in there}
         return known
+
+    def _drop_placeholders(self) -> None:
+        """Count as failed, and remove, pictures of earlier runs that show what is known to be a placeholder by now."""
+        if not isinstance(self._source, Provided):
+            return
+        for map_type, outcomes in self._outcomes.items():
+            for name, outcome in outcomes.items():
+                if any(map(self._source.placeholder.knows, outcome.repeated)):
+                    remove_picture(self._folder / map_type, self._endings, name)
+                    outcomes[name] = Outcome(map_type, name, reason=PLACEHOLDER_REASON)
+                    self._journal.add(outcomes[name])
 
     def _status(self, map_type: str, index: int) -> str | None:
         outcome = self._outcomes[map_type].get(self._plan.names[index])
@@ -280,10 +299,13 @@ class _Run:
                 self._requests = earlier + pipeline.requests
                 return self._go_on(map_type)
 
+            repeats = Repeats(self._plan.grid)
             try:
-                return pipeline.run(jobs, go_on, self._listener.wait)
+                with _received_by(repeats.note, self._source):
+                    return pipeline.run(jobs, go_on, self._listener.wait)
             finally:
                 self._requests = earlier + pipeline.requests
+                self._note_repeats(map_type, repeats.found())
         finally:
             self._write_tables(map_type)
             self._listener.tell(partial(self._progress, map_type), at_once=True)
@@ -330,6 +352,26 @@ class _Run:
         self._journal.add(outcome)
         self._outcomes[map_type][name] = outcome
 
+    def _note_repeats(self, map_type: str, found: Mapping[str, frozenset[Window]]) -> None:
+        """Enter in the journal which pictures show files that came for places far apart."""
+        digests = {place: digest for digest, places in found.items() for place in places}
+        images: dict[str, list[str]] = {digest: [] for digest in found}
+        for index, name in enumerate(self._plan.names if found else ()):
+            outcome = self._outcomes[map_type].get(name)
+            if outcome is None or outcome.status == FAILED:
+                continue
+            corners = (corner(*part.window[:3]) for part in self._parts(index))
+            shown = tuple(sorted({digests[place] for place in corners if place in digests}))
+            if shown:
+                repeated = tuple(sorted({*outcome.repeated, *shown}))
+                self._outcomes[map_type][name] = outcome = replace(outcome, repeated=repeated)
+                self._journal.add(outcome)
+            for digest in shown:
+                images[digest].append(name)
+        self._repeated += [
+            Repeat(map_type, digest, len(places), tuple(images[digest])) for digest, places in found.items()
+        ]
+
     def _progress(self, map_type: str) -> Progress:
         return Progress(
             self._total,
@@ -354,4 +396,18 @@ class _Run:
             unique_parts=self._unique_parts,
             seconds=seconds,
             cancelled=cancelled,
+            repeated=tuple(self._repeated),
         )
+
+
+@contextmanager
+def _received_by(note: Received, source: Source) -> Iterator[None]:
+    """Have a source tell which files a provider sends it, if one does."""
+    if not isinstance(source, Provided):
+        yield
+        return
+    source.received = note
+    try:
+        yield
+    finally:
+        source.received = None

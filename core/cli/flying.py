@@ -19,7 +19,7 @@ from .caching import opened_cache
 from .exits import DONE, INCOMPLETE, STOPPED
 
 if TYPE_CHECKING:
-    from ..capture.runner import CaptureResult, Failure, Progress
+    from ..capture.runner import CaptureResult, Failure, Progress, Repeat
     from ..imagery.source import Source
     from ..mission.mission import Mission
     from ..mission.plan import Plan
@@ -59,6 +59,7 @@ def _opened(mission: Mission, values: dict[str, Any], *, plan_only: bool) -> Ite
         date=mission.date or None,
         connections=values["connections"],
         cache=None if plan_only else opened_cache(values),
+        placeholders=values["placeholder"] or (),
         plan_only=plan_only,
     )
     try:
@@ -231,6 +232,7 @@ def _print_result(result: CaptureResult, as_json: bool) -> None:
                     "unique_parts": result.unique_parts,
                     "seconds": result.seconds,
                     "cancelled": result.cancelled,
+                    "repeated": [asdict(repeat) for repeat in result.repeated],
                 },
                 indent=1,
             )
@@ -241,6 +243,7 @@ def _print_result(result: CaptureResult, as_json: bool) -> None:
         f"{result.requests:,} requests for {result.unique_parts:,} unique parts; dataset in {result.folder}"
     )
     print_failed(result.failed, result.folder)
+    print_repeated(result.repeated)
 
 
 def print_written(result: CaptureResult | PairResult) -> None:
@@ -259,6 +262,18 @@ def print_failed(failed: Sequence[Failure], named_in: Path) -> None:
         print(f"failed: {failure.map_type}/{failure.name}: {failure.reason}", file=sys.stderr)
     if len(failed) > NAMED_FAILURES:
         print(f"failed: {len(failed) - NAMED_FAILURES:,} more, named in {named_in}", file=sys.stderr)
+
+
+def print_repeated(repeated: Sequence[Repeat]) -> None:
+    """Name files that a provider has sent for places far apart, and what to do where they are no imagery."""
+    for repeat in repeated:
+        named = f", such as {repeat.images[0]}" if repeat.images else ""
+        print(
+            f"same tile: {repeat.map_type} has one and the same file in {repeat.places:,} places, which "
+            f"{len(repeat.images):,} images show{named}. It may be water or snow; if it shows no imagery, treat it as "
+            f"missing: --resume --placeholder {repeat.sha256}",
+            file=sys.stderr,
+        )
 
 
 def _say(what: str) -> None:

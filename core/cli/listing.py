@@ -108,6 +108,7 @@ def _described(entry: CatalogueEntry) -> list[tuple[str, str]]:
 
 def _add(arguments: argparse.Namespace) -> int:
     from ..imagery.catalogue.user_sources import add, described
+    from ..imagery.placeholder import Placeholder
     from ..imagery.services.ogc import is_service, service_entry
 
     given: dict[str, Any] = {
@@ -125,15 +126,19 @@ def _add(arguments: argparse.Namespace) -> int:
     given = {name: value for name, value in given.items() if value is not None}
     if arguments.no_storing:
         given["cache_allowed"] = False
+    placeholders = arguments.placeholder or ()
     if is_service(arguments.url):
         if arguments.default_date is not None:
             raise InvalidInput("--default-date: the dates of a service are those of its capabilities")
         entry = service_entry(arguments.url, tile_px=arguments.tile_size)
-        data = {**entry.to_data(), **given}
+        files = list(Placeholder().with_files(placeholders).sha256)
+        data = {**entry.to_data(), **given, **({"placeholder": {"sha256": files}} if files else {})}
     else:
         if arguments.tile_size is not None:
             given["tile_px"] = arguments.tile_size
-        data = described(arguments.url, **given, default_date=arguments.default_date or "")
+        data = described(
+            arguments.url, **given, default_date=arguments.default_date or "", placeholders=placeholders
+        )
     added = add(arguments.name, data)
     print(f"{added.name} added: {added.title}")
     print(f"{added.bulk_allowed}: {added.policy.text()}")

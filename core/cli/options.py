@@ -171,6 +171,12 @@ def _add_sources(commands: Any) -> None:
         ("requests-per-s", float, "N", "requests a second, at most"),
     ):
         adding.add_argument(f"--{name}", type=kind, metavar=metavar, help=text)
+    adding.add_argument(
+        "--placeholder",
+        metavar="SHA256",
+        nargs="+",
+        help="tiles to treat as missing, by 16 or more digits of the SHA-256 that a capture names",
+    )
     adding.add_argument("--no-storing", action="store_true", help="its terms forbid to keep tiles for later")
 
     removing = actions.add_parser("remove", help="forget a source of your own")

@@ -12,7 +12,7 @@ from ..errors import InvalidInput
 from ..mission.options import OPTIONS, Option
 from .caching import opened_cache
 from .exits import DONE, INCOMPLETE, STOPPED
-from .flying import NAMED_FAILURES, Bar, interruptible, print_failed, print_written
+from .flying import NAMED_FAILURES, Bar, interruptible, print_failed, print_repeated, print_written
 from .parsing import add_json
 
 if TYPE_CHECKING:
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 #: Options of missions that a set of pairs has as well, from the command line, the environment or a file.
 _SHARED = (
     *("source", "map_type", "date", "seed", "camera", "fov", "upsample", "ground_height", "error_budget"),
-    *("accept_error", "resampling", "connections", "cache_dir", "cache_limit", "no_cache"),
+    *("accept_error", "resampling", "connections", "placeholder", "cache_dir", "cache_limit", "no_cache"),
 )
 _DEFAULT_FOV_DEG = 78.8
 _HELP = """
@@ -162,6 +162,7 @@ def run_pairs(arguments: argparse.Namespace) -> int:
         date=settings.date or None,
         connections=values["connections"],
         cache=None if arguments.dry_run else opened_cache(values),
+        placeholders=values["placeholder"] or (),
         plan_only=arguments.dry_run,
     )
     try:
@@ -310,6 +311,15 @@ def _print_result(worked_out: PairPlan, result: PairResult, as_json: bool) -> No
             "unique_parts": result.unique_parts,
             "seconds": result.seconds,
             "cancelled": result.cancelled,
+            "repeated": [
+                {
+                    "capture": repeat.map_type,
+                    "sha256": repeat.sha256,
+                    "places": repeat.places,
+                    "images": repeat.images,
+                }
+                for repeat in result.repeated
+            ],
         }
         print(json.dumps(about, indent=1))
         return
@@ -317,6 +327,7 @@ def _print_result(worked_out: PairPlan, result: PairResult, as_json: bool) -> No
     print(f"{len(worked_out.places):,} places: {_counts(worked_out)}")
     print(f"{result.requests:,} requests for {result.unique_parts:,} unique parts; pairs in {result.folder}")
     print_failed(result.failed, result.folder / "pairs.csv")
+    print_repeated(result.repeated)
     if result.left_out:
         shown = ", ".join(result.left_out[:NAMED_FAILURES])
         rest = len(result.left_out) - NAMED_FAILURES

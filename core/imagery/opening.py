@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import re
+from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -82,6 +83,7 @@ def open_source(
     connections: int = 8,
     transport: Transport | None = None,
     cache: TileCache | None = None,
+    placeholders: Iterable[str] = (),
     plan_only: bool = False,
 ) -> Source:
     """Open a source by name.
@@ -107,6 +109,8 @@ def open_source(
         None for one of its own over requests.
     cache : TileCache or None
         Where tiles are kept for later runs, as far as the provider allows it; None for nowhere.
+    placeholders : iterable of str
+        Files of the provider that count as missing, beside those it is known for, by their SHA-256 or 16 of its digits.
     plan_only : bool
         The source's grid and terms are wanted, nothing will be fetched: no key is needed.
 
@@ -132,6 +136,7 @@ def open_source(
         connections=connections,
         transport=transport,
         cache=cache,
+        placeholders=placeholders,
         plan_only=plan_only,
     )
 
@@ -147,6 +152,7 @@ def open_entry(
     connections: int = 8,
     transport: Transport | None = None,
     cache: TileCache | None = None,
+    placeholders: Iterable[str] = (),
     plan_only: bool = False,
 ) -> Source:
     """Open the source that an entry describes; see `open_source`.
@@ -154,11 +160,12 @@ def open_entry(
     Raises
     ------
     InvalidInput
-        The date or tile size is unknown.
+        The date or tile size is unknown, or a placeholder is no SHA-256.
     SourceError
         A key is needed and missing.
     """
     chosen, key = entry.date(date), entry.key(key)
+    placeholder = entry.placeholder.with_files(placeholders)
     if entry.kind == "world":
         from .world import WorldSource
 
@@ -166,7 +173,7 @@ def open_entry(
     if entry.key_env and not key and not plan_only:
         raise SourceError(f"{entry.title}: needs an API key: set the environment variable {entry.key_env}")
     if entry.kind == "static-map":
-        from .staticmap import GOOGLE_URL, StaticMapSource
+        from .staticmap import GOOGLE_URL, PLACEHOLDER, StaticMapSource
 
         return StaticMapSource(
             key or "",
@@ -176,6 +183,7 @@ def open_entry(
             title=entry.title,
             attribution=entry.attribution,
             policy=entry.policy,
+            placeholder=PLACEHOLDER.with_files(placeholder.sha256),
             url=os.environ.get("TERRAINAV_GOOGLE_URL", GOOGLE_URL),
             transport=transport,
             connections=connections,
@@ -190,7 +198,7 @@ def open_entry(
         grid=entry.grid(tile_px),
         key=key,
         date=chosen,
-        placeholder=entry.placeholder,
+        placeholder=placeholder,
         policy=entry.policy,
         transport=transport,
         cache=cache,

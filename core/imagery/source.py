@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple, Protocol
+from typing import TYPE_CHECKING, Callable, NamedTuple, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..geodesy.mercator import PixelGrid
 from .policy import Policy
+
+if TYPE_CHECKING:
+    from .placeholder import Placeholder
 
 Pixels = NDArray[np.uint8]
 
@@ -36,6 +39,10 @@ class Part(NamedTuple):
     window: Window
     dx_px: int
     dy_px: int
+
+
+#: Called with a part and the file that its pixels were read of.
+Received = Callable[[Window, bytes], object]
 
 
 class Source(Protocol):
@@ -97,6 +104,22 @@ class Source(Protocol):
     def close(self) -> None:
         """Free what it holds; requests under way end at once and raise Cancelled."""
         ...
+
+
+@runtime_checkable
+class Provided(Protocol):
+    """A source whose parts are files of a provider.
+
+    Attributes
+    ----------
+    placeholder : Placeholder
+        What the provider sends where it has nothing.
+    received : callable or None
+        Called with each part that is fetched, from the network or out of the cache, in the thread that asks.
+    """
+
+    placeholder: Placeholder
+    received: Received | None
 
 
 def tile_parts(window: Window, grid: PixelGrid) -> list[Part]:

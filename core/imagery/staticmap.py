@@ -21,7 +21,7 @@ from .decode import decode
 from .placeholder import Placeholder
 from .policy import Policy
 from .requests_transport import RequestsTransport
-from .source import Part, Pixels, Window
+from .source import Part, Pixels, Received, Window
 from .transport import Response, Stop, Transport
 
 GOOGLE_URL = "https://maps.googleapis.com/maps/api/staticmap"
@@ -35,8 +35,8 @@ _MAX_ZOOM = 21
 #: decimal; a window that was not placed for this source is off by up to half of it.
 _CENTRE_TOLERANCE_DEG = 1e-9
 _NO_LABELS = "feature:all|element:labels|visibility:off"
-#: Header by which the service says that a picture with status 200 is not what was asked for.
-_WARNING = Placeholder(header=(("x-staticmap-api-warning", "*"),))
+#: By this header the service says that a picture with status 200 is not what was asked for.
+PLACEHOLDER = Placeholder(header=(("x-staticmap-api-warning", "*"),))
 
 
 class StaticMapSource:
@@ -52,10 +52,16 @@ class StaticMapSource:
         1, or 2 for twice the pixels of the same ground.
     name, title, attribution : str
     policy : Policy
+    placeholder : Placeholder
     url : str
         Address of the service.
     client, transport, connections
         As for `XYZSource`.
+
+    Attributes
+    ----------
+    placeholder, received
+        As for `Provided`.
     """
 
     map_types = MAP_TYPES
@@ -70,6 +76,7 @@ class StaticMapSource:
         title: str = "Google Static Maps",
         attribution: str = "Map data © Google",
         policy: Policy = Policy(),  # noqa: B008 (an immutable value)
+        placeholder: Placeholder = PLACEHOLDER,
         url: str = GOOGLE_URL,
         client: Client | None = None,
         transport: Transport | None = None,
@@ -80,6 +87,8 @@ class StaticMapSource:
         self.name, self.title, self.attribution = name, title, attribution
         self.date = ""
         self.policy = policy
+        self.placeholder = placeholder
+        self.received: Received | None = None
         self.grid = PixelGrid(
             tile_px=256 * scale,
             max_zoom=_MAX_ZOOM,
@@ -121,12 +130,18 @@ class StaticMapSource:
         what = f"picture at {lat_deg},{lon_deg} zoom {part.zoom}"
 
         def read(response: Response) -> Pixels:
-            _WARNING.refuse(response.body, response.headers)
+            self.placeholder.refuse(response.body, response.headers)
             return decode(
                 response.body, part.width_px, part.height_px, response.headers.get("content-type", "")
             )
 
-        return self._client.picture(self._request(map_type, part, lat_deg, lon_deg), what, read, cancelled)[1]
+        response, pixels = self._client.picture(
+            self._request(map_type, part, lat_deg, lon_deg), what, read, cancelled
+        )
+        received = self.received
+        if received is not None:
+            received(part, response.body)
+        return pixels
 
     def centre(self, part: Window) -> tuple[str, str]:
         """Latitude and longitude of a window's centre as they are sent, with six decimals.

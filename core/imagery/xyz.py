@@ -15,7 +15,7 @@ from .decode import decode
 from .placeholder import Placeholder
 from .policy import Policy
 from .requests_transport import RequestsTransport
-from .source import Part, Pixels, Window, tile_parts
+from .source import Part, Pixels, Received, Window, tile_parts
 from .template import Template
 from .tiles import tile_address
 from .transport import Response, Stop, Transport
@@ -50,6 +50,11 @@ class XYZSource:
         Where tiles are kept for later runs, if the policy allows it; None for nowhere.
     alpha : bool
         Whether the fourth channel is what the tiles have, for who lays them over something else.
+
+    Attributes
+    ----------
+    placeholder, received
+        As for `Provided`.
     """
 
     def __init__(
@@ -85,8 +90,9 @@ class XYZSource:
         self.date = date
         self.policy = policy
         self.map_types = self._told_apart()
-        self._placeholder = placeholder
+        self.placeholder = placeholder
         self._alpha = alpha
+        self.received: Received | None = None
         self._key = key or ""
         if not date and any("date" in template.names for template in self._templates.values()):
             raise InvalidInput(f"source {self.title}: its URL has a {{date}}; say which")
@@ -144,10 +150,23 @@ class XYZSource:
             self._count()
             return self._client.picture(url, str(tile), read, cancelled, headers)
 
+        # What was read last, of the cache or of an answer, is what is returned.
+        file = b""
+
+        def read(body: bytes, headers: Mapping[str, str]) -> Pixels:
+            nonlocal file
+            pixels, file = self._read(body, headers), body
+            return pixels
+
         store = self._store(map_type)
         if store is not None:
-            return store.fetch(tile, ask, self._read, self._client.out_of_reach)
-        return ask({}, lambda response: self._read(response.body, response.headers))[1]
+            pixels = store.fetch(tile, ask, read, self._client.out_of_reach)
+        else:
+            _, pixels = ask({}, lambda response: read(response.body, response.headers))
+        received = self.received
+        if received is not None:
+            received(part, file)
+        return pixels
 
     def close(self) -> None:
         """End what is under way (it raises `Cancelled`) and free the connections."""
@@ -161,10 +180,10 @@ class XYZSource:
 
     def _read(self, body: bytes, headers: Mapping[str, str]) -> Pixels:
         """Pixels of an answer or of a stored tile; raises PartError for what is no imagery."""
-        self._placeholder.refuse(body, headers)
+        self.placeholder.refuse(body, headers)
         size, kind = self.grid.tile_px, headers.get("content-type", "")
         pixels = decode(body, size, size, kind, alpha=self._alpha)
-        self._placeholder.refuse_flat(pixels)
+        self.placeholder.refuse_flat(pixels)
         return pixels
 
     def _store(self, map_type: str) -> TileStore | None:

@@ -226,10 +226,21 @@ OPTIONS: tuple[Option, ...] = (
     Option("data_dir", str, "datasets/terrainav", "folder the dataset is written to"),
     Option("connections", int, 8, "requests under way at once"),
     Option(
+        "placeholder",
+        str,
+        None,
+        "SHA-256 (16 or more of its digits) of tiles to treat as missing, as a capture names them that has found the "
+        "same tile in many places; with --resume, pictures that show them are made again",
+        count=(1, 100),
+    ),
+    Option(
         "cache_dir", str, None, "folder of the cache of tiles (terrainav cache list shows it)", metavar="DIR"
     ),
     Option("cache_limit", int, None, "size the cache is kept to, in MB", metavar="MB"),
     Option("no_cache", str, False, "keep no tiles for later captures, and use none", flag=True),
 )
 #: Options that say how a mission is run, not what it is: they go with a mission file.
-RUN_OPTIONS = ("dataset", "batch_size", "data_dir", "connections", "cache_dir", "cache_limit", "no_cache")
+RUN_OPTIONS = (
+    *("dataset", "batch_size", "data_dir", "connections", "placeholder"),
+    *("cache_dir", "cache_limit", "no_cache"),
+)

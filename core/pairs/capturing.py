@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from ..capture.journal import FAILED, Journal, Outcome
-from ..capture.result import CaptureResult, Failure, Progress
+from ..capture.result import CaptureResult, Failure, Progress, Repeat
 from ..capture.runner import DEFAULT_CONNECTIONS, capture
 from ..dataset.folder import JOURNAL_FILE, MISSION_FILE, REJECTED_FOLDER
 from ..errors import InvalidInput, OutputError
@@ -44,7 +44,8 @@ class PairResult:
     total, written, skipped, requests, unique_parts, seconds, cancelled
         Of all captures together, as a CaptureResult has them.
     failed : tuple of Failure
-        By the captures' names, which stand for the map types.
+    repeated : tuple of Repeat
+        Both by the captures' names, which stand for the map types.
     left_out : tuple of str
         Ids of places without a satellite view or any view of the drone, which are in no part's folders.
     """
@@ -59,6 +60,7 @@ class PairResult:
     cancelled: bool
     failed: tuple[Failure, ...]
     left_out: tuple[str, ...]
+    repeated: tuple[Repeat, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -202,6 +204,9 @@ def _result(
             replace(failure, map_type=name) for name, one in results.items() for failure in one.failed
         ),
         left_out=left_out,
+        repeated=tuple(
+            replace(repeat, map_type=name) for name, one in results.items() for repeat in one.repeated
+        ),
     )
 
 
@@ -222,13 +227,17 @@ def _lay_out(path: Path, worked_out: PairPlan) -> tuple[str, ...]:
             left_out.append(one)
         for image, outcome, there in zip(images, found, made):
             captured = _captured(path, worked_out, image) if there else None
-            files = _files(worked_out.parts[place], one, image) if there and complete else []
+            files = _files(worked_out.parts[place], one, image)
             for file in files:
-                if captured is not None:
+                if captured is not None and complete:
                     _put(path / file, captured)
+                else:
+                    _withdraw(path / file)
             reason = "" if outcome is None else outcome.reason
             shown = captured.relative_to(path).as_posix() if captured is not None else ""
-            rows.append(_row(worked_out, place, image, reason, there, files, shown))
+            rows.append(
+                _row(worked_out, place, image, reason, there, files if there and complete else [], shown)
+            )
     text = io.StringIO()
     table = csv.DictWriter(text, COLUMNS, lineterminator="\n")
     table.writeheader()
@@ -284,6 +293,14 @@ def _put(target: Path, captured: Path) -> None:
             write_whole(target, captured.read_bytes())
     except OSError as wrong:
         raise OutputError(f"image {target}: cannot be placed ({wrong.strerror})") from wrong
+
+
+def _withdraw(target: Path) -> None:
+    """Take an image away that an earlier run has placed, and that counts as missing by now."""
+    try:
+        target.unlink(missing_ok=True)
+    except OSError as wrong:
+        raise OutputError(f"image {target}: cannot be removed ({wrong.strerror})") from wrong
 
 
 def _row(

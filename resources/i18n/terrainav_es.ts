@@ -460,6 +460,12 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/dock/add_source_dialog.py"/>
+        <location filename="../../terrainav_plugin/dock/options_page.py"/>
+        <source>SHA-256 of tiles that show no imagery, 16 digits or more of each, with spaces between them</source>
+        <translation>SHA-256 de las teselas que no muestran imágenes, 16 dígitos o más de cada una, separados por espacios</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/add_source_dialog.py"/>
         <source>Terms</source>
         <translation>Condiciones</translation>
     </message>
@@ -482,6 +488,13 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/dock/add_source_dialog.py"/>
         <source>Title</source>
         <translation>Título</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/add_source_dialog.py"/>
+        <location filename="../../terrainav_plugin/dock/options_page.py"/>
+        <location filename="../../terrainav_plugin/runs/after.py"/>
+        <source>Treat as missing</source>
+        <translation>Tratar como ausente</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/dock/add_source_dialog.py"/>
@@ -3359,6 +3372,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/capture.py"/>
+        <source>SHA-256 of tiles that show no imagery, with spaces between them; the log names tiles that came for many places. Images that show one are captured again. Those of TerrAInav's options count as well.</source>
+        <translation>SHA-256 de las teselas que no muestran imágenes, separados por espacios; el registro nombra las teselas que llegaron para muchos lugares. Las imágenes que muestran una se capturan de nuevo. También cuentan las de las opciones de TerrAInav.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/capture.py"/>
         <location filename="../../terrainav_plugin/processing/report.py"/>
         <source>Sources that ask for consent refuse larger missions without it.</source>
         <translation>Las fuentes que piden conformidad rechazan sin ella las misiones mayores.</translation>
@@ -3380,6 +3398,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/capture.py"/>
+        <source>Tiles to treat as missing</source>
+        <translation>Teselas que tratar como ausentes</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/capture.py"/>
         <source>folder {folder}: holds no capture, as it has no {file}</source>
         <translation>carpeta {folder}: no contiene ninguna captura, pues no tiene {file}</translation>
     </message>
@@ -3397,6 +3420,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/processing/capture.py"/>
         <source>{count} more, named in the folder's journal and tables.</source>
         <translation>{count} más, indicadas en el diario y las tablas de la carpeta.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/capture.py"/>
+        <source>{map_type}: the same tile came for {places} places and is in {images} images, such as {image}. It may be water or snow; if it shows no imagery, enter {digest} under “Tiles to treat as missing” and run it again.</source>
+        <translation>{map_type}: la misma tesela llegó para {places} lugares y está en {images} imágenes, como {image}. Puede ser agua o nieve; si no muestra imágenes, introducir {digest} en «Teselas que tratar como ausentes» y ejecutarlo de nuevo.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/capture.py"/>
@@ -4259,6 +4287,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/runs/after.py"/>
+        <source>Its SHA-256 begins with {digest}; {image} shows it. It may be water or snow. If it shows no imagery, “Treat as missing” removes the images with it and asks for its places again; the options list what is treated so.</source>
+        <translation>Su SHA-256 empieza por {digest}; {image} la muestra. Puede ser agua o nieve. Si no muestra imágenes, «Tratar como ausente» elimina las imágenes que la contienen y vuelve a pedir sus lugares; las opciones enumeran lo que se trata así.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/runs/after.py"/>
         <source>Its project is closed: open the dataset by “Missions” to see it.</source>
         <translation>Su proyecto está cerrado: abrir el conjunto de datos con «Misiones» para verlo.</translation>
     </message>
@@ -4281,6 +4314,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/runs/after.py"/>
         <source>{name}: stopped with {there} of {total} images. Press Capture to go on.</source>
         <translation>{name}: detenida con {there} de {total} imágenes. Pulsar Capturar para continuar.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/runs/after.py"/>
+        <source>{name}: the same tile came for {places} places and is in {images} images.</source>
+        <translation>{name}: la misma tesela llegó para {places} lugares y está en {images} imágenes.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/runs/after.py"/>
@@ -4751,6 +4789,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/capture/cost.py"/>
         <source>{0} ms</source>
         <translation>{0} ms</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/folder.py"/>
+        <source>file {0}: cannot be removed ({1}); close what shows it</source>
+        <translation>archivo {0}: no se puede eliminar ({1}); cerrar lo que lo muestra</translation>
     </message>
     <message>
         <location filename="../../core/capture/folder.py"/>
@@ -5675,6 +5718,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/imagery/decode.py"/>
         <source>no imagery here: the provider's placeholder picture</source>
         <translation>no hay imágenes aquí: la imagen de relleno del proveedor</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/decode.py"/>
+        <source>placeholder {0}: must be the SHA-256 of a tile's file, or the first {1} of its digits or more</source>
+        <translation>imagen de relleno {0}: debe ser el SHA-256 del archivo de una tesela, o sus primeros {1} dígitos o más</translation>
     </message>
     <message>
         <location filename="../../core/imagery/decode.py"/>

@@ -80,6 +80,10 @@ class AddSourceDialog(QDialog):
         self.default_date = _line(
             "default_date", tr("What {date} in the address stands for where no date is asked for")
         )
+        self.placeholders = _line(
+            "placeholders",
+            tr("SHA-256 of tiles that show no imagery, 16 digits or more of each, with spaces between them"),
+        )
         self.max_zoom = QgsSpinBox()
         self.max_zoom.setObjectName("max_zoom")
         self.max_zoom.setRange(0, 30)
@@ -132,6 +136,7 @@ class AddSourceDialog(QDialog):
         form.addRow(tr("Tile size"), self.tile_px)
         form.addRow(tr("Connections"), self.connections)
         form.addRow(tr("Requests"), self.rate)
+        form.addRow(tr("Treat as missing"), self.marks.field("placeholders", self.placeholders))
         form.addRow("", self.cached)
         layout = QVBoxLayout(self)
         layout.addLayout(form)
@@ -152,6 +157,7 @@ class AddSourceDialog(QDialog):
             self.licence.textChanged,
             self.terms_url.textChanged,
             self.default_date.textChanged,
+            self.placeholders.textChanged,
             self.max_zoom.valueChanged,
             self.tile_px.currentIndexChanged,
             self.connections.valueChanged,
@@ -186,6 +192,7 @@ class AddSourceDialog(QDialog):
             max_connections=self.connections.value(),
             requests_per_s=self.rate.value(),
             cache_allowed=self.cached.isChecked(),
+            placeholders=self.placeholders.text().split(),
         )
 
     def _check(self) -> None:
@@ -238,5 +245,10 @@ def _name_problem(name: str) -> dict[str, str]:
 def _at_field(text: str) -> dict[str, str]:
     """Message at the field that it is about, as the core's messages begin."""
     _, _, plain = text.rpartition("': ") if text.startswith("catalogue entry") else ("", "", text)
-    fields = (("source name", "name"), ("date", "default_date"), ("terms", "terms_url"))
+    fields = (
+        ("source name", "name"),
+        ("date", "default_date"),
+        ("terms", "terms_url"),
+        ("placeholder", "placeholders"),
+    )
     return {next((field for words, field in fields if plain.startswith(words)), "url"): told(plain)}

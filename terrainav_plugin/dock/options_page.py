@@ -14,14 +14,16 @@ from qgis.PyQt.QtWidgets import (
     QFrame,
     QGroupBox,
     QLabel,
+    QLineEdit,
     QPushButton,
     QScrollArea,
     QVBoxLayout,
     QWidget,
 )
 
+from ...core.errors import InvalidInput
 from ..help import add_help_button
-from ..i18n import tr
+from ..i18n import told, tr
 from ..messages import log
 from ..options import PAGE
 from ..settings import Settings
@@ -60,6 +62,7 @@ class OptionsPage(QgsOptionsPageWidget):
         self.show_settings()
         for widget in self.folders.values():
             widget.fileChanged.connect(self._check)
+        self.placeholders.textChanged.connect(self._check)
 
     def show_settings(self) -> None:
         """Show what is set."""
@@ -68,6 +71,7 @@ class OptionsPage(QgsOptionsPageWidget):
             widget.setFilePath(getattr(settings, name))
         self.connections.setValue(settings.connections)
         self.cache_limit.setValue(settings.cache_limit_mb)
+        self.placeholders.setText(" ".join(settings.missing_tiles))
         choose(self.units, settings.units)
         self.keys.fill()
         self._check()
@@ -78,6 +82,7 @@ class OptionsPage(QgsOptionsPageWidget):
             widget.setFilePath("")
         self.connections.setValue(Settings.connections.default)
         self.cache_limit.setValue(Settings.cache_limit_mb.default)
+        self.placeholders.clear()
         choose(self.units, "m")
 
     def apply(self) -> None:
@@ -90,6 +95,10 @@ class OptionsPage(QgsOptionsPageWidget):
                 setattr(self._settings, name, widget.filePath().strip())
         self._settings.connections = self.connections.value()
         self._settings.cache_limit_mb = self.cache_limit.value()
+        if "placeholders" in problems:
+            log(tr("Not kept: {problem}").format(problem=problems["placeholders"]))
+        else:
+            self._settings.placeholders = self.placeholders.text().strip()
         self._settings.units = self.units.currentData()
         self.keys.keep()
         self._applied()
@@ -167,19 +176,25 @@ class OptionsPage(QgsOptionsPageWidget):
         self.cache_button.setToolTip(tr("Shows what is in the cache, and clears some or all of it"))
         self.cache_button.clicked.connect(self.show_cache)
         form.addRow(tr("At most"), row(self.cache_limit, self.cache_button, stretch=0))
+        self.placeholders = QLineEdit()
+        self.placeholders.setObjectName("placeholders")
+        self.placeholders.setToolTip(
+            tr("SHA-256 of tiles that show no imagery, 16 digits or more of each, with spaces between them")
+        )
+        form.addRow(tr("Treat as missing"), self.marks.field("placeholders", self.placeholders))
         return box
 
     def _keys(self) -> QGroupBox:
         box = QGroupBox(tr("Keys and authentication"))
         layout = QVBoxLayout(box)
-        told = QLabel(
+        about = QLabel(
             tr(
                 "A key is the password of a Basic configuration in QGIS's authentication database, which is encrypted. "
                 "Only the id of the configuration is kept here; no project, mission or layer holds a key."
             )
         )
-        told.setWordWrap(True)
-        layout.addWidget(told)
+        about.setWordWrap(True)
+        layout.addWidget(about)
         self.keys = KeysTable(self._settings)
         layout.addWidget(self.keys)
         return box
@@ -197,9 +212,21 @@ class OptionsPage(QgsOptionsPageWidget):
     def _check(self) -> dict[str, str]:
         """Mark what cannot be kept; returns what is wrong by the names of the settings."""
         problems = {name: folder_problem(widget.filePath()) for name, widget in self.folders.items()}
+        problems["placeholders"] = placeholders_problem(self.placeholders.text())
         problems = {name: problem for name, problem in problems.items() if problem}
         self.marks.show(problems)
         return problems
+
+
+def placeholders_problem(text: str) -> str:
+    """What is wrong with tiles to treat as missing, in words; empty for nothing."""
+    from ...core.imagery.placeholder import Placeholder
+
+    try:
+        Placeholder().with_files(text.split())
+    except InvalidInput as wrong:
+        return told(wrong)
+    return ""
 
 
 def folder_problem(text: str) -> str:

@@ -16,6 +16,7 @@ from qgis.core import (
     QgsProcessingParameterBoolean,
     QgsProcessingParameterFile,
     QgsProcessingParameterFolderDestination,
+    QgsProcessingParameterString,
 )
 
 from ...core.dataset.folder import FOOTPRINTS_FILE, MISSION_FILE
@@ -54,6 +55,14 @@ class _Capturing(WithImagery):
         self.add(
             QgsProcessingParameterBoolean("ACCEPT_TERMS", tr("I agree to the source's terms"), False),
             tr("Sources that ask for consent refuse larger missions without it."),
+            advanced=True,
+        )
+        self.add(
+            QgsProcessingParameterString("PLACEHOLDERS", tr("Tiles to treat as missing"), optional=True),
+            tr(
+                "SHA-256 of tiles that show no imagery, with spaces between them; the log names tiles that came for "
+                "many places. Images that show one are captured again. Those of TerrAInav's options count as well."
+            ),
             advanced=True,
         )
         self.add(
@@ -291,6 +300,20 @@ def _tell(result: CaptureResult, watch: Watch) -> None:
         watch.warn(
             tr("{count} more, named in the folder's journal and tables.").format(
                 count=f"{len(result.failed) - _NAMED_FAILURES:,}"
+            )
+        )
+    for repeat in result.repeated:
+        watch.warn(
+            tr(
+                "{map_type}: the same tile came for {places} places and is in {images} images, such as {image}. It may "
+                "be water or snow; if it shows no imagery, enter {digest} under “Tiles to treat as missing” and run it "
+                "again."
+            ).format(
+                map_type=repeat.map_type,
+                places=f"{repeat.places:,}",
+                images=f"{len(repeat.images):,}",
+                image=next(iter(repeat.images), ""),
+                digest=repeat.sha256,
             )
         )
     if result.cancelled:

@@ -30,6 +30,8 @@ class Imagery:
     authcfg : str
         Configuration of QGIS's authentication database for the source's key or its requests; empty for the one that
         the user has chosen for the source in the panel.
+    placeholders : tuple of str
+        SHA-256 of tiles that count as missing, beside those of the settings.
 
     Raises
     ------
@@ -37,13 +39,13 @@ class Imagery:
         The configuration or the layer is not there.
     """
 
-    def __init__(self, mission: Mission, authcfg: str = "") -> None:
+    def __init__(self, mission: Mission, authcfg: str = "", placeholders: tuple[str, ...] = ()) -> None:
         from ..credentials import key_in, problem_with
         from ..network.transport import QgisTransport
         from ..settings import Settings
         from ..sources import grid_finder, key_of, needs_key, snapshot_for, transport_for
 
-        self._mission = mission
+        self._mission, self._placeholders = mission, placeholders
         self.connections = Settings().connections
         is_key = needs_key(mission.source)
         if authcfg:
@@ -71,7 +73,13 @@ class Imagery:
         from ..sources import open_for_capture
 
         with closing(self._transport) as transport:
-            source = open_for_capture(self._mission, self._key, transport=transport, snapshot=self._snapshot)
+            source = open_for_capture(
+                self._mission,
+                self._key,
+                transport=transport,
+                snapshot=self._snapshot,
+                placeholders=self._placeholders,
+            )
             with closing(source):
                 yield source
 
@@ -118,7 +126,12 @@ class WithImagery(Algorithm):
         self, mission: Mission, parameters: dict[str, Any], context: QgsProcessingContext
     ) -> None:
         """Take a mission's imagery; on the main thread."""
-        self._imagery = Imagery(mission, self.parameterAsString(parameters, "AUTHCFG", context))
+        placeholders = self.parameterAsString(parameters, "PLACEHOLDERS", context)
+        self._imagery = Imagery(
+            mission,
+            self.parameterAsString(parameters, "AUTHCFG", context),
+            tuple(placeholders.replace(",", " ").split()),
+        )
         _keeper().keep(self._imagery)
 
     def released(self) -> None:

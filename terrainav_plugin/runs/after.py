@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -19,6 +20,10 @@ from .words import done_text, with_kept
 if TYPE_CHECKING:
     from ..workflow import Workflow
     from .line import Runs
+
+
+#: Tiles of a run that messages of their own name; all are in the journal.
+_NAMED_REPEATS = 3
 
 
 class Endings:
@@ -64,6 +69,7 @@ class Endings:
         # Layers that are not shown go away here: they keep their files open, and a run stays listed for long.
         run.task.opened = None
         self._say(run, is_open)
+        self._tell_repeated(run)
 
     def _project_closed(self) -> None:
         self._projects_closed += 1
@@ -81,9 +87,10 @@ class Endings:
             self._messages.error(told(wrong))
 
     def _load_results(self, run: Run) -> None:
-        written = run.result is None or run.result.written > 0
+        # Images that have failed may be gone: those of tiles that count as missing by now.
+        changed = run.result is None or bool(run.result.written or run.result.failed)
         group = self._workflow.group_of(run.folder)
-        show_results(group, run.task.opened, changed=written)
+        show_results(group, run.task.opened, changed=changed)
         # The pictures themselves are there now; plans on top would only hide them.
         if self._workflow.group().is_same(group):
             self._workflow.preview.set_footprints_visible(False)
@@ -130,6 +137,21 @@ class Endings:
         lines = (f"{failure.map_type}/{failure.name}: {told(failure.reason)}" for failure in failed)
         again = (tr("Capture only the failed ones"), lambda: self._runs.capture_failed(run))
         self._messages.warning(text, "\n".join(lines), again)
+
+    def _tell_repeated(self, run: Run) -> None:
+        """Name tiles that came for places far apart, and offer to do without them."""
+        for repeat in run.result.repeated[:_NAMED_REPEATS] if run.result is not None else ():
+            images = len(repeat.images)
+            text = tr("{name}: the same tile came for {places} places and is in {images} images.").format(
+                name=run.name, places=f"{repeat.places:,}", images=f"{images:,}"
+            )
+            details = tr(
+                "Its SHA-256 begins with {digest}; {image} shows it. It may be water or snow. If it shows no imagery, "
+                "“Treat as missing” removes the images with it and asks for its places again; the options list what is "
+                "treated so."
+            ).format(digest=repeat.sha256, image=next(iter(repeat.images), ""))
+            missing = partial(self._runs.treat_as_missing, run, repeat.sha256, images)
+            self._messages.warning(text, details, (tr("Treat as missing"), missing))
 
 
 def open_in_system(path: Path) -> None:

@@ -78,10 +78,19 @@ class Runs(QObject):
 
     def capture_failed(self, run: Run) -> None:
         """Capture the images again that have failed in a run that is over, and nothing else."""
-        share = run.task.failed / max(len(run.plan) * len(run.mission.map_types), 1)
+        self._capture_again(run, run.task.failed, only_failed=True)
+
+    def treat_as_missing(self, run: Run, digest: str, images: int) -> None:
+        """Have a tile count as missing from now on, and capture the images of a run again that show it."""
+        self._workflow.settings.treat_as_missing(digest)
+        self._capture_again(run, run.task.failed + images, only_failed=False)
+
+    def _capture_again(self, run: Run, images: int, *, only_failed: bool) -> None:
+        share = min(images / max(len(run.plan) * len(run.mission.map_types), 1), 1.0)
         if not self.questions.key_is_there(run.mission.source):
             return
-        if self._enqueue(run.plan, run.folder, True, math.ceil(share * self._requests(run.plan))):
+        requests = math.ceil(share * self._requests(run.plan))
+        if self._enqueue(run.plan, run.folder, only_failed, requests):
             self.dismiss(run)
 
     def start_test_shot(self, lat_deg: float, lon_deg: float) -> None:

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 
+import numpy as np
 import pytest
 from PIL import Image
 
 from tests.support.command import command
+from tests.support.faults import flat_placeholder
 from tests.support.tileserver import TileServer
 
 BOX = "35.16_-89.90_35.0_-89.7"
@@ -52,6 +55,30 @@ def test_pairs_of_a_file_of_places_with_a_contact_sheet(run, tmp_path):
     again = run(*asked, "--resume", "--json")
     assert again.returncode == 0, again.stderr
     assert (json.loads(again.stdout)["written"], json.loads(again.stdout)["skipped"]) == (0, 6)
+
+
+def test_a_placeholder_is_told_and_taken_out_of_the_pairs(run, tmp_path):
+    (tmp_path / "places.txt").write_text("35.12 -89.93\n35.15 -89.85\n", encoding="utf-8")
+    grey = np.full((256, 256, 3), 204, np.uint8)
+    with TileServer(lambda *_: grey) as server:
+        asked = ("pairs", "places.txt", *SMALL, "--split", "1", "1", "0", "--source", server.url_template)
+        first = run(*asked, "--data-dir", "out", "--quiet", "--json")
+        assert first.returncode == 0, first.stderr
+        repeated = json.loads(first.stdout)["repeated"]
+        assert {one["sha256"] for one in repeated} == {hashlib.sha256(flat_placeholder()).hexdigest()[:16]}
+        assert "satellite" in {one["capture"] for one in repeated}
+        placed = [path for part in ("train", "test") for path in (tmp_path / "out" / part).rglob("*.jp*g")]
+        assert len(placed) == 3 + 2 * 3
+        again = run(
+            *asked, "--data-dir", "out", "--resume", "--quiet", "--placeholder", repeated[0]["sha256"]
+        )
+    assert again.returncode == 1, again.stderr
+    assert "6 failed" in again.stdout
+    # Other programs read whatever is in the folders.
+    assert not any(path.exists() for path in placed)
+    table = (tmp_path / "out" / "pairs.csv").read_text(encoding="utf-8")
+    assert table.count(",failed,") == 6
+    assert "train/" not in table
 
 
 def test_the_cache_serves_the_drone_what_the_satellite_has_fetched(run, tmp_path):

@@ -259,6 +259,14 @@ def test_every_message_of_the_core_is_recognised(spanish, translations):
     ("english_text", "spanish_text"),
     [
         ("tile 3/4/5: no connection to tiles.example", "tesela 3/4/5: sin conexión con tiles.example"),
+        (
+            "tile 3/4/5: broken picture (image file is truncated) (tried 2 times)",
+            "tesela 3/4/5: imagen dañada (image file is truncated) (intentado 2 veces)",
+        ),
+        (
+            "tile 3/4/5: no connection to tiles.example (tried 5 times)",
+            "tesela 3/4/5: sin conexión con tiles.example (intentado 5 veces)",
+        ),
         ("complete", "completa"),
         (
             "rays for every pixel (the mesh's bound of 0.1 px fits); wind (still air was asked for)",

@@ -295,7 +295,7 @@ def under_provider(entry: CatalogueEntry) -> CatalogueEntry:
             return replace(
                 entry,
                 policy=known.policy,
-                placeholder=known.placeholder,
+                placeholder=known.placeholder.with_files(entry.placeholder.sha256),
                 attribution=entry.attribution or known.attribution,
             )
     return entry

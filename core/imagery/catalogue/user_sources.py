@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Container, Mapping
+from collections.abc import Container, Iterable, Mapping
 from typing import Any, NamedTuple
 
 from ...config import config_file, read_named, write_named
 from ...errors import InvalidInput
+from ..placeholder import Placeholder
 from ..template import Template
 from .entry import KEY_ENV, CatalogueEntry, shipped, under_provider
 
@@ -76,6 +77,7 @@ def described(
     max_connections: int | None = None,
     requests_per_s: float | None = None,
     cache_allowed: bool = True,
+    placeholders: Iterable[str] = (),
 ) -> dict[str, Any]:
     """Data of an entry for a URL template, as `add` takes it.
 
@@ -89,6 +91,8 @@ def described(
         22, and the highest zoom.
     default_date : str
         Where the template has a {date}; without one, each mission must say which.
+    placeholders : iterable of str
+        Files that count as missing, by their SHA-256 or 16 of its digits.
 
     Raises
     ------
@@ -115,6 +119,9 @@ def described(
     if "{s}" in template.text and template.subdomains != ("a", "b", "c"):
         # As it was written, so that it says its subdomains.
         data["urls"] = {"": url.strip()}
+    files = Placeholder().with_files(placeholders).sha256
+    if files:
+        data["placeholder"] = {"sha256": list(files)}
     if "map_type" in template.names:
         data["map_types"] = ["satellite", "roadmap", "terrain"]
     if "key" in template.names:
