@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 from qgis.PyQt.QtGui import QIcon
@@ -16,6 +17,11 @@ def folder_of(text: str) -> Path:
         return path.expanduser()
     except RuntimeError:
         return path
+
+
+def place_of(path: Path) -> str:
+    """What two ways of writing the same path have in common."""
+    return os.path.normcase(os.path.realpath(path))
 
 
 def icon(name: str) -> QIcon:

@@ -59,9 +59,14 @@ def saved_missions(project: QgsProject) -> list[SavedMission]:
 
 def dataset_of(layer: QgsMapLayer) -> Path:
     """Folder of the dataset whose footprints a layer shows."""
+    return file_of(layer).parent
+
+
+def file_of(layer: QgsMapLayer) -> Path:
+    """File that a layer shows."""
     # Read as QGIS itself does: what follows a bar may be an option of the layer, or of the folder's name.
     parts = QgsProviderRegistry.instance().decodeUri(layer.providerType(), layer.source())
-    return Path(str(parts.get("path") or layer.source())).parent
+    return Path(str(parts.get("path") or layer.source()))
 
 
 def _layer_in(group: QgsLayerTreeGroup | None, role: str) -> QgsMapLayer | None:
@@ -79,7 +84,7 @@ class MissionGroup:
     """
 
     def __init__(self, project: QgsProject, name: str, folder: str) -> None:
-        self._project = project
+        self.project = project
         self._title = tr("TerrAInav: {name}").format(name=name)
         self._folder = folder
 
@@ -89,7 +94,7 @@ class MissionGroup:
 
     def find(self) -> QgsLayerTreeGroup | None:
         """Return the group, or None where there is none (any more)."""
-        for group in self._project.layerTreeRoot().findGroups(True):
+        for group in self.project.layerTreeRoot().findGroups(True):
             if group.customProperty(_FOLDER) == self._folder:
                 return group
         return None
@@ -101,27 +106,27 @@ class MissionGroup:
     def add(self, layer: QgsMapLayer, role: str, index: int) -> QgsLayerTreeLayer:
         """Put a layer into the group, at ``index`` from the top (-1 for the bottom)."""
         layer.setCustomProperty(ROLE, role)
-        self._project.addMapLayer(layer, False)
+        self.project.addMapLayer(layer, False)
         return self._made().insertLayer(index, layer)
 
     def remove(self, role: str) -> None:
         """Take the layer that shows ``role`` off the map, if there is one."""
         layer = self.layer(role)
         if layer is not None:
-            self._project.removeMapLayer(layer.id())
+            self.project.removeMapLayer(layer.id())
             self.remove_if_empty()
 
     def replace(self, old: QgsMapLayer, new: QgsMapLayer, role: str) -> None:
         """Put a layer into the place of another, as visible and under the same name."""
-        node = self._project.layerTreeRoot().findLayer(old.id())
+        node = self.project.layerTreeRoot().findLayer(old.id())
         parent, shown, expanded = node.parent(), node.itemVisibilityChecked(), node.isExpanded()
         new.setName(old.name())
         new.setCustomProperty(ROLE, role)
-        self._project.addMapLayer(new, False)
+        self.project.addMapLayer(new, False)
         there = parent.insertLayer(parent.children().index(node), new)
         there.setItemVisibilityChecked(shown)
         there.setExpanded(expanded)
-        self._project.removeMapLayer(old.id())
+        self.project.removeMapLayer(old.id())
 
     def remember_mission(self, text: str) -> None:
         """Keep the mission's JSON with the group, so that the project knows it."""
@@ -131,7 +136,7 @@ class MissionGroup:
 
     def make_current(self) -> None:
         """Have the project remember that this is the mission in the panel."""
-        for group in self._project.layerTreeRoot().findGroups(True):
+        for group in self.project.layerTreeRoot().findGroups(True):
             if group.customProperty(_FOLDER) == self._folder:
                 group.setCustomProperty(_CURRENT, True)
             elif group.customProperty(_CURRENT):
@@ -146,6 +151,6 @@ class MissionGroup:
     def _made(self) -> QgsLayerTreeGroup:
         group = self.find()
         if group is None:
-            group = self._project.layerTreeRoot().insertGroup(0, self._title)
+            group = self.project.layerTreeRoot().insertGroup(0, self._title)
             group.setCustomProperty(_FOLDER, self._folder)
         return group

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import os
+import re
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -10,6 +13,7 @@ import numpy as np
 
 from ...core.capture.georeference import WEB_MERCATOR_WKT, xml_text
 from ...core.dataset.folder import JOURNAL_FILE, TABLE_FILE
+from ...core.dataset.images import NAME
 from ...core.errors import OutputError
 from ...core.files import write_whole
 from ..i18n import tr
@@ -18,6 +22,7 @@ from .overviews import build_overviews
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from ...core.mission.mission import Mission
     from ...core.mission.plan import Plan
 
     Numbers = NDArray[np.int64]
@@ -25,6 +30,11 @@ if TYPE_CHECKING:
 
 #: A virtual raster names every picture in every band; beyond this many, QGIS would read its text for minutes.
 MOST_PICTURES = 100_000
+#: Ending of the overviews' file, after the mosaic's own name, and of both files until they are put in place.
+_OVERVIEWS, _MADE = ".ovr", ".new"
+#: Ending of what GDAL notes of a file: statistics of pixels that may be others by now.
+_NOTES = ".aux.xml"
+_SOURCE = re.compile(rb"<SourceFilename[^>]*>([^<]+)</SourceFilename>")
 _COLOURS = {1: ("Gray",), 3: ("Red", "Green", "Blue")}
 
 Progress = Callable[[float], bool]
@@ -44,17 +54,57 @@ class Placed(NamedTuple):
 
 
 class Mosaic(NamedTuple):
-    """A virtual raster that has been written."""
+    """A virtual raster over a run's pictures, and its overviews.
+
+    It is made beside the one that is there and put in its place afterwards: no file is written while a layer may
+    have it open. GDAL writes a virtual raster as it closes it, with the statistics that QGIS has taken of it, and so
+    brings the one back that a layer was opened from; and Windows replaces no file that is open.
+
+    Parameters
+    ----------
+    is_made : bool
+        Whether it lies beside its place, to be put there.
+    """
 
     map_type: str
     path: Path
     title: str
+    is_made: bool = False
+
+    def put_in_place(self) -> Mosaic:
+        """Have what was made replace what was there; returns the mosaic that is there now.
+
+        Raises
+        ------
+        OutputError
+            Where it cannot, for instance because a program on Windows has it open.
+        """
+        overviews = _with(self.path, _OVERVIEWS)
+        with _replacing(self.path):
+            _with(overviews, _NOTES).unlink(missing_ok=True)
+            if _made(overviews).is_file():
+                os.replace(_made(overviews), overviews)
+            else:
+                overviews.unlink(missing_ok=True)
+            os.replace(_made(self.path), self.path)
+        return self._replace(is_made=False)
+
+    @contextmanager
+    def kept(self) -> Iterator[None]:
+        """Keep it as it is, whatever is written in its place meanwhile; raises OutputError."""
+        with _replacing(self.path):
+            os.replace(self.path, _made(self.path))
+            try:
+                yield
+            finally:
+                os.replace(_made(self.path), self.path)
 
 
 def build_mosaics(plan: Plan, folder: Path, progress: Progress) -> list[Mosaic]:
     """Write a virtual raster for every map type of a run, of the pictures that are there.
 
-    A mission across the antimeridian has two for each, because the map ends there.
+    Where there is one already, the new one lies beside it until it is put in its place. A mission across the
+    antimeridian has two for each, because the map ends there.
 
     Parameters
     ----------
@@ -71,13 +121,16 @@ def build_mosaics(plan: Plan, folder: Path, progress: Progress) -> list[Mosaic]:
         Where something cannot be read or written.
     """
     wanted = list(_mosaics(plan, folder))
+    made = []
     total = sum(len(placed.paths) for _, placed in wanted) or 1
     done = 0
     for mosaic, placed in wanted:
         before, share = done / total, len(placed.paths) / total
         build_mosaic(plan, mosaic.path, placed, lambda part, at=before, of=share: progress(at + part * of))
         done += len(placed.paths)
-    return [mosaic for mosaic, _ in wanted]
+        # Nothing can have a file open that is not there.
+        made.append(mosaic if mosaic.path.exists() else mosaic.put_in_place())
+    return made
 
 
 def _mosaics(plan: Plan, folder: Path) -> Iterator[tuple[Mosaic, Placed]]:
@@ -97,7 +150,7 @@ def _mosaics(plan: Plan, folder: Path) -> Iterator[tuple[Mosaic, Placed]]:
             suffix = "" if len(turns) == 1 else f"_{number + 1}"
             title = _title(map_type, 0 if len(turns) == 1 else number + 1)
             yield (
-                Mosaic(map_type, folder / f"{map_type}{suffix}.vrt", title),
+                Mosaic(map_type, folder / f"{map_type}{suffix}.vrt", title, is_made=True),
                 _placed(plan, there, float(this) * world),
             )
 
@@ -109,18 +162,11 @@ def _placed(plan: Plan, pictures: dict[int, Path], turn_px: float) -> Placed:
 
 
 def build_mosaic(plan: Plan, target: Path, placed: Placed, progress: Progress) -> None:
-    """Write one virtual raster and its overviews.
+    """Write one virtual raster and its overviews, beside their place.
 
     Pictures are named relative to the raster, so that a folder can be moved; ground without a picture is
     transparent; where pictures overlap, the one farther south-east shows.
     """
-    overviews = target.with_name(target.name + ".ovr")
-    try:
-        overviews.unlink(missing_ok=True)
-    except OSError as wrong:
-        raise OutputError(
-            f"file {overviews}: cannot be replaced ({wrong.strerror}); close what shows it"
-        ) from wrong
     origin = float(placed.left_px.min()), float(placed.top_px.min())
     inside = placed._replace(left_px=placed.left_px - origin[0], top_px=placed.top_px - origin[1])
     size = (
@@ -128,9 +174,34 @@ def build_mosaic(plan: Plan, target: Path, placed: Placed, progress: Progress) -
         int(np.ceil((inside.top_px + inside.height_px).max())),
     )
     channels = plan.mission.img_size[2] if plan.mission.img_size else 3
-    text = _virtual_raster(plan, inside, origin, size, channels, target.parent)
-    write_whole(target, (line.encode() for line in text))
-    build_overviews(inside, size, channels, overviews, progress)
+    made, overviews = _made(target), _made(_with(target, _OVERVIEWS))
+    try:
+        build_overviews(inside, size, channels, overviews, progress)
+        text = _virtual_raster(plan, inside, origin, size, channels, target.parent)
+        write_whole(made, (line.encode() for line in text))
+    except BaseException:
+        for path in (made, overviews):
+            with suppress(OSError):
+                path.unlink(missing_ok=True)
+        raise
+
+
+def _with(path: Path, ending: str) -> Path:
+    return path.with_name(path.name + ending)
+
+
+def _made(path: Path) -> Path:
+    return _with(path, _MADE)
+
+
+@contextmanager
+def _replacing(path: Path) -> Iterator[None]:
+    try:
+        yield
+    except OSError as wrong:
+        raise OutputError(
+            f"file {path}: cannot be replaced ({wrong.strerror}); close what shows it"
+        ) from wrong
 
 
 def _virtual_raster(
@@ -180,25 +251,47 @@ def _sources(plan: Plan, placed: Placed, folder: Path) -> Iterator[tuple[str, st
         )
 
 
-def mosaics_there(folder: Path, map_types: tuple[str, ...]) -> list[Mosaic] | None:
-    """Mosaics of a dataset as an earlier run has left them; None where they are missing or older than its pictures."""
+def mosaics_there(folder: Path, mission: Mission) -> list[Mosaic] | None:
+    """Mosaics of a dataset as an earlier run has left them; None where they do not show its pictures as they are."""
     found: list[Mosaic] = []
     try:
         journal_s = (folder / JOURNAL_FILE).stat().st_mtime
-        for map_type in map_types:
+        for map_type in mission.map_types:
             # Cleaning moves images away or back, and writes their table.
             table = folder / map_type / TABLE_FILE
             newest_s = max(journal_s, table.stat().st_mtime if table.is_file() else 0.0)
             paths = [folder / f"{map_type}.vrt"]
             parts = [folder / f"{map_type}_{number}.vrt" for number in (1, 2)]
             paths = paths if paths[0].is_file() else [path for path in parts if path.is_file()]
-            if not paths or any(path.stat().st_mtime < newest_s for path in paths):
+            shown = {name for path in paths for name in _shown_in(path)}
+            if not paths or shown != _pictures(folder / map_type, mission.image_format):
+                return None
+            if any(_made_s(path) < newest_s for path in paths):
                 return None
             numbers = (0,) if len(paths) == 1 else (1, 2)
             found += [Mosaic(map_type, path, _title(map_type, at)) for path, at in zip(paths, numbers)]
     except OSError:
         return None
     return found
+
+
+def _shown_in(mosaic: Path) -> set[str]:
+    """Files' names of the pictures that a virtual raster shows, of its last band."""
+    text = mosaic.read_bytes()
+    band = text[text.rfind(b"<VRTRasterBand") :]
+    return {Path(os.fsdecode(name)).name for name in _SOURCE.findall(band)}
+
+
+def _pictures(folder: Path, image_format: str) -> set[str]:
+    with os.scandir(folder) as there:
+        paths = [Path(entry.name) for entry in there]
+    return {path.name for path in paths if path.suffix == f".{image_format}" and NAME.fullmatch(path.stem)}
+
+
+def _made_s(mosaic: Path) -> float:
+    """When a mosaic was made: its overviews tell, as GDAL itself may have written the virtual raster since."""
+    overviews = _with(mosaic, _OVERVIEWS)
+    return (overviews if overviews.is_file() else mosaic).stat().st_mtime
 
 
 def _title(map_type: str, number: int = 0) -> str:

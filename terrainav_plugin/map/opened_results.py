@@ -19,12 +19,15 @@ if TYPE_CHECKING:
 
 
 class OpenedResults(NamedTuple):
-    """Layers of a dataset that are in no project yet; they belong to the main thread."""
+    """Layers of a dataset that are in no project yet; they belong to the main thread.
+
+    A mosaic that is still to be put in its place has none.
+    """
 
     folder: Path
     mission: Mission
     footprints: QgsVectorLayer
-    mosaics: list[tuple[Mosaic, QgsRasterLayer]]
+    mosaics: list[tuple[Mosaic, QgsRasterLayer | None]]
 
 
 def open_results(folder: Path, mission: Mission, mosaics: list[Mosaic]) -> OpenedResults:
@@ -40,12 +43,11 @@ def open_results(folder: Path, mission: Mission, mosaics: list[Mosaic]) -> Opene
     # (3.40) leaves that to the project's own setting, which is the user's.
     footprints.setReadExtentFromXml(True)
     footprints = _for_main_thread(footprints)
-    return OpenedResults(
-        folder,
-        mission,
-        footprints,
-        [(mosaic, _for_main_thread(open_raster(mosaic.path, mosaic.title))) for mosaic in mosaics],
-    )
+    opened = [
+        None if mosaic.is_made else _for_main_thread(open_raster(mosaic.path, mosaic.title))
+        for mosaic in mosaics
+    ]
+    return OpenedResults(folder, mission, footprints, list(zip(mosaics, opened)))
 
 
 def open_failed(folder: Path) -> QgsVectorLayer | None:

@@ -58,7 +58,7 @@ def build_overviews(
     channels : int
         1 or 3, of the pictures.
     target : Path
-        ``<mosaic>.ovr``.
+        Where to; what is there is gone afterwards, also where the mosaic is so small that it needs none.
     progress : callable
         Takes the share done, 0 to 1; an answer of False stops.
 
@@ -68,6 +68,7 @@ def build_overviews(
     """
     width, height = (-(-side // FACTOR) for side in size)
     if max(size) <= _LAST_PX:
+        target.unlink(missing_ok=True)
         return
     partial = target.with_name(target.name + ".part")
     try:

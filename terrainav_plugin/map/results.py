@@ -2,22 +2,26 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from qgis.core import (
     QgsAction,
+    QgsApplication,
     QgsDataProvider,
     QgsMapLayer,
-    QgsMapLayerStyle,
+    QgsProject,
     QgsRasterLayer,
     QgsVectorLayer,
 )
+from qgis.PyQt.QtCore import QThread
 
 from ..compat import field
 from ..i18n import tr
-from ..paths import style
-from .mission_group import CAPTURED, FAILED, MissionGroup
+from ..paths import place_of, style
+from .mission_group import CAPTURED, FAILED, MissionGroup, file_of
 from .mosaic import Mosaic
 from .opened_results import OpenedResults, open_raster
 
@@ -27,8 +31,6 @@ if TYPE_CHECKING:
 #: Formats that map tips can show.
 _SHOWN_IN_TIPS = ("jpg", "png")
 _TIP_PX = 320
-#: Bytes of a virtual raster that QGIS reads in a few milliseconds.
-_QUICKLY_READ = 200_000
 
 
 def show_results(group: MissionGroup, opened: OpenedResults, changed: bool = True) -> list[QgsMapLayer]:
@@ -67,22 +69,58 @@ def load_test_shot(group: MissionGroup, picture: Path, title: str) -> QgsRasterL
     return layer
 
 
-def _show_mosaic(group: MissionGroup, mosaic: Mosaic, layer: QgsRasterLayer, changed: bool) -> QgsMapLayer:
+def place_mosaics(project: QgsProject, mosaics: Iterable[Mosaic]) -> None:
+    """Put those mosaics in their places that have been made beside them, as `show_results` does; raises OutputError."""
+    for mosaic in mosaics:
+        if mosaic.is_made:
+            _place(project, mosaic)
+
+
+def _place(project: QgsProject, mosaic: Mosaic) -> None:
+    """Put a mosaic that has been made in its place; layers that show it let go of it, and then read it anew.
+
+    A model of Processing asks for it on a thread of its own, where no layer may be touched.
+
+    Raises
+    ------
+    OutputError
+        Where the file cannot be replaced; layers go on showing what was there.
+    """
+    place = place_of(mosaic.path)
+    on_main_thread = QThread.currentThread() == QgsApplication.instance().thread()
+    holding = [
+        layer
+        for layer in (project.mapLayers().values() if on_main_thread else ())
+        if isinstance(layer, QgsRasterLayer) and place_of(file_of(layer)) == place
+    ]
+    sources = [layer.source() for layer in holding]
+    try:
+        with nullcontext() if mosaic.is_made else mosaic.kept():
+            for layer in holding:
+                _set_source(layer, "")
+        if mosaic.is_made:
+            mosaic.put_in_place()
+    finally:
+        for layer, source in zip(holding, sources):
+            _set_source(layer, source)
+            layer.triggerRepaint()
+
+
+def _set_source(layer: QgsRasterLayer, source: str) -> None:
+    """Have a layer show another file, or none; its style and name stay."""
+    layer.setDataSource(source, layer.name(), "gdal", QgsDataProvider.ProviderOptions())
+
+
+def _show_mosaic(
+    group: MissionGroup, mosaic: Mosaic, opened: QgsRasterLayer | None, changed: bool
+) -> QgsMapLayer:
     role = f"mosaic/{mosaic.path.name}"
-    old = group.layer(role)
-    if old is None:
+    layer = group.layer(role)
+    if mosaic.is_made or (layer is not None and (changed or not layer.isValid())):
+        _place(group.project, mosaic)
+    if layer is None:
+        layer = opened or open_raster(mosaic.path, mosaic.title)
         group.add(layer, role, -1).setExpanded(False)
-        return layer
-    if not changed and old.isValid():
-        return old
-    if mosaic.path.stat().st_size <= _QUICKLY_READ:
-        _read_again(old, mosaic.path)
-        return old
-    # Read on another thread already; the user's style goes over to it.
-    keeper = QgsMapLayerStyle()
-    keeper.readFromLayer(old)
-    keeper.writeToLayer(layer)
-    group.replace(old, layer, role)
     return layer
 
 
@@ -136,8 +174,3 @@ def _above_rasters(group: MissionGroup) -> int:
         if isinstance(getattr(node, "layer", lambda: None)(), QgsRasterLayer):
             return index
     return len(children)
-
-
-def _read_again(layer: QgsMapLayer, path: Path) -> None:
-    layer.setDataSource(str(path), layer.name(), "gdal", QgsDataProvider.ProviderOptions())
-    layer.triggerRepaint()

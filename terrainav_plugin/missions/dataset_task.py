@@ -47,7 +47,7 @@ class DatasetTask(Task):
 
     def work(self) -> bool:
         """Open."""
-        mosaics = mosaics_there(self.folder, self.mission.map_types)
+        mosaics = mosaics_there(self.folder, self.mission)
         if mosaics is None:
             mosaics = self._made_mosaics()
         if self.isCanceled():

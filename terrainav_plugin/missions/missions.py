@@ -278,6 +278,8 @@ class Missions(QObject):
         remember(task.folder)
         group = self._workflow.group_of(task.folder)
         show_results(group, task.opened)
+        # Layers that were not needed keep their files open.
+        task.opened = None
         show_failed(group, task.failed)
         self._workflow.dock.form.set_state(state)
         group.make_current()

@@ -115,6 +115,18 @@ class Algorithm(QgsProcessingAlgorithm):
         """Run; on any thread."""
         raise NotImplementedError
 
+    def postProcessAlgorithm(
+        self,
+        context: QgsProcessingContext,  # noqa: ARG002  QGIS passes it
+        feedback: QgsProcessingFeedback,  # noqa: ARG002  QGIS passes it
+    ) -> dict[str, Any]:
+        """Finish on the main thread, where QGIS calls this; a model calls it on its own."""
+        _checked(self.finished)
+        return {}
+
+    def finished(self) -> None:
+        """Do what belongs to the main thread once the work is done."""
+
     def released(self) -> None:
         """Let go of what was prepared; whatever became of the run."""
 

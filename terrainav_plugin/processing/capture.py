@@ -17,6 +17,7 @@ from qgis.core import (
     QgsProcessingParameterFile,
     QgsProcessingParameterFolderDestination,
     QgsProcessingParameterString,
+    QgsProject,
 )
 
 from ...core.dataset.folder import FOOTPRINTS_FILE, MISSION_FILE
@@ -92,6 +93,7 @@ class _Capturing(WithImagery):
         self._accepted = self.parameterAsBool(parameters, "ACCEPT_TERMS", context)
         self._with_mosaic = self.parameterAsBool(parameters, "MAKE_MOSAIC", context)
         self._load = self.parameterAsBool(parameters, "LOAD", context)
+        self._made: list[Mosaic] = []
 
     def _run(
         self, folder: Path, context: QgsProcessingContext, feedback: QgsProcessingFeedback, **options: bool
@@ -120,21 +122,27 @@ class _Capturing(WithImagery):
             _tell(result, watch)
             return result, self._mosaics(worked_out, result, watch)
 
-        result, mosaics = run_beside(work, feedback)
+        result, self._made = run_beside(work, feedback)
         if self._load:
-            for mosaic in mosaics:
+            for mosaic in self._made:
                 _load_when_done(context, mosaic.path, mosaic.title)
             _load_when_done(context, folder / FOOTPRINTS_FILE, tr("Captured images"))
         return {
             "FOLDER": str(folder),
             "FOOTPRINTS": str(folder / FOOTPRINTS_FILE),
-            **({"MOSAIC": str(mosaics[0].path)} if mosaics else {}),
+            **({"MOSAIC": str(self._made[0].path)} if self._made else {}),
             "TOTAL": result.total,
             "WRITTEN": result.written,
             "SKIPPED": result.skipped,
             "FAILED": len(result.failed),
             "REQUESTS": result.requests,
         }
+
+    def finished(self) -> None:
+        """Put new mosaics in the place of those that the project may show."""
+        from ..map.results import place_mosaics
+
+        place_mosaics(QgsProject.instance(), self._made)
 
     def _mosaics(self, worked_out: Plan, result: CaptureResult, watch: Watch) -> list[Mosaic]:
         """Mosaics of all map types, as far as there are some."""

@@ -13,7 +13,7 @@ from qgis.PyQt.QtGui import QDesktopServices
 
 from ...core.errors import TerrAInavError
 from ..i18n import told, tr
-from ..map.results import load_test_shot, show_failed, show_results
+from ..map.results import load_test_shot, place_mosaics, show_failed, show_results
 from .run import Run, Stage
 from .words import done_text, with_kept
 
@@ -66,6 +66,8 @@ class Endings:
                 return
         elif run.task.opened is not None and is_open and (run.result.written or run.result.skipped):
             self._show(lambda: self._load_results(run))
+        else:
+            self._show(lambda: place_mosaics(self._workflow.project, run.task.mosaics))
         # Layers that are not shown go away here: they keep their files open, and a run stays listed for long.
         run.task.opened = None
         self._say(run, is_open)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import html
-import os
 import re
 from collections.abc import Collection
 from pathlib import Path
@@ -14,6 +13,7 @@ from qgis.PyQt.QtWidgets import QMessageBox
 from ...core.errors import TerrAInavError
 from ..dock import mission_form
 from ..i18n import told, tr
+from ..paths import place_of
 from ..sources import credentials_problem, terms_problem
 
 if TYPE_CHECKING:
@@ -106,11 +106,6 @@ class Questions:
     def _capture_into(self, folder: Path) -> None:
         self._workflow.dock.form.set_state(mission_form.with_folder(self._workflow.state(), str(folder)))
         self._workflow.capture()
-
-
-def place_of(folder: Path) -> str:
-    """What two ways of writing the same folder have in common."""
-    return os.path.normcase(os.path.realpath(folder))
 
 
 def next_folder(folder: Path, taken: Collection[Path] = ()) -> Path:
