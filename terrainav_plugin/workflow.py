@@ -280,7 +280,8 @@ class Workflow(QObject):
                 # Nothing entered yet is not an error.
                 messages = {name: text for name, text in messages.items() if name not in BOX_FIELDS}
             self.dock.form.show_messages(messages)
-            self.dock.show_problem("") if state.has_box else self.dock.show_nothing()
+            unseen = self.dock.form.marks.out_of_sight(messages)
+            self.dock.show_problem(unseen) if unseen or state.has_box else self.dock.show_nothing()
             return False
         self.dock.form.show_messages({})
         # Beside a run, times would be those of the run.
@@ -322,7 +323,7 @@ class Workflow(QObject):
         waiting, self._when_planned = self._when_planned, None
         if isinstance(error, FormError):
             self.dock.form.show_messages(error.messages)
-            self.dock.show_problem("")
+            self.dock.show_problem(self.dock.form.marks.out_of_sight(error.messages))
         elif isinstance(error, TerrAInavError):
             messages = refused_fields(error)
             self.dock.form.show_messages(messages)

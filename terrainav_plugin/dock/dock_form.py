@@ -72,6 +72,7 @@ class DockForm(QWidget):
             "template": imagery.template.text(),
             "date": imagery.date.text().strip(),
             "map_types": imagery.ticked(),
+            "hidden": self.marks.hidden(),
         }
         for group in self.groups:
             read.update(group.values())

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from qgis.gui import QgsCollapsibleGroupBoxBasic
 from qgis.PyQt.QtGui import QColor, QPalette, QResizeEvent
 from qgis.PyQt.QtWidgets import QAbstractSpinBox, QLabel, QLineEdit, QVBoxLayout, QWidget
 
@@ -76,6 +77,16 @@ class FieldMarks:
         """Return what is said about a field; empty where it is right."""
         return self._fields[name][1].text()
 
+    def hidden(self) -> tuple[str, ...]:
+        """Return the fields whose rows are hidden, wherever the form is folded."""
+        return tuple(name for name, (_, label) in self._fields.items() if _is_hidden(label.parentWidget()))
+
+    def out_of_sight(self, messages: dict[str, str]) -> str:
+        """Return what is said in ``messages`` about fields that nobody can see; empty for nothing."""
+        hidden = self.hidden()
+        texts = (text for name, text in messages.items() if name not in self._fields or name in hidden)
+        return "\n".join(texts)
+
     def fields(self) -> list[tuple[QWidget, QLabel]]:
         """Fields and the labels for their messages."""
         return list(self._fields.values())
@@ -83,6 +94,16 @@ class FieldMarks:
     def first_message(self) -> str:
         """Return what is wrong with the first field that is marked; empty where none is."""
         return next((label.text() for _, label in self._fields.values() if label.text()), "")
+
+
+def _is_hidden(part: QWidget) -> bool:
+    """Whether a part of a form is hidden, or something that it is in: not where it is only folded with its group."""
+    around = part.parentWidget()
+    while around is not None and not isinstance(around, QgsCollapsibleGroupBoxBasic):
+        if part.isHidden():
+            return True
+        part, around = around, around.parentWidget()
+    return False
 
 
 def _mark(widget: QWidget, wrong: bool) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from dataclasses import asdict, dataclass, fields, replace
+from dataclasses import asdict, dataclass, field, fields, replace
 from typing import Any
 
 #: International foot.
@@ -77,6 +77,8 @@ class FormState:
     wind_speed_m_per_s, wind_from_deg, turbulence : float
     more : str
         JSON of what a mission says beyond the entries; empty for nothing.
+    hidden : tuple of str
+        Entries that the choices made leave out of sight: they keep what was typed, and nobody asks for it.
     """
 
     north: str = ""
@@ -132,6 +134,7 @@ class FormState:
     wind_from_deg: float = 270.0
     turbulence: float = 0.1
     more: str = ""
+    hidden: tuple[str, ...] = field(default=(), compare=False)
 
     @property
     def agl_m(self) -> float:
@@ -147,6 +150,12 @@ class FormState:
     def has_box(self) -> bool:
         """Whether an area has been entered."""
         return all(getattr(self, name).strip() for name in BOX_FIELDS)
+
+    @property
+    def asked_for(self) -> FormState:
+        """State with the usual in place of what is hidden."""
+        usual = asdict(FormState())
+        return replace(self, **{name: usual[name] for name in self.hidden if name in usual})
 
     @property
     def beyond_entries(self) -> dict[str, Any]:

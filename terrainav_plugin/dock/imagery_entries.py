@@ -125,10 +125,7 @@ class ImageryEntries(QgsCollapsibleGroupBoxBasic):
         own_url = self.source.currentData() == URL_TEMPLATE
         self._form_row(self._template_label, self._template_field, own_url)
         self._show_key_row(choice, own_url)
-        dated = own_url and "{date}" in self.template.text()
-        self._form_row(
-            self._date_label, self._date_field, dated or (choice is not None and bool(choice.dates))
-        )
+        self._form_row(self._date_label, self._date_field, self._is_dated(choice))
         if choice is not None and choice.dates:
             self.date.setPlaceholderText(choice.default_date or tr("date"))
             self.date.setToolTip(tr("Date of the imagery: {dates}").format(dates=choice.dates))
@@ -156,6 +153,15 @@ class ImageryEntries(QgsCollapsibleGroupBoxBasic):
             )
         )
         self._form_row(self._key_label, self._key_field, shown)
+
+    def _is_dated(self, choice: SourceChoice | None) -> bool:
+        """Whether there may be a date to choose; a service says so only once it is asked."""
+        from ...core.imagery.services.ogc import is_service
+
+        if choice is not None:
+            return bool(choice.dates) or "{date}" in choice.name
+        address = self.template.text().strip()
+        return "{date}" in address or is_service(address)
 
     def _form_row(self, label: QLabel, field: QWidget, shown: bool) -> None:
         label.setVisible(shown)

@@ -115,6 +115,7 @@ def with_folder(state: FormState, folder: str) -> FormState:
 def _mission(state: FormState, area: Area | None, checks: _Checks) -> Mission:
     from ...core.mission.area import check_agl
 
+    state = state.asked_for
     camera = _camera(state, checks)
     if state.agl_m > 0.0:
         checks("agl", lambda: check_agl(state.agl_m))
