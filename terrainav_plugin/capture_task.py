@@ -95,6 +95,7 @@ class CaptureTask(Task):
         self._with_mosaic = not test_shot and plan.size_px is None
         self._connections = Settings().connections
         self._transport = transport_for(plan.mission.source)
+        self._stopping = False
         self._failures: FailedImages | None = None
         self._there = self._failed_seen = 0
         self._next_look_s = 0.0
@@ -102,9 +103,13 @@ class CaptureTask(Task):
     @property
     def stopped(self) -> bool:
         """Whether the user ended it."""
-        return self.isCanceled()
+        return self._stopping or self.isCanceled()
 
-    def work(self) -> bool:
+    def stop(self) -> None:
+        """Capture no more; what is finished is made fit for the map, unless the task is cancelled, too."""
+        self._stopping = True
+
+    def work(self) -> None:
         """Capture."""
         try:
             self._capture()
@@ -112,9 +117,8 @@ class CaptureTask(Task):
             # Of a source that serves nothing, a message says enough.
             if self.result is not None or self._there:
                 self._look_at_failed()
-        if self.result is not None and not self._test_shot and not self.isCanceled():
+        if self._shows_results:
             self._open_results()
-        return not self.isCanceled()
 
     def discard(self) -> None:
         """End a task that was never begun."""
@@ -146,15 +150,21 @@ class CaptureTask(Task):
                     resume=True,
                     only_failed=self._only_failed,
                     progress=self._report,
-                    cancelled=self.isCanceled,
+                    cancelled=lambda: self.stopped,
                     paused=lambda: self.paused,
                 )
-        if self.isCanceled():
-            return
-        if self._with_mosaic:
+        if self._with_mosaic and self._shows_results:
             self._make_mosaics()
         elif self._test_shot and self.result.written:
             self._place_picture()
+
+    @property
+    def _shows_results(self) -> bool:
+        """Whether there is something for the map, and somebody waits for it."""
+        result = self.result
+        if result is None or self._test_shot or self.isCanceled():
+            return False
+        return not result.cancelled or result.written + result.skipped > 0
 
     def _make_mosaics(self) -> None:
         from .map.mosaic import MOST_PICTURES, build_mosaics

@@ -2,12 +2,22 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 
 from qgis.core import Qgis, QgsMessageLog
 from qgis.gui import QgisInterface, QgsMessageBarItem
-from qgis.PyQt.QtCore import QObject
-from qgis.PyQt.QtWidgets import QDockWidget, QPushButton, QTabWidget
+from qgis.PyQt.QtCore import QEvent, QObject, Qt
+from qgis.PyQt.QtGui import QResizeEvent
+from qgis.PyQt.QtWidgets import (
+    QBoxLayout,
+    QDockWidget,
+    QPushButton,
+    QSizePolicy,
+    QTabWidget,
+    QTextBrowser,
+    QWidget,
+)
 
 from .i18n import tr
 
@@ -16,6 +26,8 @@ TITLE = "TerrAInav"
 _LOG_PANEL = "MessageLog"
 #: Characters that two lines of the bar have room for beside its buttons, and those that end a part of a sentence.
 _MOST_LETTERS = 140
+#: Width of a message below which its buttons stand below each other, and leave the text room.
+_NARROW_PX = 700
 _PART_ENDS = ("; ", ". ", ": ", ", ")
 _SECONDS = {Qgis.MessageLevel.Info: 8, Qgis.MessageLevel.Success: 12}
 
@@ -47,9 +59,9 @@ class Messages(QObject):
         # The bar says when an item goes. What an item calls as it is destroyed may be gone already itself.
         iface.messageBar().widgetRemoved.connect(self._forget)
 
-    def info(self, text: str) -> None:
+    def info(self, text: str, action: tuple[str, Callable[[], None]] | None = None) -> None:
         """Say what happened."""
-        self._show(text, Qgis.MessageLevel.Info)
+        self._show(text, Qgis.MessageLevel.Info, action)
 
     def success(self, text: str, action: tuple[str, Callable[[], None]] | None = None) -> None:
         """Say that what was asked for is done."""
@@ -98,20 +110,23 @@ class Messages(QObject):
     ) -> QgsMessageBarItem:
         log(logged or (f"{text}\n{details}" if details else text), level)
         item = QgsMessageBarItem(TITLE, text, level, _SECONDS.get(level, 0))
+        fitting = _Fitting(item)
         if action is not None:
-            self._add_button(item, *action)
+            fitting.buttons.addWidget(self._button(item, *action))
         if details:
-            self._add_button(item, tr("Details"), lambda: show_log(self._iface), keep=True)
+            fitting.buttons.addWidget(
+                self._button(item, tr("Details"), lambda: show_log(self._iface), keep=True)
+            )
         self._shown.append(item)
         self._iface.messageBar().pushItem(item)
         return item
 
-    def _add_button(
+    def _button(
         self, item: QgsMessageBarItem, label: str, action: Callable[[], None], keep: bool = False
-    ) -> None:
+    ) -> QPushButton:
         button = QPushButton(label)
         button.clicked.connect(lambda: self._press(item, action, keep))
-        item.layout().addWidget(button)
+        return button
 
     def _press(self, item: QgsMessageBarItem, action: Callable[[], None], keep: bool) -> None:
         if not keep:
@@ -124,6 +139,52 @@ class Messages(QObject):
             self._shown.remove(item)
         if item is self._refusal:
             self._refusal = None
+
+
+class _Fitting(QObject):
+    """Fits a message to the map: as wide as that is, and as high as its lines.
+
+    QGIS gives every text the height of one or two lines. And its bar asks for the width that text and buttons have by
+    themselves: beside a panel, on a small screen, that takes the layers' panel its own, and gives nothing back.
+
+    Attributes
+    ----------
+    buttons : QBoxLayout
+        For the message's buttons.
+    """
+
+    def __init__(self, item: QgsMessageBarItem) -> None:
+        super().__init__(item)
+        item.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Minimum)
+        self._text = item.findChild(QTextBrowser)
+        holder = QWidget()
+        self.buttons = QBoxLayout(QBoxLayout.Direction.LeftToRight, holder)
+        self.buttons.setContentsMargins(0, 0, 0, 0)
+        holder.setSizePolicy(QSizePolicy.Policy.Maximum, QSizePolicy.Policy.Maximum)
+        item.layout().addWidget(holder)
+        if self._text is not None:
+            self._text.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
+            self._text.setVerticalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+            self._text.installEventFilter(self)
+        item.installEventFilter(self)
+
+    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
+        """Follow the width there is."""
+        if isinstance(event, QResizeEvent):
+            if watched is self._text:
+                self._fit_text(event.size().width())
+            else:
+                narrow = event.size().width() < _NARROW_PX
+                down, along = QBoxLayout.Direction.TopToBottom, QBoxLayout.Direction.LeftToRight
+                self.buttons.setDirection(down if narrow else along)
+        return super().eventFilter(watched, event)
+
+    def _fit_text(self, width_px: int) -> None:
+        document, edges_px = self._text.document(), 2 * self._text.frameWidth()
+        document.setTextWidth(width_px - edges_px)
+        height_px = math.ceil(document.size().height()) + edges_px
+        if height_px != self._text.minimumHeight():
+            self._text.setFixedHeight(height_px)
 
 
 def shortened(text: str) -> str:

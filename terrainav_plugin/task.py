@@ -36,23 +36,23 @@ class Task(QgsTask):
         self.error = ""
         self.trace = ""
 
-    def work(self) -> bool:
-        """Do it, on a thread beside the main one; return whether it came to its end."""
+    def work(self) -> None:
+        """Do it, on a thread beside the main one; raises `Cancelled` where it was stopped on the way."""
         raise NotImplementedError
 
     def run(self) -> bool:
         """Work; an error ends the task and is kept."""
         try:
-            return on_python_thread(self.work)
+            on_python_thread(self.work)
         except Cancelled:
-            return False
+            # Asked for: QGIS would say that the task has failed.
+            return True
         except TerrAInavError as wrong:
             self.error = str(wrong)
-            return False
         except Exception as wrong:  # noqa: BLE001  an exception that leaves run() ends QGIS; it is reported instead
             self.error = tr("unexpected error: {error}").format(error=repr(wrong))
             self.trace = traceback.format_exc()
-            return False
+        return not self.error
 
     def finished(self, result: bool) -> None:  # noqa: ARG002  QGIS passes it
         """Tell; on the main thread."""

@@ -59,7 +59,7 @@ class Workflow(QObject):
     Signals
     -------
     preview_shown(bool)
-        The preview has come or gone.
+        The preview has come or gone, or its layers have in the layer tree.
     running(bool)
         A run has begun or ended.
     """
@@ -101,7 +101,7 @@ class Workflow(QObject):
         self._when_planned: Callable[[Planned], None] | None = None
         self._refusal = ""
         self._closed = False
-        self._zoom_to_preview = False
+        self._previewing = self._zoom_to_preview = False
         self._connect()
         iface.addDockWidget(Qt.DockWidgetArea.RightDockWidgetArea, self.dock)
         self._restore()
@@ -134,6 +134,8 @@ class Workflow(QObject):
             self._show_preview_state(False)
             return
         self._zoom_to_preview = True
+        # Layers may be there, and hidden.
+        self.preview.set_footprints_visible(True)
         self._show_preview_state(True)
         if not self._plan(at_once=True):
             self._show_preview_state(False)
@@ -235,7 +237,6 @@ class Workflow(QObject):
         self.dock.hint_followed.connect(self._follow_hint)
         self.dock.capture_clicked.connect(self.capture)
         self.running.connect(self.dock.show_busy)
-        self.preview_shown.connect(self.areas.show_previewed)
         self.box_tool.refused.connect(self.messages.warning)
         self.point_tool.clicked.connect(self.runs.start_test_shot)
         self.point_tool.refused.connect(self.messages.warning)
@@ -243,6 +244,7 @@ class Workflow(QObject):
         self.planner.costed.connect(self._show_cost)
         self.planner.refused.connect(self._show_refused)
         self.preview.closed.connect(lambda: self._show_preview_state(False))
+        self.preview.visibility_changed.connect(lambda _visible: self._show_preview_state(self._previewing))
         self.preview.failed.connect(self._preview_failed)
         for signal in (self.project.layersAdded, self.project.layersRemoved, self.project.cleared):
             signal.connect(self._show_hint)
@@ -292,7 +294,7 @@ class Workflow(QObject):
     def _show_planned(self, planned: Planned) -> None:
         self.planned = planned
         self._show_figures(planned)
-        if self.dock.preview.isChecked():
+        if self._previewing:
             self.preview.show(self.group(), planned.mission, planned.plan)
             self.group().make_current()
             if self._zoom_to_preview:
@@ -354,8 +356,12 @@ class Workflow(QObject):
         self._plan()
 
     def _show_preview_state(self, on: bool) -> None:
-        self.dock.show_preview_on(on)
-        self.preview_shown.emit(on)
+        """Keep a preview from now on, or none; the buttons are pressed while it is to be seen."""
+        self._previewing = on
+        self.areas.show_previewed(on)
+        seen = on and self.preview.visible
+        self.dock.show_preview_on(seen)
+        self.preview_shown.emit(seen)
 
     def _preview_failed(self, error: Exception) -> None:
         trace = "".join(traceback.format_exception(None, error, error.__traceback__))

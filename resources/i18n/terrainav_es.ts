@@ -2309,11 +2309,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/dock/run_row.py"/>
-        <source>Go on with this capture</source>
-        <translation>Continuar con esta captura</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/run_row.py"/>
         <source>Open the folder of the images</source>
         <translation>Abrir la carpeta de las imágenes</translation>
     </message>
@@ -2321,6 +2316,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/dock/run_row.py"/>
         <source>Pause: hold this capture in its place</source>
         <translation>Pausa: dejar esta captura donde está</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/run_row.py"/>
+        <source>Resume this capture</source>
+        <translation>Reanudar esta captura</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/dock/run_row.py"/>
@@ -4297,6 +4297,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/runs/after.py"/>
+        <source>Resume</source>
+        <translation>Reanudar</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/runs/after.py"/>
         <source>Test shot {lat:.5f} {lon:.5f}</source>
         <translation>Toma de prueba {lat:.5f} {lon:.5f}</translation>
     </message>
@@ -4312,8 +4317,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/runs/after.py"/>
-        <source>{name}: stopped with {there} of {total} images. Press Capture to go on.</source>
-        <translation>{name}: detenida con {there} de {total} imágenes. Pulsar Capturar para continuar.</translation>
+        <source>{name}: stopped with {there} of {total} images.</source>
+        <translation>{name}: detenida con {there} de {total} imágenes.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/runs/after.py"/>
@@ -4398,6 +4403,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/runs/words.py"/>
+        <source>All {total} images are there: {written} captured now in {time}, {skipped} before.</source>
+        <translation>Las {total} imágenes están: {written} capturadas ahora en {time}, {skipped} antes.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/runs/words.py"/>
         <source>All {total} images were there already.</source>
         <translation>Las {total} imágenes ya estaban todas.</translation>
     </message>
@@ -4440,6 +4450,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/runs/words.py"/>
         <source>Stopped with {there} of {total} images</source>
         <translation>Detenida con {there} de {total} imágenes</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/runs/words.py"/>
+        <source>Stopped; making the mosaic…</source>
+        <translation>Detenida; haciendo el mosaico…</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/runs/words.py"/>

@@ -36,7 +36,7 @@ class CleanTask(Task):
         self.folder, self.deed, self.threshold = folder, deed, threshold
         self.cleaned: tuple[Cleaned, ...] = ()
 
-    def work(self) -> bool:
+    def work(self) -> None:
         """Clean."""
         from ...core.dataset.clean import clean, undo
 
@@ -44,7 +44,6 @@ class CleanTask(Task):
             self.cleaned = undo(self.folder, progress=self._go_on)
         else:
             self.cleaned = clean(self.folder, self.threshold, move=self.deed == MOVE, progress=self._go_on)
-        return True
 
     def text(self) -> str:
         """What was done to all map types, in a sentence or two."""
@@ -93,9 +92,8 @@ class PicturesTask(Task):
         self.folder, self.target, self.threshold = folder, target, threshold
         self.written: list[Path] = []
 
-    def work(self) -> bool:
+    def work(self) -> None:
         """Draw and write."""
         from ...core.dataset.figures import save_figures
 
         self.written = save_figures(self.folder, self.target, self.threshold)
-        return True

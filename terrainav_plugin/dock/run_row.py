@@ -84,7 +84,7 @@ class RunRow(QFrame):
                 of_qgis("/temporal_navigation/pause.svg"),
                 tr("Pause: hold this capture in its place"),
             ),
-            self.RESUME: (of_qgis("/mActionPlay.svg"), tr("Go on with this capture")),
+            self.RESUME: (of_qgis("/mActionPlay.svg"), tr("Resume this capture")),
             self.CANCEL: (of_qgis("/mTaskCancel.svg"), tr("Cancel; images that are finished are kept")),
             self.FAILED: (icon("capture_failed"), tr("Capture only the failed images again")),
             self.ZOOM: (of_qgis("/mActionZoomToLayer.svg"), tr("Zoom the map to this mission")),

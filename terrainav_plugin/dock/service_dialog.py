@@ -61,7 +61,7 @@ class _Capabilities(Task):
         self._service, self._layer = service, layer
         self._transport = QgisTransport(1, max_body_bytes=MAX_DOCUMENT_BYTES, authcfg=service.authcfg)
 
-    def work(self) -> bool:
+    def work(self) -> None:
         """Ask."""
         from ...core.imagery.services.ogc import service_entry
 
@@ -72,7 +72,6 @@ class _Capabilities(Task):
                 self.entry = service_entry(name, key=self._service.key or None, transport=self._transport)
             else:
                 self._find_layers()
-        return True
 
     def cancel(self) -> None:
         """End the requests as well."""

@@ -42,10 +42,9 @@ class ReadTask(Task):
         self.found: tuple[Area, float | None] | None = None
         self._read = read
 
-    def work(self) -> bool:
+    def work(self) -> None:
         """Read."""
         self.found = self._read(self.isCanceled)
-        return True
 
 
 def selected_polygon(layer: QgsVectorLayer, project: QgsProject) -> Reading:

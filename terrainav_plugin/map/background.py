@@ -33,10 +33,9 @@ class WorldTask(Task):
         self.picture = picture
         self.path = path
 
-    def work(self) -> bool:
+    def work(self) -> None:
         """Render."""
         render(self.picture, self.path, self._go_on)
-        return True
 
     def _go_on(self, share: float) -> bool:
         self.setProgress(100.0 * share)

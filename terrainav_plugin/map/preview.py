@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
 from typing import TYPE_CHECKING
 
-from qgis.core import QgsFeature, QgsProject, QgsRectangle, QgsVectorLayer
+from qgis.core import QgsFeature, QgsLayerTreeLayer, QgsProject, QgsRectangle, QgsVectorLayer
 from qgis.gui import QgsMapCanvas
 from qgis.PyQt.QtCore import QObject, QTimer, pyqtSignal
 
@@ -21,6 +21,8 @@ if TYPE_CHECKING:
 
 #: Pause in moving the map after which the preview follows.
 _PAUSE_MS = 60
+#: Layers that are hidden by what they would lie upon; the area stays.
+_OVER_RESULTS = ("footprints", "centres", "flight", "density")
 #: Features put into a layer at once: QGIS looks at each of them for some hundredths of a millisecond.
 MOST_A_STEP = 100
 
@@ -39,11 +41,14 @@ class Preview(QObject):
     -------
     closed()
         After the user removed the preview's layers, or the project was closed.
+    visibility_changed(bool)
+        Its layers have come into sight, or have all gone out of it, by whoever ticked them.
     failed(object)
         The error that has kept a view from being drawn.
     """
 
     closed = pyqtSignal()
+    visibility_changed = pyqtSignal(bool)
     failed = pyqtSignal(object)
     _finished = pyqtSignal(int, object)
 
@@ -60,6 +65,7 @@ class Preview(QObject):
         self._pieces: Iterator[None] | None = None
         self._filling = False
         self._scene: Scene | None = None
+        self._visible = True
         self._latest = 0
         self._running: Future[tuple[Scene, Drawing]] | None = None
         self._pool = ThreadPoolExecutor(1, thread_name_prefix="terrainav-preview")
@@ -68,6 +74,7 @@ class Preview(QObject):
         # Emitted on the preview's thread, received on this object's.
         self._finished.connect(self._deliver)
         project.layersRemoved.connect(self._forget)
+        project.layerTreeRoot().visibilityChanged.connect(self._look_at_visibility)
         self._moves = (
             canvas.extentsChanged,
             canvas.scaleChanged,
@@ -82,6 +89,12 @@ class Preview(QObject):
     def shown(self) -> bool:
         """Whether there are preview layers in the project."""
         return bool(self._ids)
+
+    @property
+    def visible(self) -> bool:
+        """Whether anything of it is to be seen, or will be as soon as it is there."""
+        nodes = self._nodes()
+        return not nodes or any(node.isVisible() for node in nodes)
 
     @property
     def busy(self) -> bool:
@@ -107,11 +120,11 @@ class Preview(QObject):
 
     def set_footprints_visible(self, visible: bool) -> None:
         """Tick or untick the planned images, their density, centres and flight line in the layer tree."""
-        for role in ("footprints", "centres", "flight", "density"):
-            layer = self.layer(role)
-            node = self._project.layerTreeRoot().findLayer(layer) if layer is not None else None
-            if node is not None:
-                node.setItemVisibilityChecked(visible)
+        for node in self._nodes():
+            if visible:
+                node.setItemVisibilityCheckedParentRecursive(True)
+            else:
+                node.setItemVisibilityChecked(False)
 
     def remove(self) -> None:
         """Take the preview off the map; results in its group stay."""
@@ -124,12 +137,14 @@ class Preview(QObject):
         if self._group is not None:
             self._group.remove_if_empty()
         self._group = None
+        self._visible = True
 
     def close(self) -> None:
         """End for good: nothing of the preview, no thread and no connection is left."""
         for moved in self._moves:
             moved.disconnect(self._follow)
         self._project.layersRemoved.disconnect(self._forget)
+        self._project.layerTreeRoot().visibilityChanged.disconnect(self._look_at_visibility)
         self.remove()
         self._pool.shutdown(wait=True, cancel_futures=True)
 
@@ -212,6 +227,7 @@ class Preview(QObject):
             self._add(layer, kind.role, index)
             yield None
         self._group.remember_mission(mission.to_json())
+        self._look_at_visibility()
         if self._drawing is not None:
             yield from self._fill(self._drawing)
 
@@ -278,6 +294,18 @@ class Preview(QObject):
         self._group.add(layer, role, index).setExpanded(False)
         self._ids[role] = layer.id()
         self._held[role] = []
+
+    def _nodes(self) -> list[QgsLayerTreeLayer]:
+        """Where the layers that hide results are in the layer tree."""
+        root = self._project.layerTreeRoot()
+        found = (root.findLayer(self._ids[role]) for role in _OVER_RESULTS if role in self._ids)
+        return [node for node in found if node is not None]
+
+    def _look_at_visibility(self, *_: object) -> None:
+        visible = self.visible
+        if visible != self._visible:
+            self._visible = visible
+            self.visibility_changed.emit(visible)
 
     def _forget(self, layer_ids: list[str]) -> None:
         """Notice layers that the user has removed; the preview ends with its footprints."""

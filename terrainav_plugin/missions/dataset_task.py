@@ -45,22 +45,21 @@ class DatasetTask(Task):
         self.left_out = ""
         self._find_grid = find_grid
 
-    def work(self) -> bool:
+    def work(self) -> None:
         """Open."""
         mosaics = mosaics_there(self.folder, self.mission)
         if mosaics is None:
             mosaics = self._made_mosaics()
         if self.isCanceled():
-            return False
+            return
         self.opened = open_results(self.folder, self.mission, mosaics)
         if self.isCanceled():
-            return False
+            return
         try:
             FailedImages(self.folder).update()
             self.failed = open_failed(self.folder)
         except OutputError as wrong:
             self.left_out = self.left_out or told(wrong)
-        return True
 
     def _made_mosaics(self) -> list[Mosaic]:
         from ...core.mission.plan import plan

@@ -38,12 +38,11 @@ class ExportTask(Task):
         self.exported: Exported | None = None
         self._plan = plan
 
-    def work(self) -> bool:
+    def work(self) -> None:
         """Write."""
         from ...core.mission.export import write_plan
 
         self.exported = write_plan(self._plan, self.path)
-        return True
 
 
 class PlanExport(QObject):

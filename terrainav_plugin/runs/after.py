@@ -93,8 +93,8 @@ class Endings:
         changed = run.result is None or bool(run.result.written or run.result.failed)
         group = self._workflow.group_of(run.folder)
         show_results(group, run.task.opened, changed=changed)
-        # The pictures themselves are there now; plans on top would only hide them.
-        if self._workflow.group().is_same(group):
+        # The pictures themselves are there now; plans on top would only hide them. Those of the rest are still wanted.
+        if run.stage is not Stage.STOPPED and self._workflow.group().is_same(group):
             self._workflow.preview.set_footprints_visible(False)
 
     def _load_test_shot(self, run: Run) -> None:
@@ -112,9 +112,10 @@ class Endings:
             self._messages.info(tr("{name}: stopped before the first image.").format(name=name))
         elif run.stage is Stage.STOPPED:
             self._messages.info(
-                tr("{name}: stopped with {there} of {total} images. Press Capture to go on.").format(
+                tr("{name}: stopped with {there} of {total} images.").format(
                     name=name, there=f"{result.written + result.skipped:,}", total=f"{result.total:,}"
-                )
+                ),
+                (tr("Resume"), lambda: self._runs.resume(run)),
             )
         elif run.task.failed or result.failed:
             self._tell_failed(run)

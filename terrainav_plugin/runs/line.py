@@ -93,6 +93,13 @@ class Runs(QObject):
         if self._enqueue(run.plan, run.folder, only_failed, requests):
             self.dismiss(run)
 
+    def resume(self, run: Run) -> None:
+        """Let a run that is paused go on, or put one that has ended early into the line again."""
+        if not run.over:
+            run.pause(False)
+        elif self.questions.key_is_there(run.mission.source):
+            self._enqueue(run.plan, run.folder, run.only_failed, self._requests(run.plan))
+
     def start_test_shot(self, lat_deg: float, lon_deg: float) -> None:
         """Capture one picture above a point, with camera, height and source as entered."""
         from ...core.mission.plan import plan

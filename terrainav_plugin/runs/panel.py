@@ -38,7 +38,7 @@ class RunPanel(QObject):
         self._rows: dict[Run, RunRow] = {}
         self._deeds: dict[str, Callable[[Run], None]] = {
             RunRow.PAUSE: lambda run: run.pause(True),
-            RunRow.RESUME: lambda run: run.pause(False),
+            RunRow.RESUME: runs.resume,
             RunRow.CANCEL: lambda run: run.cancel(),
             RunRow.FAILED: runs.capture_failed,
             RunRow.ZOOM: zoom,
@@ -89,8 +89,11 @@ def _deeds_of(run: Run) -> set[str]:
     if run.stage is Stage.PAUSED:
         return {RunRow.CANCEL, RunRow.RESUME}
     if run.stage is Stage.STOPPING:
-        return set()
+        # Once nothing is captured any more, what is left to be stopped is the mosaic.
+        return {RunRow.CANCEL} if run.result is not None else set()
     deeds = {RunRow.ZOOM, RunRow.OPEN, RunRow.DISMISS}
     if run.stage in (Stage.DONE, Stage.INCOMPLETE) and not run.test_shot:
         deeds.add(RunRow.CLEAN)
+    if run.stage in (Stage.STOPPED, Stage.BROKEN) and not run.test_shot:
+        deeds.add(RunRow.RESUME)
     return deeds | ({RunRow.FAILED} if run.task.failed else set())

@@ -138,15 +138,16 @@ class Run(QObject):
             self._become(Stage.PAUSED if paused else Stage.RUNNING)
 
     def cancel(self) -> None:
-        """Stop it; what is finished is kept."""
+        """Stop it; what is finished is kept and shown. The second time, or with every picture there, stop that, too."""
         if self.stage is Stage.WAITING:
             self.task.discard()
             self._become(Stage.STOPPED)
             self.ended.emit(self)
         elif self.under_way:
+            end = self.task.cancel if self.stage is Stage.STOPPING or self.all_made else self.task.stop
             # Before the task is told: that may be the end of it at once.
             self._become(Stage.STOPPING)
-            self.task.cancel()
+            end()
 
     def close(self) -> None:
         """Stop it and wait for its end, without a word."""

@@ -41,7 +41,7 @@ def row_text(run: Run, place: int = 0) -> str:
             else tr("Waiting: {place} before it").format(place=place)
         )
     if run.stage is Stage.STOPPING:
-        return tr("Stopping…")
+        return tr("Stopping…") if run.result is None else tr("Stopped; making the mosaic…")
     if run.over:
         return _end_text(run)
     if run.progress is None:
@@ -98,6 +98,10 @@ def done_text(result: CaptureResult) -> str:
             return tr("The image was there already.")
         return tr("All {total} images were there already.").format(total=f"{result.total:,}")
     time = duration_text(result.seconds)
+    if result.skipped:
+        return tr("All {total} images are there: {written} captured now in {time}, {skipped} before.").format(
+            total=f"{result.total:,}", written=f"{result.written:,}", time=time, skipped=f"{result.skipped:,}"
+        )
     if result.written == 1:
         return tr("One image captured in {time}.").format(time=time)
     return tr("{written} images captured in {time}.").format(written=f"{result.written:,}", time=time)

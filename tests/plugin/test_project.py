@@ -67,7 +67,8 @@ def test_reopened_project_brings_the_mission_back(captured):
     assert captured.workflow.state() == state
     assert captured.layer_names() == names
     assert captured.layer("Planned images").featureCount() == count
-    assert captured.dock.preview.isChecked()
+    # Its layers are hidden, as they were.
+    assert not captured.dock.preview.isChecked()
 
 
 def test_project_moved_with_its_dataset_knows_where_it_is(captured, tmp_path):

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import time
 from types import SimpleNamespace
 
 import pytest
-from qgis.core import QgsApplication, QgsProject
+from qgis.core import QgsApplication, QgsProject, QgsTask
 from qgis.PyQt.QtCore import QPoint, Qt
 from qgis.PyQt.QtTest import QTest
 from terrainav.core.mission.mission import Mission
@@ -66,13 +67,15 @@ def press(desk, run, deed):
         (1, 0, "The image was there already."),
         (1, 1, "One image captured in 2 s."),
         (9, 0, "All 9 images were there already."),
-        (1_200, 1_100, "1,100 images captured in 2 s."),
+        (1_200, 1_200, "1,200 images captured in 2 s."),
+        (93, 75, "All 93 images are there: 75 captured now in 2 s, 18 before."),
     ],
 )
 def test_ends_are_told_in_words_that_fit_the_number(total, written, text):
     from terrainav.terrainav_plugin.runs.words import done_text
 
-    assert done_text(SimpleNamespace(total=total, written=written, seconds=2.0)) == text
+    result = SimpleNamespace(total=total, written=written, skipped=total - written, seconds=2.0)
+    assert done_text(result) == text
 
 
 def test_missions_wait_in_line_and_are_captured_one_after_the_other(prepared, server, screenshot):
@@ -254,3 +257,124 @@ def test_list_leaves_room_for_the_entries(prepared, server):
     prepared.qtbot.wait(50)
     top = row.mapTo(prepared.dock.run_list.viewport(), QPoint(0, 0)).y()
     assert 0 <= top < prepared.dock.run_list.viewport().height()
+
+
+@pytest.fixture
+def statuses():
+    """What QGIS's own list says of tasks; of one that has ended otherwise than well it tells the user."""
+    seen = []
+    manager = QgsApplication.taskManager()
+
+    def note(_task, status):
+        seen.append(status)
+
+    manager.statusChanged.connect(note)
+    yield seen
+    manager.statusChanged.disconnect(note)
+
+
+def alpha_of(desk):
+    layer = desk.layer("Satellite images")
+    block = layer.dataProvider().block(4, layer.extent(), layer.width(), layer.height())
+    return bytes(block.data())
+
+
+def test_cancelled_run_is_no_failure_shows_what_is_finished_and_is_resumed_from_its_row(
+    prepared, server, statuses
+):
+    server.latency_s = SLOW_S
+    run = press_capture(prepared)
+    prepared.wait(lambda: len(pictures(run.folder)) >= 12)
+    press(prepared, run, "cancel")
+    server.latency_s = 0.0
+    prepared.wait_for_run()
+    prepared.wait_for_tasks()
+    assert run.stage is Stage.STOPPED
+    assert QgsTask.TaskStatus.Terminated not in statuses
+    assert statuses[-1] == QgsTask.TaskStatus.Complete
+    kept = len(pictures(run.folder))
+    assert 12 <= kept < len(run.plan)
+    assert (run.folder / "satellite.vrt").read_text().count("<ComplexSource>") == kept
+    assert 255 in alpha_of(prepared)
+    assert "Resume" in prepared.buttons_in_message_bar()
+
+    press(prepared, run, "resume")
+    prepared.wait_for_run()
+    (again,) = prepared.workflow.runs.runs
+    assert again.stage is Stage.DONE
+    total = len(run.plan)
+    assert again.result.written == total - kept
+    for text in (row_of(prepared, again).text.text(), " ".join(prepared.messages())):
+        assert f"All {total} images are there: {total - kept} captured now in" in text
+        assert f"{kept} before." in text
+    assert (run.folder / "satellite.vrt").read_text().count("<ComplexSource>") == total
+
+
+def test_second_cancel_leaves_the_mosaic_out(prepared, server, statuses, monkeypatch):
+    from terrainav.core.errors import Cancelled
+    from terrainav.terrainav_plugin.map import mosaic
+
+    def endless(*arguments):
+        progress = arguments[-1]
+        while progress(0.5):
+            time.sleep(0.01)
+        raise Cancelled("mosaic: stopped")
+
+    monkeypatch.setattr(mosaic, "build_overviews", endless)
+    server.latency_s = SLOW_S
+    run = press_capture(prepared)
+    prepared.wait(lambda: len(pictures(run.folder)) >= 3)
+    press(prepared, run, "cancel")
+    server.latency_s = 0.0
+    prepared.wait(lambda: "making the mosaic" in row_of(prepared, run).text.text())
+    press(prepared, run, "cancel")
+    prepared.wait_for_run()
+    prepared.wait_for_tasks()
+    assert run.stage is Stage.STOPPED
+    assert QgsTask.TaskStatus.Terminated not in statuses
+    assert not list(run.folder.glob("satellite.vrt*"))
+    assert row_of(prepared, run).buttons["resume"].isVisible()
+
+
+def test_run_taken_out_of_the_line_is_resumed(prepared, server):
+    server.latency_s = SLOW_S
+    first = press_capture(prepared)
+    second = press_capture(prepared, prepared.folder.with_name("second"))
+    prepared.wait(row_of(prepared, second).buttons["cancel"].isVisible)
+    press(prepared, second, "cancel")
+    assert second.stage is Stage.STOPPED
+    press(prepared, second, "resume")
+    server.latency_s = 0.0
+    prepared.wait(lambda: prepared.workflow.runs.idle)
+    assert [run.stage for run in prepared.workflow.runs.runs] == [Stage.DONE, Stage.DONE]
+    assert len(pictures(second.folder)) == len(pictures(first.folder)) == len(first.plan)
+
+
+def test_preview_is_pressed_while_it_is_to_be_seen(prepared):
+    dock, action = prepared.dock, prepared.plugin.actions["preview"]
+    prepared.click(dock.preview)
+    prepared.wait_previewed()
+    press_capture(prepared)
+    prepared.wait_for_run()
+    # The images are there in place of the plan.
+    assert not prepared.workflow.preview.visible
+    assert (dock.preview.isChecked(), action.isChecked()) == (False, False)
+    # Ticked in the layer tree, it is up to date.
+    tree = QgsProject.instance().layerTreeRoot()
+    prepared.form.agl.setValue(90.0)
+    prepared.wait_planned()
+    images = prepared.workflow.planned.summary.images
+    tree.findLayer(prepared.layer("Planned images")).setItemVisibilityChecked(True)
+    assert (dock.preview.isChecked(), action.isChecked()) == (True, True)
+    prepared.wait(lambda: prepared.layer("Planned images").featureCount() == images)
+    # Hidden with its group, and shown by the button.
+    prepared.group().setItemVisibilityChecked(False)
+    assert not dock.preview.isChecked()
+    prepared.click(dock.preview)
+    prepared.wait_previewed()
+    assert dock.preview.isChecked()
+    for name in ("Planned images", "Flight line", "Capture centres"):
+        assert tree.findLayer(prepared.layer(name)).isVisible()
+    prepared.click(dock.preview)
+    assert "Planned images" not in prepared.layer_names()
+    assert (dock.preview.isChecked(), action.isChecked()) == (False, False)

@@ -1,0 +1,46 @@
+"""Messages over the map: whole at any width, and nothing beside them gives way."""
+
+from __future__ import annotations
+
+import pytest
+from qgis.PyQt.QtTest import QTest
+from qgis.PyQt.QtWidgets import QDockWidget, QPushButton, QTextBrowser
+
+SMALL_PX, WIDE_PX = (1280, 720), (1600, 950)
+TEXTS = (
+    "mission-1: stopped with 18 of 93 images.",
+    "mission-1: 12 of 93 images could not be made (tile 18/65612/103456: the server answers 404; asked thrice).",
+)
+
+
+@pytest.fixture(params=[SMALL_PX, WIDE_PX], ids=["small", "wide"])
+def window(desk, iface, request):
+    """QGIS's window in a size, with the panel and that of the layers."""
+    window, before = iface.mainWindow(), iface.mainWindow().geometry()
+    was_maximized = window.isMaximized()
+    window.showNormal()
+    window.resize(*request.param)
+    QTest.qWait(300)
+    yield window
+    window.setGeometry(before)
+    if was_maximized:
+        window.showMaximized()
+    QTest.qWait(100)
+
+
+@pytest.mark.parametrize("text", TEXTS)
+@pytest.mark.parametrize("buttons", [0, 1, 2])
+def test_message_is_whole_and_takes_no_room_from_the_panels(desk, window, iface, text, buttons):
+    panels = [window.findChild(QDockWidget, "Layers"), desk.dock]
+    before = [panel.width() for panel in panels]
+    action = ("Capture only the failed ones", lambda: None) if buttons else None
+    desk.plugin.messages.warning(text, "the details" if buttons == 2 else "", action)
+    QTest.qWait(200)
+    (item,) = (item for item in iface.messageBar().items() if item.title() == "TerrAInav")
+    shown = item.findChild(QTextBrowser)
+    assert shown.viewport().height() >= shown.document().size().height()
+    assert shown.document().size().width() <= shown.viewport().width()
+    for button in item.findChildren(QPushButton):
+        assert button.width() >= button.minimumSizeHint().width()
+        assert item.rect().contains(button.mapTo(item, button.rect().bottomRight()))
+    assert [panel.width() for panel in panels] == before
