@@ -37,6 +37,7 @@ from .map.preview import Preview
 from .map.source_on_map import SourceOnMap
 from .messages import Messages
 from .missions.missions import Missions
+from .mnemonics import free_of_menus
 from .paths import folder_of
 from .planner import Planned, Planner
 from .runs.after import open_in_system
@@ -103,6 +104,7 @@ class Workflow(QObject):
         self._closed = False
         self._previewing = self._zoom_to_preview = False
         self._connect()
+        free_of_menus(self.dock, iface.mainWindow().menuBar())
         iface.addDockWidget(Qt.DockWidgetArea.RightDockWidgetArea, self.dock)
         self._restore()
 

@@ -56,7 +56,7 @@ def test_every_text_is_translated_with_its_places_and_keys(translations):
 def test_what_would_be_wrong_is_named(translations, monkeypatch):
     known = translations.translated("es")
     for text, wrong in (
-        ("&Missions", "Misiones"),
+        ("Area &from", "Área desde"),
         ("{n} holes", "{m} huecos"),
         ("Area", None),
     ):
@@ -74,6 +74,13 @@ def test_surroundings_of_a_text_are_kept(translations):
         assert translated.endswith("…") == text.endswith("…"), text
 
 
+_PANEL = (
+    "dock/dock.py dock/area_entries.py dock/camera_entries.py dock/flight_entries.py dock/output_entries.py"
+)
+#: Letters of QGIS's own menus, with those that its own plugins bring.
+_MENUS = {"en": "jevlspormchwd", "es": "yevcfmorwb"}
+
+
 def test_keys_of_a_menu_or_form_differ(translations):
     known = translations.translated("es")
     together = {
@@ -82,8 +89,8 @@ def test_keys_of_a_menu_or_form_differ(translations):
         "missions": "missions/missions.py",
         "viewer": "viewer/viewer.py",
         "area dialogs": "dock/area_dialogs.py",
-        "panel": "dock/dock.py dock/area_entries.py dock/camera_entries.py dock/flight_entries.py "
-        "dock/output_entries.py",
+        "cleaning": "dataset/clean_panel.py",
+        "panel": _PANEL,
     }
     for name, files in together.items():
         texts = {
@@ -98,6 +105,18 @@ def test_keys_of_a_menu_or_form_differ(translations):
         ]
         assert keys, name
         assert sorted(keys) == sorted(set(keys)), f"{name}: {keys}"
+
+
+@pytest.mark.parametrize("panel", ["panel", "viewer", "cleaning"])
+def test_keys_of_a_panel_open_no_menu_of_qgis(translations, panel):
+    """A panel shares the window of QGIS; there it drops what collides, and would have fewer keys than it should."""
+    files = {"panel": _PANEL, "viewer": "viewer/viewer.py", "cleaning": "dataset/clean_panel.py"}[panel]
+    known = translations.translated("es")
+    for file in files.split():
+        for text in translations.plugin_texts(ROOT / "terrainav_plugin" / file):
+            if translations.mnemonics_of(text):
+                assert text.partition("&")[2][0].lower() not in _MENUS["en"], text
+                assert known["TerrAInav", text].partition("&")[2][0].lower() not in _MENUS["es"], text
 
 
 @pytest.mark.parametrize(

@@ -85,13 +85,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/dataset/clean_panel.py"/>
-        <source>&amp;Mark</source>
-        <translation>&amp;Marcar</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dataset/clean_panel.py"/>
         <source>&amp;Threshold</source>
-        <translation>Um&amp;bral</translation>
+        <translation>Umbra&amp;l</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/dataset/clean_panel.py"/>
@@ -116,11 +111,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../terrainav_plugin/dataset/clean_panel.py"/>
         <source>Dataset &amp;folder</source>
-        <translation>&amp;Carpeta del conjunto de datos</translation>
+        <translation>Carpeta del con&amp;junto de datos</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/dataset/clean_panel.py"/>
-        <source>Hi&amp;stogram</source>
+        <source>Histo&amp;gram</source>
         <translation>Hi&amp;stograma</translation>
     </message>
     <message>
@@ -140,13 +135,18 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/dataset/clean_panel.py"/>
+        <source>Mar&amp;k</source>
+        <translation>M&amp;arcar</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/clean_panel.py"/>
         <source>Mark rejected images, and move their files to a folder “rejected” beside the others</source>
         <translation>Marcar las imágenes rechazadas y mover sus archivos a una carpeta «rejected» junto a las demás</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/dataset/clean_panel.py"/>
         <source>Move &amp;away</source>
-        <translation>&amp;Apartar</translation>
+        <translation>A&amp;partar</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/dataset/clean_panel.py"/>
@@ -165,8 +165,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/dataset/clean_panel.py"/>
-        <source>On the ma&amp;p</source>
-        <translation>En el ma&amp;pa</translation>
+        <source>On the map</source>
+        <translation>En el mapa</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/dataset/clean_panel.py"/>
@@ -189,13 +189,13 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/dataset/clean_panel.py"/>
-        <source>Save pi&amp;ctures…</source>
-        <translation>Guardar &amp;gráficos…</translation>
+        <source>Save pictures…</source>
+        <translation>Guardar gráficos…</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/dataset/clean_panel.py"/>
-        <source>St&amp;op</source>
-        <translation>&amp;Detener</translation>
+        <source>Stop</source>
+        <translation>Detener</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/dataset/clean_panel.py"/>
@@ -718,7 +718,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../terrainav_plugin/dock/area_entries.py"/>
         <source>Draw &amp;box</source>
-        <translation>Dibujar &amp;recuadro</translation>
+        <translation>Dib&amp;ujar recuadro</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/dock/area_entries.py"/>
@@ -865,7 +865,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../terrainav_plugin/dock/area_menu.py"/>
         <source>Area &amp;from</source>
-        <translation>Áre&amp;a desde</translation>
+        <translation>Área de&amp;sde</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/dock/area_menu.py"/>
@@ -1046,18 +1046,13 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/dock/camera_entries.py"/>
-        <source>&amp;Camera</source>
-        <translation>&amp;Cámara</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/camera_entries.py"/>
-        <source>&amp;Field of view</source>
-        <translation>Campo de &amp;visión</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/camera_entries.py"/>
         <source>Aspect ra&amp;tio</source>
         <translation>Relación de as&amp;pecto</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/camera_entries.py"/>
+        <source>C&amp;amera</source>
+        <translation>Cámar&amp;a</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/dock/camera_entries.py"/>
@@ -1069,6 +1064,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/dock/camera_entries.py"/>
         <source>Diagonal</source>
         <translation>Diagonal</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/camera_entries.py"/>
+        <source>F&amp;ield of view</source>
+        <translation>Campo de vis&amp;ión</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/dock/camera_entries.py"/>
@@ -1108,7 +1108,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../terrainav_plugin/dock/camera_entries.py"/>
         <source>Image's lo&amp;nger side</source>
-        <translation>Lado ma&amp;yor de la imagen</translation>
+        <translation>&amp;Lado mayor de la imagen</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/dock/camera_entries.py"/>
@@ -1172,11 +1172,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/dock/dock.py"/>
-        <source>&amp;Missions</source>
-        <translation>&amp;Misiones</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/dock.py"/>
         <source>Capture</source>
         <translation>Capturar</translation>
     </message>
@@ -1194,6 +1189,13 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/dock/dock.py"/>
         <source>Help</source>
         <translation>Ayuda</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/dock.py"/>
+        <location filename="../../terrainav_plugin/dock/options_page.py"/>
+        <location filename="../../terrainav_plugin/processing/algorithm.py"/>
+        <source>Missions</source>
+        <translation>Misiones</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/dock/dock.py"/>
@@ -1613,6 +1615,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/dock/estimates.py"/>
+        <location filename="../../terrainav_plugin/dock/flight_entries.py"/>
         <source>Overlap</source>
         <translation>Solape</translation>
     </message>
@@ -1775,13 +1778,13 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/dock/flight_entries.py"/>
-        <source>&amp;Airspeed</source>
-        <translation>Ve&amp;locidad aérea</translation>
+        <source>&amp;Ground per px</source>
+        <translation>&amp;Terreno por px</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/dock/flight_entries.py"/>
-        <source>&amp;Ground per px</source>
-        <translation>&amp;Terreno por px</translation>
+        <source>Airspeed</source>
+        <translation>Velocidad aérea</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/dock/flight_entries.py"/>
@@ -1816,8 +1819,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/dock/flight_entries.py"/>
-        <source>Grid a&amp;ngle</source>
-        <translation>Án&amp;gulo de cuadrícula</translation>
+        <source>Grid angle</source>
+        <translation>Ángulo de cuadrícula</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/dock/flight_entries.py"/>
@@ -1826,8 +1829,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/dock/flight_entries.py"/>
-        <source>He&amp;ight above ground</source>
-        <translation>Altura so&amp;bre el terreno</translation>
+        <source>Height above gro&amp;und</source>
+        <translation>Altura sobre el terre&amp;no</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/dock/flight_entries.py"/>
@@ -1843,11 +1846,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/dock/flight_entries.py"/>
         <source>Metres or international feet: for the height, and for the lengths and areas of the estimates</source>
         <translation>Metros o pies internacionales: para la altura, y para las longitudes y superficies de la estimación</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/flight_entries.py"/>
-        <source>O&amp;verlap</source>
-        <translation>&amp;Solape</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/dock/flight_entries.py"/>
@@ -2157,12 +2155,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/dock/options_page.py"/>
-        <location filename="../../terrainav_plugin/processing/algorithm.py"/>
-        <source>Missions</source>
-        <translation>Misiones</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/options_page.py"/>
         <source>New missions are captured into folders below this one</source>
         <translation>Las misiones nuevas se capturan en carpetas dentro de esta</translation>
     </message>
@@ -2228,8 +2220,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/dock/output_entries.py"/>
-        <source>Fol&amp;der</source>
-        <translation>Carp&amp;eta</translation>
+        <source>Folder</source>
+        <translation>Carpeta</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/dock/output_entries.py"/>
@@ -4653,21 +4645,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/viewer/viewer.py"/>
-        <source>&amp;Next</source>
-        <translation>&amp;Siguiente</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/viewer/viewer.py"/>
-        <source>&amp;Open</source>
-        <translation>&amp;Abrir</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/viewer/viewer.py"/>
-        <source>&amp;Previous</source>
-        <translation>A&amp;nterior</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/viewer/viewer.py"/>
         <source>&amp;Zoom to</source>
         <translation>&amp;Zoom a</translation>
     </message>
@@ -4699,8 +4676,23 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/viewer/viewer.py"/>
+        <source>Ne&amp;xt</source>
+        <translation>&amp;Siguiente</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/viewer/viewer.py"/>
+        <source>Ope&amp;n</source>
+        <translation>&amp;Abrir</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/viewer/viewer.py"/>
         <source>Open the image in the program for such files</source>
         <translation>Abrir la imagen con el programa para tales archivos</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/viewer/viewer.py"/>
+        <source>Prev&amp;ious</source>
+        <translation>A&amp;nterior</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/viewer/viewer.py"/>

@@ -68,7 +68,7 @@ class CleanPanel(QgsDockWidget):
         self.charts = (Histogram(), Bars())
         self.tabs = QTabWidget()
         self.tabs.setObjectName("charts")
-        self.tabs.addTab(self.charts[0], tr("Hi&stogram"))
+        self.tabs.addTab(self.charts[0], tr("Histo&gram"))
         self.tabs.addTab(self.charts[1], tr("&Image by image"))
         for chart in self.charts:
             chart.look = self.tabs
@@ -248,7 +248,7 @@ class CleanPanel(QgsDockWidget):
             ),
         )
         self.suggest.clicked.connect(lambda _checked: self._suggest())
-        self.on_map = QCheckBox(tr("On the ma&p"))
+        self.on_map = QCheckBox(tr("On the map"))
         self.on_map.setObjectName("on_map")
         self.on_map.setChecked(True)
         self.on_map.toggled.connect(self.on_map_toggled)
@@ -256,7 +256,7 @@ class CleanPanel(QgsDockWidget):
     def _make_buttons(self) -> None:
         self.buttons = {
             MARK: _button(
-                MARK, tr("&Mark"), tr("Note in the dataset's table which images are rejected, and why")
+                MARK, tr("Mar&k"), tr("Note in the dataset's table which images are rejected, and why")
             ),
             MOVE: _button(
                 MOVE,
@@ -271,7 +271,7 @@ class CleanPanel(QgsDockWidget):
             button.clicked.connect(lambda _=False, deed=deed: self.deed_wanted.emit(deed))
         self.save = _button(
             "save_pictures",
-            tr("Save pi&ctures…"),
+            tr("Save pictures…"),
             tr("Write both charts of every map type as PNG; needs the Python package matplotlib"),
         )
         self.save.clicked.connect(lambda _checked: self.pictures_wanted.emit())
@@ -279,7 +279,7 @@ class CleanPanel(QgsDockWidget):
         self.bar.setObjectName("clean_progress")
         self.bar.setTextVisible(False)
         self.bar.setFixedHeight(_BAR_HEIGHT_PX)
-        self.stop = _button("stop", tr("St&op"), tr("Stop; what is done so far can be finished, or undone"))
+        self.stop = _button("stop", tr("Stop"), tr("Stop; what is done so far can be finished, or undone"))
         self.stop.setIcon(QgsApplication.getThemeIcon("/mTaskCancel.svg"))
         self.stop.clicked.connect(lambda _checked: self.stop_wanted.emit())
         self.bar.hide()

@@ -14,6 +14,7 @@ from qgis.PyQt.QtWidgets import QFileDialog
 from ...core.dataset.folder import DECIDING, FOOTPRINTS_FILE, MISSION_FILE
 from ..i18n import told, tr
 from ..missions.recent import recent
+from ..mnemonics import free_of_menus
 from ..paths import folder_of
 from ..runs.after import open_in_system
 from ..task import Task
@@ -282,6 +283,7 @@ class Cleaning(QObject):
             panel.stop_wanted.connect(self._stop)
             panel.strip.chosen.connect(self._zoom_to)
             panel.visibilityChanged.connect(self._visibility_changed)
+            free_of_menus(panel, self._iface.mainWindow().menuBar())
             # Floating before it is added: it is wide, and would widen the panels that it is put beside for good.
             panel.setParent(self._iface.mainWindow())
             panel.setFloating(True)

@@ -100,7 +100,7 @@ class CameraEntries(Entries):
         self.remove = menu.addAction(tr("Remove this camera"), self._remove)
         self.more.setMenu(menu)
         self._form.addRow(
-            tr("&Camera"), self._marks.field("camera", self.camera, row(self.camera, self.more, stretch=0))
+            tr("C&amera"), self._marks.field("camera", self.camera, row(self.camera, self.more, stretch=0))
         )
         self.camera.activated.connect(self._choose)
 
@@ -129,7 +129,7 @@ class CameraEntries(Entries):
             self.take(name, widget)
         shown = row(self.fov_mode, self.fov, self.fov_typed, stretch=(1, 2))
         field = self._marks.field("fov_deg", self.fov, shown)
-        self._form.addRow(tr("&Field of view"), self._marks.field("fov_typed_deg", self.fov_typed, field))
+        self._form.addRow(tr("F&ield of view"), self._marks.field("fov_typed_deg", self.fov_typed, field))
         tip = tr("Focal length of the lens in millimetres: the real one, not that for full frame")
         name = "focal_length_mm"
         focal = self.add(name, tr("Focal length"), spin(name, 0.0, _MM, 6, " mm", tip))

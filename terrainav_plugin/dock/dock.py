@@ -106,7 +106,7 @@ class Dock(QgsDockWidget):
         self.missions = QToolButton()
         self.missions.setObjectName("missions")
         self.missions.setIcon(QgsApplication.getThemeIcon("/mActionFileOpen.svg"))
-        self.missions.setText(tr("&Missions"))
+        self.missions.setText(tr("Missions"))
         self.missions.setToolTip(
             tr("Missions of this project, mission files and datasets: open, save, begin")
         )

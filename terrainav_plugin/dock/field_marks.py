@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from qgis.gui import QgsCollapsibleGroupBoxBasic
+from qgis.PyQt.QtCore import Qt
 from qgis.PyQt.QtGui import QColor, QPalette, QResizeEvent
 from qgis.PyQt.QtWidgets import QAbstractSpinBox, QLabel, QLineEdit, QVBoxLayout, QWidget
 
@@ -52,6 +53,9 @@ class FieldMarks:
         layout.setSpacing(1)
         layout.addWidget(shown or widget)
         layout.addWidget(self.label(name, widget))
+        # Qt lets a label's key go only to what takes the keyboard; Tab passes over what has a proxy. Set before that,
+        # which would get this policy, too.
+        holder.setFocusPolicy(Qt.FocusPolicy.TabFocus)
         holder.setFocusProxy(shown or widget)
         return holder
 

@@ -36,7 +36,7 @@ class FlightEntries(Entries):
         self._add_lines()
         tip = tr("Speed of the flight through the air, in metres a second (0.1 to 340)")
         name = "airspeed_m_per_s"
-        self.add(name, tr("&Airspeed"), spin(name, -_SPEED_M_PER_S, _SPEED_M_PER_S, 3, " m/s", tip))
+        self.add(name, tr("Airspeed"), spin(name, -_SPEED_M_PER_S, _SPEED_M_PER_S, 3, " m/s", tip))
 
     def values(self) -> dict[str, Any]:
         """Return what is entered; a ground sample distance only where the height follows from it."""
@@ -78,7 +78,7 @@ class FlightEntries(Entries):
         )
         self.agl.valueChanged.connect(lambda: setattr(self, "height_by", "agl"))
         self.take("agl_unit", self.agl_unit)
-        self.add("agl", tr("He&ight above ground"), self.agl, row(self.agl, self.agl_unit, stretch=0))
+        self.add("agl", tr("Height above gro&und"), self.agl, row(self.agl, self.agl_unit, stretch=0))
         tip = tr(
             "Ground sample distance of the camera: the ground that one pixel of an image with the longer side of the "
             "camera shows, straight down, in centimetres (inches with feet) per px. Height and ground sample distance "
@@ -105,7 +105,7 @@ class FlightEntries(Entries):
         overlaps = {"overlap_along": self.overlap_along, "overlap_across": self.overlap_across}
         for spin_box in overlaps.values():
             spin_box.times = 100.0
-        self.add_two(tr("O&verlap"), *overlaps, overlaps)
+        self.add_two(tr("Overlap"), *overlaps, overlaps)
 
     def _add_lines(self) -> None:
         layouts = (("cover", tr("Cover (no gaps)")), ("paper", tr("Paper (UTM grid)")))
@@ -120,7 +120,7 @@ class FlightEntries(Entries):
         tip = tr("Fly the area a second time, in rows across the first ones: about twice the images")
         crosshatch = tick("crosshatch", tr("Crosshatch"), tip)
         two = {"grid_angle_deg": angle, "crosshatch": crosshatch}
-        self.add_two(tr("Grid a&ngle"), *two, two)
+        self.add_two(tr("Grid angle"), *two, two)
         orders = (("serpentine", tr("Serpentine (to and fro)")), ("one-way", tr("One way")))
         tip = tr("Serpentine: every other row is flown back. One way: every row is flown from its beginning.")
         self.add("order", tr("Order"), combo("order", orders, tip))

@@ -20,7 +20,9 @@ class OutputEntries(Entries):
         self.folder.setStorageMode(QgsFileWidget.StorageMode.GetDirectory)
         self.folder.setDialogTitle(tr("Folder for the pictures"))
         self.folder.setToolTip(tr("Folder for the pictures; its last part names the mission on the map"))
-        self.add("folder", tr("Fol&der"), self.folder)
+        # A label's key goes to what is typed into.
+        self.folder.setFocusProxy(self.folder.lineEdit())
+        self.add("folder", tr("Folder"), self.folder)
         formats = (
             ("tif", tr("GeoTIFF (lossless)")),
             ("jpg", tr("JPEG (smaller)")),

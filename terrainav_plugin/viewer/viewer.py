@@ -124,18 +124,18 @@ class Viewer(QgsDockWidget):
         self.previous = _button(
             "previous",
             of_qgis("/mActionArrowLeft.svg"),
-            tr("&Previous"),
+            tr("Prev&ious"),
             tr("Image before this one in the flight"),
         )
         self.previous.clicked.connect(lambda: self.step_wanted.emit(-1))
         self.following = _button(
-            "next", of_qgis("/mActionArrowRight.svg"), tr("&Next"), tr("Image after this one in the flight")
+            "next", of_qgis("/mActionArrowRight.svg"), tr("Ne&xt"), tr("Image after this one in the flight")
         )
         self.following.clicked.connect(lambda: self.step_wanted.emit(1))
         self.open = _button(
             "open",
             of_qgis("/mActionFileOpen.svg"),
-            tr("&Open"),
+            tr("Ope&n"),
             tr("Open the image in the program for such files"),
         )
         self.open.clicked.connect(lambda _checked: self.open_wanted.emit())

@@ -16,6 +16,7 @@ from ..map.box_geometry import lon_lat_of
 from ..map.box_tool import TemporaryTool
 from ..map.mission_group import CAPTURED, ROLE
 from ..messages import Messages
+from ..mnemonics import free_of_menus
 from ..runs.after import open_in_system
 from .worker import Worker
 
@@ -185,6 +186,7 @@ class Viewing(QObject):
             viewer.open_wanted.connect(self._open)
             viewer.zoom_wanted.connect(self._zoom)
             viewer.visibilityChanged.connect(self._visibility_changed)
+            free_of_menus(viewer, self._iface.mainWindow().menuBar())
             self._iface.addDockWidget(Qt.DockWidgetArea.LeftDockWidgetArea, viewer)
             viewer.setFloating(True)
             corner = self._canvas.mapToGlobal(self._canvas.rect().topLeft())

@@ -1,0 +1,109 @@
+"""Alt and the underlined letter: in QGIS's own window, beside its menus."""
+
+from __future__ import annotations
+
+import pytest
+from qgis.PyQt.QtCore import Qt
+from qgis.PyQt.QtGui import QKeySequence
+from qgis.PyQt.QtTest import QTest
+from qgis.PyQt.QtWidgets import QAbstractButton, QApplication, QLabel, QMenu, QMenuBar, QPushButton, QWidget
+from terrainav.terrainav_plugin.mnemonics import free_of_menus, letter_of
+
+#: Entries of the panel that have a letter: as many as there are letters that no menu has.
+IN_THE_PANEL = {
+    "Area from": "F",
+    "Draw box": "B",
+    "Camera": "A",
+    "Field of view": "I",
+    "Aspect ratio": "T",
+    "Longest side": "N",
+    "Height above ground": "U",
+    "Ground per px": "G",
+    "Layout": "Y",
+}
+
+
+def underlined(panel):
+    """Parts of a panel with an underlined letter, by the letter."""
+    found = {}
+    for widget in [*panel.findChildren(QLabel), *panel.findChildren(QAbstractButton)]:
+        if isinstance(widget, QLabel) and widget.buddy() is None:
+            continue
+        letter = letter_of(widget.text()).rpartition("+")[2]
+        if letter:
+            assert letter not in found, (widget.text(), found[letter].text())
+            found[letter] = widget
+    return found
+
+
+def press_alt(window, letter):
+    QTest.keyClick(window.focusWidget() or window, QKeySequence(letter)[0], Qt.KeyboardModifier.AltModifier)
+
+
+@pytest.fixture
+def window(desk, iface):
+    window = iface.mainWindow()
+    window.activateWindow()
+    desk.wait(window.isActiveWindow)
+    for box in desk.form.boxes:
+        box.setCollapsed(False)
+    yield window
+    for box in desk.form.boxes:
+        box.setCollapsed(box in desk.form.sections)
+
+
+def test_the_panel_has_the_letters_that_are_free(desk):
+    assert {
+        widget.text().replace("&", ""): letter for letter, widget in underlined(desk.dock).items()
+    } == IN_THE_PANEL
+
+
+@pytest.mark.parametrize("name", sorted(set(IN_THE_PANEL) - {"Draw box", "Area from"}))
+def test_letter_goes_to_its_entry(desk, window, name):
+    label = underlined(desk.dock)[IN_THE_PANEL[name]]
+    desk.form.edges["north"].setFocus()
+    press_alt(window, IN_THE_PANEL[name])
+    there = QApplication.focusWidget()
+    assert QApplication.activePopupWidget() is None
+    assert there is not None
+    assert label.buddy().isAncestorOf(there)
+    # What has the keyboard takes it: a number or a choice, and no mere holder.
+    assert there.focusPolicy() & Qt.FocusPolicy.TabFocus
+    assert there.focusProxy() is None
+
+
+def test_letter_presses_its_button(desk, window):
+    desk.form.edges["north"].setFocus()
+    press_alt(window, IN_THE_PANEL["Draw box"])
+    desk.wait(desk.workflow.box_tool.isActive)
+    desk.workflow.box_tool.stop()
+
+
+def test_letters_of_menus_still_open_them(desk, window, iface):
+    menus = iface.mainWindow().menuBar()
+    taken = {letter_of(action.text()) for action in menus.actions() if action.isVisible()}
+    assert taken
+    assert not taken & {f"Alt+{letter}" for letter in underlined(desk.dock)}
+
+
+def test_other_panels_have_free_letters_too(desk, iface):
+    menus = iface.mainWindow().menuBar()
+    taken = {letter_of(action.text()).rpartition("+")[2] for action in menus.actions() if action.isVisible()}
+    desk.workflow.cleaning.open()
+    panel = desk.workflow.cleaning.panel
+    try:
+        letters = set(underlined(panel))
+        assert letters == {"A", "F", "K", "N", "T", "U", "Y"}
+        assert not letters & taken
+    finally:
+        panel.setUserVisible(False)
+
+
+def test_letters_that_a_plugin_s_menu_takes_are_given_back(qtbot):
+    panel, menus = QWidget(), QMenuBar()
+    qtbot.addWidget(panel)
+    qtbot.addWidget(menus)
+    menus.addMenu(QMenu("&Zebra", menus))
+    buttons = [QPushButton(text, panel) for text in ("&Zoo", "&Yak", "E&yot", "Plain")]
+    free_of_menus(panel, menus)
+    assert [button.text() for button in buttons] == ["Zoo", "&Yak", "Eyot", "Plain"]
