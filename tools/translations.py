@@ -97,7 +97,7 @@ WORDS = (
 #: Single words for users, which nothing tells apart from names, and phrases of modules that have other texts too.
 PHRASES = {
     "core/imagery/client.py": (" (tried {0} times)",),
-    "core/imagery/decode.py": ("no imagery here: the provider's placeholder picture",),
+    "core/imagery/placeholder.py": ("no imagery here: the provider's placeholder picture",),
     "core/imagery/staticmap.py": ("picture at {0},{1} zoom {2}",),
     "core/imagery/template.py": ("URL template",),
     "core/imagery/mbtiles.py": ("the source was closed",),

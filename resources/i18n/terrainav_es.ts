@@ -5655,7 +5655,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/client.py"/>
-        <location filename="../../core/imagery/transport.py"/>
+        <location filename="../../core/imagery/requests_transport.py"/>
         <location filename="../../terrainav_plugin/network/transport.py"/>
         <location filename="../../terrainav_plugin/network/worker.py"/>
         <source>cancelled while waiting for the network</source>
@@ -5710,26 +5710,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/imagery/decode.py"/>
         <source>no imagery (a transparent picture)</source>
         <translation>no hay imágenes (una imagen transparente)</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/decode.py"/>
-        <source>no imagery here, the provider says ({0}: {1})</source>
-        <translation>no hay imágenes aquí, según el proveedor ({0}: {1})</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/decode.py"/>
-        <source>no imagery here: a picture of one colour, rgb({0}, {1}, {2})</source>
-        <translation>no hay imágenes aquí: una imagen de un solo color, rgb({0}, {1}, {2})</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/decode.py"/>
-        <source>no imagery here: the provider's placeholder picture</source>
-        <translation>no hay imágenes aquí: la imagen de relleno del proveedor</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/decode.py"/>
-        <source>placeholder {0}: must be the SHA-256 of a tile's file, or the first {1} of its digits or more</source>
-        <translation>imagen de relleno {0}: debe ser el SHA-256 del archivo de una tesela, o sus primeros {1} dígitos o más</translation>
     </message>
     <message>
         <location filename="../../core/imagery/decode.py"/>
@@ -5826,6 +5806,26 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/imagery/services/capabilities.py"/>
         <source>{0}: needs an API key: set the environment variable {1}</source>
         <translation>{0}: necesita una clave API: definir la variable de entorno {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/placeholder.py"/>
+        <source>no imagery here, the provider says ({0}: {1})</source>
+        <translation>no hay imágenes aquí, según el proveedor ({0}: {1})</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/placeholder.py"/>
+        <source>no imagery here: a picture of one colour, rgb({0}, {1}, {2})</source>
+        <translation>no hay imágenes aquí: una imagen de un solo color, rgb({0}, {1}, {2})</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/placeholder.py"/>
+        <source>no imagery here: the provider's placeholder picture</source>
+        <translation>no hay imágenes aquí: la imagen de relleno del proveedor</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/placeholder.py"/>
+        <source>placeholder {0}: must be the SHA-256 of a tile's file, or the first {1} of its digits or more</source>
+        <translation>imagen de relleno {0}: debe ser el SHA-256 del archivo de una tesela, o sus primeros {1} dígitos o más</translation>
     </message>
     <message>
         <location filename="../../core/imagery/policy.py"/>
@@ -6059,6 +6059,74 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>{0}: no existe tal archivo</translation>
     </message>
     <message>
+        <location filename="../../core/imagery/requests_transport.py"/>
+        <location filename="../../terrainav_plugin/network/answer.py"/>
+        <source>body beyond {0} bytes</source>
+        <translation>cuerpo de más de {0} bytes</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/requests_transport.py"/>
+        <location filename="../../terrainav_plugin/network/answer.py"/>
+        <source>body broke off after {0} of {1} bytes</source>
+        <translation>el cuerpo se cortó tras {0} de {1} bytes</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/requests_transport.py"/>
+        <location filename="../../terrainav_plugin/network/errors.py"/>
+        <source>connection to {0} broke off</source>
+        <translation>se cortó la conexión con {0}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/requests_transport.py"/>
+        <location filename="../../terrainav_plugin/network/worker.py"/>
+        <source>more than {0} redirects</source>
+        <translation>más de {0} redirecciones</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/requests_transport.py"/>
+        <location filename="../../terrainav_plugin/network/worker.py"/>
+        <source>no answer from {0} for {1} s</source>
+        <translation>sin respuesta de {0} durante {1} s</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/requests_transport.py"/>
+        <location filename="../../terrainav_plugin/network/errors.py"/>
+        <source>no connection to {0}</source>
+        <translation>sin conexión con {0}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/requests_transport.py"/>
+        <location filename="../../terrainav_plugin/network/errors.py"/>
+        <source>no trusted connection to {0} (TLS)</source>
+        <translation>sin conexión de confianza con {0} (TLS)</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/requests_transport.py"/>
+        <location filename="../../terrainav_plugin/network/worker.py"/>
+        <source>no whole answer within {0} s</source>
+        <translation>sin respuesta completa en {0} s</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/requests_transport.py"/>
+        <location filename="../../terrainav_plugin/network/worker.py"/>
+        <source>redirect to something else than http or https</source>
+        <translation>redirección a algo distinto de http o https</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/requests_transport.py"/>
+        <location filename="../../terrainav_plugin/network/errors.py"/>
+        <location filename="../../terrainav_plugin/network/transport.py"/>
+        <location filename="../../terrainav_plugin/network/worker.py"/>
+        <source>the URL is not valid</source>
+        <translation>la URL no es válida</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/requests_transport.py"/>
+        <location filename="../../terrainav_plugin/network/errors.py"/>
+        <source>the proxy does not answer</source>
+        <translation>el proxy no responde</translation>
+    </message>
+    <message>
         <location filename="../../core/imagery/services/capabilities.py"/>
         <source>access constraints</source>
         <translation>restricciones de acceso</translation>
@@ -6259,75 +6327,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>{0}: no es una tesela de {1} px</translation>
     </message>
     <message>
-        <location filename="../../core/imagery/transport.py"/>
-        <location filename="../../terrainav_plugin/network/answer.py"/>
-        <source>body beyond {0} bytes</source>
-        <translation>cuerpo de más de {0} bytes</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/transport.py"/>
-        <location filename="../../terrainav_plugin/network/answer.py"/>
-        <source>body broke off after {0} of {1} bytes</source>
-        <translation>el cuerpo se cortó tras {0} de {1} bytes</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/transport.py"/>
-        <location filename="../../terrainav_plugin/network/errors.py"/>
-        <source>connection to {0} broke off</source>
-        <translation>se cortó la conexión con {0}</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/transport.py"/>
-        <location filename="../../terrainav_plugin/network/worker.py"/>
-        <source>more than {0} redirects</source>
-        <translation>más de {0} redirecciones</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/transport.py"/>
-        <location filename="../../terrainav_plugin/network/worker.py"/>
-        <source>no answer from {0} for {1} s</source>
-        <translation>sin respuesta de {0} durante {1} s</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/transport.py"/>
-        <location filename="../../terrainav_plugin/network/errors.py"/>
-        <source>no connection to {0}</source>
-        <translation>sin conexión con {0}</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/transport.py"/>
-        <location filename="../../terrainav_plugin/network/errors.py"/>
-        <source>no trusted connection to {0} (TLS)</source>
-        <translation>sin conexión de confianza con {0} (TLS)</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/transport.py"/>
-        <location filename="../../terrainav_plugin/network/worker.py"/>
-        <source>no whole answer within {0} s</source>
-        <translation>sin respuesta completa en {0} s</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/transport.py"/>
-        <location filename="../../terrainav_plugin/network/worker.py"/>
-        <source>redirect to something else than http or https</source>
-        <translation>redirección a algo distinto de http o https</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/transport.py"/>
-        <location filename="../../terrainav_plugin/network/errors.py"/>
-        <location filename="../../terrainav_plugin/network/transport.py"/>
-        <location filename="../../terrainav_plugin/network/worker.py"/>
-        <source>the URL is not valid</source>
-        <translation>la URL no es válida</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/transport.py"/>
-        <location filename="../../terrainav_plugin/network/errors.py"/>
-        <source>the proxy does not answer</source>
-        <translation>el proxy no responde</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/world/lattice.py"/>
+        <location filename="../../core/imagery/world/samples.py"/>
         <source>cells {0} pixels wide, smaller than a pixel</source>
         <translation>celdas de {0} píxeles de ancho, menores que un píxel</translation>
     </message>
