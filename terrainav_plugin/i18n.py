@@ -7,13 +7,16 @@ import re
 from functools import cache, lru_cache, partial
 
 from qgis.core import QgsApplication
-from qgis.PyQt.QtCore import QCoreApplication, QTranslator
+from qgis.PyQt.QtCore import QCoreApplication, QLocale, QTranslator
 
 from .paths import RESOURCES
 
 _FOLDER = RESOURCES / "i18n"
 #: Contexts of the translation files: texts of the plugin, and of the core.
 _PLUGIN, _CORE = "TerrAInav", "TerrAInav core"
+#: Numbers as English writes them, with thousands kept apart or with decimals; not parts of names and addresses.
+_NUMBER = re.compile(r"(?<![\w.,])(?:\d{1,3}(?:,\d{3})+(?:\.\d+)?|\d+\.\d+)(?:e[+-]?\d+)?(?!\w|[.,]\d)")
+_ENGLISH = (",", ".")
 #: Places for values in a message of the core.
 _PLACE = re.compile(r"\{(\d+)\}")
 #: Messages within messages: this deep and no deeper.
@@ -52,13 +55,41 @@ def remove_translator(translator: QTranslator | None) -> None:
 
 
 def told(message: object) -> str:
-    """Message or words of the core in the user's language, its values as they are.
+    """Message or words of the core in the user's language, its numbers as the user writes them.
 
     The core speaks English. Its messages are recognised by their fixed words; a value that is itself a message is
     translated too. What is not recognised stays as it is.
     """
     text = str(message)
-    return text if _is_english() else _told(text, _DEPTH, whole=True)
+    return text if _is_english() and _separators() == _ENGLISH else _told(text, _DEPTH, whole=True)
+
+
+def number_text(value: float, form: str = ",") -> str:
+    """Return a number as the user writes it.
+
+    Thousands are always kept apart: these are figures to be read, whatever QGIS does in fields to be typed into.
+
+    Parameters
+    ----------
+    form : str
+        As for ``format``.
+    """
+    return localized(format(value, form))
+
+
+def localized(text: str) -> str:
+    """Words of the core, or of Python, with their numbers as the user writes them."""
+    separators = _separators()
+    if separators == _ENGLISH:
+        return text
+    written = dict(zip(_ENGLISH, separators))
+    return _NUMBER.sub(lambda found: "".join(written.get(sign, sign) for sign in found[0]), text)
+
+
+def _separators() -> tuple[str, str]:
+    """What stands between thousands, and before decimals."""
+    locale = QLocale()
+    return locale.groupSeparator(), locale.decimalPoint()
 
 
 def language() -> str:
@@ -91,7 +122,10 @@ def _told(text: str, depth: int, *, whole: bool) -> str:
             continue
         match = _pattern(template).fullmatch(text)
         if match is not None:
-            values = [_told(value, depth - 1, whole=False) for value in match.groups()]
+            values = [
+                localized(value) if _NUMBER.fullmatch(value) else _told(value, depth - 1, whole=False)
+                for value in match.groups()
+            ]
             translated = QCoreApplication.translate(_CORE, template)
             return _PLACE.sub(partial(_value_at, values), translated)
     return _joined(text, depth - 1)

@@ -13,7 +13,7 @@ from qgis.core import QgsProject
 from ..core.errors import InvalidInput, SourceError
 from .credentials import key_in, problem_with
 from .dock.mission_form import FormError
-from .i18n import told, tr
+from .i18n import number_text, told, tr
 from .layers.connections import Connection, connection, is_connection
 from .layers.snapshot import Snapshot, grid_of_layers, is_of_qgis, policies_of_layers, take_snapshot
 from .layers.source import LayerSource
@@ -254,7 +254,7 @@ def terms_problem(mission: Mission, requests: int) -> tuple[str, bool] | None:
     can_agree = policy.bulk_allowed == "ask"
     without = tr("agreeing to its terms") if can_agree else tr("breaking its terms")
     text = tr("{title}: {requests} requests, and {most} at most pass without {without}.").format(
-        title=title, requests=f"{requests:,}", most=f"{policy.max_tiles:,}", without=without
+        title=title, requests=number_text(requests), most=number_text(policy.max_tiles), without=without
     )
     quoted = "{text} <i>{terms}</i> (<a href='{url}'>{url}</a>). ".format(
         text=html.escape(text), terms=html.escape(policy.terms), url=html.escape(policy.terms_url)

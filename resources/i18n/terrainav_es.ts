@@ -1021,8 +1021,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/dock/camera_choices.py"/>
-        <source>Sensor {width:g} × {height:g} mm, focal length {focal:g} mm</source>
-        <translation>Sensor de {width:g} × {height:g} mm, distancia focal de {focal:g} mm</translation>
+        <source>Sensor {width} × {height} mm, focal length {focal} mm</source>
+        <translation>Sensor de {width} × {height} mm, distancia focal de {focal} mm</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/dock/camera_choices.py"/>
@@ -1041,8 +1041,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/dock/camera_choices.py"/>
-        <source>{name}: {degrees:.1f}° across the diagonal</source>
-        <translation>{name}: {degrees:.1f}° en diagonal</translation>
+        <source>{name}: {degrees}° across the diagonal</source>
+        <translation>{name}: {degrees}° en diagonal</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/dock/camera_entries.py"/>
@@ -1732,8 +1732,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/dock/estimates.py"/>
-        <source>{share:.2f} % of {area}; {uncovered} left out</source>
-        <translation>{share:.2f} % de {area}; {uncovered} sin cubrir</translation>
+        <source>{share} % of {area}; {uncovered} left out</source>
+        <translation>{share} % de {area}; {uncovered} sin cubrir</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/dock/estimates.py"/>
@@ -1752,8 +1752,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/dock/estimates.py"/>
-        <source>≤ {bound} px of a budget of {budget:g} px</source>
-        <translation>≤ {bound} px de {budget:g} px admisibles</translation>
+        <source>≤ {bound} px of a budget of {budget} px</source>
+        <translation>≤ {bound} px de {budget} px admisibles</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/dock/figures.py"/>
@@ -2055,8 +2055,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/dock/mission_form.py"/>
-        <source>height above ground {height:g} {unit}: must be above 0</source>
-        <translation>altura sobre el terreno {height:g} {unit}: debe ser mayor que 0</translation>
+        <source>height above ground {height} {unit}: must be above 0</source>
+        <translation>altura sobre el terreno {height} {unit}: debe ser mayor que 0</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/dock/mission_form.py"/>
@@ -2065,8 +2065,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/dock/mission_form.py"/>
-        <source>overlap {percent:g} %: must be at least 0 and below 100 %</source>
-        <translation>solape {percent:g} %: debe ser al menos 0 y menor que 100 %</translation>
+        <source>overlap {percent} %: must be at least 0 and below 100 %</source>
+        <translation>solape {percent} %: debe ser al menos 0 y menor que 100 %</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/dock/mission_form.py"/>
@@ -2461,8 +2461,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/dock/source_choices.py"/>
-        <source>{rate:g} requests a second</source>
-        <translation>{rate:g} peticiones por segundo</translation>
+        <source>{rate} requests a second</source>
+        <translation>{rate} peticiones por segundo</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/dock/source_combo.py"/>
@@ -3420,8 +3420,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/capture.py"/>
-        <source>{written} images written, {skipped} were there, {failed} failed, in {seconds:.1f} s.</source>
-        <translation>{written} imágenes escritas, {skipped} ya estaban, {failed} han fallado, en {seconds:.1f} s.</translation>
+        <source>{written} images written, {skipped} were there, {failed} failed, in {seconds} s.</source>
+        <translation>{written} imágenes escritas, {skipped} ya estaban, {failed} han fallado, en {seconds} s.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/clean.py"/>

@@ -11,7 +11,7 @@ from qgis.PyQt.QtCore import QPointF, QRectF, QSize, Qt, pyqtSignal
 from qgis.PyQt.QtGui import QColor, QKeyEvent, QMouseEvent, QPainter, QPaintEvent, QPalette, QPen
 from qgis.PyQt.QtWidgets import QSizePolicy, QWidget
 
-from ..i18n import tr
+from ..i18n import number_text, tr
 
 Floats = NDArray[np.float64]
 
@@ -317,4 +317,4 @@ def count_ticks(end: float) -> list[tuple[float, str]]:
     rough = max(end / _TICKS, 1.0)
     power = 10.0 ** math.floor(math.log10(rough))
     step = next(power * factor for factor in (1.0, 2.0, 5.0, 10.0) if power * factor >= rough)
-    return [(value, f"{value:,.0f}") for value in np.arange(0.0, end + step / 1e6, step).tolist()]
+    return [(value, number_text(value, ",.0f")) for value in np.arange(0.0, end + step / 1e6, step).tolist()]

@@ -24,7 +24,7 @@ from qgis.PyQt.QtWidgets import (
 )
 
 from ...core.dataset.clean import DEFAULT_ENTROPY
-from ..i18n import tr
+from ..i18n import number_text, tr
 from .chart import DECIMALS, HIGHEST, LOWEST
 from .charts import Bars, Histogram
 from .clean_task import MARK, MOVE, UNDO
@@ -157,10 +157,10 @@ class CleanPanel(QgsDockWidget):
         rejected, count = found.rejected(self.threshold.value()), len(found)
         self.counts.setText(
             tr("<b>{kept}</b> of {count} images kept, <b>{rejected}</b> rejected ({percent} %)").format(
-                kept=f"{count - rejected:,}",
-                count=f"{count:,}",
-                rejected=f"{rejected:,}",
-                percent=f"{100.0 * rejected / max(count, 1):.1f}",
+                kept=number_text(count - rejected),
+                count=number_text(count),
+                rejected=number_text(rejected),
+                percent=number_text(100.0 * rejected / max(count, 1), ".1f"),
             )
         )
         notes = []
@@ -168,14 +168,16 @@ class CleanPanel(QgsDockWidget):
             notes.append(
                 tr("The roadmap decides for all of them.")
                 if found.by_roadmap == len(found)
-                else tr("The roadmap decides for {count} of them.").format(count=f"{found.by_roadmap:,}")
+                else tr("The roadmap decides for {count} of them.").format(
+                    count=number_text(found.by_roadmap)
+                )
             )
         if found.failed:
-            notes.append(tr("{count} images could not be made.").format(count=f"{found.failed:,}"))
+            notes.append(tr("{count} images could not be made.").format(count=number_text(found.failed)))
         if found.marked or found.moved:
             notes.append(
                 tr("Cleaned before: {marked} images marked, {moved} files moved away.").format(
-                    marked=f"{found.marked:,}", moved=f"{found.moved:,}"
+                    marked=number_text(found.marked), moved=number_text(found.moved)
                 )
             )
         self.notes.setText(" ".join(notes) or tr("Not cleaned yet."))

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ..i18n import tr
+from ..i18n import number_text, tr
 from ..task import Task
 
 if TYPE_CHECKING:
@@ -48,7 +48,7 @@ class CleanTask(Task):
     def text(self) -> str:
         """What was done to all map types, in a sentence or two."""
         images, rejected, moved, returned = (
-            f"{sum(values):,}"
+            number_text(sum(values))
             for values in zip(*((one.images, one.rejected, one.moved, one.returned) for one in self.cleaned))
         )
         if self.deed == UNDO:

@@ -9,7 +9,7 @@ from qgis.PyQt.QtCore import QSize, Qt, pyqtSignal
 from qgis.PyQt.QtGui import QColor, QIcon, QPainter, QPaintEvent, QPixmap
 from qgis.PyQt.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QToolButton, QWidget
 
-from ..i18n import tr
+from ..i18n import number_text, tr
 from ..viewer.picture import Picture, read_picture
 from .colours import KEPT, REJECTED
 from .entropies import Example
@@ -94,9 +94,9 @@ class ExampleStrip(QWidget):
             return
         example, picture = shown
         button.setIcon(_icon(picture, self.devicePixelRatioF()))
-        button.setText(f"{example.entropy:.3f}")
+        button.setText(number_text(example.entropy, ".3f"))
         tip = tr("{name}\n{bits} bits; press to show it on the map").format(
-            name=example.path.name, bits=f"{example.entropy:.3f}"
+            name=example.path.name, bits=number_text(example.entropy, ".3f")
         )
         button.setToolTip(f"{tip}\n{picture.problem}" if picture.problem else tip)
         button.setAccessibleName(tip)

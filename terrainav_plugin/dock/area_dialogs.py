@@ -16,7 +16,7 @@ from qgis.PyQt.QtWidgets import (
 )
 
 from ..compat import POINT_LAYERS, POLYGON_LAYERS
-from ..i18n import tr
+from ..i18n import number_text, tr
 from ..map.area_layers import PointFields
 from .form_state import M_PER_FT
 from .form_widgets import NumberBox, row, spin
@@ -151,7 +151,7 @@ class PointsDialog(LayerDialog):
     def show_layer(self, layer: QgsVectorLayer | None) -> None:
         """Show the fields of a layer, and how many points are selected."""
         count = 0 if layer is None else layer.selectedFeatureCount()
-        self.selected.setText(tr("&Selected ({n})").format(n=f"{count:,}"))
+        self.selected.setText(tr("&Selected ({n})").format(n=number_text(count)))
         self.selected.setEnabled(count > 0)
         (self.selected if count else self.all).setChecked(True)
         for fields in (self.agl_field, self.yaw_field):

@@ -18,7 +18,7 @@ from qgis.PyQt.QtWidgets import (
 from ...core.errors import TerrAInavError
 from ...core.mission.estimate import size_text
 from ..help import add_help_button
-from ..i18n import told, tr
+from ..i18n import localized, number_text, told, tr
 
 _ROOM_PX = (620, 320)
 
@@ -67,8 +67,8 @@ class CacheDialog(QDialog):
                 file.title or file.source,
                 file.map_type,
                 file.date,
-                f"{file.tiles:,}",
-                size_text(file.bytes),
+                number_text(file.tiles),
+                localized(size_text(file.bytes)),
             )
             for column, text in enumerate(texts):
                 item = QTableWidgetItem(text)
@@ -76,8 +76,8 @@ class CacheDialog(QDialog):
                 if column > 2:
                     item.setTextAlignment(Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter)
                 self.table.setItem(line, column, item)
-        size = size_text(sum(file.bytes for file in files))
-        limit = size_text(self._cache.limit_bytes)
+        size = localized(size_text(sum(file.bytes for file in files)))
+        limit = localized(size_text(self._cache.limit_bytes))
         text = tr("{size} of at most {limit} in {folder}").format(
             size=size, limit=limit, folder=self._cache.folder
         )
@@ -98,4 +98,4 @@ class CacheDialog(QDialog):
         except TerrAInavError as wrong:
             self._fill(told(wrong))
             return
-        self._fill(tr("{size} freed.").format(size=size_text(freed)))
+        self._fill(tr("{size} freed.").format(size=localized(size_text(freed))))

@@ -6,7 +6,7 @@ from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
 from ...core.errors import InvalidInput
-from ..i18n import told, tr
+from ..i18n import number_text, told, tr
 from .camera_terms import camera_of
 from .choices import CameraChoice
 from .form_state import SENSOR, FormState
@@ -66,7 +66,9 @@ def forget_camera(name: str) -> None:
 def _choice(preset: CameraPreset) -> CameraChoice:
     camera = preset.camera
     lines = [
-        tr("{name}: {degrees:.1f}° across the diagonal").format(name=preset.name, degrees=camera.fov_deg)
+        tr("{name}: {degrees}° across the diagonal").format(
+            name=preset.name, degrees=number_text(camera.fov_deg, ".1f")
+        )
     ]
     if preset.width_px is not None and preset.height_px is not None:
         lines.append(
@@ -76,8 +78,10 @@ def _choice(preset: CameraPreset) -> CameraChoice:
         )
     if preset.sensor_mm is not None:
         lines.append(
-            tr("Sensor {width:g} × {height:g} mm, focal length {focal:g} mm").format(
-                width=preset.sensor_mm[0], height=preset.sensor_mm[1], focal=preset.focal_length_mm
+            tr("Sensor {width} × {height} mm, focal length {focal} mm").format(
+                width=number_text(preset.sensor_mm[0], "g"),
+                height=number_text(preset.sensor_mm[1], "g"),
+                focal=number_text(preset.focal_length_mm, "g"),
             )
         )
     if preset.source:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from ...core.mission.estimate import size_text
 from ...core.mission.rungs import bound_text
-from ..i18n import told, tr
+from ..i18n import localized, number_text, told, tr
 from .refusals import in_words_of_the_dock
 from .units import METRES, area_text, gsd_text, length_text
 
@@ -116,7 +116,7 @@ def _limit(plan: Plan, policy: Policy | None) -> list[tuple[str, str]]:
             "{count} requests, more than the {most} that the provider allows: take a smaller area, coarser pixels or "
             "another source"
         )
-    return [(tr("Limit"), text.format(count=f"{requests:,}", most=f"{policy.max_tiles:,}"))]
+    return [(tr("Limit"), text.format(count=number_text(requests), most=number_text(policy.max_tiles)))]
 
 
 def _details(summary: Summary, cost: str) -> list[tuple[str, str]]:
@@ -124,9 +124,9 @@ def _details(summary: Summary, cost: str) -> list[tuple[str, str]]:
         (tr("Picture"), _picture(summary)),
         *_overlap(summary),
         (tr("Tiles"), _tiles(summary)),
-        (tr("On disk"), size_text(summary.output_bytes)),
+        (tr("On disk"), localized(size_text(summary.output_bytes))),
         *_accuracy_lines(summary.accuracy),
-        (tr("Cost"), told(cost) or tr("being timed…")),
+        (tr("Cost"), localized(told(cost)) or tr("being timed…")),
     ]
 
 
@@ -134,7 +134,9 @@ def _accuracy_lines(accuracy: Accuracy) -> list[tuple[str, str]]:
     """What was chosen, with its bounds."""
     methods = "; ".join(
         tr("{stage}: {name}, ≤ {px} px").format(
-            stage=told(choice.rung.stage), name=choice.rung.name, px=bound_text(choice.rung.bound_px)
+            stage=told(choice.rung.stage),
+            name=choice.rung.name,
+            px=localized(bound_text(choice.rung.bound_px)),
         )
         for choice in accuracy.choices
     )
@@ -143,8 +145,8 @@ def _accuracy_lines(accuracy: Accuracy) -> list[tuple[str, str]]:
         (tr("Methods"), _unbroken(methods)),
         (
             tr("Error"),
-            tr("≤ {bound} px of a budget of {budget:g} px").format(
-                bound=bound_text(accuracy.bound_px), budget=accuracy.budget_px
+            tr("≤ {bound} px of a budget of {budget} px").format(
+                bound=localized(bound_text(accuracy.bound_px)), budget=number_text(accuracy.budget_px, "g")
             )
             + ("" if accuracy.bound_px <= accuracy.budget_px else tr(", which is exceeded")),
         ),
@@ -164,13 +166,13 @@ def _why_html(accuracy: Accuracy) -> str:
     for choice in accuracy.choices:
         rung, rejected = choice.rung, choice.rejected
         text = tr("{name}, ≤ {px} px, {metres} on the ground").format(
-            name=rung.name, px=bound_text(rung.bound_px), metres=_ground_text(rung.bound_m)
+            name=rung.name, px=localized(bound_text(rung.bound_px)), metres=_ground_text(rung.bound_m)
         )
         if rejected is not None:
             text += tr("; not {name}: {reason}").format(name=rejected.name, reason=told(choice.reason))
         lines.append((told(rung.stage).capitalize(), text))
     lines += [(tr("No {what}").format(what=told(what)), told(why)) for what, why in accuracy.left_out]
-    lines.append((tr("Condition number"), told(dict(accuracy.lines())["condition number"])))
+    lines.append((tr("Condition number"), localized(told(dict(accuracy.lines())["condition number"]))))
     return _table(lines)
 
 
@@ -189,14 +191,16 @@ def _table(lines: Iterable[tuple[str, str]]) -> str:
 
 
 def _images(summary: Summary) -> str:
-    text = tr("{images} in {rows} rows").format(images=f"{summary.images:,}", rows=f"{summary.rows:,}")
+    text = tr("{images} in {rows} rows").format(
+        images=number_text(summary.images), rows=number_text(summary.rows)
+    )
     types = len(summary.map_types)
     return text if types == 1 else tr("{text}, for each of {count} map types").format(text=text, count=types)
 
 
 def _picture(summary: Summary) -> str:
     return tr("{width} × {height} px at zoom {zoom}").format(
-        width=summary.width_px, height=summary.height_px, zoom=summary.zoom
+        width=number_text(summary.width_px), height=number_text(summary.height_px), zoom=summary.zoom
     )
 
 
@@ -218,8 +222,10 @@ def _coverage(summary: Summary, unit: str) -> str:
         return tr("100 % of {area}").format(area=area_text(summary.area_m2, unit))
     # Rounded down: what is not complete never reads 100.
     share = int(summary.covered_share * 1e4) / 1e2
-    return tr("{share:.2f} % of {area}; {uncovered} left out").format(
-        share=share, area=area_text(summary.area_m2, unit), uncovered=area_text(summary.uncovered_m2, unit)
+    return tr("{share} % of {area}; {uncovered} left out").format(
+        share=number_text(share, ".2f"),
+        area=area_text(summary.area_m2, unit),
+        uncovered=area_text(summary.uncovered_m2, unit),
     )
 
 
@@ -231,20 +237,22 @@ def _overlap(summary: Summary) -> list[tuple[str, str]]:
         (tr("side {share}"), summary.least_overlap_across),
     ):
         if least is not None:
-            parts.append(text.format(share=f"{100.0 * least:.1f} %"))
+            parts.append(text.format(share=number_text(100.0 * least, ".1f") + " %"))
     return [(tr("Overlap"), tr("at least {shares}").format(shares=", ".join(parts)))] if parts else []
 
 
 def _tiles(summary: Summary) -> str:
     """Tiles of all map types together."""
-    return tr("{count}, each fetched once").format(count=f"{summary.unique_tiles * len(summary.map_types):,}")
+    return tr("{count}, each fetched once").format(
+        count=number_text(summary.unique_tiles * len(summary.map_types))
+    )
 
 
 def _download(summary: Summary) -> str:
-    count = f"{summary.unique_tiles * len(summary.map_types):,}"
+    count = number_text(summary.unique_tiles * len(summary.map_types))
     if not summary.download_bytes:
         return tr("nothing ({count} tiles from this computer)").format(count=count)
-    size = size_text(summary.download_bytes)
+    size = localized(size_text(summary.download_bytes))
     return tr("about {size} in {count} tiles").format(size=size, count=count)
 
 
@@ -254,4 +262,4 @@ def duration_text(seconds: float) -> str:
         return tr("{count} s").format(count=max(round(seconds), 1))
     if seconds < 5400.0:
         return tr("{count} min").format(count=round(seconds / 60.0))
-    return tr("{count} h").format(count=f"{seconds / 3600.0:.1f}")
+    return tr("{count} h").format(count=number_text(seconds / 3600.0, ".1f"))

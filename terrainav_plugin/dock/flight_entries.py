@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
-from ..i18n import tr
+from ..i18n import number_text, tr
 from .camera_terms import shown_gsd
 from .entries import Entries
 from .field_marks import FieldMarks, FieldMessage
@@ -57,7 +57,7 @@ class FlightEntries(Entries):
         text = tr(
             "With {px} px along the image's longer side this is {height} above ground. To fly higher, enter more under "
             "“Image's longer side” of the camera."
-        ).format(px=f"{state.image_px:,}", height=length_text(state.agl_m, state.agl_unit))
+        ).format(px=number_text(state.image_px), height=length_text(state.agl_m, state.agl_unit))
         self.low.say(text if is_low else "")
 
     def _add_height(self) -> None:

@@ -8,7 +8,7 @@ from dataclasses import fields, replace
 from typing import TYPE_CHECKING, Any
 
 from ...core.errors import InvalidInput
-from ..i18n import told, tr
+from ..i18n import number_text, told, tr
 from .area_form import FormError, entered_shape, with_box
 from .area_shape import shape_text
 from .camera_terms import camera_as_typed, given_by, in_length_unit
@@ -120,13 +120,13 @@ def _mission(state: FormState, area: Area | None, checks: _Checks) -> Mission:
     if state.agl_m > 0.0:
         checks("agl", lambda: check_agl(state.agl_m))
     else:
-        checks.messages["agl"] = tr("height above ground {height:g} {unit}: must be above 0").format(
-            height=state.agl, unit=state.agl_unit
+        checks.messages["agl"] = tr("height above ground {height} {unit}: must be above 0").format(
+            height=number_text(state.agl, "g"), unit=state.agl_unit
         )
     for name in ("overlap_along", "overlap_across"):
         if not 0.0 <= getattr(state, name) < 1.0:
-            text = tr("overlap {percent:g} %: must be at least 0 and below 100 %")
-            checks.messages[name] = text.format(percent=100.0 * getattr(state, name))
+            text = tr("overlap {percent} %: must be at least 0 and below 100 %")
+            checks.messages[name] = text.format(percent=number_text(100.0 * getattr(state, name), "g"))
     entries = {name: getattr(state, name) for name in _SAME}
     entries.update(source=state.source_name, **_pixels(state))
     beyond = checks("more", lambda: _beyond(state))

@@ -23,7 +23,7 @@ from qgis.PyQt.QtWidgets import (
 from ...core.errors import SourceError, TerrAInavError
 from ..credentials import store_key
 from ..help import add_help_button
-from ..i18n import told, tr
+from ..i18n import number_text, told, tr
 from ..layers.connections import ServiceConnection
 from ..network.transport import QgisTransport
 from ..settings import Settings
@@ -175,7 +175,7 @@ class ServiceDialog(QDialog):
             item.setData(Qt.ItemDataRole.UserRole, layer.name)
             item.setToolTip(layer.name)
             self.list.addItem(item)
-        text = tr("{count} layers").format(count=f"{len(task.layers):,}")
+        text = tr("{count} layers").format(count=number_text(len(task.layers)))
         if self._service.key:
             text += " " + tr("The key in its address will be kept in QGIS's authentication database.")
         self.told.setText(told(task.error) or text)

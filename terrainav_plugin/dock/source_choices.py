@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from qgis.core import QgsProject
 
 from ...core.errors import InvalidInput, TerrAInavError
-from ..i18n import told, tr
+from ..i18n import number_text, told, tr
 from ..layers.connections import (
     SERVICE as SERVICE_NAME,
 )
@@ -121,17 +121,17 @@ def limits_html(entry: CatalogueEntry) -> str:
         bulk = tr("any number of requests")
     elif policy.bulk_allowed == "ask":
         bulk = tr("more than {count} requests after agreeing to the terms").format(
-            count=f"{policy.max_tiles:,}"
+            count=number_text(policy.max_tiles)
         )
     else:
-        bulk = tr("at most {count} requests").format(count=f"{policy.max_tiles:,}")
+        bulk = tr("at most {count} requests").format(count=number_text(policy.max_tiles))
     words = [bulk, tr("zoom {least} to {most}").format(least=entry.min_zoom, most=entry.max_zoom)]
     if entry.native_zoom < entry.max_zoom:
         words[-1] += tr(" (own detail to {native})").format(native=entry.native_zoom)
     if policy.max_connections is not None:
         words.append(tr("{count} connections").format(count=policy.max_connections))
     if policy.requests_per_s is not None:
-        words.append(tr("{rate:g} requests a second").format(rate=policy.requests_per_s))
+        words.append(tr("{rate} requests a second").format(rate=number_text(policy.requests_per_s, "g")))
     words.append(tr("kept in the cache") if policy.cache_allowed else tr("not kept in the cache"))
     words[0] = words[0][:1].upper() + words[0][1:]
     text = html.escape("; ".join(words))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from ...core.mission.estimate import area_text as metric_area_text
 from ...core.mission.estimate import length_text as metric_length_text
-from ..i18n import tr
+from ..i18n import localized, number_text, tr
 from .form_state import M_PER_FT
 
 METRES, FEET = "m", "ft"
@@ -16,7 +16,7 @@ _M2_PER_ACRE, _ACRES_PER_SQ_MI = 4046.8564224, 640.0
 def length_text(value_m: float, unit: str) -> str:
     """Length in the unit that suits it: of kilometres to millimetres, or of miles, feet and inches."""
     if unit != FEET:
-        return metric_length_text(value_m)
+        return localized(metric_length_text(value_m))
     feet = value_m / M_PER_FT
     if feet >= _FT_PER_MILE:
         return f"{_number(feet / _FT_PER_MILE)} mi"
@@ -26,7 +26,7 @@ def length_text(value_m: float, unit: str) -> str:
 def gsd_text(value_m: float, unit: str) -> str:
     """Ground sample distance: in inches with feet, however many."""
     if unit != FEET:
-        return metric_length_text(value_m)
+        return localized(metric_length_text(value_m))
     inches = value_m / M_PER_FT * _INCHES_PER_FT
     return f"{_number(inches)} in" if inches < _FT_PER_MILE else length_text(value_m, unit)
 
@@ -34,7 +34,7 @@ def gsd_text(value_m: float, unit: str) -> str:
 def area_text(value_m2: float, unit: str) -> str:
     """Area in km² or m², or in square miles or acres."""
     if unit != FEET:
-        return metric_area_text(value_m2)
+        return localized(metric_area_text(value_m2))
     acres = value_m2 / _M2_PER_ACRE
     return (
         tr("{count} sq mi").format(count=_number(acres / _ACRES_PER_SQ_MI))
@@ -44,4 +44,4 @@ def area_text(value_m2: float, unit: str) -> str:
 
 
 def _number(value: float) -> str:
-    return f"{value:,.0f}" if value >= 1e3 else f"{value:.4g}"
+    return number_text(value, ",.0f") if value >= 1e3 else number_text(value, ".4g")

@@ -23,7 +23,7 @@ from ...core.errors import Cancelled, InvalidInput
 from ...core.geodesy.ellipsoid import WGS84
 from ...core.mission.area import Points, Polygon, Position
 from ..compat import POINT, POLYGON
-from ..i18n import tr
+from ..i18n import number_text, tr
 from .box_geometry import WGS84 as LON_LAT
 
 #: Metres that an edge or a curve of a layer may be off on the ground, once it is straight between degrees: about a
@@ -160,7 +160,10 @@ class _Places:
     def _outside(self, point: QgsPointXY) -> InvalidInput:
         return InvalidInput(
             tr("{feature}: {x}, {y} is outside the domain of {crs}").format(
-                feature=self._feature, x=f"{point.x():g}", y=f"{point.y():g}", crs=self._crs
+                feature=self._feature,
+                x=number_text(point.x(), "g"),
+                y=number_text(point.y(), "g"),
+                crs=self._crs,
             )
         )
 
@@ -185,7 +188,7 @@ def _refuse_invalid(geometry: QgsGeometry, name: str) -> None:
         where = errors[0]
         what = where.what()
         if where.hasWhere():
-            what += f" ({where.where().x():g}, {where.where().y():g})"
+            what += f" ({number_text(where.where().x(), 'g')}, {number_text(where.where().y(), 'g')})"
         raise InvalidInput(
             tr("{feature} is no sound polygon, {what}: repair it first (Processing: Fix geometries)").format(
                 feature=name, what=what
@@ -265,7 +268,9 @@ def _agl_m(feature: QgsFeature, fields: PointFields, name: str) -> float:
     what = tr("{feature}: height in “{field}”").format(feature=name, field=fields.agl_field)
     agl = _number(feature, fields.agl_field, what) * fields.m_per_unit
     if not agl > 0.0:
-        raise InvalidInput(tr("{what} is {value} m: must be above 0").format(what=what, value=f"{agl:g}"))
+        raise InvalidInput(
+            tr("{what} is {value} m: must be above 0").format(what=what, value=number_text(agl, "g"))
+        )
     return agl
 
 
@@ -276,7 +281,7 @@ def _yaw_deg(feature: QgsFeature, fields: PointFields, name: str) -> list[float]
     yaw = _number(feature, fields.yaw_field, what)
     if abs(yaw) > _MOST_YAW_DEG:
         raise InvalidInput(
-            tr("{what} is {value}°: must be from -360 to 360").format(what=what, value=f"{yaw:g}")
+            tr("{what} is {value}°: must be from -360 to 360").format(what=what, value=number_text(yaw, "g"))
         )
     return [yaw]
 

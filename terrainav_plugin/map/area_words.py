@@ -8,7 +8,7 @@ import numpy as np
 
 from ...core.geodesy.ellipsoid import WGS84
 from ...core.mission.area import Area, Box, Points, Polygon
-from ..i18n import tr
+from ..i18n import localized, number_text, tr
 
 _M_PER_KM, _M2_PER_KM2 = 1e3, 1e6
 #: Latitudes at which a meridian's curvature is looked at, for its length to the four digits that are shown.
@@ -27,17 +27,17 @@ def size_m(box: Box) -> tuple[float, float]:
 def length_text(length_m: float) -> str:
     """Length in m or km."""
     if length_m < _M_PER_KM:
-        return f"{length_m:.1f} m" if length_m < 10.0 else f"{length_m:.0f} m"
+        return number_text(length_m, ".1f" if length_m < 10.0 else ".0f") + " m"
     km = length_m / _M_PER_KM
-    return f"{km:.2f} km" if km < 100.0 else f"{km:,.0f} km"
+    return number_text(km, ".2f" if km < 100.0 else ",.0f") + " km"
 
 
 def ground_text(area_m2: float) -> str:
     """Ground in m² or km²."""
     if area_m2 < 1e4:
-        return f"{area_m2:,.0f} m²"
+        return number_text(area_m2, ",.0f") + " m²"
     km2 = area_m2 / _M2_PER_KM2
-    return f"{km2:.2g} km²" if km2 < 0.1 else f"{km2:,.0f} km²" if km2 >= 100.0 else f"{km2:.3g} km²"
+    return number_text(km2, ".2g" if km2 < 0.1 else ",.0f" if km2 >= 100.0 else ".3g") + " km²"
 
 
 def size_text(box: Box) -> str:
@@ -59,12 +59,16 @@ def area_words(area: Area, m_per_unit: float = 1.0, unit: str = "m") -> str:
     if isinstance(area, Polygon):
         return _polygon_words(area)
     heights = [agl / m_per_unit for _, _, agl in area.poses]
-    words = [tr("Single capture") if len(heights) == 1 else tr("{n} points").format(n=f"{len(heights):,}")]
-    low, high = (f"{height:,.1f}".rstrip("0").rstrip(".") for height in (min(heights), max(heights)))
+    words = [
+        tr("Single capture") if len(heights) == 1 else tr("{n} points").format(n=number_text(len(heights)))
+    ]
+    low, high = (
+        localized(f"{height:,.1f}".rstrip("0").rstrip(".")) for height in (min(heights), max(heights))
+    )
     words.append((low if low == high else f"{low}–{high}") + f" {unit} AGL")
     if area.yaws_deg:
         if len(heights) == 1:
-            words.append(tr("yaw {yaw}°").format(yaw=f"{area.yaws_deg[0]:g}"))
+            words.append(tr("yaw {yaw}°").format(yaw=number_text(area.yaws_deg[0], "g")))
         else:
             words.append(tr("each with its yaw"))
     return ", ".join(words)
@@ -72,7 +76,7 @@ def area_words(area: Area, m_per_unit: float = 1.0, unit: str = "m") -> str:
 
 def _polygon_words(polygon: Polygon) -> str:
     corners = sum(len(ring) for ring in polygon.rings)
-    words = [tr("Polygon"), tr("{n} corners").format(n=f"{corners:,}")]
+    words = [tr("Polygon"), tr("{n} corners").format(n=number_text(corners))]
     holes = len(polygon.rings) - 1
     if holes:
         words.append(tr("1 hole") if holes == 1 else tr("{n} holes").format(n=holes))

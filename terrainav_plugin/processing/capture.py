@@ -22,7 +22,7 @@ from qgis.core import (
 
 from ...core.dataset.folder import FOOTPRINTS_FILE, MISSION_FILE
 from ...core.errors import InvalidInput
-from ..i18n import told, tr
+from ..i18n import number_text, told, tr
 from .algorithm import paragraphs, run_beside
 from .beside import Watch
 from .imagery import WithImagery, check_terms
@@ -295,11 +295,11 @@ def _load_when_done(context: QgsProcessingContext, path: Path, title: str) -> No
 
 def _tell(result: CaptureResult, watch: Watch) -> None:
     watch.say(
-        tr("{written} images written, {skipped} were there, {failed} failed, in {seconds:.1f} s.").format(
-            written=f"{result.written:,}",
-            skipped=f"{result.skipped:,}",
-            failed=f"{len(result.failed):,}",
-            seconds=result.seconds,
+        tr("{written} images written, {skipped} were there, {failed} failed, in {seconds} s.").format(
+            written=number_text(result.written),
+            skipped=number_text(result.skipped),
+            failed=number_text(len(result.failed)),
+            seconds=number_text(result.seconds, ".1f"),
         )
     )
     for failure in result.failed[:_NAMED_FAILURES]:
@@ -307,7 +307,7 @@ def _tell(result: CaptureResult, watch: Watch) -> None:
     if len(result.failed) > _NAMED_FAILURES:
         watch.warn(
             tr("{count} more, named in the folder's journal and tables.").format(
-                count=f"{len(result.failed) - _NAMED_FAILURES:,}"
+                count=number_text(len(result.failed) - _NAMED_FAILURES)
             )
         )
     for repeat in result.repeated:

@@ -18,7 +18,7 @@ from qgis.core import (
     QgsProcessingParameterNumber,
 )
 
-from ..i18n import tr
+from ..i18n import number_text, tr
 from .algorithm import Algorithm, paragraphs, run_beside
 from .beside import Watch
 
@@ -141,10 +141,10 @@ class Clean(Algorithm):
             feedback.pushInfo(
                 tr("{map_type}: {rejected} of {images} images, {moved} moved, {returned} moved back.").format(
                     map_type=one.map_type,
-                    rejected=f"{one.rejected:,}",
-                    images=f"{one.images:,}",
-                    moved=f"{one.moved:,}",
-                    returned=f"{one.returned:,}",
+                    rejected=number_text(one.rejected),
+                    images=number_text(one.images),
+                    moved=number_text(one.moved),
+                    returned=number_text(one.returned),
                 )
             )
         if any(one.moved or one.returned for one in cleaned) and not dry_run:

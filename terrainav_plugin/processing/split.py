@@ -18,7 +18,7 @@ from qgis.core import (
     QgsProcessingParameterString,
 )
 
-from ..i18n import tr
+from ..i18n import number_text, tr
 from .algorithm import Algorithm, paragraphs, run_beside
 from .beside import Watch
 
@@ -168,19 +168,19 @@ def _tell(made: Made, feedback: QgsProcessingFeedback) -> None:
     for part, share in made.shares.items():
         feedback.pushInfo(
             tr("{part}: {images} images ({share} %).").format(
-                part=part, images=f"{made.images[part]:,}", share=f"{100.0 * share:.1f}"
+                part=part, images=number_text(made.images[part]), share=number_text(100.0 * share, ".1f")
             )
         )
     if made.gap:
         feedback.pushInfo(
             tr("{images} images are in no part: too near to another part's ground.").format(
-                images=f"{made.gap:,}"
+                images=number_text(made.gap)
             )
         )
     if made.unknown:
         feedback.pushWarning(
             tr("{images} images are in no part: they see the horizon or a pole.").format(
-                images=f"{made.unknown:,}"
+                images=number_text(made.unknown)
             )
         )
     zones = made.labels.frame.zones

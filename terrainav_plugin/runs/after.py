@@ -12,7 +12,7 @@ from qgis.PyQt.QtCore import QUrl
 from qgis.PyQt.QtGui import QDesktopServices
 
 from ...core.errors import TerrAInavError
-from ..i18n import told, tr
+from ..i18n import number_text, told, tr
 from ..map.results import load_test_shot, place_mosaics, show_failed, show_results
 from .run import Run, Stage
 from .words import done_text, with_kept
@@ -113,7 +113,9 @@ class Endings:
         elif run.stage is Stage.STOPPED:
             self._messages.info(
                 tr("{name}: stopped with {there} of {total} images.").format(
-                    name=name, there=f"{result.written + result.skipped:,}", total=f"{result.total:,}"
+                    name=name,
+                    there=number_text(result.written + result.skipped),
+                    total=number_text(result.total),
                 ),
                 (tr("Resume"), lambda: self._runs.resume(run)),
             )
@@ -133,8 +135,8 @@ class Endings:
         reason = told(failed[0].reason) if failed else tr("in an earlier run")
         text = tr("{name}: {failed} of {total} images could not be made ({reason}).").format(
             name=run.name,
-            failed=f"{run.task.failed or len(failed):,}",
-            total=f"{len(run.plan) * len(run.mission.map_types):,}",
+            failed=number_text(run.task.failed or len(failed)),
+            total=number_text(len(run.plan) * len(run.mission.map_types)),
             reason=reason,
         )
         lines = (f"{failure.map_type}/{failure.name}: {told(failure.reason)}" for failure in failed)

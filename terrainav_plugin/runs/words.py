@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from ..dock.estimates import duration_text
-from ..i18n import told, tr
+from ..i18n import number_text, told, tr
 from .run import Run, Stage
 
 if TYPE_CHECKING:
@@ -53,9 +53,9 @@ def row_text(run: Run, place: int = 0) -> str:
 
 def _counts(progress: Progress) -> str:
     done = progress.done + progress.skipped
-    text = tr("{done} of {total} images").format(done=f"{done:,}", total=f"{progress.total:,}")
+    text = tr("{done} of {total} images").format(done=number_text(done), total=number_text(progress.total))
     if progress.failed:
-        text += tr(", {failed} failed").format(failed=f"{progress.failed:,}")
+        text += tr(", {failed} failed").format(failed=number_text(progress.failed))
     return text
 
 
@@ -68,7 +68,7 @@ def _pace(progress: Progress, making_mosaic: bool) -> str:
     if done < _LEAST_FOR_RATE or progress.active_s <= 0.0:
         return ""
     rate = done / progress.active_s
-    shown = f"{rate:.0f}" if rate >= _WHOLE_RATE else f"{rate:.1f}"
+    shown = number_text(rate, ".0f") if rate >= _WHOLE_RATE else number_text(rate, ".1f")
     return tr(", {rate} a second, {time} left").format(rate=shown, time=duration_text(left / rate))
 
 
@@ -78,13 +78,15 @@ def _end_text(run: Run) -> str:
         return with_kept(told(run.task.error), result)
     if result is None:
         return tr("Stopped before the first image")
-    there = f"{result.written + result.skipped:,}"
+    there = number_text(result.written + result.skipped)
     if result.cancelled:
-        return tr("Stopped with {there} of {total} images").format(there=there, total=f"{result.total:,}")
+        return tr("Stopped with {there} of {total} images").format(
+            there=there, total=number_text(result.total)
+        )
     if run.task.failed:
         total = len(run.plan) * len(run.mission.map_types)
         return tr("Missing: {failed} of {total} images").format(
-            failed=f"{run.task.failed:,}", total=f"{total:,}"
+            failed=number_text(run.task.failed), total=number_text(total)
         )
     return done_text(result)
 
@@ -96,15 +98,18 @@ def done_text(result: CaptureResult) -> str:
     if not result.written:
         if result.total == 1:
             return tr("The image was there already.")
-        return tr("All {total} images were there already.").format(total=f"{result.total:,}")
+        return tr("All {total} images were there already.").format(total=number_text(result.total))
     time = duration_text(result.seconds)
     if result.skipped:
         return tr("All {total} images are there: {written} captured now in {time}, {skipped} before.").format(
-            total=f"{result.total:,}", written=f"{result.written:,}", time=time, skipped=f"{result.skipped:,}"
+            total=number_text(result.total),
+            written=number_text(result.written),
+            time=time,
+            skipped=number_text(result.skipped),
         )
     if result.written == 1:
         return tr("One image captured in {time}.").format(time=time)
-    return tr("{written} images captured in {time}.").format(written=f"{result.written:,}", time=time)
+    return tr("{written} images captured in {time}.").format(written=number_text(result.written), time=time)
 
 
 def with_kept(error: str, result: CaptureResult | None) -> str:

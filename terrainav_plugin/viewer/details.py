@@ -7,7 +7,7 @@ import math
 from collections.abc import Iterator
 from typing import Any
 
-from ..i18n import told, tr
+from ..i18n import number_text, told, tr
 from .shots import Seen
 
 #: Metadata that the rows above tell already, or that concern programs only.
@@ -91,12 +91,12 @@ def _time(pose: dict[str, Any]) -> str:
 
 def _gsd(text: str) -> str:
     value = _float(text)
-    return "" if math.isnan(value) else tr("{gsd} m/px").format(gsd=f"{value:.4g}")
+    return "" if math.isnan(value) else tr("{gsd} m/px").format(gsd=number_text(value, ".4g"))
 
 
 def _entropy(text: str) -> str:
     value = _float(text)
-    return "" if math.isnan(value) else tr("{bits} bits").format(bits=f"{value:.3f}")
+    return "" if math.isnan(value) else tr("{bits} bits").format(bits=number_text(value, ".3f"))
 
 
 def _float(text: str) -> float:

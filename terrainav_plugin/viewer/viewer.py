@@ -20,7 +20,7 @@ from qgis.PyQt.QtWidgets import (
     QWidget,
 )
 
-from ..i18n import tr
+from ..i18n import number_text, tr
 from .details import details_html
 from .picture_view import PictureView
 from .shots import Seen, Shot
@@ -107,7 +107,9 @@ class Viewer(QgsDockWidget):
         self.details.setText(details_html(seen))
         count = seen.shot.count
         self.place.setText(
-            tr("{number} of {count}").format(number=f"{seen.shot.number + 1:,}", count=f"{count:,}")
+            tr("{number} of {count}").format(
+                number=number_text(seen.shot.number + 1), count=number_text(count)
+            )
         )
         self.previous.setEnabled(seen.shot.number > 0)
         self.following.setEnabled(seen.shot.number + 1 < count)

@@ -1,0 +1,110 @@
+"""Numbers as the user writes them, in all that the plugin shows."""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+from qgis.PyQt.QtCore import QLocale
+from qgis.PyQt.QtWidgets import QLabel
+from terrainav.terrainav_plugin.dock.estimates import duration_text
+from terrainav.terrainav_plugin.dock.units import area_text, length_text
+from terrainav.terrainav_plugin.i18n import localized, number_text, told
+from terrainav.terrainav_plugin.map.area_words import ground_text
+
+#: Narrow no-break space, between thousands in French.
+THIN = "\N{NARROW NO-BREAK SPACE}"
+
+
+@pytest.fixture
+def country():
+    """Sets a country's way to write numbers; the language stays."""
+    before = QLocale()
+
+    def write_as(name):
+        locale = QLocale(name)
+        # As QGIS does unless the user ticks "show group separator", for the fields that are typed into.
+        locale.setNumberOptions(locale.numberOptions() | QLocale.NumberOption.OmitGroupSeparator)
+        QLocale.setDefault(locale)
+
+    yield write_as
+    QLocale.setDefault(before)
+
+
+@pytest.mark.parametrize(
+    ("name", "whole", "share", "small"),
+    [
+        ("en_US", "72,883", "1,234.50", "0.5"),
+        ("es_ES", "72.883", "1.234,50", "0,5"),
+        ("es_MX", "72,883", "1,234.50", "0.5"),
+        ("fr_FR", f"72{THIN}883", f"1{THIN}234,50", "0,5"),
+        ("de_CH", "72’883", "1’234.50", "0.5"),
+    ],
+)
+def test_numbers_of_a_country(country, name, whole, share, small):
+    country(name)
+    assert number_text(72883) == whole
+    assert number_text(1234.5, ",.2f") == share
+    assert number_text(0.5, "g") == small
+
+
+@pytest.mark.parametrize(
+    ("english", "spanish"),
+    [
+        ("72,883 m²", "72.883 m²"),
+        ("2.525 km", "2,525 km"),
+        ("≤ 1.2e-09 px, 3,329 images", "≤ 1,2e-09 px, 3.329 images"),
+        ("1,234,567.5", "1.234.567,5"),
+        ("one, two; 3, 4", "one, two; 3, 4"),
+        # Names and addresses are no numbers.
+        ("127.0.0.1", "127.0.0.1"),
+        ("QGIS 3.22.16", "QGIS 3.22.16"),
+        ("v2.5", "v2.5"),
+        ("file.2.tif", "file.2.tif"),
+    ],
+)
+def test_words_with_numbers_in_them(country, english, spanish):
+    country("es_ES")
+    assert localized(english) == spanish
+    country("en_US")
+    assert localized(english) == english
+
+
+def test_one_way_for_all_figures(country):
+    country("es_ES")
+    assert ground_text(7_288.3) == "7.288 m²"
+    assert area_text(72_883.0, "m") == "72.883 m²"
+    assert length_text(2_525.0, "m") == "2,525 km"
+    assert length_text(2_525.0, "ft") == "1,569 mi"
+    assert duration_text(9_000.0) == "2,5 h"
+    # Numbers in what the core says.
+    assert told("tile size 5,000.5 px: must be 512 or less") == "tile size 5.000,5 px: must be 512 or less"
+
+
+def swapped(text):
+    """Text with Spanish numbers in place of English ones: points and commas between digits change places."""
+    return re.sub(r"(?<=\d)[.,](?=\d)", lambda sign: "," if sign[0] == "." else ".", text)
+
+
+def test_all_that_the_panel_shows_is_written_one_way(desk, country):
+    """The same figures in two countries differ in their signs between digits, and in nothing else."""
+
+    def shown():
+        for north in ("35.17", "35.16"):
+            desk.enter_box(north, "-89.90", "35.115", "-89.823")
+            desk.wait_planned()
+        figures = desk.dock.figures
+        words = desk.form.findChild(QLabel, "area_words")
+        # Without what was timed, which is another each time.
+        details = re.sub(r"<tr><td[^>]*>Cost.*?</tr>", "", figures.details.text())
+        return [figures.estimates.text(), details, figures.warnings.text(), words.text()]
+
+    desk.form.overlap_along.setValue(25.0)
+    country("en_US")
+    english = shown()
+    country("es_ES")
+    spanish = shown()
+    country("en_US")
+    assert any(re.search(r"\d,\d{3}", text) for text in english)
+    assert any(re.search(r"\d\.\d", text) for text in english)
+    assert spanish == [swapped(text) for text in english]
