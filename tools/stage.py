@@ -43,6 +43,8 @@ def wait_until_drawn() -> None:
         # Nothing is drawn, and nothing says so.
         QTest.qWait(10 * POLL_MS)
         return
+    # A raster whose drawing is broken off has QGIS say "Image is a null image" (QgsRasterDrawer::drawImage).
+    wait("drawing the map", lambda: not canvas.isDrawing())
     drawn: list[bool] = []
     canvas.mapCanvasRefreshed.connect(lambda: drawn.append(True))
     canvas.refreshAllLayers()
