@@ -32,7 +32,7 @@ class Canvas:
         if at.size < SPARSE * alpha.size:
             if at.size:
                 inks = [np.asarray(ink, np.float32).ravel() for ink in colour]
-                self.touch(at, alpha[at], np.stack([ink if ink.size == 1 else ink[at] for ink in inks]))
+                self.touch(at, (alpha[at], [ink if ink.size == 1 else ink[at] for ink in inks]))
             return
         for channel, c in enumerate(colour):
             ink = np.float32(c) if np.ndim(c) == 0 else np.ravel(c)
@@ -40,14 +40,16 @@ class Canvas:
             step *= alpha
             self.planes[channel] += step
 
-    def touch(self, at: Array, alpha: Array, colour: Array | Sequence[float | Array]) -> None:
-        """Lay a colour over the samples with flat indices `at` only."""
-        for plane, c in zip(self.planes, colour):
-            old = plane.take(at, mode="clip")
-            step = (np.float32(c) if np.ndim(c) == 0 else c) - old
-            step *= alpha
-            step += old
-            plane[at] = step
+    def touch(self, at: Array, *layers: tuple[Array, Array | Sequence[float | Array]]) -> None:
+        """Lay coverages and colours, one layer over the other, over the samples with flat indices `at` only."""
+        for channel, plane in enumerate(self.planes):
+            few = plane.take(at, mode="clip")
+            for alpha, colour in layers:
+                c = colour[channel]
+                step = (np.float32(c) if np.ndim(c) == 0 else c) - few
+                step *= alpha
+                few += step
+            plane[at] = few
 
     def stroke(
         self, distance_m: Array, pixel_m: float, *strokes: tuple[float, float, Sequence[float]]
@@ -57,8 +59,11 @@ class Canvas:
         at = np.flatnonzero(d < np.float32(strokes[0][0] + pixel_m))
         if at.size:
             d = d.take(at, mode="clip")
-            for half_width_m, opacity, colour in strokes:
-                self.touch(at, line_cover(d, half_width_m, pixel_m) * np.float32(opacity), colour)
+            layers = [
+                (line_cover(d, half_width_m, pixel_m) * np.float32(opacity), colour)
+                for half_width_m, opacity, colour in strokes
+            ]
+            self.touch(at, *layers)
 
     def lighten(self, factor: Array) -> None:
         """Multiply all channels."""

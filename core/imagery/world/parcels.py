@@ -22,7 +22,7 @@ _REACHES_M = np.array(HALF_WIDTH_M) + 6.0
 _FEW = 1024
 """So many pieces, at most, are found by the lines between them."""
 
-_FEW_LINES, _BINS_PER_LINE = 20, 64
+_FEW_LINES, _BINS_PER_LINE = 28, 64
 
 
 def bent_plane(region: Region, samples: Samples) -> tuple[Array, Array]:

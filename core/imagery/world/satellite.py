@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from . import climate, trees
@@ -122,9 +124,10 @@ class _Land:
         if prints is None:
             return
         at, near = prints.near(_SHADOW_M)
+        layers: list[tuple[Array, Array | Sequence[float | Array]]] = [(near.cover(), near.roofs())]
         if self.zoom >= 15:
-            canvas.touch(at, near.cover(moved_m=_SHADOW_M) * np.float32(0.6), _SHADOW)
-        canvas.touch(at, near.cover(), near.roofs())
+            layers.insert(0, (near.cover(moved_m=_SHADOW_M) * np.float32(0.6), _SHADOW))
+        canvas.touch(at, *layers)
 
     def _trees(self, canvas: Canvas) -> None:
         contrast = 0.55 if self.zoom == trees.FIRST_ZOOM else 1.0

@@ -165,7 +165,7 @@ class _Drawn:
 
     def blend(self, cover: Array, colour: Sequence[float | Array]) -> None:
         if self.few is not None:
-            self.canvas.touch(self.few.at, cover, colour)
+            self.canvas.touch(self.few.at, (cover, colour))
             return
         for plane, ink in zip(self.canvas.planes, colour):
             view = plane.reshape(self.cells.inner())
