@@ -106,6 +106,7 @@ PHRASES = {
         "images",
         "picture",
         "coverage",
+        "imagery",
         "tiles",
         "download",
         "files",

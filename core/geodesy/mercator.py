@@ -84,6 +84,9 @@ class PixelGrid:
     centre_decimals : int or None
         Where pictures are asked for by their centre: the decimals of a degree the source keeps of it.
         None for tiles.
+    extent : tuple of (u, v) pairs, or None
+        Corners, one after the other around, of the convex ground that the source has imagery of, as world fractions;
+        u may lie beyond 0 or 1 across the antimeridian. None where nothing is known to end.
     """
 
     tile_px: int = 256
@@ -92,6 +95,7 @@ class PixelGrid:
     native_zoom: int = 22
     max_size_px: int | None = None
     centre_decimals: int | None = None
+    extent: tuple[tuple[float, float], ...] | None = None
 
     def __post_init__(self) -> None:
         if self.tile_px < 256 or self.tile_px % 256:
@@ -133,6 +137,17 @@ class PixelGrid:
             -HALF_WORLD_M + (left + width_px) * resolution,
             HALF_WORLD_M - top * resolution,
         )
+
+
+def extent_of_box(
+    west_deg: float, south_deg: float, east_deg: float, north_deg: float
+) -> tuple[tuple[float, float], ...]:
+    """Corners of a box as world fractions, for `PixelGrid`; an east below the west lies beyond the antimeridian."""
+    if east_deg < west_deg:
+        east_deg += 360.0
+    west, east = lon_to_u(np.array([west_deg, east_deg])).tolist()
+    top, bottom = np.clip(lat_to_v(np.array([north_deg, south_deg])), 0.0, 1.0).tolist()
+    return ((west, top), (east, top), (east, bottom), (west, bottom))
 
 
 def fitting_zoom(span: float, size_px: float, slack: float = 1e-6) -> int:

@@ -16,7 +16,7 @@ from typing import Any
 from PIL import Image
 
 from ..errors import Cancelled, InvalidInput, PartError
-from ..geodesy.mercator import PixelGrid
+from ..geodesy.mercator import PixelGrid, extent_of_box
 from .cache.tilefile import connect, fault
 from .decode import decode
 from .policy import Policy
@@ -186,6 +186,21 @@ def _first_look(connection: sqlite3.Connection) -> tuple[dict[str, str], bytes]:
     return rows, body if isinstance(body, bytes) else b""
 
 
+def _extent(bounds: str) -> tuple[tuple[float, float], ...] | None:
+    """Where the metadata's "west,south,east,north" says that there are tiles; None where it says nothing sound."""
+    try:
+        west, south, east, north = (float(part) for part in bounds.split(","))
+    except ValueError:
+        return None
+    sound = (
+        -180.0 <= west <= 180.0
+        and -180.0 <= east <= 180.0
+        and west != east
+        and -90.0 <= south < north <= 90.0
+    )
+    return extent_of_box(west, south, east, north) if sound else None
+
+
 def _grid(file: Path, connection: sqlite3.Connection, rows: Mapping[str, str], sample: bytes) -> PixelGrid:
     if not sample:
         raise InvalidInput(f"MBTiles {file}: holds no tiles")
@@ -193,7 +208,7 @@ def _grid(file: Path, connection: sqlite3.Connection, rows: Mapping[str, str], s
         raise InvalidInput(f"MBTiles {file}: holds vector tiles (pbf); must hold pictures (png, jpg or webp)")
     try:
         lowest, highest = _zooms(connection, rows)
-        return PixelGrid(_tile_px(sample), lowest, highest, highest)
+        return PixelGrid(_tile_px(sample), lowest, highest, highest, extent=_extent(rows.get("bounds", "")))
     except InvalidInput as wrong:
         raise InvalidInput(f"MBTiles {file}: {wrong}") from wrong
 

@@ -67,6 +67,9 @@ class Summary:
     uncovered_m2: float | None
     covered_share: float | None
     complete: bool | None
+    imagery_share: float | None
+    images_outside: int
+    images_partly_outside: int
     least_overlap_along: float | None
     median_overlap_along: float | None
     least_overlap_across: float | None
@@ -101,6 +104,13 @@ class Summary:
         if self.covered_share is not None and self.uncovered_m2 is not None:
             words = "complete" if self.complete else f"{area_text(self.uncovered_m2)} uncovered"
             lines.append(("coverage", f"{percent(self.covered_share, exact=bool(self.complete))} ({words})"))
+        if self.imagery_share is not None and self.imagery_share < 1.0:
+            lines.append(
+                (
+                    "imagery",
+                    f"the source has imagery of {percent(self.imagery_share, exact=False)} of the area",
+                )
+            )
         for label, least, median in (
             ("overlap along rows", self.least_overlap_along, self.median_overlap_along),
             ("overlap across rows", self.least_overlap_across, self.median_overlap_across),
@@ -158,6 +168,9 @@ def estimate(plan: Plan, costs: Costs = ONLINE, connections: int = 8, cores: int
         uncovered_m2=None if coverage is None else coverage.uncovered_m2,
         covered_share=None if coverage is None else coverage.share,
         complete=None if coverage is None else coverage.complete,
+        imagery_share=plan.imagery.share,
+        images_outside=plan.imagery.outside,
+        images_partly_outside=plan.imagery.partly,
         least_overlap_along=overlap.least_along,
         median_overlap_along=overlap.median_along,
         least_overlap_across=overlap.least_across,
@@ -168,8 +181,20 @@ def estimate(plan: Plan, costs: Costs = ONLINE, connections: int = 8, cores: int
         seconds=types * seconds,
         map_types=mission.map_types,
         accuracy=plan.accuracy,
-        warnings=upsampling(plan),
+        warnings=(*beyond_imagery(plan), *upsampling(plan)),
     )
+
+
+def beyond_imagery(plan: Plan) -> tuple[str, ...]:
+    """Return what there is to say of pictures where the source has no imagery; nothing where there are none."""
+    _, outside, partly = plan.imagery
+    if not outside and not partly:
+        return ()
+    text = (
+        f"of {len(plan):,} images {outside:,} lie outside the source's imagery, and {partly:,} reach beyond it; choose "
+        "an area that it has imagery of, or another source"
+    )
+    return (text,)
 
 
 def upsampling(plan: Plan) -> tuple[str, ...]:

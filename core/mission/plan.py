@@ -23,6 +23,7 @@ from .choosing import choose_methods
 from .coverage import Coverage, Overlap, Rectangles, coverage, overlap, unique_tiles
 from .flight import Legs, intervals_s, legs
 from .framing import check_windows, ground_of, nominal_poses, sampled_zooms
+from .imagery_extent import Imagery, imagery_of
 from .layout import Layout
 from .mission import Mission
 from .rungs import Accuracy
@@ -206,6 +207,11 @@ class Plan:
         if self.passes:
             return turned_coverage(self.mission, self.passes, self._rectangles)
         return coverage(self.mission.area, self.windows, self.grid, self.zoom)
+
+    @cached_property
+    def imagery(self) -> Imagery:
+        """What the source has imagery of, as far as its grid says where that ends."""
+        return imagery_of(self.mission.area, self.windows, self.grid, self.zoom)
 
     @cached_property
     def overlap(self) -> Overlap:

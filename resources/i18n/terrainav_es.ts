@@ -1590,6 +1590,12 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/dock/estimates.py"/>
+        <location filename="../../terrainav_plugin/dock/imagery_entries.py"/>
+        <source>Imagery</source>
+        <translation>Fuente de imágenes</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/estimates.py"/>
         <source>Left out</source>
         <translation>Se omite</translation>
     </message>
@@ -1669,6 +1675,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/dock/estimates.py"/>
         <source>side {share}</source>
         <translation>transversal {share}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/estimates.py"/>
+        <source>the source has imagery of {share} of the area</source>
+        <translation>la fuente tiene imágenes del {share} del área</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/dock/estimates.py"/>
@@ -1966,11 +1977,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/dock/imagery_entries.py"/>
         <source>How QGIS authenticates requests to this source; a configuration of its authentication database</source>
         <translation>Cómo autentica QGIS las peticiones a esta fuente; una configuración de su base de datos de autenticación</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/imagery_entries.py"/>
-        <source>Imagery</source>
-        <translation>Fuente de imágenes</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/dock/imagery_entries.py"/>
@@ -6715,6 +6721,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
+        <source>imagery</source>
+        <translation>imágenes de la fuente</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/estimate.py"/>
         <source>images</source>
         <translation>imágenes</translation>
     </message>
@@ -6727,6 +6738,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/estimate.py"/>
         <source>nothing (computed here)</source>
         <translation>nada (se calcula aquí)</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/estimate.py"/>
+        <source>of {0} images {1} lie outside the source's imagery, and {2} reach beyond it; choose an area that it has imagery of, or another source</source>
+        <translation>de {0} imágenes, {1} quedan fuera de lo que tiene la fuente y {2} lo sobrepasan; elegir un área de la que tenga imágenes, u otra fuente</translation>
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
@@ -6758,6 +6774,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/estimate.py"/>
         <source>rows, columns</source>
         <translation>pasadas, columnas</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/estimate.py"/>
+        <source>the source has imagery of {0} of the area</source>
+        <translation>la fuente tiene imágenes del {0} del área</translation>
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>

@@ -8,7 +8,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from ...core.mission.estimate import size_text
+from ...core.mission.estimate import percent, size_text
 from ...core.mission.rungs import bound_text
 from ..i18n import localized, number_text, told, tr
 from .refusals import in_words_of_the_dock
@@ -86,6 +86,9 @@ def _figures(mission: Mission, summary: Summary, unit: str, coarser_m: float | N
     lines = [(tr("Images"), _images(summary))]
     if summary.covered_share is not None:
         lines.append((tr("Coverage"), _coverage(summary, unit)))
+    if summary.imagery_share is not None and summary.imagery_share < 1.0:
+        share = tr("the source has imagery of {share} of the area")
+        lines.append((tr("Imagery"), share.format(share=percent(summary.imagery_share, exact=False))))
     if mission.overlap_along > 0.0 or mission.overlap_across > 0.0:
         lines += _overlap(summary)
     lines.append((tr("Ground per px"), _gsd(summary, unit, coarser_m)))

@@ -157,7 +157,7 @@ class RasterSource:
             # Without overviews that are small enough, tiles of low zooms would be means of too many pixels.
             side = self._sizes[0][0] / width * MOST_PX**0.5 / _TILE_PX
             lowest = max(native - int(np.log2(side)) + 1, 0)
-        return PixelGrid(_TILE_PX, lowest, max(native, _MAX_ZOOM), native)
+        return PixelGrid(_TILE_PX, lowest, max(native, _MAX_ZOOM), native, extent=self._place.extent())
 
     def _mean_colours(self, over: Boxes, part: Window) -> Bytes:
         level = self._level(over)
