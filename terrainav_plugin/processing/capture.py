@@ -318,8 +318,8 @@ def _tell(result: CaptureResult, watch: Watch) -> None:
                 "again."
             ).format(
                 map_type=repeat.map_type,
-                places=f"{repeat.places:,}",
-                images=f"{len(repeat.images):,}",
+                places=number_text(repeat.places),
+                images=number_text(len(repeat.images)),
                 image=next(iter(repeat.images), ""),
                 digest=repeat.sha256,
             )

@@ -148,7 +148,7 @@ class Endings:
         for repeat in run.result.repeated[:_NAMED_REPEATS] if run.result is not None else ():
             images = len(repeat.images)
             text = tr("{name}: the same tile came for {places} places and is in {images} images.").format(
-                name=run.name, places=f"{repeat.places:,}", images=f"{images:,}"
+                name=run.name, places=number_text(repeat.places), images=number_text(images)
             )
             details = tr(
                 "Its SHA-256 begins with {digest}; {image} shows it. It may be water or snow. If it shows no imagery, "
