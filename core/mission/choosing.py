@@ -16,7 +16,7 @@ from ..geodesy.mercator import PixelGrid
 from ..geodesy.poses import Poses
 from .area import Points
 from .choices import AUTO
-from .framing import CameraFraming, Framed, MapFraming, framed, ground_of
+from .framing import CameraFraming, Framed, MapFraming, check_sizes, check_windows, framed, ground_of
 from .layout import Layout
 from .mission import Mission
 from .rungs import (
@@ -58,6 +58,15 @@ def choose_methods(mission: Mission, grid: PixelGrid, disturbed: Disturbed) -> t
     if mission.frame != "camera":
         if not map_outside:
             flown = framed(mission, grid, MapFraming(mission, grid), disturbed)
+            check_sizes(flown, mission, grid)
+            try:
+                check_windows(flown, mission, grid)
+            except InvalidInput as wrong:
+                if mission.frame == "map" or camera_outside:
+                    raise
+                # A camera's image has no such limits, or is refused for its own.
+                map_outside = str(wrong).partition(";")[0]
+        if not map_outside:
             scene = scene_of(mission, flown)
             _check_resolved(scene)
             picture = picture_rungs(scene)[0]
@@ -81,6 +90,7 @@ def choose_methods(mission: Mission, grid: PixelGrid, disturbed: Disturbed) -> t
             f"picture as the camera sees it: {camera_outside}; choose a source of tiles", "source"
         )
     flown = framed(mission, grid, CameraFraming(mission, grid), disturbed)
+    check_windows(flown, mission, grid)
     scene = scene_of(mission, flown)
     _check_resolved(scene)
     picture = picture_rungs(scene)[1]

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from ..errors import InvalidInput
 from ..geodesy.accuracy import Scene
-from ..geodesy.ellipsoid import WGS84, Ellipsoid
+from ..geodesy.ellipsoid import WGS84, Ellipsoid, trace
 from ..geodesy.frames import FrameEdges, Windows, map_frame_edges, windows_of
 from ..geodesy.inscribed import inscribed_edges
 from ..geodesy.mercator import MAX_LAT_DEG, PixelGrid, fitting_zoom, lat_to_v
@@ -34,6 +34,8 @@ _NARROWED, _BEYOND_FIRST_ORDER = 1e-3, 1.1
 _SMALLEST = 1e-12
 #: Longest side of a picture, px: one of it takes 1.2 GB.
 _LONGEST_PX = 20_000
+#: Points along each side of an image at which it is looked whether it shows the map.
+_POINTS_LOOKED_AT = 33
 #: By how much a picture's side may differ from its frame's, as each edge is rounded on its own.
 _ROUNDED_PX = 1.0
 
@@ -299,13 +301,26 @@ class CameraFraming:
             width = min(width, max(ground_m / finest_m, 1.0, aspect))
         size = round(width), round(width / aspect)
         if min(size) < 1:
-            raise InvalidInput(
-                f"picture of {width:.3g} x {width / aspect:.3g} px: under one pixel; choose a less extreme aspect "
-                "ratio, a higher zoom or larger pictures (--max-px)",
-                "max_px",
-            )
+            raise self._under_one_pixel(width, width / aspect)
         _check_longest(max(size), mission, grid, coarsest=mission.zoom == grid.min_zoom)
         return size
+
+    def _under_one_pixel(self, width_px: float, height_px: float) -> InvalidInput:
+        mission = self.mission
+        text = f"picture of {width_px:.3g} x {height_px:.3g} px: under one pixel"
+        if mission.zoom is not None:
+            return InvalidInput(f"{text}; fly higher or choose a higher zoom", "zoom")
+        if mission.gsd_m_per_px is not None:
+            return InvalidInput(
+                f"{text}; fly higher or choose a smaller ground sample distance", "gsd_m_per_px"
+            )
+        if _limit_px(mission, self.grid) < mission.image_px:
+            return InvalidInput(
+                f"{text}; choose a less extreme aspect ratio or larger pictures (--max-px)", "max_px"
+            )
+        return InvalidInput(
+            f"{text}; choose a less extreme aspect ratio or a larger image (--image-px)", "image_px"
+        )
 
     def zoom(self, layout: Layout) -> int:
         """Return the zoom asked for, or the one that suits the ground right below the camera."""
@@ -335,6 +350,9 @@ def _zoom_for_gsd(gsd_m_per_px: float, grid: PixelGrid, lat_deg: Floats, highest
 
 
 def _too_fine(gsd_m_per_px: float, finest_m: float) -> InvalidInput:
+    # Three digits, rounded up: what is advised is to be right.
+    unit = 10.0 ** (math.floor(math.log10(finest_m)) - 2)
+    finest_m = math.ceil(finest_m / unit) * unit
     return InvalidInput(
         f"ground sample distance {gsd_m_per_px} m: the source's own pixels are {finest_m:.3g} m here; ask for that or "
         "more, or allow enlarged pixels (--upsample)",
@@ -342,12 +360,27 @@ def _too_fine(gsd_m_per_px: float, finest_m: float) -> InvalidInput:
     )
 
 
+def _sees_the_map(mission: Mission, poses: Poses) -> NDArray[np.bool_]:
+    """Whether images show any ground of the map, (n,), as far as points spread over them tell."""
+    steps = np.linspace(-1.0, 1.0, _POINTS_LOOKED_AT)
+    points = np.stack(np.meshgrid(steps, steps), axis=-1).reshape(-1, 2)
+    rays = mission.camera.rays_enu(points, *poses.attitude)
+    seen = trace(poses.lat_deg[:, np.newaxis], poses.agl_m[:, np.newaxis], rays, ground_of(mission))
+    with np.errstate(invalid="ignore"):
+        return np.asarray((seen.hit & (np.abs(seen.lat_deg) <= MAX_LAT_DEG)).any(axis=1))
+
+
 def _largest_px(windows: Windows) -> int:
     return int(max(windows.width_px.max(), windows.height_px.max()))
 
 
+def check_sizes(framed: Framed, mission: Mission, grid: PixelGrid) -> None:
+    """Refuse map frames that are larger than allowed."""
+    _check_longest(_largest_px(framed.windows), mission, grid, coarsest=framed.zoom == grid.min_zoom)
+
+
 def check_windows(framed: Framed, mission: Mission, grid: PixelGrid) -> None:
-    """Refuse pictures that reach beyond the map, are under one pixel, or are larger than allowed."""
+    """Refuse map frames that reach beyond the map or are under one pixel, and camera frames that see nothing of it."""
     windows, poses, zoom = framed.windows, framed.poses, framed.zoom
     world = grid.world_px(zoom)
     _, top, _, bottom = windows.bounds_px
@@ -356,11 +389,17 @@ def check_windows(framed: Framed, mission: Mission, grid: PixelGrid) -> None:
         outside = ~((middle >= 0.0) & (middle <= world))
     else:
         outside = (top < 0) | (bottom > world) | (windows.width_px > world)
-    if outside.any():
-        at = int(np.flatnonzero(outside)[0])
+    beyond = np.flatnonzero(outside)
+    if framed.size_px is not None and len(beyond):
+        beyond = beyond[~_sees_the_map(mission, poses.take(beyond))]
+    if len(beyond):
+        place = f"picture at latitude {float(poses.lat_deg[beyond[0]])!r} from {float(poses.agl_m[beyond[0]]):g} m"
+        if framed.size_px is not None:
+            raise InvalidInput(
+                f"{place}: lies beyond the map, which ends at ±{MAX_LAT_DEG:.4f}; fly higher or nearer to the equator"
+            )
         raise InvalidInput(
-            f"picture at latitude {float(poses.lat_deg[at])!r} from {float(poses.agl_m[at]):g} m: reaches beyond the "
-            f"map, which ends at ±{MAX_LAT_DEG:.4f}; fly lower or nearer to the equator"
+            f"{place}: reaches beyond the map, which ends at ±{MAX_LAT_DEG:.4f}; fly lower or nearer to the equator"
         )
     if framed.size_px is not None:
         return
@@ -372,4 +411,3 @@ def check_windows(framed: Framed, mission: Mission, grid: PixelGrid) -> None:
             "choose a higher zoom",
             "agl_m",
         )
-    _check_longest(_largest_px(windows), mission, grid, coarsest=zoom == grid.min_zoom)

@@ -22,7 +22,7 @@ from .area import Points
 from .choosing import choose_methods
 from .coverage import Coverage, Overlap, Rectangles, coverage, overlap, unique_tiles
 from .flight import Legs, intervals_s, legs
-from .framing import check_windows, ground_of, nominal_poses, sampled_zooms
+from .framing import ground_of, nominal_poses, sampled_zooms
 from .imagery_extent import Imagery, imagery_of
 from .layout import Layout
 from .mission import Mission
@@ -349,7 +349,6 @@ def plan(mission: Mission, grid: PixelGrid) -> Plan:
         the error budget and the mission does not accept that.
     """
     flown, chosen = choose_methods(mission, grid, partial(_disturbed, mission))
-    check_windows(flown, mission, grid)
     layout, ground = flown.layout, ground_of(mission)
     corners = ground_corners(mission.camera, flown.poses, ground, chosen.footprint.rung.name)
     nominal = None

@@ -6917,8 +6917,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/framing.py"/>
-        <source>picture at latitude {0} from {1} m: reaches beyond the map, which ends at ±{2}; fly lower or nearer to the equator</source>
-        <translation>imagen en la latitud {0} desde {1} m: rebasa el mapa, que termina en ±{2}; volar más bajo o más cerca del ecuador</translation>
+        <source>picture at latitude {0} from {1} m</source>
+        <translation>imagen en la latitud {0} desde {1} m</translation>
     </message>
     <message>
         <location filename="../../core/mission/framing.py"/>
@@ -6927,8 +6927,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/framing.py"/>
-        <source>picture of {0} x {1} px: under one pixel; choose a less extreme aspect ratio, a higher zoom or larger pictures (--max-px)</source>
-        <translation>imagen de {0} x {1} px: menos de un píxel; elegir una relación de aspecto menos extrema, un zoom mayor o imágenes mayores (--max-px)</translation>
+        <source>picture of {0} x {1} px: under one pixel</source>
+        <translation>imagen de {0} x {1} px: menos de un píxel</translation>
     </message>
     <message>
         <location filename="../../core/mission/framing.py"/>
@@ -6944,6 +6944,36 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/framing.py"/>
         <source>zoom {0}: the source's own pixels end at zoom {1}; ask for that, or allow enlarged pixels (--upsample)</source>
         <translation>zoom {0}: los píxeles propios de la fuente terminan en el zoom {1}; pedir ese, o permitir píxeles ampliados (--upsample)</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/framing.py"/>
+        <source>{0}: lies beyond the map, which ends at ±{1}; fly higher or nearer to the equator</source>
+        <translation>{0}: queda fuera del mapa, que termina en ±{1}; volar más alto o más cerca del ecuador</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/framing.py"/>
+        <source>{0}: reaches beyond the map, which ends at ±{1}; fly lower or nearer to the equator</source>
+        <translation>{0}: sobrepasa el mapa, que termina en ±{1}; volar más bajo o más cerca del ecuador</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/framing.py"/>
+        <source>{0}; choose a less extreme aspect ratio or a larger image (--image-px)</source>
+        <translation>{0}; elegir una relación de aspecto menos extrema o una imagen mayor (--image-px)</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/framing.py"/>
+        <source>{0}; choose a less extreme aspect ratio or larger pictures (--max-px)</source>
+        <translation>{0}; elegir una relación de aspecto menos extrema o permitir imágenes mayores (--max-px)</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/framing.py"/>
+        <source>{0}; fly higher or choose a higher zoom</source>
+        <translation>{0}; volar más alto o elegir un zoom mayor</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/framing.py"/>
+        <source>{0}; fly higher or choose a smaller ground sample distance</source>
+        <translation>{0}; volar más alto o elegir una distancia de muestreo del terreno menor</translation>
     </message>
     <message>
         <location filename="../../core/mission/layout.py"/>

@@ -444,6 +444,28 @@ def test_pictures_by_their_centre_leave_nothing_out_either():
     assert worked_out.windows.width_px.max() <= 640
 
 
+@pytest.mark.parametrize(("lat", "agl"), [(89.9, 3e6), (84.2, 3e6), (85.0511, 100.0), (86.0, 1e6)])
+def test_a_picture_that_is_partly_on_the_map_is_planned(lat, agl):
+    """89.9 degrees from 3,000 km was refused, and 84.2 with the same share of its picture planned."""
+    worked_out = plan(Mission(Points(((lat, 0.0, agl),)), agl), GRID)
+    assert worked_out.size_px is not None
+    assert worked_out.masked
+    assert 0.0 < worked_out.view(0).unmapped_share < 1.0
+    assert worked_out.view(0).tiles(0.0)
+    with pytest.raises(InvalidInput, match=r"lies beyond the map.*fly higher"):
+        plan(Mission(Points(((lat + 5.0 if lat < 85.0 else 89.99, 0.0, 50.0),)), 50.0), GRID)
+
+
+@pytest.mark.parametrize("ratio", [1e-3, 1e3])
+def test_a_map_frame_under_one_pixel_gives_way_to_a_camera_frame(ratio):
+    mission = Mission(Points(((0.0, 0.0, 120.0),)), 120.0, Camera(78.8, ratio))
+    worked_out = plan(mission, GRID)
+    assert sorted(worked_out.size_px) == [1, 640]
+    assert "under one pixel" in worked_out.accuracy.picture.reason
+    with pytest.raises(InvalidInput, match="under one pixel"):
+        plan(mission.with_(frame="map"), GRID)
+
+
 def test_names_are_the_published_ones():
     worked_out = plan(Mission(Points(((35.128039, -89.799163, 126.0),)), 126.0), GRID)
     column, row, lat, lon, zoom = worked_out.names[0].split("_")
@@ -459,7 +481,7 @@ def test_names_are_the_published_ones():
         (Mission(Box(35.16, -89.9, 35.115, -89.8), 120.0, max_images=1000), "the limit is 1,000"),
         (Mission(Box(60, -100, -60, 100), 0.01), "the limit is 10,000,000"),
         (Mission(Box(85.1, 0, 85, 1), 1000.0), "latitude 85.1"),
-        (Mission(Points(((85.0511, 0.0, 100.0),)), 100.0), "beyond the map"),
+        (Mission(Points(((85.0511, 0.0, 100.0),)), 100.0, frame="map"), "reaches beyond the map"),
         (Mission(Points(((86.0, 0.0, 1000.0),)), 1000.0), "beyond the map"),
         (Mission(Points(((0.0, 0.0, 8e6),)), 8e6, frame="map"), "holds up to 0.1"),
         (Mission(Points(((0.0, 0.0, 3e6),)), 3e6, tilt_deg=150.0), "no ray of its image meets the Earth"),
