@@ -19,16 +19,16 @@ from tests.core.geodesy import bounds, longdouble  # noqa: E402
 from tests.support.libraries import ULPS, inexact  # noqa: E402
 
 #: Cameras, and scenes of each, of the methods for level cameras and of the exact one.
-DRAWS, EACH = 800, 320
+DRAWS, EACH = 1_000, 400
 #: Cameras, and frames of each, whose every pixel is traced.
 FRAMES, FRAMES_EACH = 1_000, 6
 #: Cameras of each mesh tolerance.
-MESHES = 160
+MESHES = 480
 #: Share of the cameras that are drawn again with functions that are off.
 INEXACT = 0.25
 TOLERANCES_PX = (1.0, 0.3, 0.1, 0.03, 0.01, 0.003, 0.001)
 #: Cameras, and poses of each, whose inscribed rectangles are looked at.
-RECTANGLES = (600, 6)
+RECTANGLES = (2_000, 6)
 
 
 def tallies(share: float = 1.0) -> dict[str, tuple[bounds.Tally, str]]:
@@ -72,7 +72,7 @@ scenes whose pixels are below 4e-8 m, which degrees in float64 do not resolve. E
 longer side is 640, measured by the independent camera of the tests in {precise}.
 
 {total:,} comparisons of corners and map frames. A bound holds where the worst ratio stays below 1; the median says
-how tight it is. The second figure is the worst of {INEXACT:.0%} as many, with sines, tangents and the like off by
+how tight it is. The second figure is the worst of {INEXACT:.0%} as many with sines, tangents and the like off by
 up to {ULPS:g} units in the last place, at random, as those of some processors are. Of a camera frame whose every pixel
 is traced the ratio is that of the worst of {bounds.POINTS_A_FRAME:,} points, and for a mesh that of the worst of
 {bounds.POINTS_A_MESH:,} points in its cells, each over its own cell's bound.
