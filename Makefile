@@ -1,5 +1,5 @@
 .DEFAULT_GOAL := help
-.PHONY: help setup qgis-setup test test-core test-plugin test-qgis344 test-qgis340 lint format demo qgis screenshots translations package clean
+.PHONY: help setup qgis-setup test test-core test-narrow test-newest test-plugin test-qgis344 test-qgis340 lint format demo qgis screenshots translations package clean
 
 # QGIS's own, for what needs nothing else; that of the tests' environment has pytest, the linters and the rest.
 QGIS_PYTHON := /usr/bin/python3
@@ -25,6 +25,17 @@ test: setup translations  ## every test: core headless, beside it plugin inside 
 
 test-core: setup  ## only the tests that run without Qt and QGIS
 	$(PYTHON) -m pytest tests --ignore=tests/plugin
+
+# What holds must hold on processors without wide instructions, whose sines are others, and with the newest numpy.
+NARROW = NPY_DISABLE_CPU_FEATURES="$$($(PYTHON) -c 'from tests.support.libraries import WIDE; print(WIDE)')"
+NUMERIC_TESTS := tests/core/geodesy tests/core/mission tests/core/report
+
+test-narrow: setup  ## the tests of geodesy, mission and report, with the processor's wide instructions off
+	$(NARROW) $(PYTHON) -m pytest $(NUMERIC_TESTS)
+
+test-newest: setup  ## the same with the newest numpy and Pillow, in an environment of their own
+	@bash tools/setup.sh newest
+	.venv/newest/bin/python -m pytest $(NUMERIC_TESTS) tests/core/capture/test_same_everywhere.py
 
 test-plugin: setup translations  ## only the tests that run inside the real QGIS
 	$(PYTHON) tools/qgis_app.py --timeout $(PLUGIN_TIMEOUT) --pytest tests/plugin

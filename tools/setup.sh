@@ -4,6 +4,7 @@
 #     tools/setup.sh                 QGIS and what the plugin needs beside it, from the distribution alone
 #     tools/setup.sh tests           what the tests need as well, and .venv with their packages
 #     tools/setup.sh plugin-tests    the same for the tests inside QGIS alone
+#     tools/setup.sh newest          beside .venv of the tests: one with the newest numpy and Pillow, without QGIS's modules
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
@@ -110,6 +111,16 @@ make_environment() {
     .venv/peers/bin/python -m pip install --quiet --disable-pip-version-check --no-input 'scikit-image>=0.24,<1'
 }
 
+if [[ $WANTED == newest ]]; then
+    # What is newest changes by the day: made anew by the day.
+    newest=.venv/newest made=$(date +%F)$(cat tools/setup.sh pyproject.toml | sha256sum)
+    [[ -f $newest/made && $(<$newest/made) == "$made" ]] && exit 0
+    "$PYTHON" -m venv --clear $newest
+    $newest/bin/python -m pip install --quiet --disable-pip-version-check --no-input --upgrade \
+        --editable . numpy pillow pyproj pytest hypothesis mpmath matplotlib
+    printf %s "$made" >$newest/made
+    exit 0
+fi
 if [[ -n $WANTED && -f $STAMP && $(<"$STAMP") == "$(fingerprint)" ]]; then
     exit 0
 fi

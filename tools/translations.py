@@ -113,6 +113,7 @@ PHRASES = {
         "time",
         "warning",
         "complete",
+        "complete but for missing imagery",
     ),
     "core/mission/rungs.py": ("footprint", "picture", "mesh", "error", "terrain", "nothing"),
     "core/report/measure.py": (

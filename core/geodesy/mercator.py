@@ -64,6 +64,10 @@ def wrap_lon_deg(lon_deg: Floats) -> Floats:
     return np.where(inside, lon, np.mod(lon + 180.0, 360.0) - 180.0)
 
 
+#: What sides of an outline may leave their chords by, as a share of their length.
+_BEND_SHARE = 0.01
+
+
 @dataclass(frozen=True)
 class PixelGrid:
     """A source's own description of its pixels.
@@ -148,6 +152,27 @@ def extent_of_box(
     west, east = lon_to_u(np.array([west_deg, east_deg])).tolist()
     top, bottom = np.clip(lat_to_v(np.array([north_deg, south_deg])), 0.0, 1.0).tolist()
     return ((west, top), (east, top), (east, bottom), (west, bottom))
+
+
+def extent_of_outline(x_m: Floats, y_m: Floats) -> tuple[tuple[float, float], ...] | None:
+    """Corners of a quadrilateral as world fractions, for `PixelGrid`.
+
+    None where they do not tell the outline: where a point lies beyond the map, or the middle of a side farther from its
+    chord than a little. Sides of a few kilometres in UTM leave theirs by decimetres, those of a raster about a pole by
+    themselves.
+
+    Parameters
+    ----------
+    x_m, y_m : array (8,)
+        Metres of EPSG:3857: the four corners around, then the middles of the sides that begin at each.
+    """
+    with np.errstate(invalid="ignore"):
+        u, v = 0.5 + x_m / (2.0 * HALF_WORLD_M), 0.5 - y_m / (2.0 * HALF_WORLD_M)
+        u = u[0] + (u - u[0]) - np.rint(u - u[0]) * (np.abs(u - u[0]) > 0.5)
+        bend = np.hypot(*(side[4:] - (side[:4] + np.roll(side[:4], -1)) / 2.0 for side in (u, v)))
+        length = np.hypot(*(np.roll(side[:4], -1) - side[:4] for side in (u, v)))
+        straight = bend <= _BEND_SHARE * length
+    return tuple(zip(u[:4].tolist(), v[:4].tolist())) if straight.all() else None
 
 
 def fitting_zoom(span: float, size_px: float, slack: float = 1e-6) -> int:

@@ -87,6 +87,11 @@ class Summary:
         plain = {f.name: getattr(self, f.name) for f in fields(self) if f.name != "accuracy"}
         return {**plain, "accuracy": self.accuracy.to_dict()}
 
+    @property
+    def lacks_imagery(self) -> bool:
+        """Whether the source is known to have no imagery of some of the area."""
+        return self.imagery_share is not None and self.imagery_share < 1.0
+
     def lines(self) -> list[tuple[str, str]]:
         """Label and value of each figure, in words for people."""
         types = len(self.map_types)
@@ -102,9 +107,11 @@ class Summary:
             ("flight time", duration_text(self.flight_s)),
         ]
         if self.covered_share is not None and self.uncovered_m2 is not None:
-            words = "complete" if self.complete else f"{area_text(self.uncovered_m2)} uncovered"
+            words = "complete but for missing imagery" if self.lacks_imagery else "complete"
+            if not self.complete:
+                words = f"{area_text(self.uncovered_m2)} uncovered"
             lines.append(("coverage", f"{percent(self.covered_share, exact=bool(self.complete))} ({words})"))
-        if self.imagery_share is not None and self.imagery_share < 1.0:
+        if self.imagery_share is not None and self.lacks_imagery:
             lines.append(
                 (
                     "imagery",

@@ -1554,6 +1554,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/dock/estimates.py"/>
+        <source>100 % of {area}, but for missing imagery</source>
+        <translation>100 % de {area}, salvo donde faltan imágenes</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/estimates.py"/>
         <source>; not {name}: {reason}</source>
         <translation>; no {name}: {reason}</translation>
     </message>
@@ -6688,6 +6693,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/estimate.py"/>
         <source>complete</source>
         <translation>completa</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/estimate.py"/>
+        <source>complete but for missing imagery</source>
+        <translation>completa, salvo donde faltan imágenes</translation>
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>

@@ -222,7 +222,10 @@ def _gsd(summary: Summary, unit: str, coarser_m: float | None) -> str:
 
 def _coverage(summary: Summary, unit: str) -> str:
     if summary.complete:
-        return tr("100 % of {area}").format(area=area_text(summary.area_m2, unit))
+        text = (
+            tr("100 % of {area}, but for missing imagery") if summary.lacks_imagery else tr("100 % of {area}")
+        )
+        return text.format(area=area_text(summary.area_m2, unit))
     # Rounded down: what is not complete never reads 100.
     share = int(summary.covered_share * 1e4) / 1e2
     return tr("{share} % of {area}; {uncovered} left out").format(

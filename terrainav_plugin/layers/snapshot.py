@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import NamedTuple
 
+import numpy as np
 from qgis.core import (
     Qgis,
     QgsCoordinateReferenceSystem,
@@ -22,7 +23,7 @@ from qgis.PyQt.QtCore import Qt
 from qgis.PyQt.QtGui import QColor
 
 from ...core.errors import InvalidInput
-from ...core.geodesy.mercator import HALF_WORLD_M, PixelGrid, fitting_zoom
+from ...core.geodesy.mercator import HALF_WORLD_M, PixelGrid, extent_of_outline, fitting_zoom
 from ...core.imagery.policy import Policy
 from ..compat import attribution
 from ..i18n import tr
@@ -148,8 +149,10 @@ def title_of(name: str, project: QgsProject) -> str:
 
 def grid_of_layers(name: str, project: QgsProject) -> PixelGrid:
     """Pixel grid of a source; on the main thread. Raises InvalidInput as `layers_of`."""
-    native = max(_native_zoom(layer, project) for layer in layers_of(name, project))
-    return PixelGrid(max_zoom=max(native, _MAX_ZOOM), native_zoom=native)
+    layers = layers_of(name, project)
+    native = max(_native_zoom(layer, project) for layer in layers)
+    extent = _extent(layers[0], project) if len(layers) == 1 else None
+    return PixelGrid(max_zoom=max(native, _MAX_ZOOM), native_zoom=native, extent=extent)
 
 
 def take_snapshot(name: str, project: QgsProject) -> Snapshot:
@@ -261,6 +264,24 @@ def _mercator_m_per_px(layer: QgsRasterLayer, project: QgsProject) -> float:
     if not (0.0 < size < 2.0 * HALF_WORLD_M):
         raise InvalidInput(tr("layer {name}: its pixels have no size").format(name=layer.name()))
     return size
+
+
+def _extent(layer: QgsMapLayer, project: QgsProject) -> tuple[tuple[float, float], ...] | None:
+    """Where the imagery of a raster file ends, as world fractions; None for other layers."""
+    if not isinstance(layer, QgsRasterLayer) or layer.providerType() != FILE_PROVIDER:
+        return None
+    transform = QgsCoordinateTransform(layer.crs(), QgsCoordinateReferenceSystem(_MERCATOR), project)
+    box, middle = layer.extent(), layer.extent().center()
+    west, south, east, north = box.xMinimum(), box.yMinimum(), box.xMaximum(), box.yMaximum()
+    outline = [(west, north), (east, north), (east, south), (west, south)]
+    outline += [(middle.x(), north), (east, middle.y()), (middle.x(), south), (west, middle.y())]
+    try:
+        places = [transform.transform(x, y) for x, y in outline]
+    except QgsCsException:
+        return None
+    return extent_of_outline(
+        np.array([place.x() for place in places]), np.array([place.y() for place in places])
+    )
 
 
 def _attribution(layers: list[QgsMapLayer]) -> str:

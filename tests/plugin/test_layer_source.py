@@ -334,6 +334,21 @@ def test_raster_says_up_to_which_zoom_it_has_detail(tmp_path):
     assert source.grid.max_zoom == 22
 
 
+def test_raster_says_where_it_ends(tmp_path):
+    """By pyproj's formulas, to a millimetre; several layers together say nothing."""
+    path = tmp_path / "utm.tif"
+    west, north = utm_raster(path, 1.0, 300, (-10_000_000.0, 4_180_000.0))
+    layer = add(QgsRasterLayer(str(path), "utm", "gdal"))
+    corners = np.array(opened(source_name(layer)).grid.extent)
+    x, y = Transformer.from_crs(32616, 3857, always_xy=True).transform(
+        west + np.array([0.0, 300.0, 300.0, 0.0]), north - np.array([0.0, 0.0, 300.0, 300.0])
+    )
+    shown = (corners[:, 0] - 0.5) * 2.0 * HALF_WORLD_M, (0.5 - corners[:, 1]) * 2.0 * HALF_WORLD_M
+    assert np.abs(np.array(shown) - (x, y)).max() < 1e-3
+    add(vector_layer("Polygon", "cover", (box_wkt(*edges(WINDOW)), ())))
+    assert opened(PROJECT_SOURCE).grid.extent is None
+
+
 def test_beyond_a_raster_there_is_no_picture(tmp_path):
     path = tmp_path / "utm.tif"
     utm_raster(path, 1.0, 200, edges(WINDOW)[::3])

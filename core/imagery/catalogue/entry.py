@@ -10,7 +10,7 @@ from typing import Any
 from urllib.parse import quote
 
 from ...errors import InvalidInput
-from ...geodesy.mercator import PixelGrid
+from ...geodesy.mercator import PixelGrid, extent_of_box
 from ...resources import read_json
 from ..placeholder import Placeholder
 from ..policy import Policy
@@ -203,7 +203,10 @@ class CatalogueEntry:
         size = tile_px or self.tile_px[0]
         if size not in self.tile_px:
             raise InvalidInput(f"tiles of {size} px: {self.title} has {', '.join(map(str, self.tile_px))}")
-        return PixelGrid(size, self.min_zoom, self.max_zoom, self.native_zoom)
+        # The shipped entries' bounds are those of a country; a service's are those of its imagery.
+        ends = self.user and self.bounds_deg != WORLD_DEG
+        extent = extent_of_box(*self.bounds_deg) if ends else None
+        return PixelGrid(size, self.min_zoom, self.max_zoom, self.native_zoom, extent=extent)
 
     def serves(self, host: str) -> bool:
         """Whether a host is this provider's."""

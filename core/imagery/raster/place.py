@@ -11,7 +11,7 @@ from pyproj.enums import TransformDirection
 from pyproj.exceptions import ProjError
 
 from ...errors import InvalidInput
-from ...geodesy.mercator import HALF_WORLD_M, PixelGrid, fitting_zoom
+from ...geodesy.mercator import HALF_WORLD_M, PixelGrid, extent_of_outline, fitting_zoom
 from ...geodesy.proj_arrays import through_proj
 from ..source import Window
 from .files import Facts
@@ -24,8 +24,6 @@ _MAP = "EPSG:3857"
 _SAME_M = 1e-5
 #: Points along each side of a raster where systems are compared.
 _COMPARED = 5
-#: What sides of a raster's outline may leave their chords by, as a share of their length.
-_BEND_SHARE = 0.01
 
 
 class Place:
@@ -97,23 +95,14 @@ class Place:
         return fitting_zoom(finest / (2.0 * HALF_WORLD_M), 1.0)
 
     def extent(self) -> tuple[tuple[float, float], ...] | None:
-        """Corners of the raster as world fractions; None where they are not what its outline on the map is like.
-
-        That is where a corner lies beyond the map, or a side's middle farther from its chord than a little: sides of
-        a few kilometres in UTM leave theirs by decimetres, those of a raster about a pole by themselves.
-        """
+        """Corners of the raster as world fractions; None where they do not tell its outline (`extent_of_outline`)."""
         width, height = float(self._width), float(self._height)
-        x, y = self._on_map(
-            np.array([0.0, width, width, 0.0, width / 2.0, width, width / 2.0, 0.0]),
-            np.array([0.0, 0.0, height, height, 0.0, height / 2.0, height, height / 2.0]),
+        return extent_of_outline(
+            *self._on_map(
+                np.array([0.0, width, width, 0.0, width / 2.0, width, width / 2.0, 0.0]),
+                np.array([0.0, 0.0, height, height, 0.0, height / 2.0, height, height / 2.0]),
+            )
         )
-        with np.errstate(invalid="ignore"):
-            u, v = 0.5 + x / (2.0 * HALF_WORLD_M), 0.5 - y / (2.0 * HALF_WORLD_M)
-            u = u[0] + (u - u[0]) - np.rint(u - u[0]) * (np.abs(u - u[0]) > 0.5)
-            bend = np.hypot(*(side[4:] - (side[:4] + np.roll(side[:4], -1)) / 2.0 for side in (u, v)))
-            long_ = np.hypot(*(np.roll(side[:4], -1) - side[:4] for side in (u, v)))
-            like = bend <= _BEND_SHARE * long_
-        return tuple(zip(u[:4].tolist(), v[:4].tolist())) if like.all() else None
 
     def positions(self, window: Window, grid: PixelGrid) -> tuple[Floats, Floats]:
         """Columns and rows of the raster at the centres of a window's pixels and of one more around them.

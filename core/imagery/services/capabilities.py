@@ -5,14 +5,14 @@ from __future__ import annotations
 import html
 import os
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
 from urllib.parse import parse_qsl, quote, quote_plus, urlencode, urlsplit, urlunsplit
 
 from ...errors import InvalidInput, PartError, SourceError, TerrAInavError
-from ..catalogue.entry import KEY_ENV
+from ..catalogue.entry import KEY_ENV, WORLD_DEG
 from ..client import Client, first_words
 from ..policy import Policy
 from ..requests_transport import RequestsTransport
@@ -269,3 +269,17 @@ def one_line(text: str | None) -> str:
     plain = re.sub(r"<[^>]*>", " ", text or "")
     plain = " ".join("".join(one if one.isprintable() else " " for one in plain).split())
     return plain if len(plain) <= _WORDS_CHARACTERS else plain[: _WORDS_CHARACTERS - 1] + "…"
+
+
+def bounds_of(layers: Iterable[Any]) -> tuple[float, float, float, float]:
+    """West, south, east, north in degrees of all that layers say to show; the world where one does not say it."""
+    boxes = []
+    for layer in layers:
+        box = getattr(layer, "boundingBoxWGS84", None)
+        if not box:
+            return WORLD_DEG
+        boxes.append(tuple(map(float, box)))
+    wests, souths, easts, norths = zip(*boxes)
+    west, south, east, north = min(wests), min(souths), max(easts), max(norths)
+    sound = -180.0 <= west < east <= 180.0 and -90.0 <= south < north <= 90.0
+    return (west, south, east, north) if sound else WORLD_DEG

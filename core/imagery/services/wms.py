@@ -12,11 +12,21 @@ from urllib.parse import urljoin
 from ...errors import InvalidInput
 from ...geodesy.mercator import HALF_WORLD_M
 from ..catalogue.dates import Dates, dates_of_dimension
-from ..catalogue.entry import KEY_ENV, WORLD_DEG, CatalogueEntry
+from ..catalogue.entry import KEY_ENV, CatalogueEntry
 from ..catalogue.user_sources import DEFAULT_MAX_ZOOM
 from ..placeholder import Placeholder
 from ..template import BBOX
-from .capabilities import NAMED, Document, Offered, chosen_format, chosen_one, credit_of, one_line, policy_of
+from .capabilities import (
+    NAMED,
+    Document,
+    Offered,
+    bounds_of,
+    chosen_format,
+    chosen_one,
+    credit_of,
+    one_line,
+    policy_of,
+)
 from .wmts import with_query
 
 VERSIONS = ("1.3.0", "1.1.1")
@@ -81,7 +91,7 @@ def wms_entry(name: str, document: Document, tile_px: int) -> CatalogueEntry:
         policy=policy_of(service.identification),
         placeholder=Placeholder(),
         key_env=KEY_ENV if "{key}" in url else None,
-        bounds_deg=WORLD_DEG,
+        bounds_deg=bounds_of(layers),
         user=True,
     )
 

@@ -17,6 +17,7 @@ from .capabilities import (
     NAMED,
     Document,
     Offered,
+    bounds_of,
     chosen_format,
     chosen_one,
     credit_of,
@@ -89,6 +90,7 @@ def wmts_entry(name: str, document: Document) -> CatalogueEntry:
         policy=policy_of(getattr(service, "identification", None)),
         placeholder=Placeholder(),
         key_env=KEY_ENV if "{key}" in url else None,
+        bounds_deg=bounds_of([layer]),
         levels=tuple((zoom, levels[zoom]) for zoom in zooms if levels[zoom] != str(zoom)),
         user=True,
     )

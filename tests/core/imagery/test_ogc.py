@@ -10,6 +10,7 @@ import warnings
 import numpy as np
 import pytest
 from terrainav.core.errors import InvalidInput, PartError, SourceError
+from terrainav.core.geodesy.mercator import extent_of_box
 from terrainav.core.imagery.opening import open_source
 from terrainav.core.imagery.services.ogc import layers, service_entry
 from terrainav.core.imagery.source import Window
@@ -496,3 +497,23 @@ def test_ground_without_imagery_is_transparent_and_stays_so(server):
     assert (tile[:, :128, 3] == 255).all()
     assert (tile[:, 128:, 3] == 0).all()
     source.close()
+
+
+def test_a_service_says_where_its_imagery_ends(server):
+    """The box of a layer, of several layers together, or none that makes sense."""
+    crs = "<CRS>EPSG:3857</CRS>"
+
+    def layer(name, west, east):
+        box = (
+            f"<westBoundLongitude>{west}</westBoundLongitude><eastBoundLongitude>{east}</eastBoundLongitude>"
+        )
+        box += "<southBoundLatitude>45.8</southBoundLatitude><northBoundLatitude>47.9</northBoundLatitude>"
+        box = f"<EX_GeographicBoundingBox>{box}</EX_GeographicBoundingBox>"
+        return f"<Layer><Name>{name}</Name><Title>{name}</Title>{crs}{box}</Layer>"
+
+    layers = layer("west", 5.9, 8.0) + layer("east", 8.0, 10.5) + layer("wrong", 20.0, 10.0)
+    body = wms_document("1.3.0", f"{server.url}/wms", f"<Layer><Title>All</Title>{crs}{layers}</Layer>")
+    server.answer = lambda *_: xml(body)
+    name = f"wms:{server.url}/wms#layers="
+    assert service_entry(name + "west,east").grid().extent == extent_of_box(5.9, 45.8, 10.5, 47.9)
+    assert service_entry(name + "wrong").grid().extent is None

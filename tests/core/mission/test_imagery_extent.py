@@ -85,6 +85,7 @@ def test_images_beyond_the_imagery_are_told_to_people_and_scripts():
     assert summary.complete
     assert summary.imagery_share == pytest.approx(0.5)
     assert summary.images_outside > 0 < summary.images_partly_outside
+    assert dict(summary.lines())["coverage"] == "100 % (complete but for missing imagery)"
     assert dict(summary.lines())["imagery"] == "the source has imagery of 50 % of the area"
     (text,) = summary.warnings
     assert f"{summary.images_outside} lie outside the source's imagery" in text
