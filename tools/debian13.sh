@@ -72,6 +72,8 @@ exec unshare --mount --pid --fork --kill-child bash -euo pipefail -c '
         bash -euo pipefail -c '\''
             cd "$1" && shift
             limit=$1 && shift
+            # The package is made of a commit.
+            git init --quiet && git add --all && git -c user.name=- -c user.email=- commit --quiet --message copy
             bash tools/setup.sh plugin-tests
             make --silent translations
             dpkg-query --show --showformat="\${Package} \${Version}\n" qgis python3 python3-numpy >&2

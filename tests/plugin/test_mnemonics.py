@@ -16,7 +16,7 @@ IN_THE_PANEL = {
     "Camera": "A",
     "Field of view": "I",
     "Aspect ratio": "T",
-    "Longest side": "N",
+    "Image's longer side": "N",
     "Height above ground": "U",
     "Ground per px": "G",
     "Layout": "Y",
