@@ -70,8 +70,13 @@ class Endings:
             self._show(lambda: place_mosaics(self._workflow.project, run.task.mosaics))
         # Layers that are not shown go away here: they keep their files open, and a run stays listed for long.
         run.task.opened = None
-        self._say(run, is_open)
-        self._tell_repeated(run)
+        # What comes last lies on top: failures before all, else what the user may want to look into.
+        if run.task.failed or (run.result is not None and run.result.failed):
+            self._tell_repeated(run)
+            self._say(run, is_open)
+        else:
+            self._say(run, is_open)
+            self._tell_repeated(run)
 
     def _project_closed(self) -> None:
         self._projects_closed += 1

@@ -216,13 +216,14 @@ def _run(request, told):
 
 def _hurry():
     """Let every attempt at a request end soon, and be the only one."""
-    from terrainav.core.imagery import client, transport
+    from terrainav.core.imagery import client, requests_transport, transport
 
     client.Client.__init__.__kwdefaults__["tries"] = 1
     transport.Timeouts.__new__.__defaults__ = soon = (5.0, 0.3, 0.6)
-    defaults = transport.RequestsTransport.__init__.__defaults__
-    transport.RequestsTransport.__init__.__defaults__ = tuple(
-        transport.Timeouts(*soon) if isinstance(value, transport.Timeouts) else value for value in defaults
+    ours = requests_transport.RequestsTransport
+    ours.__init__.__defaults__ = tuple(
+        transport.Timeouts(*soon) if isinstance(value, transport.Timeouts) else value
+        for value in ours.__init__.__defaults__
     )
 
 
