@@ -11,7 +11,10 @@ from typing import TYPE_CHECKING
 from ..errors import InvalidInput, PartError
 
 if TYPE_CHECKING:
-    from .source import Pixels
+    import numpy as np
+    from numpy.typing import NDArray
+
+    Pixels = NDArray[np.uint8]
 
 #: Why a picture fails that needs a placeholder.
 PLACEHOLDER_REASON = "no imagery here: the provider's placeholder picture"
