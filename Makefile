@@ -5,7 +5,7 @@
 QGIS_PYTHON := /usr/bin/python3
 PYTHON := .venv/bin/python
 # Seconds after which a run inside QGIS is stopped, with the stacks of all threads printed.
-PLUGIN_TIMEOUT := 1200
+PLUGIN_TIMEOUT := 2400
 DEMO_TIMEOUT := 1200
 
 help:  ## show this list

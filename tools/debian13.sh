@@ -22,7 +22,7 @@ SYSTEM=${TERRAINAV_SYSTEMS:-${XDG_CACHE_HOME:-$HOME/.cache}/terrainav}/debian-13
 MIRROR=http://deb.debian.org/debian
 PLACE=/root/terrainav
 # Longer than the tests' own limit, as the system may be new and its caches are cold.
-LIMIT_S=${TERRAINAV_LIMIT_S:-1800}
+LIMIT_S=${TERRAINAV_LIMIT_S:-2700}
 
 if [[ $(id -u) -ne 0 ]]; then
     say "a system of its own can only be made and entered by root; run this as root"
