@@ -7,9 +7,11 @@ one request a line from its input and answers with one line each; both are JSON.
 from __future__ import annotations
 
 import contextlib
+import importlib
 import json
 import logging
 import os
+import pkgutil
 import signal
 import subprocess
 import sys
@@ -249,8 +251,20 @@ def _limit(request):
     if request.get("largest_file_bytes") is not None:
         resource.setrlimit(resource.RLIMIT_FSIZE, (request["largest_file_bytes"],) * 2)
     if request.get("user") is not None:
+        load_core()
         os.setgid(request["user"])
         os.setuid(request["user"])
+
+
+def load_core():
+    """Import all of the core: another user may not read the folder that it is imported from when it is used."""
+    import terrainav.core
+
+    for found in pkgutil.walk_packages(terrainav.core.__path__, "terrainav.core."):
+        # What needs a package that is not there is used by no other.
+        if not found.name.endswith("__main__"):
+            with contextlib.suppress(ImportError):
+                importlib.import_module(found.name)
 
 
 def _closing(source, folder, after):

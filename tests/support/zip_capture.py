@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pyplugin_installer
 import qgis.utils
-from qgis.core import QgsProject
+from qgis.core import QgsApplication, QgsProject
 from qgis.PyQt.QtCore import QEventLoop, QTimer
 
 PATIENCE_MS = 120_000
@@ -35,7 +35,7 @@ def main(archive, folder):
     pyplugin_installer.instance().installFromZipFile(archive)
     if "terrainav" not in qgis.utils.plugins:
         return "the plugin was not loaded"
-    plugins = Path(qgis.utils.home_plugin_path)
+    plugins = Path(QgsApplication.qgisSettingsDirPath()) / "python" / "plugins"
     if not Path(sys.modules["terrainav"].__file__).is_relative_to(plugins / "terrainav"):
         return f"the plugin came from {sys.modules['terrainav'].__file__}"
     workflow = qgis.utils.plugins["terrainav"].workflow

@@ -273,7 +273,7 @@ def test_a_folder_that_is_read_only(server, cache, content):
     for path in list(cache.folder.parents)[:3]:
         path.chmod(path.stat().st_mode | 0o055)
     # Root may write everywhere.
-    before = f"import os; os.getuid() or os.setuid({others})"
+    before = f"import os; from tests.support.forks import load_core; load_core(); os.getuid() or os.setuid({others})"
     program = other_program(server, cache.folder, (0, TILES), before=before)
     out, err = program.communicate(timeout=60)
     assert out == "done\n"
