@@ -1,4 +1,4 @@
-"""Captures in processes that can be killed, or that a limit or another user's rights are set on.
+"""Captures in processes that can be killed, or that a limit or an ordinary user's rights are set on.
 
 A process that has everything imported forks one child a run, so that a run costs what a capture costs. The driver reads
 one request a line from its input and answers with one line each; both are JSON.
@@ -7,11 +7,9 @@ one request a line from its input and answers with one line each; both are JSON.
 from __future__ import annotations
 
 import contextlib
-import importlib
 import json
 import logging
 import os
-import pkgutil
 import signal
 import subprocess
 import sys
@@ -248,23 +246,12 @@ def _kill_at(folder, at, told):
 def _limit(request):
     import resource
 
+    from tests.support.rights import obey_permissions
+
     if request.get("largest_file_bytes") is not None:
         resource.setrlimit(resource.RLIMIT_FSIZE, (request["largest_file_bytes"],) * 2)
-    if request.get("user") is not None:
-        load_core()
-        os.setgid(request["user"])
-        os.setuid(request["user"])
-
-
-def load_core():
-    """Import all of the core: another user may not read the folder that it is imported from when it is used."""
-    import terrainav.core
-
-    for found in pkgutil.walk_packages(terrainav.core.__path__, "terrainav.core."):
-        # What needs a package that is not there is used by no other.
-        if not found.name.endswith("__main__"):
-            with contextlib.suppress(ImportError):
-                importlib.import_module(found.name)
+    if request.get("obeys_permissions"):
+        obey_permissions()
 
 
 def _closing(source, folder, after):

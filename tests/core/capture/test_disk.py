@@ -19,7 +19,6 @@ from tests.support.forks import Driver
 pytestmark = pytest.mark.skipif(not hasattr(os, "fork"), reason="this system sets no limits on processes")
 
 MISSION = Mission(AREA, 120.0, map_types=("satellite", "roadmap"), overlap_along=0.1, image_format="jpg")
-NOBODY = 65534
 AS_ROOT = hasattr(os, "getuid") and os.getuid() == 0
 
 
@@ -120,19 +119,15 @@ def test_a_folder_that_turns_read_only_ends_in_a_clear_message_and_is_resumed(
 ):
     folder = open_folder / "out"
     folder.mkdir()
-    user = None
-    if AS_ROOT:
-        # Root writes where nobody may.
-        user = NOBODY
-        os.chown(folder, NOBODY, NOBODY)
-    outcome = driver.run(mission=MISSION.to_json(), folder=str(folder), user=user, closes_after=closes_after)
+    job = {"mission": MISSION.to_json(), "folder": str(folder), "obeys_permissions": True}
+    outcome = driver.run(**job, closes_after=closes_after)
     check_message(outcome, folder, "Permission denied")
     check_interrupted(folder, whole)
-    outcome = driver.run(mission=MISSION.to_json(), folder=str(folder), user=user)
+    outcome = driver.run(**job)
     assert outcome["code"] == 3, "a folder that stays closed"
     for path in (folder, *(path for path in folder.iterdir() if path.is_dir())):
         path.chmod(0o755)
-    assert driver.run(mission=MISSION.to_json(), folder=str(folder), user=user)["code"] == 0
+    assert driver.run(**job)["code"] == 0
     assert contents(folder) == whole
 
 
