@@ -25,14 +25,19 @@ class StageError(Exception):
 
 def wait(what: str, condition: Callable[[], bool]) -> None:
     """Let the application run until ``condition`` holds."""
-    loop, timer, started = QEventLoop(), QTimer(), time.monotonic()
-    timer.timeout.connect(
-        lambda: loop.quit() if condition() or time.monotonic() - started > PATIENCE_S else None
-    )
+    loop, timer, started, held = QEventLoop(), QTimer(), time.monotonic(), [False]
+
+    def look() -> None:
+        # Once is enough: the map, for one, may be drawn again before anybody asks a second time.
+        held[0] = condition()
+        if held[0] or time.monotonic() - started > PATIENCE_S:
+            loop.quit()
+
+    timer.timeout.connect(look)
     timer.start(POLL_MS)
     loop.exec()
     timer.stop()
-    if not condition():
+    if not held[0]:
         raise StageError(f"{what}: nothing after {PATIENCE_S} s")
 
 
