@@ -112,8 +112,9 @@ class Tiles:
 
     def close(self) -> None:
         """End what is asked for; it raises `Cancelled`."""
+        # First, and without the lock: a service that is being asked for its capabilities holds that.
+        self._transport.close()
         with self._lock:
-            self._transport.close()
             if self._opened is not None:
                 self._opened.close()
 
@@ -162,8 +163,7 @@ def tiles_of(layer: QgsRasterLayer, copy: QgsRasterLayer) -> Tiles | None:
         return None
     connection, service = told
     if not service:
-        entry = connection.entry()
-        return Tiles(copy, lambda: entry, connection) if _is_power_of_two(entry.grid().scale) else None
+        return Tiles(copy, connection.entry, connection)
     tiles = Tiles(copy, lambda: _of_service(service, tiles), connection)
     return tiles
 
@@ -213,10 +213,6 @@ def _of_service(name: str, tiles: Tiles) -> CatalogueEntry:
     from ...core.imagery.services.ogc import service_entry
 
     return service_entry(name, key=tiles._connection.key or None, transport=tiles._transport)  # noqa: SLF001
-
-
-def _is_power_of_two(number: int) -> bool:
-    return number & (number - 1) == 0
 
 
 def _premultiplied(pixels: Pixels) -> Pixels:
