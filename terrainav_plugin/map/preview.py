@@ -62,6 +62,8 @@ class Preview(QObject):
         self._drawing: Drawing | None = None
         #: What each layer holds, so that the same is not put there again.
         self._held: dict[str, list[QgsFeature]] = {}
+        #: Layers that were changed while the map was being drawn.
+        self._overdrawn: set[str] = set()
         self._pieces: Iterator[None] | None = None
         self._filling = False
         self._scene: Scene | None = None
@@ -84,6 +86,7 @@ class Preview(QObject):
         )
         for moved in self._moves:
             moved.connect(self._follow)
+        canvas.mapCanvasRefreshed.connect(self._paint_again)
 
     @property
     def shown(self) -> bool:
@@ -143,6 +146,7 @@ class Preview(QObject):
         """End for good: nothing of the preview, no thread and no connection is left."""
         for moved in self._moves:
             moved.disconnect(self._follow)
+        self._canvas.mapCanvasRefreshed.disconnect(self._paint_again)
         self._project.layersRemoved.disconnect(self._forget)
         self._project.layerTreeRoot().visibilityChanged.disconnect(self._look_at_visibility)
         self.remove()
@@ -268,6 +272,20 @@ class Preview(QObject):
             else:
                 layer.updateExtents()
             layer.triggerRepaint()
+        if self._canvas.isDrawing():
+            self._overdrawn.update(roles)
+
+    def _paint_again(self) -> None:
+        """Have layers drawn once more that were changed under a running drawing.
+
+        That drawing shows what they held before, and QGIS may keep its images for the next one, which the change
+        had asked for: the old state would then stay on the map.
+        """
+        roles, self._overdrawn = self._overdrawn, set()
+        for role in roles:
+            layer = self.layer(role)
+            if layer is not None:
+                layer.triggerRepaint()
 
     # --- layers
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import threading
 import time
 from xml.etree import ElementTree as ET
 
@@ -14,13 +15,19 @@ from qgis.core import (
     QgsDateTimeRange,
     QgsExpression,
     QgsExpressionContext,
+    QgsExpressionFunction,
+    QgsFeature,
+    QgsGeometry,
+    QgsMarkerSymbol,
     QgsPointXY,
     QgsProject,
     QgsRectangle,
+    QgsRuleBasedRenderer,
     QgsSingleSymbolRenderer,
     QgsTemporalNavigationObject,
     QgsTemporalUtils,
     QgsVectorDataProvider,
+    QgsVectorLayer,
     QgsVectorLayerTemporalContext,
 )
 from qgis.gui import QgsMapToolPan
@@ -542,7 +549,11 @@ def painted(map_):
     """Share of the map's pixels that are not its background."""
     map_.canvas.refreshAllLayers()
     map_.canvas.waitWhileRendering()
-    image = map_.canvas.grab().toImage()
+    return share_painted(map_.canvas)
+
+
+def share_painted(canvas):
+    image = canvas.grab().toImage()
     background = QColor("white").rgb()
     spots = [(x, y) for x in range(0, image.width(), 3) for y in range(0, image.height(), 3)]
     return sum(image.pixel(x, y) != background for x, y in spots) / len(spots)
@@ -649,6 +660,72 @@ def test_features_come_in_steps_and_are_shown_at_once(map_, monkeypatch):
     # The first step is taken when the features come, each of the others in a turn of the event loop of its own.
     assert len({turn for turn, _ in steps}) == len(steps) - 1
     assert repainted == [(role, len(steps)) for role in ("area", "centres", "flight", "footprints")]
+
+
+@pytest.fixture
+def held_up(map_):
+    """A layer whose drawing lasts until it is let go: two events, of its having begun and of its leave to end."""
+    begun, leave = threading.Event(), threading.Event()
+
+    class Hold(QgsExpressionFunction):
+        def __init__(self):
+            super().__init__("terrainav_hold", 0, "tests")
+
+        def func(self, values, context, parent, node):
+            begun.set()
+            leave.wait(PATIENCE_MS / 1000.0)
+            return True
+
+        def isStatic(self, node, parent, context):
+            return False
+
+    hold = Hold()
+    assert QgsExpression.registerFunction(hold)
+    layer = QgsVectorLayer("Point?crs=EPSG:3857", "held up", "memory")
+    layer.setRenderer(QgsRuleBasedRenderer(QgsMarkerSymbol.createSimple({"size": "0.1"})))
+    layer.renderer().rootRule().children()[0].setFilterExpression("terrainav_hold()")
+
+    def add():
+        begun.clear()
+        map_.canvas.clearCache()
+        feature = QgsFeature()
+        feature.setGeometry(QgsGeometry.fromPointXY(map_.canvas.extent().center()))
+        layer.dataProvider().addFeatures([feature])
+        map_.project.addMapLayer(layer)
+        map_.qtbot.waitUntil(begun.is_set, timeout=PATIENCE_MS)
+
+    yield add, leave
+    leave.set()
+    map_.canvas.waitWhileRendering()
+    map_.project.removeMapLayer(layer.id())
+    QgsExpression.unregisterFunction("terrainav_hold")
+
+
+def test_change_under_a_running_drawing_comes_to_the_map(map_, held_up, monkeypatch):
+    map_.show(MIDDLE)
+    assert map_.counts()["density"] > 0
+    assert painted(map_) > 0.5
+    add, leave = held_up
+    add()
+    map_.qtbot.wait(300)  # the preview's own layers are drawn now; the map waits for the last one
+    repaint = map_.preview._repaint
+
+    def end_before_the_next_begins(*arguments):
+        # First all layers are drawn, then their labels; of each end QGIS hears in a turn of the event loop.
+        leave.set()
+        time.sleep(0.3)
+        QApplication.processEvents()
+        repaint(*arguments)
+        time.sleep(0.3)
+
+    monkeypatch.setattr(map_.preview, "_repaint", end_before_the_next_begins)
+    mission = Mission(area=SMALL, agl_m=120.0)
+    map_.preview.show(map_.group, mission, plan(mission, grid_of(mission)))
+    map_.wait()
+    assert map_.counts()["density"] == 0
+    map_.qtbot.wait(300)
+    map_.canvas.waitWhileRendering()
+    assert share_painted(map_.canvas) < 0.2
 
 
 def test_view_left_while_it_is_filled_leaves_no_half_of_it(map_):
