@@ -3,8 +3,9 @@
     python benchmarks/loaders.py            # writes docs/loaders.md
     python benchmarks/loaders.py --folder OUT --map-type satellite
 
-Without a folder, a part of the paper's Agricenter box is captured from the embedded world. All loaders take the same
-images in turns within one run, after a round to warm up in which workers start. Takes about two minutes on two cores.
+Without a folder, a part of the paper's Agricenter box is captured from the embedded world, in the pixels that
+docs/datasets.md takes for a training. All loaders take the same images in turns within one run, after a round to warm
+up in which workers start. Takes about two minutes on two cores.
 """
 
 from __future__ import annotations
@@ -33,7 +34,7 @@ from terrainav.core.report.machine import machine, versions
 from terrainav.core.report.timing import Effort, timed_together
 
 ROOT = Path(__file__).resolve().parents[1]
-BOX, AGL_M = Box(35.160, -89.900, 35.150, -89.888), 120.0
+BOX, AGL_M, ZOOM = Box(35.160, -89.900, 35.150, -89.888), 120.0, 18
 SIZE, BATCH = (224, 224, 3), 8
 EFFORT = Effort(5, 15, 4.0)
 WORKERS = 2
@@ -43,7 +44,7 @@ def captured(folder: Path, image_format: str) -> Path:
     """Capture the mission as files of a format; returns its folder."""
     source = open_source("world")
     target = folder / image_format
-    capture(plan(Mission(BOX, AGL_M, image_format=image_format), source.grid), source, target)
+    capture(plan(Mission(BOX, AGL_M, zoom=ZOOM, image_format=image_format), source.grid), source, target)
     return target
 
 
@@ -166,15 +167,19 @@ def page(sections: Sequence[str]) -> str:
     import keras
     import torch
 
+    told += f", torch {torch.__version__}, Keras {keras.__version__}"
+    if hasattr(os, "getloadavg"):
+        told += f"; load average {os.getloadavg()[0]:.1f}"
     return "\n".join(
         [
             "# Loaders",
             "",
-            f"Made by `python benchmarks/loaders.py` on {told}, torch {torch.__version__}, Keras {keras.__version__}.",
+            f"Made by `python benchmarks/loaders.py` on {told}.",
             f"Images become {SIZE[0]} x {SIZE[1]} px with {SIZE[2]} channels in batches of {BATCH}, float32 if nothing",
             "else is said; files are in the system's cache. All loaders take turns in one run; rates are of the median",
             "round. The plain loop is what one would write with Pillow and numpy by hand, in one thread, with neither",
-            "labels nor augmentation. Augmented images are turned, mirrored and zoomed.",
+            "labels nor augmentation. Augmented images are turned, mirrored and zoomed. The images are such as",
+            "[Datasets](datasets.md) captures for a training, with `--zoom 18`.",
             "",
             *sections,
         ]
