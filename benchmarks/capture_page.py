@@ -28,7 +28,7 @@ HEAD = """\
 
 Made by `python benchmarks/capture_rate.py` on {machine}. A tile server in another process takes {latency:.0f} ms for
 each request and {connect:.0f} ms more for each new connection; tiles are JPEGs of {kb:.1f} kB; pictures are about
-646 x 484 px at zoom 19 with 25 % overlap. All programs write to {disk}.
+646 x 487 px at zoom 19 with 25 % overlap. All programs write to {disk}.{load}
 
 ![Time of each program beside the floor](images/capture_rate.png)"""
 FLOOR = """\
@@ -81,6 +81,7 @@ def page(found: Row) -> str:
             connect=connect_s * 1e3,
             kb=terms.tile_bytes / 1e3,
             disk=found["disk"],
+            load=found["load"],
         ),
         FLOOR.format(
             request=terms.request_s * 1e3,
@@ -148,13 +149,12 @@ def _compared_table(rows: list[Row]) -> str:
 
 def _memory_table(rows: list[Row]) -> str:
     return table(
-        "columns x rows | pictures | tile requests | wall s | peak MB",
+        "columns x rows | pictures | tile requests | peak MB",
         [
             [
                 row["shape"],
                 f"{row['pictures']}",
                 str(row["requests"]),
-                f"{row['wall_s']:.1f}",
                 f"{row['peak_mb']:.0f}",
             ]
             for row in rows
