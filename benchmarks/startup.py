@@ -192,6 +192,7 @@ def _page(cold: list[dict[str, dict[str, object]]], warm: list[dict[str, dict[st
         f"Modules of others that nothing has loaded before: {', '.join(others) or 'none'}.",
         "",
         *(f"- {name}: {value}" for name, value in machine()),
+        f"- load average: {os.getloadavg()[0]:.1f}",
         "",
     ]
     return "\n".join(lines)
