@@ -114,14 +114,44 @@ class Ellipsoid:
         float
             Square metres, never negative.
         """
+        corners = np.asarray(lon_deg, np.float64), np.asarray(lat_deg, np.float64)
+        return float(self.ring_areas_m2(*corners, np.zeros(len(corners[0]), np.int64), 1)[0])
+
+    def ring_areas_m2(self, lon_deg: Floats, lat_deg: Floats, ring: NDArray[np.int64], count: int) -> Floats:
+        """Ground inside each of many rings, as `ring_area_m2` gives it.
+
+        Parameters
+        ----------
+        lon_deg, lat_deg : array (n,), degrees
+            Vertices of all rings, one ring after the other.
+        ring : array (n,)
+            Number of the ring that each belongs to, ascending.
+        count : int
+            Number of rings; those without vertices have no area.
+
+        Returns
+        -------
+        array (count,)
+            Square metres, never negative.
+        """
         nodes, weights = gauss_legendre(_QUADRATURE_NODES)
-        lon = np.asarray(lon_deg, np.float64) - float(np.mean(lon_deg))
-        lat = np.asarray(lat_deg, np.float64)
-        half_lon = (np.roll(lon, -1) - lon)[:, np.newaxis] / 2.0
-        half_lat = (np.roll(lat, -1) - lat)[:, np.newaxis] / 2.0
+        middle = np.bincount(ring, lon_deg, count) / np.maximum(np.bincount(ring, minlength=count), 1)
+        lon, lat = lon_deg - middle[ring], lat_deg
+        following = next_corners(ring)
+        half_lon = (lon[following] - lon)[:, np.newaxis] / 2.0
+        half_lat = (lat[following] - lat)[:, np.newaxis] / 2.0
         along_lon = lon[:, np.newaxis] + half_lon * (1.0 + nodes)
         along_lat = lat[:, np.newaxis] + half_lat * (1.0 + nodes)
-        return abs(float(np.sum(along_lon * self.area_density_m2(along_lat) * weights * half_lat)))
+        below = np.sum(along_lon * self.area_density_m2(along_lat) * weights * half_lat, axis=1)
+        return np.abs(np.bincount(ring, below, count))
+
+
+def next_corners(ring: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Index of the corner after each one, of rings one after the other; ``ring`` (n,) numbers each corner's own."""
+    following = np.arange(1, len(ring) + 1)
+    last = np.append(ring[1:] != ring[:-1], True)[: len(ring)]
+    following[last] = np.flatnonzero(np.append(True, last[:-1])[: len(ring)])
+    return following
 
 
 #: EPSG:7030.

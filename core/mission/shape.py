@@ -2,16 +2,24 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator
 from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..geodesy.ellipsoid import WGS84
+from ..geodesy.ellipsoid import WGS84, next_corners
 from ..geodesy.mercator import v_to_lat
 from .area import Box, Polygon
 
 Floats = NDArray[np.float64]
+Numbers = NDArray[np.int64]
+Flags = NDArray[np.bool_]
+#: Start longitude, start latitude, end longitude, end latitude of each edge.
+Edges = tuple[Floats, Floats, Floats, Floats]
+
+#: Pairs of a rectangle and a corner of a polygon looked at in one go, to bound memory: 13 MB for areas.
+_CHUNK = 100_000
 
 
 class Rings(Protocol):
@@ -22,7 +30,7 @@ class Rings(Protocol):
         ...
 
 
-def sides_of(polygon: Rings) -> tuple[Floats, Floats, Floats, Floats]:
+def sides_of(polygon: Rings) -> Edges:
     """Start longitude, start latitude, end longitude, end latitude of every side of every ring."""
     rings = polygon.arrays()
     lon0, lat0 = (np.concatenate(parts) for parts in zip(*rings))
@@ -30,13 +38,28 @@ def sides_of(polygon: Rings) -> tuple[Floats, Floats, Floats, Floats]:
     return lon0, lat0, lon1, lat1
 
 
-def in_band(
-    edges: tuple[Floats, Floats, Floats, Floats], south: float, north: float
-) -> tuple[Floats, Floats]:
+def in_band(edges: Edges, south: float, north: float) -> tuple[Floats, Floats]:
     """Least and greatest longitude of what each edge has strictly between two parallels; others left out."""
+    inside = _reach_into(edges, south, north)
+    return _between(_picked(edges, inside), south, north)
+
+
+def _picked(edges: Edges, which: Flags | Numbers) -> Edges:
+    """Some of the edges."""
+    lon0, lat0, lon1, lat1 = (part[which] for part in edges)
+    return lon0, lat0, lon1, lat1
+
+
+def _reach_into(edges: Edges, south: Floats | float, north: Floats | float) -> Flags:
+    """Which edges have something strictly between two parallels."""
+    _, lat0, _, lat1 = edges
+    reach: Flags = (np.maximum(lat0, lat1) > south) & (np.minimum(lat0, lat1) < north)
+    return reach
+
+
+def _between(edges: Edges, south: Floats | float, north: Floats | float) -> tuple[Floats, Floats]:
+    """Least and greatest longitude of what each edge has between two parallels that it reaches into."""
     lon0, lat0, lon1, lat1 = edges
-    inside = (np.maximum(lat0, lat1) > south) & (np.minimum(lat0, lat1) < north)
-    lon0, lat0, lon1, lat1 = (part[inside] for part in edges)
     rise = np.where(lat1 == lat0, 1.0, lat1 - lat0)
     slope = (lon1 - lon0) / rise
     ends = []
@@ -70,7 +93,7 @@ def row_spans(area: Box | Polygon, top_v: Floats, bottom_v: Floats) -> Floats:
     return spans
 
 
-def touching(polygon: Rings, west: Floats, south: Floats, east: Floats, north: Floats) -> NDArray[np.bool_]:
+def touching(polygon: Rings, west: Floats, south: Floats, east: Floats, north: Floats) -> Flags:
     """Which rectangles of degrees share ground with a polygon (n,); longitudes continuous with it.
 
     Rectangles of one row (equal south and north, one after the other) are looked at together.
@@ -91,45 +114,103 @@ def touching(polygon: Rings, west: Floats, south: Floats, east: Floats, north: F
     return touches
 
 
-def _crossings(edges: tuple[Floats, Floats, Floats, Floats], lat: float) -> Floats:
+def _crossings(edges: Edges, lat: float) -> Floats:
     """Sorted longitudes where a parallel crosses the polygon's edges."""
-    lon0, lat0, lon1, lat1 = edges
+    _, lat0, _, lat1 = edges
     cross = (lat0 <= lat) != (lat1 <= lat)
-    lon0, lat0, lon1, lat1 = (part[cross] for part in edges)
-    return np.sort(lon0 + (lat - lat0) * (lon1 - lon0) / (lat1 - lat0))
+    return np.sort(_crossing(_picked(edges, cross), lat))
+
+
+def _crossing(edges: Edges, lat: Floats | float) -> Floats:
+    """Longitude where a parallel crosses each edge."""
+    lon0, lat0, lon1, lat1 = edges
+    lon: Floats = lon0 + (lat - lat0) * (lon1 - lon0) / (lat1 - lat0)
+    return lon
+
+
+def crossed_and_held(
+    polygon: Rings, west: Floats, south: Floats, east: Floats, north: Floats
+) -> tuple[Flags, Flags]:
+    """Which rectangles an edge of a polygon passes through, and of which the middle is inside it, (n,) each.
+
+    One of the two holds where `touching` does. This is for rectangles that lie in no rows.
+    """
+    edges = sides_of(polygon)
+    crossed, held = np.zeros((2, len(west)), bool)
+    for some in _parts(len(west), len(edges[0])):
+        low, high = south[some, np.newaxis], north[some, np.newaxis]
+        middle = (low + high) / 2.0
+        at, edge = np.nonzero(_reach_into(edges, low, high))
+        least, greatest = _between(_picked(edges, edge), low[at, 0], high[at, 0])
+        meets = (greatest > west[some][at]) & (least < east[some][at])
+        crossed[some] = np.bincount(at[meets], minlength=len(low)) > 0
+        at, edge = np.nonzero((edges[1] <= middle) != (edges[3] <= middle))
+        before = _crossing(_picked(edges, edge), middle[at, 0]) < ((west + east) / 2.0)[some][at]
+        held[some] = np.bincount(at[before], minlength=len(low)) % 2 == 1
+    return crossed, held
+
+
+def _parts(count: int, each: int) -> Iterator[slice]:
+    """Parts of so many values that each take so many numbers."""
+    step = max(_CHUNK // each, 1)
+    return (slice(start, start + step) for start in range(0, count, step))
 
 
 def area_within_m2(area: Box | Polygon, west: Floats, south: Floats, east: Floats, north: Floats) -> Floats:
     """Square metres of an area inside rectangles of degrees that do not pass its box, (n,)."""
     if isinstance(area, Box):
         return (east - west) * WGS84.zone_area_m2_per_deg(south, north)
-    rings = area.arrays()
-    sign = (1.0, *(-1.0 for _ in rings[1:]))
-    return np.array(
-        [
-            sum(k * _clipped_ring_m2(lon, lat, rectangle) for k, (lon, lat) in zip(sign, rings))
-            for rectangle in zip(west, south, east, north)
-        ]
-    )
+    return ground_m2(area, west, south, east, north, lambda lon, lat: (lat, lon))
 
 
-def _clipped_ring_m2(lon: Floats, lat: Floats, rectangle: tuple[float, float, float, float]) -> float:
-    """Square metres of a ring inside a rectangle."""
-    lon, lat = clipped(lon, lat, rectangle)
-    return WGS84.ring_area_m2(lon, lat) if len(lon) else 0.0
+def ground_m2(
+    polygon: Rings,
+    west: Floats,
+    south: Floats,
+    east: Floats,
+    north: Floats,
+    geodetic: Callable[[Floats, Floats], tuple[Floats, Floats]],
+) -> Floats:
+    """Square metres of a polygon inside rectangles along its axes, (n,).
 
-
-def clipped(x: Floats, y: Floats, rectangle: tuple[float, float, float, float]) -> tuple[Floats, Floats]:
-    """Ring inside a rectangle of least x, least y, greatest x, greatest y (Sutherland and Hodgman's clipping).
-
-    Without corners where nothing of it is.
+    Parameters
+    ----------
+    geodetic : callable
+        Latitudes and longitudes, continuous, of positions along the axes.
     """
-    west, south, east, north = rectangle
-    for axis, limit, sense in ((0, west, 1.0), (0, east, -1.0), (1, south, 1.0), (1, north, -1.0)):
-        x, y = cut_half_plane(x, y, axis, limit, sense)
-        if len(x) < 3:
-            return x[:0], y[:0]
-    return x, y
+    rectangles = np.stack([west, south, east, north], axis=1)
+    crossed, held = crossed_and_held(polygon, west, south, east, north)
+    ground = np.zeros(len(rectangles))
+    corners = rectangles[:, [[0, 1], [2, 1], [2, 3], [0, 3]]]
+    # Only those that an edge passes through need to be cut.
+    whole = np.flatnonzero(held & ~crossed)
+    for some in _parts(len(whole), 4):
+        count = len(whole[some])
+        inside = corners[whole[some]].reshape(-1, 2)
+        lat, lon = geodetic(inside[:, 0], inside[:, 1])
+        ground[whole[some]] = WGS84.ring_areas_m2(lon, lat, np.repeat(np.arange(count), 4), count)
+    cut = np.flatnonzero(crossed)
+    sign = 1.0
+    for ring in polygon.arrays():
+        for some in _parts(len(cut), len(ring[0])):
+            inside, owner = _clipped(np.stack(ring, axis=1), rectangles[cut[some]])
+            lat, lon = geodetic(inside[:, 0], inside[:, 1])
+            ground[cut[some]] += sign * WGS84.ring_areas_m2(lon, lat, owner, len(cut[some]))
+        sign = -1.0
+    return ground
+
+
+def _clipped(ring: Floats, rectangles: Floats) -> tuple[Floats, Numbers]:
+    """Corners (m, 2) of a ring inside each of rectangles (n, 4), and which of these each corner is for, (m,).
+
+    By Sutherland and Hodgman's clipping; rectangles that hold nothing of the ring have no corners.
+    """
+    points, owner = np.tile(ring, (len(rectangles), 1)), np.repeat(np.arange(len(rectangles)), len(ring))
+    for side, axis, sense in ((0, 0, 1.0), (2, 0, -1.0), (1, 1, 1.0), (3, 1, -1.0)):
+        points, owner = _cut(points, owner, axis, rectangles[owner, side], sense)
+        some = np.bincount(owner, minlength=len(rectangles))[owner] > 2
+        points, owner = points[some], owner[some]
+    return points, owner
 
 
 def cut_half_plane(lon: Floats, lat: Floats, axis: int, limit: float, sense: float) -> tuple[Floats, Floats]:
@@ -147,8 +228,15 @@ def cut_half_plane(lon: Floats, lat: Floats, axis: int, limit: float, sense: flo
     arrays (m,), (m,)
         Corners of what is left; a concave ring's separate pieces stay joined along the cut.
     """
-    points = np.stack([lon, lat], axis=1)
-    following = np.roll(points, -1, axis=0)
+    points, _ = _cut(np.stack([lon, lat], axis=1), np.zeros(len(lon), np.int64), axis, limit, sense)
+    return points[:, 0], points[:, 1]
+
+
+def _cut(
+    points: Floats, ring: Numbers, axis: int, limit: Floats | float, sense: float
+) -> tuple[Floats, Numbers]:
+    """Rings, one after the other, each cut at its own limit: corners (n, 2), and the ring's number of each, (n,)."""
+    following = points[next_corners(ring)]
     here = sense * (points[:, axis] - limit)
     there = sense * (following[:, axis] - limit)
     cross = (here >= 0.0) != (there >= 0.0)
@@ -157,4 +245,4 @@ def cut_half_plane(lon: Floats, lat: Floats, axis: int, limit: float, sense: flo
     cuts[:, axis] = np.where(cross, limit, cuts[:, axis])
     both = np.stack([points, cuts], axis=1).reshape(-1, 2)
     keep = np.stack([here >= 0.0, cross], axis=1).ravel()
-    return both[keep, 0], both[keep, 1]
+    return both[keep], np.repeat(ring, 2)[keep]

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ..errors import InvalidInput
 from ..geodesy.aligned import Sides, common_sides, image_rings, own_sides
-from ..geodesy.ellipsoid import WGS84, Ellipsoid
+from ..geodesy.ellipsoid import Ellipsoid
 from ..geodesy.mercator import wrap_lon_deg
 from ..geodesy.plane import NOISE_M, LocalPlane
 from ..geodesy.poses import Poses
@@ -18,7 +18,7 @@ from .area import Box, Points, Polygon
 from .coverage import Coverage, Overlap, Rectangles, gaps, joined, overlap_of, shares
 from .layout import Layout, in_order, refuse_beyond_mercator, refuse_no_step, refuse_too_many
 from .mission import Mission
-from .shape import clipped, in_band, sides_of, touching
+from .shape import crossed_and_held, ground_m2, in_band, sides_of, touching
 
 Floats = NDArray[np.float64]
 Numbers = NDArray[np.int64]
@@ -283,30 +283,16 @@ def turned_coverage(
         missing = _near(shape, missing)
         if not len(missing.x0):
             break
-    lost = np.array([_ground_m2(shape, plane, one) for one in zip(*missing)])
+    lost = ground_m2(shape, *missing, plane.inverse)
     return Coverage(area.area_m2(), float(lost.sum()), complete=not len(lost))
 
 
 def _near(shape: Shape, found: Rectangles) -> Rectangles:
     """Rectangles that may share ground with what a shape stands for."""
-    if not len(found.x0):
-        return found
-    order = np.lexsort((found.x0, found.y1, found.y0))
-    x0, y0, x1, y1 = (side[order] for side in found)
+    x0, y0, x1, y1 = found
     bend = shape.bend_m
-    keep = touching(shape, x0 - bend, y0 - bend, x1 + bend, y1 + bend)
-    return Rectangles(x0[keep], y0[keep], x1[keep], y1[keep])
-
-
-def _ground_m2(shape: Shape, plane: LocalPlane, rectangle: tuple[float, float, float, float]) -> float:
-    """Square metres of a shape inside a rectangle."""
-    total = 0.0
-    for sign, (x, y) in zip((1.0, *(-1.0 for _ in shape.rings[1:])), shape.rings):
-        inside = clipped(x, y, rectangle)
-        if len(inside[0]):
-            lat, lon = plane.inverse(*inside)
-            total += sign * WGS84.ring_area_m2(lon, lat)
-    return total
+    crossed, held = crossed_and_held(shape, x0 - bend, y0 - bend, x1 + bend, y1 + bend)
+    return Rectangles(*(side[crossed | held] for side in found))
 
 
 def turned_overlap(

@@ -1,4 +1,4 @@
-"""Gaps between rectangles: against painting them on the grid of all their edges, and how the work grows."""
+"""Gaps between rectangles and their ground: against painting, against one by one, and how the work grows."""
 
 from __future__ import annotations
 
@@ -6,12 +6,16 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from terrainav.core.geodesy.ellipsoid import WGS84
 from terrainav.core.geodesy.mercator import PixelGrid
+from terrainav.core.geodesy.plane import LocalPlane
 from terrainav.core.mission import coverage
-from terrainav.core.mission.area import Box
+from terrainav.core.mission.area import Box, Polygon
 from terrainav.core.mission.coverage import Rectangles, gaps
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
+from terrainav.core.mission.shape import area_within_m2, crossed_and_held, ground_m2, touching
+from terrainav.core.mission.turned import Shape
 from terrainav.core.mission.wind import Wind
 
 AGRICENTER = Box(35.16, -89.90, 35.115, -89.823)
@@ -124,3 +128,110 @@ def test_work_grows_with_the_number_of_images_in_wind(monkeypatch):
         made.append(sum(counted) / x0.size)
     assert made[0] > 1.0
     assert made[1] < 1.2 * made[0]
+
+
+def cut_ring(ring, rectangle):
+    """Corners of a ring inside a rectangle, by Sutherland and Hodgman, a corner at a time."""
+    west, south, east, north = rectangle
+    for axis, limit, sense in ((0, west, 1.0), (0, east, -1.0), (1, south, 1.0), (1, north, -1.0)):
+        kept = []
+        for here, there in zip(ring, ring[1:] + ring[:1]):
+            before, after = sense * (here[axis] - limit), sense * (there[axis] - limit)
+            if before >= 0.0:
+                kept.append(here)
+            if (before >= 0.0) != (after >= 0.0):
+                cut = [one + before / (before - after) * (other - one) for one, other in zip(here, there)]
+                cut[axis] = limit
+                kept.append(tuple(cut))
+        ring = kept
+    return ring if len(ring) > 2 else []
+
+
+def green_m2(lon, lat):
+    """Ground inside a ring: the integral of longitude, counted from the first corner, along its sides."""
+    nodes, weights = np.polynomial.legendre.leggauss(20)
+    share, lon, total = (1.0 + nodes) / 2.0, lon - lon[0], 0.0
+    for lon0, lat0, lon1, lat1 in zip(lon, lat, np.roll(lon, -1), np.roll(lat, -1)):
+        density = WGS84.area_density_m2(lat0 + share * (lat1 - lat0))
+        total += float(np.sum((lon0 + share * (lon1 - lon0)) * density * weights)) * (lat1 - lat0) / 2.0
+    return abs(total)
+
+
+def ground_one_by_one_m2(rings, rectangles, geodetic):
+    """Square metres of rings, the first less the others, inside each rectangle."""
+    found = []
+    for rectangle in zip(*(side.tolist() for side in rectangles)):
+        ground = 0.0
+        for sign, (x, y) in zip((1.0, *(-1.0 for _ in rings[1:])), rings):
+            inside = cut_ring(list(zip(x.tolist(), y.tolist())), rectangle)
+            if inside:
+                lat, lon = geodetic(*np.array(inside).T)
+                ground += sign * green_m2(lon, lat)
+        found.append(ground)
+    return np.array(found)
+
+
+def star(random, corners, middle, size):
+    """A ring about a place, its corners near and far by turns."""
+    angle = np.sort(random.uniform(0.0, 2.0 * np.pi, corners))
+    radius = size * random.uniform(0.3, 1.0, corners)
+    return middle[0] + radius * np.cos(angle), middle[1] + radius * np.sin(angle)
+
+
+def scattered(random, count, middle, size, whole):
+    """Rectangles about a place, of all sizes, in no rows."""
+    x0, y0 = (at + size * random.uniform(-1.2, 1.2, count) for at in middle)
+    width, height = size * 10.0 ** random.uniform(-3.0, 0.3, (2, count))
+    sides = Rectangles(x0, y0, x0 + width, y0 + height)
+    if not whole:
+        return sides
+    x0, y0, x1, y1 = (np.round(side) for side in sides)
+    return Rectangles(x0, y0, np.maximum(x1, x0 + 1.0), np.maximum(y1, y0 + 1.0))
+
+
+@settings(max_examples=25, deadline=None)
+@given(st.integers(0, 2**32 - 1), st.integers(3, 30), st.integers(0, 2), st.booleans())
+def test_ground_of_gaps_is_that_of_each_by_itself(seed, corners, holes, whole):
+    random = np.random.default_rng(seed)
+    plane = LocalPlane(
+        random.uniform(-70.0, 70.0), random.uniform(-180.0, 180.0), random.uniform(-180.0, 180.0)
+    )
+    rings = [star(random, corners, (0.0, 0.0), 5000.0)]
+    rings += [star(random, 5, random.uniform(-600.0, 600.0, 2), 400.0) for _ in range(holes)]
+    if whole:  # corners lie on lines of the rectangles, too
+        rings = [(np.round(x / 500.0) * 500.0, np.round(y / 500.0) * 500.0) for x, y in rings]
+    shape = Shape(tuple(rings), 0.0)
+    rectangles = scattered(random, 60, (0.0, 0.0), 5000.0, whole)
+    crossed, held = crossed_and_held(shape, *rectangles)
+    alone = [touching(shape, *(np.array([side]) for side in one))[0] for one in zip(*rectangles)]
+    np.testing.assert_array_equal(crossed | held, alone)
+    expected = ground_one_by_one_m2(rings, rectangles, plane.inverse)
+    found = ground_m2(shape, *rectangles, plane.inverse)
+    largest = np.max((rectangles.x1 - rectangles.x0) * (rectangles.y1 - rectangles.y0))
+    # A nanometre along kilometres of side is what positions in degrees are good to.
+    np.testing.assert_allclose(found, expected, rtol=1e-9, atol=1e-12 * largest)
+
+
+def test_ground_of_a_polygon_in_gaps_of_degrees_is_that_of_each_by_itself():
+    random = np.random.default_rng(11)
+    lon, lat = star(random, 40, (10.0, 50.0), 0.2)
+    hole = star(random, 4, (10.0, 50.0), 0.03)
+    area = Polygon(tuple(tuple(zip(*(part.tolist() for part in ring))) for ring in ((lon, lat), hole)))
+    rectangles = scattered(random, 500, (10.0, 50.0), 0.2, whole=False)
+    expected = ground_one_by_one_m2(area.arrays(), rectangles, lambda lon, lat: (lat, lon))
+    found = area_within_m2(area, *rectangles)
+    np.testing.assert_allclose(found, expected, rtol=1e-9, atol=1e-3)
+    assert (expected > 0.0).sum() > 100
+
+
+def test_gaps_are_worked_out_together():
+    random = np.random.default_rng(5)
+    shape = Shape((star(random, 30, (0.0, 0.0), 5000.0),), 0.0)
+    plane, calls = LocalPlane(40.0, 10.0, 30.0), []
+
+    def geodetic(x, y):
+        calls.append(len(x))
+        return plane.inverse(x, y)
+
+    ground_m2(shape, *scattered(random, 2000, (0.0, 0.0), 5000.0, whole=False), geodetic)
+    assert len(calls) < 10
