@@ -36,8 +36,10 @@ SEED = 20240229
 LONGEST_S = 0.5
 TWO = Points(((35.0, -90.0, 60.0), (-33.0, 151.0, 60.0)))
 MISSIONS = {
-    "tif": Mission(AREA, 120.0, map_types=("satellite", "roadmap"), overlap_along=0.1),
-    "jpg": Mission(AREA, 120.0, map_types=("satellite", "roadmap"), overlap_along=0.1, image_format="jpg"),
+    "tif": Mission(AREA, 120.0, map_types=("satellite", "roadmap"), overlap_along=0.1, zoom=18),
+    "jpg": Mission(
+        AREA, 120.0, map_types=("satellite", "roadmap"), overlap_along=0.1, zoom=18, image_format="jpg"
+    ),
     "camera png": Mission(
         Box(35.16, -89.90, 35.1575, -89.897),
         120.0,
@@ -168,7 +170,7 @@ def test_the_command_killed_at_random_and_resumed_is_as_in_one_go(driver, tmp_pa
 
 
 def test_killed_before_each_change_to_the_folder(driver, tmp_path):
-    mission = Mission(TWO, 60.0, map_types=("satellite", "roadmap"), image_format="jpg").to_json()
+    mission = Mission(TWO, 60.0, map_types=("satellite", "roadmap"), zoom=18, image_format="jpg").to_json()
     options = {"mission": mission, "connections": 1, "workers": 1}
     outcome = driver.run(folder=str(tmp_path / "whole"), **options)
     whole, events = contents(tmp_path / "whole"), outcome["events"]
@@ -199,7 +201,7 @@ def test_cleaning_killed_before_each_change_can_be_finished_or_taken_back(driver
 
     cleaning, undoing = ["--entropy", "8", "--move"], ["--undo"]
     there, cleaned = tmp_path / "there", tmp_path / "cleaned"
-    mission = Mission(TWO, 60.0, map_types=("satellite", "roadmap"), image_format="jpg")
+    mission = Mission(TWO, 60.0, map_types=("satellite", "roadmap"), zoom=18, image_format="jpg")
     capture(plan(mission, PatternSource().grid), PatternSource(), there)
     shutil.copytree(there, cleaned)
     ran(cleaned, cleaning)

@@ -18,7 +18,9 @@ from tests.support.forks import Driver
 
 pytestmark = pytest.mark.skipif(not hasattr(os, "fork"), reason="this system sets no limits on processes")
 
-MISSION = Mission(AREA, 120.0, map_types=("satellite", "roadmap"), overlap_along=0.1, image_format="jpg")
+MISSION = Mission(
+    AREA, 120.0, map_types=("satellite", "roadmap"), overlap_along=0.1, zoom=18, image_format="jpg"
+)
 AS_ROOT = hasattr(os, "getuid") and os.getuid() == 0
 
 

@@ -33,7 +33,7 @@ from tests.support.faults import FAULTS, flat_placeholder
 from tests.support.patterns import MODULUS, decode_position
 from tests.support.tileserver import TileServer
 
-MISSION = Mission(Box(35.16, -89.90, 35.1568, -89.8963), 120.0, overlap_along=0.1)
+MISSION = Mission(Box(35.16, -89.90, 35.1568, -89.8963), 120.0, overlap_along=0.1, zoom=18)
 PLAN = plan(MISSION, PixelGrid())
 WINDOWS = [window_of(PLAN, index) for index in range(len(PLAN))]
 NEEDED = [

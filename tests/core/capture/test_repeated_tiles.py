@@ -31,7 +31,7 @@ from tests.support.patterns import positions, to_bytes
 from tests.support.rasters import write
 from tests.support.tileserver import TileServer
 
-MISSION = Mission(Box(35.16, -89.90, 35.155, -89.893), 120.0)
+MISSION = Mission(Box(35.16, -89.90, 35.155, -89.893), 120.0, zoom=18)
 PLAN = plan(MISSION, PixelGrid())
 NEEDED = [
     {

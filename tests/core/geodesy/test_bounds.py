@@ -77,11 +77,13 @@ def test_cells_of_meshes_stay_within_their_bounds(tolerance):
     assert meshes.count > 10
 
 
-def test_rectangles_lie_inside_what_cameras_see():
-    found = bounds.rectangles_inside(seed=11, draws=250, each=6)
+def test_rectangles_lie_inside_what_cameras_see(library):
+    # The shapes are tried with the machine's library; a far worse one takes ten times as long.
+    draws = 250 if library == "own" else 80
+    found = bounds.rectangles_inside(seed=11, draws=draws, each=6)
     # They give way by half a pixel of the source; what an edge does between the points looked at is far less.
     assert found.worst_px <= 0.05
-    assert found.with_extent > 500
+    assert found.with_extent > 2 * draws
 
 
 @pytest.mark.parametrize(

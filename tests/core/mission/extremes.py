@@ -69,22 +69,24 @@ BOXES = {
     "a zone's edge": (Box(40.05, -90.05, 40, -89.95), 1200.0),
     "UPS latitudes": (Box(84.6, 10, 84.5, 10.5), 1200.0),
 }
-#: Cameras that look past the Earth or over a pole: field of view, height, yaw, tilt.
+#: Cameras that look past the Earth or over a pole: field of view, height, yaw, tilt; and the latitude at which the
+#: tests have them, so that each way to end is among them.
 ASIDE = (
-    (140.0, 2.8e7, 30.0, 55.0),
-    (160.0, 3.6e7, 300.0, 65.0),
-    (160.3353, 28336680.0, 165.476, 72.5),
-    (120.0, 8e6, 165.0, 65.0),
+    (140.0, 2.8e7, 30.0, 55.0, 0.0),
+    (160.0, 3.6e7, 300.0, 65.0, 80.0),
+    (160.3353, 28336680.0, 165.476, 72.5, 80.0),
+    (120.0, 8e6, 165.0, 65.0, 60.0),
 )
 #: Pictures of one of these missions at most: the suite is of cases, not of size.
 MOST = 200_000
 
 
 class Case(NamedTuple):
-    """A mission and what it is called."""
+    """A mission and what it is called; one that takes seconds and ends as another does is the benchmark's alone."""
 
     name: str
     mission: Mission
+    long: bool = False
 
 
 class Outcome(NamedTuple):
@@ -128,14 +130,16 @@ def _boxes() -> Iterator[Case]:
             for share in (0.0, 0.5, 0.9, 0.999):
                 overlap = {"overlap_along": share, "overlap_across": share}
                 mission = Mission(box, agl, layout=layout, max_images=MOST, **overlap)
-                yield Case(f"box {name}, {layout}, overlap {share:g}", mission)
+                long = name == "the world to 80° at 800 km" and layout == "cover" and share == 0.999
+                yield Case(f"box {name}, {layout}, overlap {share:g}", mission, long)
         for attitude_name, attitude in (("yaw 45", {"yaw_deg": 45.0}), ("tilt 60", {"tilt_deg": 60.0})):
             yield Case(f"box {name}, {attitude_name}", Mission(box, agl, max_images=MOST, **attitude))
-    for (fov, agl, yaw, tilt), lat in itertools.product(ASIDE, (0.0, 60.0, 80.0)):
+    for (fov, agl, yaw, tilt, tested), lat in itertools.product(ASIDE, (0.0, 60.0, 80.0)):
         attitude = {"yaw_deg": yaw, "tilt_deg": tilt, "roll_deg": 40.0}
         area = Box(lat + 2.5, -60, lat - 2.5, 60)
         name = f"box at {lat:g}°, {fov:g}° from {agl:g} m, yaw {yaw:g}, tilt {tilt:g}, roll 40"
-        yield Case(name, Mission(area, agl, camera=Camera(fov, 1.5), max_images=MOST, **attitude))
+        mission = Mission(area, agl, camera=Camera(fov, 1.5), max_images=MOST, **attitude)
+        yield Case(name, mission, lat != tested)
 
 
 def run(case: Case) -> Outcome:

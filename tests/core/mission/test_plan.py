@@ -42,7 +42,7 @@ def pixels_shown(worked_out, box):
     west, east = (lon_to_u(np.array([box.west_deg, box.continuous_east_deg])) * world).tolist()
     north, south = (lat_to_v(np.array([box.north_deg, box.south_deg])) * world).tolist()
     x0, y0 = int(np.floor(west)), int(np.floor(north))
-    count = np.zeros((int(np.ceil(south)) - y0, int(np.ceil(east)) - x0), np.int32)
+    count = np.zeros((int(np.ceil(south)) - y0, int(np.ceil(east)) - x0), np.uint8)
     left, top, right, bottom = (edge.astype(int) for edge in worked_out.windows.bounds_px)
     for x_from, y_from, x_to, y_to in zip(left - x0, top - y0, right - x0, bottom - y0):
         count[max(y_from, 0) : max(y_to, 0), max(x_from, 0) : max(x_to, 0)] += 1
