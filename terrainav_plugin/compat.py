@@ -5,7 +5,6 @@ from __future__ import annotations
 from qgis.core import (
     Qgis,
     QgsField,
-    QgsHueSaturationFilter,
     QgsMapLayer,
     QgsMapLayerProxyModel,
     QgsMapLayerType,
@@ -16,9 +15,7 @@ from qgis.core import (
 from qgis.PyQt import QtCore, QtGui, QtWidgets
 
 __all__ = [
-    "ARGB_PREMULTIPLIED",
     "LINE",
-    "NO_GRAYSCALE",
     "POINT",
     "POINT_LAYERS",
     "POLYGON",
@@ -47,11 +44,6 @@ else:
         QgsWkbTypes.GeometryType.LineGeometry,
         QgsWkbTypes.GeometryType.PolygonGeometry,
     )
-
-#: Pixels of pictures whose colours are times their alpha.
-ARGB_PREMULTIPLIED = Qgis.DataType.ARGB32_Premultiplied
-#: Colours that stay as they are.
-NO_GRAYSCALE = QgsHueSaturationFilter.GrayscaleMode.GrayscaleOff
 
 if hasattr(Qgis, "LayerFilter"):  # QGIS 3.34
     POINT_LAYERS, POLYGON_LAYERS = Qgis.LayerFilter.PointLayer, Qgis.LayerFilter.PolygonLayer

@@ -10,9 +10,42 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable
-from typing import TypeVar
+from typing import Generic, TypeVar
 
 Result = TypeVar("Result")
+
+
+class PythonThread(Generic[Result]):
+    """A thread of Python's own that does some work, from now on, and what comes of it."""
+
+    def __init__(self, work: Callable[[], Result], name: str) -> None:
+        self._results: list[Result] = []
+        self._failures: list[BaseException] = []
+        self._thread = threading.Thread(target=self._run, args=(work,), name=name)
+        self._thread.start()
+
+    @property
+    def works(self) -> bool:
+        """Whether it is at work."""
+        return self._thread.is_alive()
+
+    def wait(self) -> None:
+        """Wait until it has ended."""
+        self._thread.join()
+
+    def result(self) -> Result:
+        """Wait, and return or raise what the work does; once."""
+        self.wait()
+        if self._failures:
+            # Held by nothing but the exception on its way: its trace holds what belongs to the main thread.
+            raise self._failures.pop()
+        return self._results.pop()
+
+    def _run(self, work: Callable[[], Result]) -> None:
+        try:
+            self._results.append(work())
+        except BaseException as failure:  # noqa: BLE001  (raised in the thread that waits)
+            self._failures.append(failure)
 
 
 def is_foreign() -> bool:
@@ -24,19 +57,4 @@ def on_python_thread(work: Callable[[], Result]) -> Result:
     """Result of ``work``, which runs here if Python has made this thread, and else on one of its own meanwhile."""
     if not is_foreign():
         return work()
-    results: list[Result] = []
-    failures: list[BaseException] = []
-
-    def run() -> None:
-        try:
-            results.append(work())
-        except BaseException as failure:  # noqa: BLE001  (raised in the thread that waits)
-            failures.append(failure)
-
-    thread = threading.Thread(target=run, name="terrainav-task")
-    thread.start()
-    thread.join()
-    if failures:
-        # Held by nothing but the exception on its way: its trace holds what belongs to the main thread.
-        raise failures.pop()
-    return results.pop()
+    return PythonThread(work, "terrainav-task").result()

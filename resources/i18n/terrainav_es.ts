@@ -2597,6 +2597,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>el mapa no muestra ninguna capa: marcar una en el panel Capas</translation>
     </message>
     <message>
+        <location filename="../../terrainav_plugin/layers/tiles.py"/>
+        <source>layer {name}: its service has tiles of {size} px; choose a layer with tiles of 256, 512 or 1024 px</source>
+        <translation>capa {name}: su servicio tiene teselas de {size} px; elegir una capa con teselas de 256, 512 o 1024 px</translation>
+    </message>
+    <message>
         <location filename="../../terrainav_plugin/map/area_control.py"/>
         <source>Click one polygon of “{layer}” on the map.</source>
         <translation>Haga clic en un polígono de «{layer}» en el mapa.</translation>

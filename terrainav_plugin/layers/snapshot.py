@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import NamedTuple, Optional
 
 import numpy as np
 from qgis.core import (
@@ -30,7 +30,7 @@ from ..i18n import tr
 from ..map.mission_group import ROLE
 from .connections import is_connection
 from .pipes import Pipes
-from .tiles import Tiles, highest_zoom, policy_of_tiles, tiles_of
+from .tiles import Address, Tiles, address_of
 
 #: What names of sources begin with that QGIS itself draws.
 PREFIX = "qgis:"
@@ -49,6 +49,9 @@ _MAX_ZOOM = 22
 _HIGHEST_NATIVE_ZOOM = 27
 #: A raster's own resolution may be off a zoom's by the rounding of its file, and is still that zoom's.
 _RESOLUTION_SLACK = 1e-3
+
+#: Where layers have their tiles from, by the layers' ids; None for those without.
+Addresses = dict[str, Optional[Address]]
 
 
 class LayerChoice(NamedTuple):
@@ -150,7 +153,11 @@ def title_of(name: str, project: QgsProject) -> str:
 def grid_of_layers(name: str, project: QgsProject) -> PixelGrid:
     """Pixel grid of a source; on the main thread. Raises InvalidInput as `layers_of`."""
     layers = layers_of(name, project)
-    native = max(_native_zoom(layer, project) for layer in layers)
+    return _grid(layers, _addresses(layers), project)
+
+
+def _grid(layers: list[QgsMapLayer], addresses: Addresses, project: QgsProject) -> PixelGrid:
+    native = max(_native_zoom(layer, addresses[layer.id()], project) for layer in layers)
     extent = _extent(layers[0], project) if len(layers) == 1 else None
     return PixelGrid(max_zoom=max(native, _MAX_ZOOM), native_zoom=native, extent=extent)
 
@@ -158,16 +165,16 @@ def grid_of_layers(name: str, project: QgsProject) -> PixelGrid:
 def take_snapshot(name: str, project: QgsProject) -> Snapshot:
     """Copies of what a source shows now; on the main thread. Raises InvalidInput as `layers_of`."""
     layers = layers_of(name, project)
-    ground = _ground(layers)
+    addresses, ground = _addresses(layers), _ground(layers)
     drawing = layers[: len(layers) - len(ground)]
     return Snapshot(
         name=name,
         title=title_of(name, project),
         attribution=_attribution(layers),
         date=_date(layers[0]) if len(layers) == 1 else "",
-        grid=grid_of_layers(name, project),
-        ground=tuple(_drawn(layer) for layer in ground),
-        policy=next((policy for policy, _ in _policies(ground)), Policy()),
+        grid=_grid(layers, addresses, project),
+        ground=tuple(_drawn(layer, addresses[layer.id()]) for layer in ground),
+        policy=next((policy for policy, _ in _policies(ground, addresses)), Policy()),
         drawing=tuple(_copy(layer) for layer in drawing),
         settings=_settings(project),
         paper=project.backgroundColor(),
@@ -179,18 +186,25 @@ def policies_of_layers(name: str, project: QgsProject) -> list[tuple[Policy, str
 
     Raises InvalidInput as `layers_of`.
     """
-    return _policies(_ground(layers_of(name, project)))
+    ground = _ground(layers_of(name, project))
+    return _policies(ground, _addresses(ground))
 
 
-def _policies(ground: list[QgsRasterLayer]) -> list[tuple[Policy, str]]:
-    found = ((policy_of_tiles(layer), layer.name()) for layer in ground)
-    known = [(policy, name) for policy, name in found if policy is not None and policy.bulk_allowed != "yes"]
+def _addresses(layers: Iterable[QgsMapLayer]) -> Addresses:
+    """Where layers have their tiles from, by the layers' ids."""
+    return {layer.id(): address_of(layer) if isinstance(layer, QgsRasterLayer) else None for layer in layers}
+
+
+def _policies(ground: list[QgsRasterLayer], addresses: Addresses) -> list[tuple[Policy, str]]:
+    found = ((addresses[layer.id()], layer.name()) for layer in ground)
+    terms = ((address.policy, name) for address, name in found if address is not None)
+    known = [(policy, name) for policy, name in terms if policy is not None and policy.bulk_allowed != "yes"]
     return sorted(known, key=lambda terms: terms[0].max_tiles or 0)
 
 
-def _drawn(layer: QgsRasterLayer) -> Pipes | Tiles:
+def _drawn(layer: QgsRasterLayer, address: Address | None) -> Pipes | Tiles:
     copy = _copy(layer)
-    return tiles_of(layer, copy) or Pipes(copy)
+    return Pipes(copy) if address is None else address.tiles(copy)
 
 
 def _layers_that_show(project: QgsProject) -> Iterator[QgsMapLayer]:
@@ -237,12 +251,12 @@ def _settings(project: QgsProject) -> QgsMapSettings:
     return settings
 
 
-def _native_zoom(layer: QgsMapLayer, project: QgsProject) -> int:
+def _native_zoom(layer: QgsMapLayer, address: Address | None, project: QgsProject) -> int:
     """Highest zoom with detail of the layer's own; the highest of all where it has detail at every scale."""
     if not isinstance(layer, QgsRasterLayer):
         return _MAX_ZOOM
     if layer.providerType() != FILE_PROVIDER:
-        stated = highest_zoom(layer)
+        stated = None if address is None else address.highest_zoom
         return _MAX_ZOOM if stated is None else min(stated, _MAX_ZOOM)
     share = _mercator_m_per_px(layer, project) / (2.0 * HALF_WORLD_M)
     return min(max(fitting_zoom(share, 1.0, _RESOLUTION_SLACK), 0), _HIGHEST_NATIVE_ZOOM)

@@ -10,7 +10,7 @@ from __future__ import annotations
 import threading
 from collections.abc import Callable
 from queue import SimpleQueue
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 from urllib.parse import parse_qs, urlsplit
 
 import numpy as np
@@ -31,7 +31,7 @@ from qgis.core import (
 from ...core.errors import InvalidInput
 from ...core.imagery.client import NotThere
 from ...core.imagery.source import Window
-from ..compat import ARGB_PREMULTIPLIED, NO_GRAYSCALE
+from ..i18n import tr
 from .connections import Connection, connection_of
 from .jobs import to_array, to_image
 
@@ -47,6 +47,8 @@ if TYPE_CHECKING:
 #: QGIS's provider of tiles and other services.
 _PROVIDER = "wms"
 _MERCATOR = "EPSG:3857"
+#: Pixels whose colours are times their alpha.
+_PREMULTIPLIED = Qgis.DataType.ARGB32_Premultiplied
 #: Sets of coloured stages: as many as a capture has connections.
 _COPIES = 8
 
@@ -124,11 +126,20 @@ class Tiles:
         with self._lock:
             if self._opened is None:
                 entry = self._entry()
+                grid = entry.grid()
+                if grid.scale & (grid.scale - 1):
+                    # Their zooms are not those of the picture.
+                    raise InvalidInput(
+                        tr(
+                            "layer {name}: its service has tiles of {size} px; choose a layer with tiles of 256, 512 "
+                            "or 1024 px"
+                        ).format(name=self.layer.name(), size=grid.tile_px)
+                    )
                 self._opened = XYZSource(
                     entry.templates(entry.date(None)),
                     name=entry.name,
                     title=self.layer.name(),
-                    grid=entry.grid(),
+                    grid=grid,
                     key=self._connection.key or None,
                     date=entry.date(None),
                     placeholder=entry.placeholder,
@@ -150,49 +161,55 @@ class Tiles:
             self._colours.put(stages)
 
 
-def tiles_of(layer: QgsRasterLayer, copy: QgsRasterLayer) -> Tiles | None:
-    """Tiles of a layer; None where it is none of tiles in Web Mercator, or of ones that QGIS alone can read.
+class Address(NamedTuple):
+    """Where a layer in Web Mercator has its tiles from, as its own address (URI) says.
 
     Parameters
     ----------
-    copy : QgsRasterLayer
-        Of the layer, to be kept.
+    connection : Connection
+        How the server is to be asked.
+    entry : CatalogueEntry or None
+        Of the tiles; None where a service is to be asked for it.
+    service : str
+        Name of that service.
     """
-    told = _told(layer)
-    if told is None:
+
+    connection: Connection
+    entry: CatalogueEntry | None
+    service: str = ""
+
+    @property
+    def highest_zoom(self) -> int | None:
+        """Zoom up to which there are tiles, in terms of 256 px; None where only the service knows."""
+        if self.entry is None:
+            return None
+        return self.connection.max_zoom + (self.connection.tile_px // 256).bit_length() - 1
+
+    @property
+    def policy(self) -> Policy | None:
+        """What the provider allows; None where only the service knows."""
+        return None if self.entry is None else self.entry.policy
+
+    def tiles(self, copy: QgsRasterLayer) -> Tiles:
+        """The tiles, of a copy of the layer that is theirs to keep."""
+        if self.entry is not None:
+            return Tiles(copy, lambda: self.entry, self.connection)
+        tiles = Tiles(copy, lambda: _of_service(self.service, tiles), self.connection)
+        return tiles
+
+
+def address_of(layer: QgsRasterLayer) -> Address | None:
+    """Where a layer's tiles come from; None where it has none in Web Mercator, or ones that QGIS alone can read."""
+    if layer.providerType() != _PROVIDER or layer.crs().authid() != _MERCATOR:
         return None
-    connection, service = told
-    if not service:
-        return Tiles(copy, connection.entry, connection)
-    tiles = Tiles(copy, lambda: _of_service(service, tiles), connection)
-    return tiles
-
-
-def highest_zoom(layer: QgsRasterLayer) -> int | None:
-    """Zoom up to which a layer of tiles says to have some, in terms of 256 px; None where it says nothing."""
-    told = _told(layer)
-    if told is None or told[1]:
-        return None
-    return told[0].max_zoom + (told[0].tile_px // 256).bit_length() - 1
-
-
-def policy_of_tiles(layer: QgsRasterLayer) -> Policy | None:
-    """What the provider of a layer's tiles allows; None for layers without, or whose service would have to be asked."""
-    told = _told(layer)
-    return None if told is None or told[1] else told[0].entry().policy
-
-
-def _told(layer: QgsRasterLayer) -> tuple[Connection, str] | None:
-    """How a layer's tiles are asked for, and the name of its service where that has capabilities."""
     uri = layer.source()
     words = {key: values[0] for key, values in parse_qs(uri, keep_blank_values=True).items()}
-    if layer.providerType() != _PROVIDER or layer.crs().authid() != _MERCATOR or words.get("interpretation"):
+    if words.get("interpretation"):
         return None
     try:
         known = connection_of(layer.name(), uri)
         if words.get("type") == "xyz":
-            known.entry()
-            return known, ""
+            return Address(known, known.entry())
         if words.get("tileMatrixSet") and words.get("layers") and not words.get("tileDimensions"):
             address = urlsplit(known.url)._replace(fragment="").geturl()
             choices = {
@@ -202,7 +219,7 @@ def _told(layer: QgsRasterLayer) -> tuple[Connection, str] | None:
                 "tilematrixset": "tileMatrixSet",
             }
             named = "&".join(f"{choice}={words[key]}" for choice, key in choices.items() if words.get(key))
-            return known, f"wmts:{address}#{named}"
+            return Address(known, None, f"wmts:{address}#{named}")
     except InvalidInput:
         # Of an address that only QGIS can make something of, QGIS draws the picture.
         return None
@@ -231,7 +248,7 @@ class _Given(QgsRasterInterface):
         self.image: QImage | None = None
 
     def dataType(self, _band: int) -> Qgis.DataType:
-        return ARGB_PREMULTIPLIED
+        return _PREMULTIPLIED
 
     def bandCount(self) -> int:
         return 1
@@ -244,7 +261,7 @@ class _Given(QgsRasterInterface):
         height: int,
         _feedback: QgsRasterBlockFeedback | None = None,
     ) -> QgsRasterBlock:
-        block = QgsRasterBlock(ARGB_PREMULTIPLIED, width, height)
+        block = QgsRasterBlock(_PREMULTIPLIED, width, height)
         block.setImage(self.image)
         return block
 
@@ -289,7 +306,7 @@ def _is_plain(layer: QgsRasterLayer) -> bool:
     )
     plain_hue = hue is None or (
         hue.saturation() == 0
-        and hue.grayscaleMode() == NO_GRAYSCALE
+        and hue.grayscaleMode() == QgsHueSaturationFilter.GrayscaleMode.GrayscaleOff
         and not hue.colorizeOn()
         and not getattr(hue, "invertColors", bool)()
     )

@@ -16,7 +16,7 @@ from typing import TypeVar
 from qgis.core import QgsProcessingFeedback
 from qgis.PyQt.QtCore import QEventLoop, QTimer
 
-from ..threads import on_python_thread
+from ..threads import PythonThread, on_python_thread
 
 Result = TypeVar("Result")
 
@@ -93,33 +93,22 @@ def beside_main(work: Callable[[Watch], Result], feedback: QgsProcessingFeedback
 
     if not in_main_thread():
         return on_python_thread(lambda: work(Watch(feedback)))
-    relay, results, failures = _Relay(feedback), [], []
-
-    def run() -> None:
-        try:
-            results.append(work(relay))
-        except BaseException as failure:  # noqa: BLE001  (raised in the main thread)
-            failures.append(failure)
-
-    thread = threading.Thread(target=run, name="terrainav-algorithm")
-    loop, timer = QEventLoop(), QTimer()
+    relay, loop, timer = _Relay(feedback), QEventLoop(), QTimer()
+    thread = PythonThread(lambda: work(relay), "terrainav-algorithm")
 
     def look() -> None:
         relay.deliver()
-        if not thread.is_alive():
+        if not thread.works:
             loop.quit()
 
     timer.timeout.connect(look)
     timer.start(_LOOK_MS)
-    thread.start()
     try:
         # What the user does meanwhile waits, as it does for every algorithm that runs here.
         loop.exec(QEventLoop.ProcessEventsFlag.ExcludeUserInputEvents)
     finally:
         relay.stop()
-        thread.join()
+        thread.wait()
         timer.stop()
     relay.deliver()
-    if failures:
-        raise failures[0]
-    return results[0]
+    return thread.result()

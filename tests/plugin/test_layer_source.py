@@ -6,6 +6,7 @@ import re
 import threading
 import time
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
 
 import numpy as np
 import pytest
@@ -31,6 +32,8 @@ from terrainav.core.capture.picture import assemble
 from terrainav.core.errors import Cancelled, InvalidInput, PartError
 from terrainav.core.geodesy.mercator import HALF_WORLD_M
 from terrainav.core.imagery.source import Window
+from terrainav.terrainav_plugin.layers import tiles
+from terrainav.terrainav_plugin.layers.connections import connection_of
 from terrainav.terrainav_plugin.layers.jobs import Jobs
 from terrainav.terrainav_plugin.layers.snapshot import (
     PROJECT_SOURCE,
@@ -230,28 +233,61 @@ def test_tiles_of_double_width_have_the_pixels_of_the_next_zoom():
         assert ZOOM not in {zoom for _, zoom, *_ in server.tile_requests}
 
 
-def test_tiles_of_a_wmts_are_exact():
-    """Their address is in the capabilities, which QGIS and the capture each ask for."""
+def test_address_of_tiles_is_read_once(server, monkeypatch):
+    read = []
+
+    def noted(*given):
+        read.append(given)
+        return connection_of(*given)
+
+    monkeypatch.setattr(tiles, "connection_of", noted)
+    layer = tiles_layer(server)
+    snapshot = take_snapshot(source_name(layer), QgsProject.instance())
+    assert len(read) == 1
+    assert snapshot.grid.native_zoom == 19
+    snapshot.ground[0].close()
+
+
+@contextmanager
+def wmts_service(tile_px=256):
+    """A service of the Web-Mercator quad, and a layer of it in the project."""
     answered = re.compile(r"/tiles/(\d+)/(\d+)/(\d+)\.png")
 
     def answer(path, _query):
         if path == "/c.xml":
             rest = f"{running.url}/tiles/{{TileMatrix}}/{{TileCol}}/{{TileRow}}.png"
-            matrices = matrix_set("quad", [matrix(str(zoom), zoom) for zoom in range(20)])
+            matrices = matrix_set("quad", [matrix(str(zoom), zoom, tile_px) for zoom in range(20)])
             layer = wmts_layer("ortho", {"quad": []}, resources=[("image/png", rest)])
             return 200, "application/xml", wmts_document([layer], [matrices])
         zoom, x, y = (int(number) for number in answered.fullmatch(path).groups())
-        return 200, "image/png", to_bytes(pattern_tile("", zoom, x, y, 256), "png")
+        return 200, "image/png", to_bytes(pattern_tile("", zoom, x, y, tile_px), "png")
 
     with ServiceServer(answer) as running:
         uri = (
             "crs=EPSG:3857&format=image/png&layers=ortho&styles=default&tileMatrixSet=quad"
             f"&url={running.url}/c.xml"
         )
-        source = opened(source_name(add(QgsRasterLayer(uri, "wmts", "wms"))))
+        yield running, add(QgsRasterLayer(uri, "wmts", "wms"))
+
+
+def test_tiles_of_a_wmts_are_exact():
+    """Their address is in the capabilities, which QGIS and the capture each ask for."""
+    with wmts_service() as (running, layer):
+        source = opened(source_name(layer))
         assert np.array_equal(picture(source, WINDOW), positions(WINDOW))
         asked = [path for path in running.asked if path.startswith(f"/tiles/{ZOOM}/")]
         assert len(asked) == len(set(asked)) == 3 * 2
+
+
+def test_tiles_whose_zooms_are_others_are_refused_in_one_line():
+    with wmts_service(tile_px=768) as (_, layer):
+        source = opened(source_name(layer))
+        with pytest.raises(
+            InvalidInput, match="layer wmts: its service has tiles of 768 px; choose"
+        ) as refused:
+            picture(source, WINDOW)
+        assert "\n" not in str(refused.value)
+        source.close()
 
 
 def overlay(url, name="overlay"):
