@@ -44,6 +44,7 @@ from terrainav.terrainav_plugin.layers.snapshot import (
 )
 from terrainav.terrainav_plugin.layers.source import LayerSource
 
+from tests.plugin.transports import BUSY_S, CANCEL_S
 from tests.support.patterns import decode_position, encode_position, to_bytes
 from tests.support.patterns import positions as pattern_tile
 from tests.support.services import ServiceServer, matrix, matrix_set, wms_document, wmts_document, wmts_layer
@@ -53,8 +54,6 @@ ZOOM = 17
 # Some place of Memphis, not at a tile's edge: px of the global grid at that zoom.
 LEFT, TOP = 32_819 * 256 + 37, 51_874 * 256 + 91
 WINDOW = Window(ZOOM, LEFT, TOP, 600, 400)
-# Within half a second, and what a loaded machine needs to notice.
-CANCELLED_S = 0.5
 SOURCES = []
 
 
@@ -515,7 +514,7 @@ def test_cancel_ends_a_service_that_does_not_answer(server):
     timer.start()
     off_the_main_thread(work)
     timer.join()
-    assert outcome["ended_s"] - outcome["asked_s"] < CANCELLED_S
+    assert outcome["ended_s"] - outcome["asked_s"] < CANCEL_S + BUSY_S
     with pytest.raises(Cancelled):
         source.fetch("satellite", Window(ZOOM, 0, 0, 256, 256))
 

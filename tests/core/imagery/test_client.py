@@ -161,7 +161,7 @@ def test_a_long_wait_is_left_when_the_client_is_closed():
     began = time.monotonic()
     with pytest.raises(Cancelled):
         client.get("u", "w")
-    assert time.monotonic() - began < 2.0
+    assert time.monotonic() - began < 10.0
 
 
 @pytest.mark.parametrize("status", [401, 402, 403, 407, 451])

@@ -29,8 +29,8 @@ RIGHT = positions("satellite", 12, 1000, 1500, 256)
 # Long enough for any answer on the loopback, short enough to wait for where none comes.
 TIMEOUTS = Timeouts(connect_s=5.0, read_s=0.3, whole_s=5.0)
 PLACEHOLDER = Placeholder(sha256=(hashlib.sha256(flat_placeholder()).hexdigest(),))
-# What the promise of cancelling within half a second may miss on a busy machine.
-CANCEL_S, BUSY_S = 0.5, 1.5
+# What the promise of cancelling within half a second may miss on a busy machine, of 20 s and more.
+CANCEL_S, BUSY_S = 0.5, 5.0
 
 # Another attempt may bring these right, so they must not cost a picture.
 PASSING = [
@@ -185,7 +185,7 @@ def test_a_refusal_stops_the_run(server, source_of, kind, reason):
 
 def test_a_body_that_trickles_is_given_up(server, source_of):
     server.fail("trickle")
-    source = source_of(server, tries=1, timeouts=Timeouts(5.0, 5.0, 0.5))
+    source = source_of(server, tries=1, timeouts=Timeouts(60.0, 60.0, 0.5))
     began = time.monotonic()
     with pytest.raises(PartError, match=r"no whole answer within 0\.5 s"):
         source.fetch("satellite", TILE)

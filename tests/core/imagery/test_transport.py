@@ -96,7 +96,8 @@ def test_a_wait_over_tls_can_be_cancelled(tls_server, certificate, monkeypatch, 
     began = time.monotonic()
     with pytest.raises(Cancelled):
         source.fetch("", TILE)
-    assert time.monotonic() - began < 2.5
+    # Of the 20 s of the silence it would wait for.
+    assert time.monotonic() - began < 10.0
 
 
 def test_requests_go_through_the_proxy_of_the_environment(monkeypatch):
