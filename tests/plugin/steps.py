@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 from qgis.core import QgsApplication, QgsCoordinateReferenceSystem, QgsProject, QgsRectangle
@@ -13,6 +14,8 @@ from qgis.PyQt.QtWidgets import QPushButton
 PATIENCE_MS = 60_000
 # Nine by nine images of 646 x 487 px.
 SMALL_BOX = {"north": "35.14", "west": "-89.87", "south": "35.131", "east": "-89.856"}
+# Half the camera's resolution, and so a quarter of the work, for tests of what becomes of the images.
+COARSE = {"resolution": "zoom", "zoom": 18}
 
 
 class Desk:
@@ -42,6 +45,11 @@ class Desk:
         self.enter_box(**SMALL_BOX)
         self.form.folder.setFilePath(str(self.folder))
         self.wait_planned()
+
+    def enter_coarse_mission(self):
+        """Enter the same with images of half as many pixels along each side."""
+        self.form.set_state(replace(self.workflow.state(), **COARSE))
+        self.enter_small_mission()
 
     def choose(self, combo, value):
         index = combo.findData(value)

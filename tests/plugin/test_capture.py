@@ -40,7 +40,7 @@ def server():
 @pytest.fixture
 def prepared(desk, server):
     """A small mission over a loopback tile server, whose pixels hold their own position."""
-    desk.enter_small_mission()
+    desk.enter_coarse_mission()
     desk.use_template(server.url_template)
     desk.wait_planned()
     return desk
@@ -70,7 +70,7 @@ def pixels_of(layer, provider_rectangle, width, height):
 
 
 def test_embedded_world_from_box_to_mosaic(desk):
-    desk.enter_small_mission()
+    desk.enter_coarse_mission()
     desk.form.map_types["roadmap"].setChecked(True)
     planned = desk.wait_planned()
     desk.click(desk.dock.preview)
@@ -289,7 +289,7 @@ def test_folder_that_cannot_be_used_is_named(prepared, in_the_way):
 
 
 def test_server_that_is_away_is_one_message(desk):
-    desk.enter_small_mission()
+    desk.enter_coarse_mission()
     desk.use_template(f"http://127.0.0.1:{NOBODY_LISTENS}/{{z}}/{{x}}/{{y}}.png")
     desk.wait_planned()
     capture(desk)
@@ -304,7 +304,7 @@ def test_server_that_is_away_is_one_message(desk):
 def test_capture_without_an_area_or_folder_says_so(desk):
     desk.click(desk.dock.capture)
     assert any("Nothing to capture yet" in text for text in desk.messages())
-    desk.enter_small_mission()
+    desk.enter_coarse_mission()
     desk.form.folder.setFilePath("")
     desk.click(desk.dock.capture)
     assert "folder is empty" in desk.message("folder")

@@ -624,7 +624,7 @@ def test_map_types_and_folders_are_chosen(desk, dataset, captured, opened):
 
 
 def test_capture_s_row_menu_and_toolbar_lead_to_its_dataset(desk, cleaning, qtbot):
-    desk.enter_small_mission()
+    desk.enter_coarse_mission()
     desk.click(desk.dock.capture)
     desk.wait(lambda: not desk.workflow.runs.idle)
     desk.wait(lambda: desk.workflow.runs.idle)

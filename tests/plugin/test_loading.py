@@ -19,13 +19,14 @@ from qgis.PyQt.QtGui import QDesktopServices
 from qgis.PyQt.QtTest import QTest
 from qgis.PyQt.QtWidgets import QAction, QApplication, QDockWidget, QMenu, QPushButton, QTabWidget, QToolBar
 
-from tests.plugin.steps import PATIENCE_MS, SMALL_BOX
+from tests.plugin.steps import COARSE, PATIENCE_MS, SMALL_BOX
 from tests.support.datasets import write_dataset
 
 PLUGIN = "terrainav"
-ROUNDS = 25
+#: What is left behind by one round is left by each of them.
+ROUNDS = 10
 #: Of all that takes long to use.
-USES = 8
+USES = 4
 
 
 def settle():
@@ -201,7 +202,7 @@ def use_everything(iface, qtbot, folder):
         plugin.actions[name].trigger()
     workflow = plugin.workflow
     form_state = sys.modules["terrainav.terrainav_plugin.dock.form_state"].FormState
-    workflow.dock.form.set_state(form_state(**SMALL_BOX, folder=str(folder)))
+    workflow.dock.form.set_state(form_state(**SMALL_BOX, **COARSE, folder=str(folder)))
     qtbot.waitUntil(lambda: not workflow.planner.busy, timeout=PATIENCE_MS)
     plugin.actions["capture"].trigger()
     plugin.actions["clean_dataset"].trigger()

@@ -29,7 +29,7 @@ __all__ = ["unloaded"]
 def captured(desk):
     """A captured mission with its preview, and a project saved beside it."""
     with TileServer() as server:
-        desk.enter_small_mission()
+        desk.enter_coarse_mission()
         desk.use_template(server.url_template)
         desk.wait_planned()
         desk.click(desk.dock.preview)
@@ -131,7 +131,7 @@ def capture_into(desk, folder):
 
 
 def test_project_holds_several_missions_and_opens_the_one_that_was_in_the_panel(desk, tmp_path):
-    desk.enter_small_mission()
+    desk.enter_coarse_mission()
     capture_into(desk, tmp_path / "first")
     first = desk.workflow.state()
     desk.form.agl.setValue(200.0)
@@ -162,7 +162,7 @@ def test_project_holds_several_missions_and_opens_the_one_that_was_in_the_panel(
 
 
 def test_mission_is_saved_as_a_file_and_opened_again(desk, tmp_path, answers):
-    desk.enter_small_mission()
+    desk.enter_coarse_mission()
     desk.form.agl.setValue(150.0)
     state, mission = desk.workflow.state(), desk.wait_planned().mission
     answers["save"] = tmp_path / "survey"
@@ -196,7 +196,7 @@ def test_mission_is_saved_as_a_file_and_opened_again(desk, tmp_path, answers):
     ],
 )
 def test_broken_mission_file_is_one_line_and_changes_nothing(desk, tmp_path, answers, text):
-    desk.enter_small_mission()
+    desk.enter_coarse_mission()
     before = desk.workflow.state()
     answers["file"] = tmp_path / "broken.json"
     answers["file"].write_text(text)
@@ -224,7 +224,7 @@ def test_dataset_of_the_command_comes_with_mosaic_footprints_and_failures(desk, 
 
     folder = tmp_path / "by-command"
     with TileServer() as server:
-        desk.enter_small_mission()
+        desk.enter_coarse_mission()
         desk.use_template(server.url_template)
         planned = desk.wait_planned()
         plan = planned.plan
@@ -256,7 +256,7 @@ def test_dataset_of_the_command_comes_with_mosaic_footprints_and_failures(desk, 
 def test_folders_may_have_any_name(desk, tmp_path, name):
     """Layers, the saved project and the viewer find what is in them."""
     folder = tmp_path / name / "mission"
-    desk.enter_small_mission()
+    desk.enter_coarse_mission()
     capture_into(desk, folder)
     plan = desk.wait_planned().plan
     assert QgsProject.instance().write(str(tmp_path / "project.qgz"))
@@ -286,7 +286,7 @@ def test_large_footprints_are_measured_before_the_main_thread_asks(desk, tmp_pat
         asked.append(QThread.currentThread() == QgsApplication.instance().thread())
         return original(layer)
 
-    desk.enter_small_mission()
+    desk.enter_coarse_mission()
     capture_into(desk, desk.folder)
     desk.iface.newProject(False)
     monkeypatch.setattr(QgsVectorLayer, "extent", extent)
@@ -301,7 +301,7 @@ def test_large_footprints_are_measured_before_the_main_thread_asks(desk, tmp_pat
 @pytest.mark.skipif(not Path("/proc/self/fd").is_dir(), reason="open files are listed on Linux only")
 def test_runs_that_are_over_keep_no_file_open(desk):
     """Twice into the same folder: the second run's layers are not needed."""
-    desk.enter_small_mission()
+    desk.enter_coarse_mission()
     capture_into(desk, desk.folder)
     runs = [desk.workflow.runs.runs[-1]]
     capture_into(desk, desk.folder)
@@ -323,7 +323,7 @@ def test_mosaic_of_a_cleaned_dataset_is_made_anew(desk, tmp_path, answers):
     """Cleaning has moved images away that the mosaic still names."""
     from terrainav.core.dataset.clean import clean
 
-    desk.enter_small_mission()
+    desk.enter_coarse_mission()
     capture_into(desk, desk.folder)
     desk.iface.newProject(False)
     images = sorted((desk.folder / "satellite").glob("*.tif"))
@@ -343,7 +343,7 @@ def test_mosaic_of_a_cleaned_dataset_is_made_anew(desk, tmp_path, answers):
 
 def test_failed_images_of_an_opened_mission_are_captured_from_the_menu(desk, tmp_path):
     with TileServer() as server:
-        desk.enter_small_mission()
+        desk.enter_coarse_mission()
         desk.use_template(server.url_template)
         plan = desk.wait_planned().plan
         x, y = int(plan.windows.left_px[0]) // 256, int(plan.windows.top_px[0]) // 256
@@ -381,7 +381,7 @@ def test_unloading_in_the_middle_of_everything_leaves_nothing(unloaded, iface, q
             desk = Desk(plugins[PLUGIN], iface, qtbot, tmp_path / f"mission-{round_number}")
             desk.workflow.show_dock(True)
             desk.form.set_state(type(desk.workflow.state())(folder=str(desk.folder)))
-            desk.enter_small_mission()
+            desk.enter_coarse_mission()
             desk.use_template(server.url_template)
             desk.wait_planned()
             desk.click(desk.dock.preview)

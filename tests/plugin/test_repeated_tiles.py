@@ -50,7 +50,7 @@ def grey_images(folder):
 
 
 def test_it_is_said_and_treated_as_missing_by_a_press(desk, server, settings, screenshot):
-    desk.enter_small_mission()
+    desk.enter_coarse_mission()
     desk.use_template(server.url_template)
     total = len(desk.wait_planned().plan)
     capture(desk)
@@ -79,7 +79,7 @@ def test_what_is_treated_as_missing_holds_for_later_captures(desk, server, setti
     settings.treat_as_missing(DIGEST)
     settings.treat_as_missing(DIGEST)
     assert settings.missing_tiles == (OTHER, DIGEST)
-    desk.enter_small_mission()
+    desk.enter_coarse_mission()
     desk.use_template(server.url_template)
     desk.wait_planned()
     capture(desk)

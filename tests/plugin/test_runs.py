@@ -27,7 +27,7 @@ def server():
 @pytest.fixture
 def prepared(desk, server):
     """A small mission over a loopback tile server."""
-    desk.enter_small_mission()
+    desk.enter_coarse_mission()
     desk.use_template(server.url_template)
     desk.wait_planned()
     return desk

@@ -40,7 +40,7 @@ def captured(desk, server, viewing):
     """Capture a mission, changed by the caller, and look at it with the tool for viewing."""
 
     def capture(change=lambda: None):
-        desk.enter_small_mission()
+        desk.enter_coarse_mission()
         desk.use_template(server.url_template)
         change()
         planned = desk.wait_planned()
