@@ -662,57 +662,61 @@ def test_features_come_in_steps_and_are_shown_at_once(map_, monkeypatch):
     assert repainted == [(role, len(steps)) for role in ("area", "centres", "flight", "footprints")]
 
 
+class Hold(QgsExpressionFunction):
+    """A function of expressions that lasts until it is let go."""
+
+    def __init__(self):
+        super().__init__("terrainav_hold", 0, "tests")
+        self.begun, self.leave = threading.Event(), threading.Event()
+
+    def func(self, values, context, parent, node):
+        self.begun.set()
+        self.leave.wait(PATIENCE_MS / 1000.0)
+        return True
+
+    def isStatic(self, node, parent, context):
+        return False
+
+
+#: Once QGIS has it, it stays: drawings that go on in the background may still come to it.
+HOLD = Hold()
+
+
 @pytest.fixture
 def held_up(map_):
-    """A layer whose drawing lasts until it is let go: two events, of its having begun and of its leave to end."""
-    begun, leave = threading.Event(), threading.Event()
-
-    class Hold(QgsExpressionFunction):
-        def __init__(self):
-            super().__init__("terrainav_hold", 0, "tests")
-
-        def func(self, values, context, parent, node):
-            begun.set()
-            leave.wait(PATIENCE_MS / 1000.0)
-            return True
-
-        def isStatic(self, node, parent, context):
-            return False
-
-    hold = Hold()
-    assert QgsExpression.registerFunction(hold)
+    """What adds a layer whose drawing lasts until it is let go, and what lets it go."""
+    if not QgsExpression.isFunctionName(HOLD.name()):
+        assert QgsExpression.registerFunction(HOLD)
+    HOLD.begun.clear()
+    HOLD.leave.clear()
     layer = QgsVectorLayer("Point?crs=EPSG:3857", "held up", "memory")
     layer.setRenderer(QgsRuleBasedRenderer(QgsMarkerSymbol.createSimple({"size": "0.1"})))
     layer.renderer().rootRule().children()[0].setFilterExpression("terrainav_hold()")
 
     def add():
-        begun.clear()
         map_.canvas.clearCache()
         feature = QgsFeature()
         feature.setGeometry(QgsGeometry.fromPointXY(map_.canvas.extent().center()))
         layer.dataProvider().addFeatures([feature])
         map_.project.addMapLayer(layer)
-        map_.qtbot.waitUntil(begun.is_set, timeout=PATIENCE_MS)
+        map_.qtbot.waitUntil(HOLD.begun.is_set, timeout=PATIENCE_MS)
 
-    yield add, leave
-    leave.set()
-    map_.canvas.waitWhileRendering()
-    map_.project.removeMapLayer(layer.id())
-    QgsExpression.unregisterFunction("terrainav_hold")
+    yield add, HOLD.leave.set
+    HOLD.leave.set()
 
 
 def test_change_under_a_running_drawing_comes_to_the_map(map_, held_up, monkeypatch):
     map_.show(MIDDLE)
     assert map_.counts()["density"] > 0
     assert painted(map_) > 0.5
-    add, leave = held_up
+    add, let_go = held_up
     add()
     map_.qtbot.wait(300)  # the preview's own layers are drawn now; the map waits for the last one
     repaint = map_.preview._repaint
 
     def end_before_the_next_begins(*arguments):
         # First all layers are drawn, then their labels; of each end QGIS hears in a turn of the event loop.
-        leave.set()
+        let_go()
         time.sleep(0.3)
         QApplication.processEvents()
         repaint(*arguments)
