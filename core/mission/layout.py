@@ -42,6 +42,8 @@ _STALLED = 50
 _FAR_ASIDE, _TRIED_PLACES = 1e-3, 257
 #: Nodes of the quadrature that counts rows beforehand, and the share and number of rows added to be safe.
 _COUNT_NODES, _COUNT_SHARE, _COUNT_MORE = 64, 1e-3, 3
+#: Rows from which their images are counted beforehand, and the share of those that are needed in any case.
+_MANY_ROWS, _SURELY = 1000, 0.95
 #: Guard of the paper's counts against the noise of UTM metres, as a share of a step.
 _COUNT_GUARD = 1e-9
 #: Degrees from a zone's central meridian within which the paper's UTM grid is still a grid.
@@ -138,7 +140,7 @@ def _cover(mission: Mission, area: Box | Polygon, frames: Frames, pixel: float) 
 
     width, _ = edges.size
     step = width * (1.0 - mission.overlap_along) - _MEETING_PX * pixel
-    refuse_no_step(step, mission.overlap_along)
+    refuse_no_step(step, mission.overlap_along, mission)
     west_u, east_u = lon_to_u(spans[:, 0]), lon_to_u(spans[:, 1])
     need = (east_u - west_u) + 2.0 * rounding
     counts = np.maximum(np.ceil((need - width) / step), 0.0) + 1.0
@@ -170,14 +172,20 @@ def _over(area: Box | Polygon, layout: Layout, edges: FrameEdges, rounding: floa
     return _picked(layout, keep)
 
 
-def refuse_no_step(step: Floats, overlap: float) -> None:
+def refuse_no_step(step: Floats, overlap: float, mission: Mission) -> None:
     """Refuse steps from capture to capture, or from row to row, that do not go on."""
     if not (step > 0.0).all():
         if overlap == 0.0:
+            if mission.tilt_deg or mission.roll_deg:
+                raise InvalidInput(
+                    "images without a thousandth of a pixel of ground to count on: the camera looks past the map or "
+                    "the Earth; tilt it less or fly lower",
+                    "tilt_deg",
+                )
             raise InvalidInput(
                 "images without a thousandth of a pixel of ground to count on: the camera looks past the map or the "
-                "Earth; tilt it less or fly lower",
-                "tilt_deg",
+                "Earth; fly lower",
+                "agl_m",
             )
         raise InvalidInput(
             f"overlap {overlap}: leaves under a thousandth of a pixel between captures; overlap less"
@@ -189,8 +197,12 @@ def _row_centres(mission: Mission, box: Box, frames: Frames, pixel: float) -> tu
     rows = _Rows(mission, box, frames, pixel)
     centres, edges = rows.settle(rows.first_top, rows.most())
     count = int(np.searchsorted(edges.bottom_v, rows.last_bottom)) + 1
-    if count > len(centres):
-        raise InvalidInput(f"rows from {mission.agl_m:g} m cannot be placed in this area; fly lower", "agl_m")
+    while count > len(centres):
+        # Rows share a part of the higher one, and so come nearer to each other than their number was counted for.
+        refuse_too_many(count, mission.max_images)
+        missing, step = rows.last_bottom - edges.bottom_v[-1], edges.bottom_v[-1] - edges.bottom_v[-2]
+        centres, edges = rows.settle(rows.first_top, len(centres) + math.ceil(missing / step) + _COUNT_MORE)
+        count = int(np.searchsorted(edges.bottom_v, rows.last_bottom)) + 1
     spare = float(edges.bottom_v[count - 1]) - rows.last_bottom
     shift = rows.centring_shift(count, spare)
     placed, edges = rows.lean(rows.settle(rows.first_top - shift, count)[0])
@@ -207,6 +219,7 @@ class _Rows:
             float(lat_to_v(np.asarray(lat))) for lat in (box.north_deg, box.south_deg)
         )
         self._meeting = _MEETING_PX * pixel
+        self._across = box.span_deg / 360.0 if isinstance(mission.area, Box) else 0.0
         self.first_top = max(self._north - _ROUNDING_PX * pixel, 0.0)
         self.last_bottom = min(self._south + _ROUNDING_PX * pixel, 1.0)
         self._least, self._most = self._cameras()
@@ -253,9 +266,14 @@ class _Rows:
         return float(missing[nearest]) > (2.0 / _TRIED_PLACES if between else 0.0)
 
     def _gaps(self) -> InvalidInput:
+        if self._mission.tilt_deg or self._mission.roll_deg:
+            return InvalidInput(
+                f"rows from {self._mission.agl_m:g} m cannot be placed so that their images cover this area; tilt the "
+                "camera less, fly lower or take a smaller area"
+            )
         return InvalidInput(
-            f"rows from {self._mission.agl_m:g} m cannot be placed so that their images cover this area; tilt the "
-            "camera less, fly lower or take a smaller area"
+            f"rows from {self._mission.agl_m:g} m cannot be placed so that their images cover this area; fly lower or "
+            "take a smaller area"
         )
 
     def refuse_gaps(self, centres: Floats) -> None:
@@ -279,7 +297,7 @@ class _Rows:
         shared = self._mission.overlap_across * np.maximum(height[1:], height[:-1])
         below, above = (edges.bottom_v - centres)[:-1], (centres - edges.top_v)[1:]
         steps: Floats = below + above - shared - self._meeting
-        refuse_no_step(steps, self._mission.overlap_across)
+        refuse_no_step(steps, self._mission.overlap_across, self._mission)
         return steps
 
     def most(self) -> int:
@@ -288,9 +306,18 @@ class _Rows:
         half = (self._south - self._north) / 2.0
         edges = self._edges(self._north + half * (1.0 + nodes))
         step = (edges.bottom_v - edges.top_v) * (1.0 - self._mission.overlap_across) - self._meeting
-        refuse_no_step(step, self._mission.overlap_across)
+        refuse_no_step(step, self._mission.overlap_across, self._mission)
         count = half * float(np.sum(weights / step))
         refuse_too_many(math.floor(count * (1.0 - _COUNT_SHARE)), self._mission.max_images)
+        if count > _MANY_ROWS:
+            # Rows are placed in seconds then: what is beyond the limit in any case is refused before.
+            width, _ = edges.size
+            columns = np.ceil(
+                np.maximum(self._across - width, 0.0) / (width * (1.0 - self._mission.overlap_along))
+            )
+            images = half * float(np.sum(weights / step * (columns + 1.0)))
+            if images * _SURELY > self._mission.max_images:
+                refuse_too_many(math.ceil(images / _SURELY), self._mission.max_images)
         return math.ceil(count * (1.0 + _COUNT_SHARE)) + _COUNT_MORE
 
     def settle(self, top: float, count: int) -> tuple[Floats, FrameEdges]:

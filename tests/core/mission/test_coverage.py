@@ -2,14 +2,21 @@
 
 from __future__ import annotations
 
+import math
+import re
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from terrainav.core.errors import InvalidInput
+from terrainav.core.geodesy.camera import Camera
 from terrainav.core.geodesy.ellipsoid import WGS84
-from terrainav.core.geodesy.mercator import PixelGrid
+from terrainav.core.geodesy.frames import map_frame_edges
+from terrainav.core.geodesy.mercator import PixelGrid, lat_to_v
 from terrainav.core.geodesy.plane import LocalPlane
-from terrainav.core.mission import coverage
+from terrainav.core.geodesy.poses import Poses
+from terrainav.core.mission import coverage, layout
 from terrainav.core.mission.area import Box, Polygon
 from terrainav.core.mission.coverage import Rectangles, gaps
 from terrainav.core.mission.mission import Mission
@@ -235,3 +242,33 @@ def test_gaps_are_worked_out_together():
 
     ground_m2(shape, *scattered(random, 2000, (0.0, 0.0), 5000.0, whole=False), geodetic)
     assert len(calls) < 10
+
+
+def test_rows_of_very_different_heights_are_all_placed():
+    """Towards the poles frames are higher and higher on the map, and neighbours share a part of the higher one."""
+
+    def frames(lat_deg):
+        return map_frame_edges(
+            Camera(), Poses.level(lat_deg, np.zeros_like(lat_deg), np.full_like(lat_deg, 1e5))
+        )
+
+    mission = Mission(Box(80, 0, -80, 0.01), 1e5, overlap_across=0.9)
+    placed = layout.lay_out(mission, frames, 0.0)
+    _, _, top, bottom = frames(placed.lat_deg)
+    assert (np.diff(placed.row) == 1).all()
+    assert top[0] <= lat_to_v(np.array(80.0))
+    assert bottom[-1] >= lat_to_v(np.array(-80.0))
+    higher = np.maximum((bottom - top)[:-1], (bottom - top)[1:])
+    np.testing.assert_allclose((bottom[:-1] - top[1:]) / higher, 0.9, rtol=1e-9)
+
+
+def test_a_mission_of_far_too_many_images_is_refused_before_its_rows_are_placed(monkeypatch):
+    mission = Mission(Box(80, -180, -80, 180), 8e5, overlap_along=0.999, overlap_across=0.999)
+    monkeypatch.setattr(layout._Rows, "settle", None)
+    with pytest.raises(InvalidInput, match="images: the limit is") as refused:
+        plan(mission, PixelGrid())
+    named = float(re.search(r"of ([\d,]+) images", str(refused.value))[1].replace(",", ""))
+    # The zone of a sphere, by what an image shows on level ground, a thousand times along and a thousand times across.
+    width, height = mission.camera.ground_size_m(mission.agl_m)
+    zone_m2 = 4.0 * math.pi * 6_371_007.0**2 * math.sin(math.radians(80.0))
+    assert named == pytest.approx(1e6 * zone_m2 / (width * height), rel=0.1)
