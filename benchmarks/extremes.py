@@ -1,6 +1,6 @@
 """Every case of the extreme suite in one table.
 
-python benchmarks/extremes.py           # a minute or two; writes docs/extremes.md
+python benchmarks/extremes.py           # some minutes; writes docs/extremes.md
 """
 
 from __future__ import annotations
@@ -15,7 +15,10 @@ sys.path.insert(0, str(ROOT))
 
 from terrainav.core.mission.rungs import bound_text  # noqa: E402
 
-from tests.core.mission.extremes import Outcome, cases, run  # noqa: E402
+from tests.core.mission.extremes import Outcome, cases, planned_as, run  # noqa: E402
+
+#: What map frames are refused for where their pixels are larger than the picture.
+TOO_SMALL = "under one pixel"
 
 
 def number(value: float) -> str:
@@ -49,6 +52,10 @@ def page(outcomes: list[Outcome]) -> str:
         outcome.refusal.partition(":")[2].partition(";")[0].strip() for outcome in outcomes if outcome.refusal
     )
     most_refused = ", ".join(f"{count} × “{reason[:70]}”" for reason, count in reasons.most_common(3))
+    small = sum(TOO_SMALL in outcome.refusal for outcome in outcomes)
+    fallen_back = [o for o in outcomes if TOO_SMALL in planned_as(o.case, "map")]
+    seen = sum(not outcome.refusal for outcome in fallen_back)
+    missed = sum(not planned_as(outcome.case, "camera") for outcome in outcomes if outcome.refusal)
     rows = "\n".join(map(row, outcomes))
     return f"""# Extreme cases
 
@@ -60,6 +67,9 @@ up to 50 captures and across one picture; times are those of the plan with its c
 ({worst.case.name}); the one nearest to its bound is {tightest.error_px / tightest.bound_px:.2f} of it
 ({tightest.case.name}). The slowest case took {slowest.seconds:.1f} s ({slowest.case.name}).
 Most refusals: {most_refused}.
+
+Map frames alone would refuse {len(fallen_back)} cases as “{TOO_SMALL}”; {seen} of them are planned as camera frames,
+and {small} end so. Of the {len(outcomes) - len(flown)} that are refused, {missed} could be shown by camera frames.
 
 | case | methods (footprint, picture, mesh) or refusal | bound, px | measured, px | condition | ms |
 | --- | --- | ---: | ---: | ---: | ---: |

@@ -159,7 +159,9 @@ def _crs_of(frame: str, lat_deg: float, lon_deg: float) -> str:
 def _check_holds(frame: Frame, asked: str, lat: Floats, lon: Floats) -> None:
     """Raise InvalidInput unless a frame has a place for each position, from which it is found again."""
     metres = frame.forward(lat, lon)
-    back_lat, back_lon = frame.inverse(metres)
+    # What has no place is found by that, and not by a warning.
+    with np.errstate(invalid="ignore"):
+        back_lat, back_lon = frame.inverse(metres)
     geod = Geod(ellps="WGS84")
     # PROJ's word for what cannot be projected is infinity.
     held = np.isfinite(metres).all(axis=-1) & np.isfinite(back_lat) & np.isfinite(back_lon)
@@ -176,9 +178,14 @@ def _check_holds(frame: Frame, asked: str, lat: Floats, lon: Floats) -> None:
         held &= ~(away > _MOST_ENLARGED * ground + _ROUND_TRIP_M)
     if not held.all():
         worst = int(np.flatnonzero(~held)[0])
+        place = f"{lat[worst]:.6f} {lon[worst]:.6f}"
+        if asked in ("mission", "utm"):
+            other = "utm" if asked == "mission" else "mission"
+            raise InvalidInput(
+                f"frame {asked}: {frame.crs} cannot hold all positions, such as {place}; choose {other}"
+            )
         raise InvalidInput(
-            f"frame {asked}: {frame.crs} cannot hold all positions, such as {lat[worst]:.6f} {lon[worst]:.6f}; choose "
-            "mission or utm"
+            f"frame {asked}: {frame.crs} cannot hold all positions, such as {place}; choose mission or utm"
         )
 
 

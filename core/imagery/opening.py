@@ -40,7 +40,7 @@ def is_file(name: str) -> bool:
 
     A name as the catalogue has them is none, even where there is such a file: ``./name`` is.
     """
-    if name.startswith("/vsi"):
+    if name.startswith("/vsi") or _is_part(name):
         return True
     if name.startswith(_QGIS) or "://" in name:
         return False
@@ -61,6 +61,15 @@ def _is_service(name: str) -> bool:
     from .services.ogc import is_service
 
     return is_service(name)
+
+
+def _is_part(name: str) -> bool:
+    """Whether a name is GDAL's of a raster within a file, such as GPKG:ortho.gpkg:summer."""
+    if ":" not in name[2:] or not name[:1].isupper():
+        return False
+    from .raster.files import file_of_part
+
+    return bool(file_of_part(name))
 
 
 def _is_there(name: str) -> bool:

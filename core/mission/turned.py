@@ -119,8 +119,8 @@ def _laid_out(
     (width,), (height,) = sides.size_m
     steps = np.array([width * (1.0 - mission.overlap_along), height * (1.0 - mission.overlap_across)])
     step_x, step_y = steps - _MEETING_M
-    refuse_no_step(steps[:1] - _MEETING_M, mission.overlap_along)
-    refuse_no_step(steps[1:] - _MEETING_M, mission.overlap_across)
+    refuse_no_step(steps[:1] - _MEETING_M, mission.overlap_along, mission)
+    refuse_no_step(steps[1:] - _MEETING_M, mission.overlap_across, mission)
     # Without overlap the images' ground sums to the area's at least, but for what the plane enlarges.
     refuse_too_many(flown + _SURELY * area.area_m2() / float(width * height), mission.max_images)
     shape = _shape(area, plane, _BEND_SHARE * float(min(width, height)))
@@ -170,10 +170,16 @@ def _common(mission: Mission, shape: Shape, plane: LocalPlane, ground: Ellipsoid
     middle = _posed(mission, plane, np.zeros(1), np.zeros(1))
     ring, _, whole = image_rings(mission.camera, middle, plane, ground)
     if not whole.all():
+        if mission.tilt_deg or mission.roll_deg:
+            raise InvalidInput(
+                f"camera with tilt {mission.tilt_deg:g}, roll {mission.roll_deg:g} deg from {mission.agl_m:g} m: sees "
+                "past the horizon, where turned rows have no frames; tilt it less, fly lower or fly north-up rows",
+                "tilt_deg",
+            )
         raise InvalidInput(
-            f"camera with tilt {mission.tilt_deg:g}, roll {mission.roll_deg:g} deg from {mission.agl_m:g} m: sees past "
-            "the horizon, where turned rows have no frames; tilt it less, fly lower or fly north-up rows",
-            "tilt_deg",
+            f"camera from {mission.agl_m:g} m: sees past the horizon, where turned rows have no frames; fly lower or "
+            "fly north-up rows",
+            "agl_m",
         )
     reach = np.abs(ring).max(axis=(0, 1)) + shape.bend_m
     ends = [

@@ -91,10 +91,11 @@ def part_places(
     part = _filled(groups, order, wanted)
     for index, name in enumerate(PARTS):
         if wanted[index] and not (part == index).any():
+            apart = "" if math.isinf(float(np.max(reach_m))) else "places farther apart, "
+            nearer = "a smaller --gap, " if apart and gap_m > 0.0 else ""
             raise InvalidInput(
                 f"{len(places)} places, split {_text(shares)}: {_crowd(reach_m, gap_m)}, and none is left for {name}; "
-                "give places farther apart, views that see less (lower, less tilted), a smaller --gap, or "
-                "--allow-shared-ground"
+                f"give {apart}views that see less (lower, less tilted), {nearer}or --allow-shared-ground"
             )
     shared = any(len(set(part[together == group].tolist())) > 1 for group in np.unique(together))
     return Parts(tuple(PARTS[index] for index in part.tolist()), shared)

@@ -134,7 +134,9 @@ def read_box(text: str) -> Box:
     return Box(*values[:4])
 
 
-def spread_places(box: Box, count: int, spacing_m: float, seed: int) -> tuple[Place, ...]:
+def spread_places(
+    box: Box, count: int, spacing_m: float, seed: int, *, by_views: bool = False
+) -> tuple[Place, ...]:
     """Places spread over a box, evenly by area, none nearer to another than a distance.
 
     They come from a hash of the seed: the same on every machine, and the first ones of a larger count.
@@ -143,6 +145,8 @@ def spread_places(box: Box, count: int, spacing_m: float, seed: int) -> tuple[Pl
     ----------
     spacing_m : float
         Least distance, straight through the ground, >= 0.
+    by_views : bool
+        The distance is that of what the views see, for the message where there is no room.
 
     Raises
     ------
@@ -171,9 +175,10 @@ def spread_places(box: Box, count: int, spacing_m: float, seed: int) -> tuple[Pl
         places.append(Place(lat, lon))
         if len(places) == count:
             return tuple(places)
+    views = "views that see less, " if by_views else ""
     raise InvalidInput(
         f"{count:,} places {spacing_m:,.0f} m apart: the box has room for {len(places):,}; give a larger box, fewer "
-        "places, views that see less, or a smaller --spacing"
+        f"places, {views}or a smaller --spacing"
     )
 
 

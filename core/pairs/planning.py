@@ -189,6 +189,7 @@ def places_in_box(
     InvalidInput
         A box without room for so many, or views to the horizon where no spacing is given.
     """
+    by_views = spacing_m is None
     if spacing_m is None:
         lat = np.array([box.south_deg, box.north_deg, min(max(0.0, box.south_deg), box.north_deg)])
         for one in lat:
@@ -203,7 +204,7 @@ def places_in_box(
                 "some views see the horizon, so that all places share ground: give --spacing, or tilt less"
             )
         spacing_m = 2.0 * farthest_m + settings.gap_m
-    return spread_places(box, count, spacing_m, settings.seed)
+    return spread_places(box, count, spacing_m, settings.seed, by_views=by_views)
 
 
 @dataclass(frozen=True, eq=False)

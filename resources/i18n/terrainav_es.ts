@@ -5057,8 +5057,13 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/dataset/frames.py"/>
-        <source>frame {0}: {1} cannot hold all positions, such as {2} {3}; choose mission or utm</source>
-        <translation>sistema {0}: {1} no abarca todas las posiciones, como {2} {3}; elija mission o utm</translation>
+        <source>frame {0}: {1} cannot hold all positions, such as {2}; choose mission or utm</source>
+        <translation>sistema {0}: {1} no abarca todas las posiciones, como {2}; elija mission o utm</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/frames.py"/>
+        <source>frame {0}: {1} cannot hold all positions, such as {2}; choose {3}</source>
+        <translation>sistema {0}: {1} no abarca todas las posiciones, como {2}; elija {3}</translation>
     </message>
     <message>
         <location filename="../../core/dataset/ground.py"/>
@@ -7002,6 +7007,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/layout.py"/>
+        <source>images without a thousandth of a pixel of ground to count on: the camera looks past the map or the Earth; fly lower</source>
+        <translation>imágenes sin una milésima de píxel de terreno con la que contar: la cámara mira más allá del mapa o de la Tierra; volar más bajo</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/layout.py"/>
         <source>images without a thousandth of a pixel of ground to count on: the camera looks past the map or the Earth; tilt it less or fly lower</source>
         <translation>imágenes sin una milésima de píxel de terreno con la que contar: la cámara mira más allá del mapa o de la Tierra; inclinarla menos o volar más bajo</translation>
     </message>
@@ -7022,13 +7032,13 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/layout.py"/>
-        <source>rows from {0} m cannot be placed in this area; fly lower</source>
-        <translation>las pasadas desde {0} m no caben en este área; volar más bajo</translation>
+        <source>rows from {0} m cannot be placed so near to a pole; fly lower or farther from it</source>
+        <translation>no se pueden situar pasadas desde {0} m tan cerca de un polo; volar más bajo o más lejos de él</translation>
     </message>
     <message>
         <location filename="../../core/mission/layout.py"/>
-        <source>rows from {0} m cannot be placed so near to a pole; fly lower or farther from it</source>
-        <translation>no se pueden situar pasadas desde {0} m tan cerca de un polo; volar más bajo o más lejos de él</translation>
+        <source>rows from {0} m cannot be placed so that their images cover this area; fly lower or take a smaller area</source>
+        <translation>no se pueden situar pasadas desde {0} m de modo que sus imágenes cubran este área; volar más bajo o tomar un área menor</translation>
     </message>
     <message>
         <location filename="../../core/mission/layout.py"/>
@@ -7415,6 +7425,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/settings.py"/>
         <source>{0} {1}: needs {2} as well</source>
         <translation>{0} {1}: necesita también {2}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/turned.py"/>
+        <source>camera from {0} m: sees past the horizon, where turned rows have no frames; fly lower or fly north-up rows</source>
+        <translation>cámara desde {0} m: ve más allá del horizonte, donde las pasadas giradas no tienen encuadres; volar más bajo o volar pasadas con el norte arriba</translation>
     </message>
     <message>
         <location filename="../../core/mission/turned.py"/>

@@ -152,7 +152,7 @@ def add(name: str, data: Mapping[str, Any], folder: str | os.PathLike[str] | Non
     """
     _check_name(name)
     if any(entry.name == name for entry in shipped()):
-        raise InvalidInput(f"source name {name!r}: is one of the catalogue's; choose another")
+        raise _of_the_catalogue(name)
     path = config_file(FILE, folder)
     known = read_named(path, "sources")
     if name in known:
@@ -181,6 +181,10 @@ def remove(name: str, folder: str | os.PathLike[str] | None = None) -> None:
     write_named(path, {other: data for other, data in known.items() if other != name})
 
 
+def _of_the_catalogue(name: str) -> InvalidInput:
+    return InvalidInput(f"source name {name!r}: is one of the catalogue's; choose another")
+
+
 def _check_name(name: str) -> None:
     if not NAME.fullmatch(name):
         raise InvalidInput(
@@ -200,7 +204,7 @@ def _entry(name: str, data: Any) -> CatalogueEntry:
 
 def _entry_or_problem(name: str, data: Any, taken: Container[str]) -> CatalogueEntry | str:
     if name in taken:
-        return f"source name {name!r}: is one of the catalogue's; choose another"
+        return str(_of_the_catalogue(name))
     try:
         return _entry(name, data)
     except InvalidInput as wrong:

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import importlib.util
+import re
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import combinations
+from pathlib import Path
 from typing import NamedTuple, Protocol
 
 import numpy as np
@@ -17,6 +20,27 @@ Bytes = NDArray[np.uint8]
 
 #: GDAL's option for errors instead of grey where a JPEG is broken off.
 STRICT_JPEG = "GDAL_ERROR_ON_LIBJPEG_WARNING"
+
+#: What GDAL's names of rasters within a file begin with, such as GPKG:ortho.gpkg:summer; a drive has one letter.
+_DRIVER = re.compile(r"[A-Z][A-Za-z0-9_]+:")
+
+
+def file_of_part(name: str) -> str:
+    """Path of the file that GDAL's name of a raster within it is of, where it is there; empty for other names."""
+    if not _DRIVER.match(name):
+        return ""
+    pieces = re.split(r'[:"]', name)
+    spans = combinations(range(1, len(pieces) + 1), 2)
+    # The longest first: a path may hold colons.
+    paths = sorted((":".join(pieces[start:end]) for start, end in spans), key=len, reverse=True)
+    return next((path for path in paths if path and _is_there(path)), "")
+
+
+def _is_there(path: str) -> bool:
+    try:
+        return Path(path).is_file()
+    except (OSError, ValueError):
+        return False
 
 
 class Box(NamedTuple):

@@ -14,7 +14,7 @@ from ..policy import Policy
 from ..source import Part, Pixels, Window, tile_parts
 from .colours import Colours, colours_of
 from .dated import date_of_tags, file_of
-from .files import Box, Bytes, Facts, ReadError, opener
+from .files import Box, Bytes, Facts, ReadError, file_of_part, opener
 from .mean import MOST_PX, Boxes, Floats, Sums, boxes, means, reduced
 from .place import Place
 from .pool import Pool
@@ -208,7 +208,7 @@ class RasterSource:
 
 
 def _check_there(path: str) -> None:
-    if path.startswith("/vsi"):
+    if path.startswith("/vsi") or file_of_part(path):
         return
     try:
         if Path(path).is_dir():
@@ -222,7 +222,7 @@ def _check_there(path: str) -> None:
 def _state(path: str) -> tuple[int, int] | None:
     """Size and time of change of a file; None where there is none, as for virtual ones."""
     try:
-        status = Path(path).stat()
+        status = Path(file_of_part(path) or path).stat()
     except OSError:
         return None
     return status.st_size, status.st_mtime_ns

@@ -167,6 +167,15 @@ def run(case: Case) -> Outcome:
     return Outcome(case, "", methods, chosen.bound_px, measured_px(made), chosen.condition, seconds, covered)
 
 
+def planned_as(case: Case, frame: str) -> str:
+    """Why a case is refused where its pictures are of one kind; empty where it is planned."""
+    try:
+        plan(case.mission.with_(frame=frame, accept_error=frame == "map"), GRID)
+    except InvalidInput as refused:
+        return str(refused)
+    return ""
+
+
 def finite(made: Plan) -> bool:
     """Whether everything in a plan is a number."""
     columns = (*made.poses, *made.windows, made.corners.lat_deg, made.corners.lon_deg, *made.frame_centres)

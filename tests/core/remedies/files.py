@@ -1,0 +1,260 @@
+"""What refusals of captures, of the command and of files advise."""
+
+from __future__ import annotations
+
+import sys
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+from terrainav.core import config, drawing, files, lock
+from terrainav.core.capture import folder as captures
+from terrainav.core.capture import jpeg, writers
+from terrainav.core.capture.description import Description
+from terrainav.core.capture.runner import capture
+from terrainav.core.geodesy.mercator import PixelGrid
+from terrainav.core.mission.area import Points
+from terrainav.core.mission.mission import Mission
+from terrainav.core.mission.plan import plan
+
+from tests.support.remedies import Case, remedy
+from tests.support.sources import PatternSource
+
+MISSION = Mission(Points(((35.0, -89.9, 20.0),)), 20.0)
+OTHER = MISSION.with_(agl_m=21.0)
+BOX = "35.16_-89.90_35.157_-89.897_400"
+
+
+def captured(folder, mission=MISSION, **options):
+    source = PatternSource()
+    return capture(plan(mission, source.grid), source, folder, **options)
+
+
+# --- capture
+
+
+@remedy("capture/folder.py", "folder {}: holds another mission; choose another folder")
+def _another_mission(case: Case) -> None:
+    captured(case.tmp_path / "out")
+    case.refused(lambda: captured(case.tmp_path / "out", OTHER))
+    case.follow("choose another folder", lambda: captured(case.tmp_path / "other", OTHER))
+
+
+@remedy(
+    "capture/folder.py",
+    "folder {}: already holds this mission; resume it (--resume) or choose another folder",
+)
+def _already_there(case: Case) -> None:
+    asked = ("capture", "--coords", BOX)
+    assert case.run(*asked, "--data-dir", "out").returncode == 0
+    case.refused(lambda: captured(case.tmp_path / "mine") and captured(case.tmp_path / "mine"))
+    case.says(case.run(*asked, "--data-dir", "out").stderr)
+    case.follow(
+        "resume it (--resume)", lambda: case.run(*asked, "--data-dir", "out", "--resume").returncode == 0
+    )
+    case.follow("choose another folder", lambda: case.run(*asked, "--data-dir", "other").returncode == 0)
+
+
+@remedy(
+    "capture/folder.py",
+    "folder {}: holds no capture of this mission, so nothing of it has failed; capture it first",
+)
+def _nothing_failed(case: Case) -> None:
+    case.refused(lambda: captured(case.tmp_path / "out", only_failed=True))
+
+    def first():
+        captured(case.tmp_path / "out")
+        captured(case.tmp_path / "out", only_failed=True)
+
+    case.follow("capture it first", first)
+
+
+@remedy(
+    "capture/folder.py", "folder {}: holds {} but no {}, so it is not this mission's; choose another folder"
+)
+def _foreign(case: Case) -> None:
+    (case.tmp_path / "satellite").mkdir()
+    case.refused(lambda: captured(case.tmp_path))
+    case.follow("choose another folder", lambda: captured(case.tmp_path / "other"))
+
+
+@remedy("capture/folder.py", "file {}: cannot be removed ({}); close what shows it")
+def _shown(case: Case) -> None:
+    path = case.tmp_path / "picture.tif"
+    path.write_bytes(b"")
+    real = Path.unlink
+
+    def held(self, missing_ok=False):
+        # As in Windows, where a file that is open stays.
+        if self == path:
+            raise PermissionError(13, "The file is in use")
+        real(self, missing_ok=missing_ok)
+
+    with case.monkeypatch.context() as shown:
+        shown.setattr(Path, "unlink", held)
+        case.refused(lambda: captures.remove_picture(case.tmp_path, (".tif",), "picture"))
+
+    def closed():
+        captures.remove_picture(case.tmp_path, (".tif",), "picture")
+        return not path.exists()
+
+    case.follow("close what shows it", closed)
+
+
+def described(attribution):
+    return Description("a", "satellite", "S", attribution, zoom=18, lat_deg=35.0, lon_deg=10.0, agl_m=120.0)
+
+
+@remedy(
+    "capture/jpeg.py",
+    "description of a picture in {} bytes: a JPEG has room for {}; choose tif or png, or shorten the "
+    "source's attribution",
+)
+def _long_description(case: Case) -> None:
+    pixels = np.zeros((4, 4, 3), np.uint8)
+    place = writers_place()
+    long = described("x" * 70_000)
+    case.refused(lambda: jpeg.jpeg(pixels, long))
+    for ending in ("tif", "png"):
+        case.follow(
+            ending,
+            lambda ending=ending: writers.write_picture(case.tmp_path, ending, pixels, place, long) > 0,
+        )
+    case.follow("shorten the source's attribution", lambda: jpeg.jpeg(pixels, described("x" * 700)))
+    case.follow("choose", lambda: True)
+
+
+def writers_place():
+    from terrainav.core.capture.georeference import Georeference
+
+    return Georeference(0.0, 0.0, 4.0, 4.0, 4, 4)
+
+
+@remedy("capture/runner.py", "plan is for another pixel grid than that of {}: plan with the source's own")
+def _another_grid(case: Case) -> None:
+    source = PatternSource()
+    case.refused(lambda: capture(plan(MISSION, PixelGrid(tile_px=512)), source, case.tmp_path / "out"))
+    case.follow(
+        "plan with the source's own",
+        lambda: capture(plan(MISSION, source.grid), source, case.tmp_path / "out"),
+    )
+
+
+@remedy(
+    "capture/runner.py",
+    "folder {}: holds this mission with other pictures, such as {}, because the source or the version "
+    "was another; choose "
+    "another folder",
+)
+def _other_pictures(case: Case) -> None:
+    captured(case.tmp_path / "out")
+    finer = PatternSource(tile_px=512)
+    again = partial(capture, plan(MISSION, finer.grid), finer)
+    case.refused(lambda: again(case.tmp_path / "out", resume=True))
+    case.follow("choose another folder", lambda: again(case.tmp_path / "other"))
+
+
+@remedy(
+    "capture/writers.py",
+    "pictures of {} x {} px: JPEG ends at {} px; choose tif or png, or resize them (--img-size)",
+)
+def _jpeg_ends(case: Case) -> None:
+    case.refused(lambda: writers.check_size("jpg", 70_000, 100))
+    case.follow("tif", lambda: writers.check_size("tif", 70_000, 100))
+    case.follow("png", lambda: writers.check_size("png", 70_000, 100))
+    case.follow("choose", lambda: True)
+    # As the run checks it: the size of the files that are written.
+    case.follow("resize them (--img-size)", lambda: writers.check_size("jpg", 640, 480))
+
+
+# --- files
+
+
+@remedy("files.py", "folder {}: a file is in its place; choose another folder")
+def _file_in_place(case: Case) -> None:
+    (case.tmp_path / "file").write_text("")
+    case.refused(lambda: files.make_folder(case.tmp_path / "file"))
+    case.follow("choose another folder", lambda: files.make_folder(case.tmp_path / "folder"))
+
+
+@remedy("files.py", "folder {}: cannot be made ({}); choose another folder")
+def _no_folder(case: Case) -> None:
+    (case.tmp_path / "file").write_text("")
+    case.refused(lambda: files.make_folder(case.tmp_path / "file" / "below"))
+    case.follow("choose another folder", lambda: files.make_folder(case.tmp_path / "folder" / "below"))
+
+
+@remedy(
+    "lock.py",
+    "folder {}: another run is at work in it; wait until it has ended or choose another folder",
+)
+def _locked(case: Case) -> None:
+    path = case.tmp_path / "journal"
+
+    def opened(where):
+        lock.open_locked(where).close()
+
+    with lock.open_locked(path):
+        case.refused(lambda: opened(path))
+        case.follow("choose another folder", lambda: opened(case.tmp_path / "other"))
+    case.follow("wait until it has ended", lambda: opened(path))
+
+
+def broken_file(case: Case, break_it) -> None:
+    path = case.tmp_path / "things.json"
+
+    def made():
+        path.write_text("{}")
+        break_it(path)
+
+    made()
+    case.refused(lambda: config.read_named(path, "things"))
+
+    def mended():
+        if path.is_dir():
+            path.rmdir()
+        path.write_text('{"a": 1}')
+        return config.read_named(path, "things") == {"a": 1}
+
+    case.follow("mend it", mended)
+    made()
+
+    def moved():
+        path.rename(case.tmp_path / "elsewhere")
+        return config.read_named(path, "things") == {}
+
+    case.follow("move it away", moved)
+
+
+@remedy("config.py", "{}: cannot be read ({}); mend it, or move it away")
+def _unreadable(case: Case) -> None:
+    def folder_in_place(path):
+        path.unlink()
+        path.mkdir()
+
+    broken_file(case, folder_in_place)
+
+
+@remedy("config.py", "{}: cannot be read as JSON ({}); mend it, or move it away")
+def _no_json(case: Case) -> None:
+    broken_file(case, lambda path: path.write_text("{"))
+
+
+@remedy(
+    "drawing.py",
+    "matplotlib, which draws the diagrams, is not installed; get it with: pip install 'terrainav[report]'",
+)
+def _no_matplotlib(case: Case) -> None:
+    with case.monkeypatch.context() as without:
+        without.setitem(sys.modules, "matplotlib.figure", None)
+        case.refused(drawing.check_matplotlib)
+    case.follow("get it with: pip install 'terrainav[report]'", lambda: extra_brings("report", "matplotlib"))
+    drawing.check_matplotlib()
+
+
+def extra_brings(extra, package):
+    """Whether pip installs a package with an extra of ours, as pyproject.toml says."""
+    text = (Path(__file__).parents[3] / "pyproject.toml").read_text(encoding="utf-8")
+    extras = text.partition("[project.optional-dependencies]")[2].partition("\n[")[0]
+    own = [line for line in extras.splitlines() if line.startswith(f"{extra} =")]
+    return any(package in line for line in own)

@@ -1,0 +1,466 @@
+"""What refusals of sources of imagery advise, against files and servers on the loopback."""
+
+from __future__ import annotations
+
+import importlib.util
+import sys
+from contextlib import closing
+from functools import partial
+
+import numpy as np
+import pytest
+from terrainav.core.imagery import client as clients
+from terrainav.core.imagery.cache.tile_cache import TileCache
+from terrainav.core.imagery.catalogue import user_sources
+from terrainav.core.imagery.catalogue.dates import Dates
+from terrainav.core.imagery.catalogue.listing import entry_named
+from terrainav.core.imagery.opening import entry_of, is_file, open_source
+from terrainav.core.imagery.policy import Policy
+from terrainav.core.imagery.raster import files as raster_files
+from terrainav.core.imagery.raster import open_raster
+from terrainav.core.imagery.source import Window
+from terrainav.core.imagery.staticmap import StaticMapSource
+from terrainav.core.imagery.template import check_address
+from terrainav.core.imagery.transport import Response
+from terrainav.core.imagery.xyz import XYZSource
+
+from tests.core.remedies.files import extra_brings
+from tests.support.remedies import Case, remedy
+from tests.support.services import ServiceServer, matrix, matrix_set, wmts_document, wmts_layer
+
+TEMPLATE = "https://h.example/{z}/{x}/{y}.png"
+
+
+def opened(name, **options):
+    open_source(name, **options).close()
+
+
+@remedy("imagery/cache/tile_cache.py", "cache of {} bytes: must be 1 or more; leave the cache out for none")
+def _no_cache(case: Case) -> None:
+    case.refused(lambda: TileCache(case.tmp_path, 0))
+    case.follow("leave the cache out for none", lambda: opened(TEMPLATE, cache=None))
+
+
+@remedy("imagery/catalogue/dates.py", "date {}: must be one the server takes; say which (--date)")
+def _any_date(case: Case) -> None:
+    dates = Dates("any")
+    case.refused(lambda: dates.checked(""))
+    case.follow("say which (--date)", lambda: dates.checked("2020") == "2020")
+
+
+@remedy("imagery/catalogue/entry.py", "{}: has imagery of several dates; say which (--date)")
+def _several_dates(case: Case) -> None:
+    dated = "https://h.example/{date}/{z}/{x}/{y}.png"
+    case.refused(lambda: opened(dated))
+    case.follow("say which (--date)", lambda: opened(dated, date="2020"))
+
+
+def own(case: Case, name, folder="config"):
+    return user_sources.add(name, user_sources.described(TEMPLATE), case.tmp_path / folder)
+
+
+@remedy("imagery/catalogue/user_sources.py", "source name {}: is one of the catalogue's; choose another")
+def _of_the_catalogue(case: Case) -> None:
+    case.refused(lambda: own(case, "usgs"))
+    case.follow("choose another", lambda: own(case, "usgs-mine"))
+    # The same of a file that somebody has written.
+    case.monkeypatch.setenv("TERRAINAV_CONFIG_DIR", str(case.tmp_path / "config"))
+    path = case.tmp_path / "config" / user_sources.FILE
+    text = path.read_text(encoding="utf-8")
+    path.write_text(text.replace("usgs-mine", "usgs"), encoding="utf-8")
+    case.says(user_sources.shelf().problems["usgs"])
+    path.write_text(text, encoding="utf-8")
+    assert not user_sources.shelf().problems
+
+
+@remedy(
+    "imagery/catalogue/user_sources.py",
+    "source name {}: is taken; choose another, or `terrainav sources remove` it",
+)
+def _taken(case: Case) -> None:
+    own(case, "mine")
+    case.refused(lambda: own(case, "mine"))
+    case.follow("choose another", lambda: own(case, "yours"))
+
+    def removed():
+        assert case.run("sources", "remove", "mine").returncode == 0
+        own(case, "mine")
+
+    case.follow("terrainav sources remove` it", removed)
+
+
+@remedy(
+    "imagery/catalogue/listing.py",
+    "source {} is unknown: {}`terrainav sources` lists the names; a file, a URL template with {z}, {x}, "
+    "{y}, wmts:URL and "
+    "wms:URL work as well",
+)
+def _unknown(case: Case) -> None:
+    case.refused(lambda: entry_named("usgz"))
+    case.follow("did you mean usgs?", lambda: entry_named("usgs"))
+    listed = case.run("sources").stdout
+    assert "usgs " in listed
+    with one_layer() as server:
+        others = (raster(case), TEMPLATE, f"wmts:{server.url}/c.xml")
+        case.follow(
+            "terrainav sources` lists the names; a file, a URL template with {z}, {x}, {y}, wmts:URL and wms:URL "
+            "work as "
+            "well",
+            lambda: [opened(str(name)) for name in ("usgs", *others)],
+        )
+
+
+class Answers:
+    """A transport that gives one answer after the other, the last one for ever."""
+
+    def __init__(self, *answers):
+        self.answers = list(answers)
+
+    def get(self, url, headers=None, cancelled=None):
+        return self.answers.pop(0) if len(self.answers) > 1 else self.answers[0]
+
+    def close(self):
+        """Hold nothing."""
+
+
+BUSY, DONE = Response(429, {}, b""), Response(200, {"content-type": "text/plain"}, b"here")
+
+
+@remedy("imagery/client.py", "{}: {}; ask for less at a time, or resume later")
+def _too_many_requests(case: Case) -> None:
+    asked = clients.Client(Answers(BUSY), "P", first_wait_s=0.0, tries=2)
+    case.refused(lambda: asked.get("u", "w"))
+    # A server that takes one request, and one that has got over it.
+    fewer = clients.Client(Answers(DONE, BUSY), "P", first_wait_s=0.0, tries=1)
+    case.follow("ask for less at a time", lambda: fewer.get("u", "w").body == b"here")
+    asked._transport.answers[:] = [DONE]
+    case.follow("resume later", lambda: asked.get("u", "w").body == b"here")
+
+
+@remedy("imagery/client.py", "{}: {}; it asks to come back in {} s: resume then")
+def _come_back(case: Case) -> None:
+    asked = clients.Client(Answers(Response(503, {"retry-after": "3600"}, b"")), "P", first_wait_s=0.0)
+    case.refused(lambda: asked.get("u", "w"))
+    asked._transport.answers[:] = [DONE]
+    case.follow("resume then", lambda: asked.get("u", "w").body == b"here")
+
+
+@remedy("imagery/opening.py", "{}: needs an API key: set the environment variable {}")
+def _key(case: Case) -> None:
+    for name in ("TERRAINAV_KEY", "TERRAINAV_MAPBOX_KEY"):
+        case.monkeypatch.delenv(name, raising=False)
+    text = case.refused(lambda: opened("mapbox-satellite"))
+    variable = text.rpartition(" ")[2]
+    case.monkeypatch.setenv(variable, "a-key")
+    case.follow(f"set the environment variable {variable}", lambda: opened("mapbox-satellite"))
+
+
+@remedy(
+    "imagery/opening.py",
+    "source {}: is a map of QGIS and can be captured inside QGIS only; name a file, a URL template or a "
+    "name of the "
+    "catalogue",
+)
+def _of_qgis(case: Case) -> None:
+    case.refused(lambda: open_source("qgis:project"))
+    case.follow("name a file", lambda: opened(str(raster(case))))
+    case.follow("a URL template", lambda: opened(TEMPLATE))
+    case.follow("a name of the catalogue", lambda: opened("usgs"))
+
+
+@remedy("imagery/opening.py", "source {}: a file states no terms; name one of the sources that have some")
+def _no_terms(case: Case) -> None:
+    case.refused(lambda: entry_of("ortho.tif"))
+    case.follow("name one of the sources that have some", lambda: bool(entry_of("usgs").policy.terms))
+
+
+ASKS = Policy(bulk_allowed="ask", max_tiles=10, terms="Ask first.")
+NEVER = Policy(bulk_allowed="no", max_tiles=10, terms="Never.")
+
+
+@remedy("imagery/policy.py", "take another source")
+def _another_source(case: Case) -> None:
+    case.refused(lambda: NEVER.check("S", 11))
+    case.follow("take another source", lambda: Policy().check("T", 11))
+
+
+@remedy("imagery/policy.py", "agree to the terms first (--accept-terms)")
+def _agree(case: Case) -> None:
+    case.refused(lambda: ASKS.check("S", 11))
+    case.follow("agree to the terms first (--accept-terms)", lambda: ASKS.check("S", 11, accept_terms=True))
+
+
+@remedy("imagery/policy.py", "bulk_allowed {} without max_tiles: say how many are no bulk")
+def _no_bulk(case: Case) -> None:
+    case.refused(lambda: Policy(bulk_allowed="ask"))
+    case.follow("say how many are no bulk", lambda: Policy(bulk_allowed="ask", max_tiles=10))
+
+
+# --- rasters
+
+ON_GRID = (0.0, 1.0, 0.0, 6_000_000.0, 0.0, -1.0)
+PART = Window(15, 128 * 32768, 128 * 22956, 64, 64)
+
+
+def raster(case: Case, name="r.tif", *, geotransform=ON_GRID, epsg=3857, kind=None, bands=3, size=64):
+    gdal = pytest.importorskip("osgeo.gdal", reason="the tests make their rasters by GDAL's Python module")
+    from tests.support import rasters
+
+    values = np.random.default_rng(4).integers(1, 255, (bands, size, size), np.uint8)
+    more = {} if kind is None else {"data_type": getattr(gdal, kind)}
+    return rasters.write(case.tmp_path / name, values, geotransform, epsg, **more)
+
+
+def read(path, **options):
+    open_raster(path, **options).close()
+
+
+@remedy(
+    "imagery/raster/colours.py",
+    "values of band {} are {}, and pictures have 8 bits: choose the range to show, as by gdal_translate "
+    "-ot Byte -scale",
+)
+def _deep(case: Case) -> None:
+    path = raster(case, kind="GDT_UInt16")
+    case.refused(lambda: read(path))
+    from osgeo import gdal
+
+    def scaled():
+        gdal.Translate(str(case.tmp_path / "8.tif"), str(path), options="-ot Byte -scale").FlushCache()
+        read(case.tmp_path / "8.tif")
+
+    case.follow("choose the range to show, as by gdal_translate -ot Byte -scale", scaled)
+
+
+@remedy("imagery/raster/dated.py", "{}: say which date")
+def _date_of_vsi(case: Case) -> None:
+    raster(case, "a_20200101.tif")
+    path = f"/vsisubfile/0_{(case.tmp_path / 'a_20200101.tif').stat().st_size},{case.tmp_path}/a_{{date}}.tif"
+    case.refused(lambda: read(path))
+    case.follow("say which date", lambda: read(path.replace("{date}", "20200101"), date="20200101"))
+
+
+@remedy("imagery/raster/dated.py", "say which date")
+def _date_of_files(case: Case) -> None:
+    raster(case, "a_20200101.tif")
+    path = case.tmp_path / "a_{date}.tif"
+    case.refused(lambda: read(path))
+    case.follow("say which date", lambda: read(path, date="2020-01-01"))
+
+
+@remedy("imagery/raster/files.py", "raster files need rasterio: pip install terrainav[raster]")
+def _no_rasterio(case: Case) -> None:
+    real = importlib.util.find_spec
+    with case.monkeypatch.context() as without:
+        without.setattr(
+            importlib.util,
+            "find_spec",
+            lambda name, *rest: None if name in ("rasterio", "osgeo") else real(name, *rest),
+        )
+        without.setitem(sys.modules, "qgis", sys)
+        case.refused(raster_files.opener)
+    case.follow("pip install terrainav[raster]", lambda: extra_brings("raster", "rasterio"))
+    raster_files.opener()
+
+
+@remedy(
+    "imagery/raster/place.py",
+    "it states no coordinate reference system: say which, as by gdal_edit.py -a_srs EPSG:32632",
+)
+def _no_crs(case: Case) -> None:
+    path = raster(case, epsg=None, geotransform=(505_000.0, 2.0, 0.0, 5_317_000.0, 0.0, -2.0))
+    case.refused(lambda: read(path))
+    from osgeo import gdal
+
+    def edited():
+        # What gdal_edit.py does.
+        gdal.Translate(str(case.tmp_path / "placed.tif"), str(path), options="-a_srs EPSG:32632").FlushCache()
+        read(case.tmp_path / "placed.tif")
+
+    case.follow("say which, as by gdal_edit.py -a_srs EPSG:32632", edited)
+
+
+@remedy("imagery/raster/place.py", "only ground control points place it: make a map of it first, by gdalwarp")
+def _by_points(case: Case) -> None:
+    path = raster(case, "points.tif", geotransform=None, epsg=None)
+    from osgeo import gdal, osr
+
+    system = osr.SpatialReference()
+    system.ImportFromEPSG(4326)
+    placed = gdal.Open(str(path), gdal.GA_Update)
+    corners = [gdal.GCP(9.0 + x / 1e3, 48.0 - y / 1e3, 0.0, x, y) for x in (0, 64) for y in (0, 64)]
+    placed.SetGCPs(corners, system.ExportToWkt())
+    del placed
+    case.refused(lambda: read(path))
+
+    def warped():
+        gdal.Warp(str(case.tmp_path / "map.tif"), str(path)).FlushCache()
+        read(case.tmp_path / "map.tif")
+
+    case.follow("make a map of it first, by gdalwarp", warped)
+
+
+@remedy("imagery/raster/source.py", "; name one of those within, such as {}")
+def _within(case: Case) -> None:
+    from osgeo import gdal
+
+    path = case.tmp_path / "several.gpkg"
+    first, second = raster(case, "a.tif"), raster(case, "b.tif")
+    for name, one, more in (("a", first, ()), ("b", second, ("APPEND_SUBDATASET=YES",))):
+        options = [f"RASTER_TABLE={name}", *more]
+        gdal.Translate(str(path), str(one), format="GPKG", creationOptions=options).FlushCache()
+    text = case.refused(lambda: read(path))
+    named = text.rpartition("such as ")[2]
+    case.follow(f"name one of those within, such as {named}", lambda: opened(named))
+    assert not any(map(is_file, ("GPKG:not.there:a", "Mine:a", "WMS:https://h/wms")))
+
+
+@remedy(
+    "imagery/raster/source.py",
+    "{}: a part of zoom {} covers {}x{} px of it, which are too many; give it overviews, by gdaladdo",
+)
+def _no_overviews(case: Case) -> None:
+    from osgeo import gdal
+
+    path = raster(case, "large.tif", size=4200, bands=1)
+    # As large as the parts of a turned raster become.
+    far = Window(14, 64 * 32768, 64 * 22956, 512, 512)
+
+    def fetched():
+        with closing(open_raster(path)) as source:
+            source.fetch("", far)
+
+    case.refused(fetched)
+
+    def with_overviews():
+        opened = gdal.Open(str(path), gdal.GA_Update)
+        opened.BuildOverviews("NEAREST", [2])
+        del opened
+        fetched()
+
+    case.follow("give it overviews, by gdaladdo", with_overviews)
+
+
+@remedy("imagery/raster/source.py", "{}: is a folder; name a raster file")
+def _folder(case: Case) -> None:
+    path = raster(case)
+    case.refused(lambda: read(case.tmp_path))
+    case.follow("name a raster file", lambda: read(path))
+
+
+@remedy("imagery/raster/source.py", "has changed since it was opened; start anew")
+def _changed(case: Case) -> None:
+    path = raster(case)
+    with closing(open_raster(path)) as source:
+        source.fetch("", PART)
+        path.unlink()
+        raster(case, size=32)
+        case.refused(lambda: source.fetch("", PART))
+
+    def anew():
+        with closing(open_raster(path)) as source:
+            source.fetch("", PART)
+
+    case.follow("start anew", anew)
+
+
+# --- services
+
+QUAD = matrix_set("GoogleMapsCompatible", [matrix(str(zoom), zoom) for zoom in range(19)])
+
+
+def one_layer(*names):
+    server = ServiceServer()
+    layers = [wmts_layer(name, {"GoogleMapsCompatible": []}) for name in names or ("ortho",)]
+    server.answer = lambda *_: (200, "text/xml", wmts_document(layers, [QUAD], get_tile=server.url))
+    pytest.importorskip("owslib")
+    return server
+
+
+@remedy("imagery/services/capabilities.py", "the capabilities at this address are of a {}: write {}:URL")
+def _other_service(case: Case) -> None:
+    with one_layer() as server:
+        case.refused(lambda: opened(f"wms:{server.url}/c.xml"))
+        case.follow("write wmts:URL", lambda: opened(f"wmts:{server.url}/c.xml"))
+
+
+@remedy(
+    "imagery/services/capabilities.py",
+    "{} of {}: say which with #{}=…: {}; `terrainav sources show` lists them",
+)
+def _which_layer(case: Case) -> None:
+    with one_layer("ortho", "topo") as server:
+        name = f"wmts:{server.url}/c.xml"
+        case.refused(lambda: opened(name))
+        case.follow("say which with #layer=…: ortho, topo", lambda: opened(f"{name}#layer=topo"))
+        listed = case.run("sources", "show", name).stdout
+        case.follow("`terrainav sources show` lists them", lambda: "ortho" in listed and "topo" in listed)
+
+
+@remedy("imagery/services/capabilities.py", "{}: needs an API key: set the environment variable {}")
+def _key_of_service(case: Case) -> None:
+    case.monkeypatch.delenv("TERRAINAV_KEY", raising=False)
+    with one_layer() as server:
+        name = f"wmts:{server.url}/c.xml?apikey={{key}}"
+        case.refused(lambda: opened(name))
+        case.monkeypatch.setenv("TERRAINAV_KEY", "s3cret")
+        case.follow("set the environment variable TERRAINAV_KEY", lambda: opened(name))
+
+
+@remedy("imagery/services/capabilities.py", "source {}:{}: needs OWSLib: pip install owslib")
+def _no_owslib(case: Case) -> None:
+    with one_layer() as server:
+        with case.monkeypatch.context() as without:
+            for name in [name for name in sys.modules if name.partition(".")[0] == "owslib"]:
+                without.delitem(sys.modules, name)
+            without.setitem(sys.modules, "owslib", None)
+            case.refused(lambda: opened(f"wmts:{server.url}/c.xml"))
+        # It is what pip installs under that name.
+        assert importlib.util.find_spec("owslib") is not None
+        case.follow("pip install owslib", lambda: opened(f"wmts:{server.url}/c.xml"))
+
+
+@remedy(
+    "imagery/staticmap.py",
+    "{}: its centre {} has more than {} decimals, which {} drops; plan with this source's grid",
+)
+def _decimals(case: Case) -> None:
+    from terrainav.core.capture.records import window_of
+    from terrainav.core.geodesy.mercator import PixelGrid
+    from terrainav.core.mission.area import Points
+    from terrainav.core.mission.mission import Mission
+    from terrainav.core.mission.plan import plan
+
+    mission = Mission(Points(((35.135, -89.861, 120.0),)), 120.0, frame="map", max_px=640)
+    with closing(StaticMapSource("a-key")) as source:
+        case.refused(lambda: source.centre(window_of(plan(mission, PixelGrid()), 0)))
+        case.follow(
+            "plan with this source's grid", lambda: source.centre(window_of(plan(mission, source.grid), 0))
+        )
+
+
+@remedy(
+    "imagery/template.py",
+    "{} for {}: holds a key in {}, which would end up in files; write {}={key} and set TERRAINAV_KEY",
+)
+def _key_in_url(case: Case) -> None:
+    url = TEMPLATE + "?apikey="
+    case.refused(lambda: check_address(url + "s3cret", "URL template"))
+    check_address(url + "{key}", "URL template")
+    case.monkeypatch.setenv("TERRAINAV_KEY", "s3cret")
+    case.follow("write apikey={key}", lambda: opened(url + "{key}"))
+    case.follow("set TERRAINAV_KEY", lambda: opened(url + "{key}"))
+
+
+@remedy("imagery/xyz.py", "source {}: its URL has a {date}; say which")
+def _date_of_url(case: Case) -> None:
+    from terrainav.core.geodesy.mercator import PixelGrid
+    from terrainav.core.imagery.template import Template
+
+    templates = {"": Template("https://h.example/{date}/{z}/{x}/{y}.png")}
+
+    def made(**options):
+        XYZSource(templates, grid=PixelGrid(), **options).close()
+
+    case.refused(made)
+    case.follow("say which", partial(made, date="2020"))

@@ -1,0 +1,306 @@
+"""What refusals of a mission's parts, of its estimate and of its exports advise."""
+
+from __future__ import annotations
+
+import sys
+from functools import partial
+
+import numpy as np
+from terrainav.core.geodesy.mercator import PixelGrid, extent_of_box
+from terrainav.core.mission import camera_preset, coords, presets, settings
+from terrainav.core.mission.area import Box, Points
+from terrainav.core.mission.estimate import beyond_imagery, upsampling
+from terrainav.core.mission.export import litchi, qgroundcontrol, write_plan
+from terrainav.core.mission.export.rows import clock
+from terrainav.core.mission.mission import Mission
+from terrainav.core.mission.plan import plan
+
+from tests.support.remedies import Case, remedy
+
+GRID = PixelGrid()
+AREA = Box(35.16, -89.90, 35.155, -89.895)
+POSES = ((35.0, 10.0, 120.0), (35.0, 10.1, 120.0))
+
+
+@remedy(
+    "mission/area.py",
+    "box from latitude {} down to {}: south lies above north; give the top-left corner first",
+)
+def _corners(case: Case) -> None:
+    case.refused(lambda: Box(35.0, 10.0, 35.1, 10.1))
+    case.follow("give the top-left corner first", lambda: Box(35.1, 10.0, 35.0, 10.1))
+
+
+@remedy("mission/area.py", "{} yaws of {} points: give one for each, or none")
+def _yaws(case: Case) -> None:
+    case.refused(lambda: Points(POSES, (10.0,)))
+    case.follow("give one for each", lambda: Points(POSES, (10.0, 20.0)))
+    case.follow("none", lambda: Points(POSES))
+
+
+@remedy(
+    "mission/coords.py", "{} {} has {} numbers and the lines before {}: give every point its yaw, or none"
+)
+def _lines(case: Case) -> None:
+    case.refused(lambda: coords.parse_points(["35 10 120", "35 10.1 120 90"]))
+    case.follow("give every point its yaw", lambda: coords.parse_points(["35 10 120 0", "35 10.1 120 90"]))
+    case.follow("none", lambda: coords.parse_points(["35 10 120", "35 10.1 120"]))
+
+
+@remedy("mission/coords.py", "area file {}: holds no Polygon; give a GeoJSON with one")
+def _no_polygon(case: Case) -> None:
+    path = case.tmp_path / "area.geojson"
+    path.write_text('{"type": "Point", "coordinates": [10, 35]}')
+    case.refused(lambda: coords.load_polygon(path))
+    path.write_text('{"type": "Polygon", "coordinates": [[[10, 35], [10.1, 35], [10, 35.1], [10, 35]]]}')
+    case.follow("give a GeoJSON with one", lambda: coords.load_polygon(path))
+
+
+@remedy("mission/camera_preset.py", "{}: give one of {}")
+def _facts(case: Case) -> None:
+    def made(facts):
+        return camera_preset.CameraPreset.from_dict("own", {"source": "measured", **facts})
+
+    lens = {"sensor_mm": [13.2, 8.8], "focal_length_mm": 8.8}
+    views = {
+        "fov_deg": {"fov_deg": 80.0, "aspect_ratio": [3, 2]},
+        "horizontal_fov_deg": {"horizontal_fov_deg": 60.0, "aspect_ratio": [3, 2]},
+        "vertical_fov_deg": {"vertical_fov_deg": 60.0, "aspect_ratio": [3, 2]},
+        "sensor_mm": lens,
+    }
+    case.refused(lambda: made({"fov_deg": 80.0, **lens}))
+    case.refused(lambda: made({"aspect_ratio": [3, 2]}))
+    for name in sorted(views, key=len, reverse=True):
+        case.follow(name, partial(made, views[name]))
+    case.follow("give one of", lambda: set(camera_preset._VIEWS) == set(views))
+
+
+@remedy("mission/camera_preset.py", "size_px and {}: give one of the two")
+def _size_twice(case: Case) -> None:
+    def made(facts):
+        return camera_preset.CameraPreset.from_dict("own", {"source": "measured", **facts})
+
+    case.refused(lambda: made({"fov_deg": 80.0, "size_px": [640, 480], "image_px": 640}))
+    made({"fov_deg": 80.0, "size_px": [640, 480]})
+    case.follow(
+        "give one of the two", lambda: made({"fov_deg": 80.0, "aspect_ratio": [3, 2], "image_px": 640})
+    )
+
+
+@remedy("mission/presets.py", "camera {} is unknown: {}`terrainav cameras` lists the names")
+def _camera_unknown(case: Case) -> None:
+    text = case.refused(lambda: presets.camera_named("Mavic 2 Prow"))
+    meant = text.partition("did you mean ")[2].partition("?")[0]
+    case.follow(
+        f"did you mean {meant}?", lambda: [presets.camera_named(name) for name in meant.split(" or ")]
+    )
+    names = case.run("cameras").stdout
+    case.follow("terrainav cameras` lists the names", lambda: "DJI Mavic 2 Pro" in names)
+    presets.camera_named("DJI Mavic 2 Pro")
+
+
+@remedy("mission/user_cameras.py", "camera name {}: {} is taken; choose another")
+def _camera_taken(case: Case) -> None:
+    case.monkeypatch.setenv("TERRAINAV_CONFIG_DIR", str(case.tmp_path))
+    facts = {"source": "measured", "fov_deg": 80.0, "aspect_ratio": [3, 2]}
+    case.refused(lambda: presets.add_camera("dji mavic 2 pro", facts))
+    case.follow("choose another", lambda: presets.add_camera("My own", facts))
+
+
+@remedy("mission/settings.py", "area {} and coords {}: give one of the two")
+def _area_twice(case: Case) -> None:
+    path = case.tmp_path / "area.geojson"
+    path.write_text('{"type": "Polygon", "coordinates": [[[10, 35], [10.1, 35], [10, 35.1], [10, 35]]]}')
+    case.refused(lambda: _asked(area=str(path), coords="35_10_120", agl=120.0))
+    _asked(area=str(path), agl=120.0)
+    case.follow("give one of the two", lambda: _asked(coords="35_10_120"))
+
+
+@remedy(
+    "mission/settings.py",
+    'no coordinates: give --coords, such as --coords "35.16_-89.90_35.115_-89.823_120"',
+)
+def _no_coords(case: Case) -> None:
+    case.refused(_asked)
+    named = ("--coords", "35.16_-89.90_35.115_-89.823_120")
+    case.follow(
+        'give --coords, such as --coords "35.16_-89.90_35.115_-89.823_120"',
+        lambda: case.run("plan", *named).returncode == 0,
+    )
+
+
+@remedy("mission/settings.py", "{} and {}: give one of the two")
+def _camera_twice(case: Case) -> None:
+    case.refused(lambda: _asked(coords="35_10_120", fov=80.0, hfov=60.0))
+    _asked(coords="35_10_120", fov=80.0)
+    case.follow("give one of the two", lambda: _asked(coords="35_10_120", hfov=60.0))
+
+
+def _asked(**values):
+    return settings.mission_from(settings.resolve(values, environment={}))
+
+
+@remedy("mission/mission.py", "no map type: give one or more of {}")
+def _no_map_type(case: Case) -> None:
+    case.refused(lambda: Mission(AREA, 120.0, map_types=()))
+    made = partial(Mission, AREA, 120.0)
+    for name in ("satellite", "roadmap", "terrain"):
+        case.follow(name, partial(made, map_types=(name,)))
+    case.follow("give one or more of", lambda: made(map_types=("terrain", "roadmap")))
+
+
+@remedy("mission/mission.py", "source is empty: name one, or give a URL template or a file")
+def _no_source(case: Case) -> None:
+    case.refused(lambda: Mission(AREA, 120.0, source=""))
+    case.follow("name one", lambda: Mission(AREA, 120.0, source="usgs"))
+    case.follow("give a URL template", lambda: Mission(AREA, 120.0, source="https://h/{z}/{x}/{y}.png"))
+    case.follow("a file", lambda: Mission(AREA, 120.0, source="ortho.tif"))
+
+
+@remedy("mission/mission.py", "zoom {} and ground sample distance {} m: give one of the two")
+def _pixels_twice(case: Case) -> None:
+    case.refused(lambda: Mission(AREA, 120.0, zoom=18, gsd_m_per_px=0.5))
+    Mission(AREA, 120.0, zoom=18)
+    case.follow("give one of the two", lambda: Mission(AREA, 120.0, gsd_m_per_px=0.5))
+
+
+# --- estimates
+
+
+@remedy(
+    "mission/estimate.py",
+    "of {} images {} lie outside the source's imagery, and {} reach beyond it; choose an area that it "
+    "has imagery of, or "
+    "another source",
+)
+def _beyond(case: Case) -> None:
+    mission = Mission(AREA, 120.0)
+    part = PixelGrid(extent=extent_of_box(-89.9, 35.1575, -89.89, 35.17))
+
+    def warned(mission, grid):
+        return "\n".join(beyond_imagery(plan(mission, grid)))
+
+    case.says(warned(mission, part))
+    inside = mission.with_(area=Box(35.165, -89.897, 35.162, -89.894))
+    case.follow("choose an area that it has imagery of", lambda: not warned(inside, part))
+    case.follow("another source", lambda: not warned(mission, GRID))
+
+
+ENLARGED = (
+    "pixels of {} are asked for, and the source's own are {} here (zoom {}): enlarged {} times, pictures "
+    "show nothing more; "
+    "ask for {}"
+)
+
+
+@remedy("mission/estimate.py", ENLARGED)
+def _enlarged(case: Case) -> None:
+    mission, coarse = Mission(AREA, 120.0, zoom=19, upsample=True), PixelGrid(native_zoom=17)
+    case.says(_warned(mission, coarse))
+    case.follow("ask for --zoom 17", lambda: not _warned(mission.with_(zoom=17), coarse))
+    case.follow("a finer source", lambda: not _warned(mission, PixelGrid(native_zoom=20)))
+
+
+@remedy("mission/estimate.py", "--img-size {} {} {} or less")
+def _enlarged_size(case: Case) -> None:
+    mission, coarse = Mission(AREA, 120.0, img_size=(640, 480, 3)), PixelGrid(native_zoom=17)
+    case.says(_warned(mission, coarse))
+    width, height, channels = map(int, case.advice.split()[1:4])
+    size = f"--img-size {width} {height} {channels}"
+    case.follow(size, lambda: not _warned(mission.with_(img_size=(width, height, channels)), coarse))
+    case.follow("less", lambda: not _warned(mission.with_(img_size=(width - 9, height - 9, 3)), coarse))
+
+
+@remedy("mission/estimate.py", "--image-px {} or less, or fly higher")
+def _enlarged_image(case: Case) -> None:
+    mission = Mission(AREA, 120.0, tilt_deg=20.0, upsample=True)
+    coarse = PixelGrid(native_zoom=17)
+    case.says(_warned(mission, coarse))
+    longest = int(case.advice.split()[1])
+    case.follow(f"--image-px {longest}", lambda: not _warned(mission.with_(image_px=longest), coarse))
+    case.follow("less", lambda: not _warned(mission.with_(image_px=longest // 2), coarse))
+    case.follow("fly higher", lambda: not _warned(mission.with_(agl_m=1000.0), coarse))
+
+
+@remedy("mission/estimate.py", "--zoom {} or a finer source")
+def _enlarged_zoom(case: Case) -> None:
+    mission, coarse = (
+        Mission(AREA, 120.0, gsd_m_per_px=0.2, tilt_deg=10.0, upsample=True),
+        PixelGrid(native_zoom=17),
+    )
+    case.says(_warned(mission, coarse))
+    case.follow("--zoom 17", lambda: not _warned(mission.with_(gsd_m_per_px=None, zoom=17), coarse))
+    case.follow("a finer source", lambda: not _warned(mission, GRID))
+
+
+def _warned(mission, grid):
+    return "\n".join(upsampling(plan(mission, grid)))
+
+
+# --- exports
+
+
+@remedy(
+    "mission/export/geopackage.py",
+    "{}: GeoPackages need GDAL's Python module (osgeo), which QGIS brings along; install it, or choose "
+    ".geojson",
+)
+def _no_gdal(case: Case) -> None:
+    made = plan(Mission(AREA, 400.0), GRID)
+    with case.monkeypatch.context() as without:
+        without.setitem(sys.modules, "osgeo", None)
+        case.refused(lambda: write_plan(made, case.tmp_path / "plan.gpkg"))
+        case.follow("choose .geojson", lambda: write_plan(made, case.tmp_path / "plan.geojson"))
+    case.follow("install it", lambda: write_plan(made, case.tmp_path / "plan.gpkg"))
+
+
+@remedy(
+    "mission/export/litchi.py", "Litchi mission of one waypoint: takes two or more; plan a list or an area"
+)
+def _one_waypoint(case: Case) -> None:
+    def write(area):
+        return write_plan(plan(Mission(area, 120.0), GRID), case.tmp_path / "flight.litchi.csv")
+
+    case.refused(lambda: write(Points(POSES[:1])))
+    case.follow("plan a list", lambda: write(Points(POSES)))
+    case.follow("an area", lambda: write(AREA))
+
+
+@remedy(
+    "mission/export/litchi.py",
+    "Litchi mission of {} waypoints: takes {} or fewer; plan a smaller area, a greater height or less "
+    "overlap",
+)
+def _litchi(case: Case) -> None:
+    case.monkeypatch.setattr(litchi, "MOST_PARTS", 1)
+    _fewest(case, "flight.litchi.csv")
+
+
+@remedy(
+    "mission/export/qgroundcontrol.py",
+    "QGroundControl plan of {} waypoints: takes {} or fewer; plan a smaller area, a greater height or "
+    "less overlap",
+)
+def _qgroundcontrol(case: Case) -> None:
+    case.monkeypatch.setattr(qgroundcontrol, "MOST_ITEMS", 204)
+    _fewest(case, "flight.plan")
+
+
+def _fewest(case: Case, name: str) -> None:
+    """A flight of some hundred waypoints too many, and one of fewer in each of the ways advised."""
+    mission = Mission(AREA, 60.0, overlap_along=0.6, overlap_across=0.6)
+
+    def write(**changes):
+        return write_plan(plan(mission.with_(**changes), GRID), case.tmp_path / name)
+
+    case.refused(write)
+    case.follow("plan a smaller area", lambda: write(area=Box(35.156, -89.896, 35.155, -89.895)))
+    case.follow("a greater height", lambda: write(agl_m=240.0))
+    case.follow("less overlap", lambda: write(overlap_along=0.0, overlap_across=0.0))
+
+
+@remedy("mission/export/rows.py", "start {}: the flight of {} s goes beyond the year 9999; start earlier")
+def _year_10000(case: Case) -> None:
+    times = np.array([0.0, 3600.0])
+    case.refused(lambda: clock("9999-12-31T23:30:00Z", times))
+    case.follow("start earlier", lambda: clock("9999-12-31T21:30:00Z", times))

@@ -1,0 +1,346 @@
+"""What refusals of a plan advise: a mission and a grid that are refused, and what each thing advised comes to."""
+
+from __future__ import annotations
+
+import re
+from functools import partial
+
+import numpy as np
+from terrainav.core.geodesy.camera import Camera
+from terrainav.core.geodesy.frames import map_windows
+from terrainav.core.geodesy.horizon import outline
+from terrainav.core.geodesy.mercator import PixelGrid
+from terrainav.core.geodesy.poses import Poses
+from terrainav.core.mission.area import Box, Points
+from terrainav.core.mission.mission import Mission
+from terrainav.core.mission.plan import plan
+from terrainav.core.mission.wind import Wind
+
+from tests.support.remedies import Case, remedy
+
+GRID = PixelGrid()
+AREA, SMALL = Box(35.16, -89.90, 35.15, -89.89), Box(35.002, -89.002, 35.0, -89.0)
+HIGH = {"frame": "map", "accept_error": True}
+TURNED = Mission(AREA, 120.0, grid_angle_deg=37.0)
+#: Where the advice is to take the figure that the message names.
+NAMED = "the figure named"
+
+
+def at(lat, agl, **more):
+    return Mission(Points(((lat, 0.0, agl),)), agl, **more)
+
+
+def moved(lat, agl):
+    return {"area": Points(((lat, 0.0, agl),)), "agl_m": agl}
+
+
+def over(north, **more):
+    """A box of a degree of longitude, from a latitude a degree down."""
+    return Mission(Box(north, 0, north - 1.0, 1), more.pop("agl_m"), **more)
+
+
+def planned(module, message, mission, ways, grid=GRID):
+    """Enter a refusal of a plan; each way out is a grid, or what of the mission is changed."""
+
+    def entry(case: Case) -> None:
+        text = case.refused(partial(plan, mission, grid))
+        # A camera that is level cannot be tilted less.
+        assert mission.tilt_deg or mission.roll_deg or "tilt" not in text.partition("; ")[2]
+        named = re.search(r"(?:with|are) ([0-9.e+-]+) (?:px|m)\b", text)
+        for what, way in ways.items():
+            if isinstance(way, PixelGrid):
+                case.follow(what, partial(plan, mission, way))
+                continue
+            change = {name: float(named[1]) if value == NAMED else value for name, value in way.items()}
+            case.follow(what, partial(plan, mission.with_(**change), grid))
+
+    remedy(f"mission/{module}", message)(entry)
+
+
+planned(
+    "choosing.py",
+    "pixels of {} m on the ground: degrees in float64 resolve {} m; fly higher or widen the field of view",
+    at(35.0, 0.01, camera=Camera(0.01, 1.0), frame="camera", upsample=True),
+    {"fly higher": moved(35.0, 10.0), "widen the field of view": {"camera": Camera(60.0, 1.0)}},
+)
+planned(
+    "choosing.py",
+    "error budget {} px: no methods fit; the closest are {} with {} px, {} times as much; raise "
+    "--error-budget, or go on "
+    "with --accept-error",
+    Mission(AREA, 120.0, error_budget_px=1e-12),
+    {"raise --error-budget": {"error_budget_px": NAMED}, "go on with --accept-error": {"accept_error": True}},
+)
+planned(
+    "choosing.py",
+    "picture as the camera sees it: {}; choose a source of tiles",
+    Mission(AREA, 120.0, tilt_deg=9.0),
+    {"choose a source of tiles": GRID},
+    PixelGrid(centre_decimals=6, max_size_px=640),
+)
+
+LARGER_PICTURES = "or allow larger pictures (--max-px)"
+#: What is put together of parts: how many px are too many for a mission on a grid, and each thing advised for it.
+TOO_LARGE = {
+    "fly lower": (Mission(AREA, 120.0, max_px=640), PixelGrid(min_zoom=19), {"agl_m": 60.0}),
+    "choose a lower zoom": (Mission(AREA, 120.0, zoom=19, max_px=640), GRID, {"zoom": 18}),
+    "choose a larger ground sample distance": (
+        *(Mission(AREA, 120.0, gsd_m_per_px=0.3, max_px=640), GRID, {"gsd_m_per_px": 0.5}),
+    ),
+}
+
+
+@remedy("mission/framing.py", LARGER_PICTURES)
+def _larger_pictures(case: Case) -> None:
+    for mission, grid, _ in TOO_LARGE.values():
+        case.refused(partial(plan, mission, grid))
+    for mission, grid, _ in TOO_LARGE.values():
+        assert len(plan(mission.with_(max_px=700), grid))
+    case.follow("allow larger pictures (--max-px)", partial(plan, mission.with_(max_px=700), grid))
+
+
+for _advice, (_mission, _grid, _change) in TOO_LARGE.items():
+    planned("framing.py", _advice, _mission, {_advice: _change}, _grid)
+
+planned(
+    "framing.py",
+    "zoom {}: the source's own pixels end at zoom {}; ask for that, or allow enlarged pixels (--upsample)",
+    Mission(AREA, 120.0, zoom=20),
+    {"ask for that": {"zoom": 16}, "allow enlarged pixels (--upsample)": {"upsample": True}},
+    PixelGrid(native_zoom=16),
+)
+planned(
+    "framing.py",
+    "ground sample distance {} m: the source's own pixels are {} m here; ask for that or more, or allow "
+    "enlarged pixels "
+    "(--upsample)",
+    Mission(AREA, 120.0, gsd_m_per_px=0.5),
+    {
+        "ask for that": {"gsd_m_per_px": NAMED},
+        "more": {"gsd_m_per_px": 3.0},
+        "allow enlarged pixels (--upsample)": {"upsample": True},
+    },
+    PixelGrid(native_zoom=16),
+)
+planned(
+    "framing.py",
+    "{}: lies beyond the map, which ends at ±{}; fly higher or nearer to the equator",
+    at(86.0, 1e3),
+    {"fly higher": moved(86.0, 1e6), "nearer to the equator": moved(80.0, 1e3)},
+)
+planned(
+    "framing.py",
+    "{}: reaches beyond the map, which ends at ±{}; fly lower or nearer to the equator",
+    at(85.0505, 300.0, **HIGH),
+    {"fly lower": moved(85.0505, 3.0), "nearer to the equator": moved(84.0, 300.0)},
+)
+planned(
+    "framing.py",
+    "picture from {} m at zoom {}: under one pixel; fly higher or choose a higher zoom",
+    at(35.0, 1.0, zoom=5, **HIGH),
+    {"fly higher": moved(35.0, 1e5), "choose a higher zoom": {"zoom": 22}},
+)
+planned(
+    "framing.py",
+    "{}; fly higher or choose a higher zoom",
+    at(35.0, 1.0, zoom=5),
+    {"fly higher": moved(35.0, 1e5), "choose a higher zoom": {"zoom": 22}},
+)
+planned(
+    "framing.py",
+    "{}; fly higher or choose a smaller ground sample distance",
+    at(35.0, 1.0, gsd_m_per_px=90.0, frame="camera"),
+    {"fly higher": moved(35.0, 1e4), "choose a smaller ground sample distance": {"gsd_m_per_px": 0.5}},
+)
+NARROW = at(0.0, 9e4, camera=Camera(20.0, 1e4), tilt_deg=1.0, frame="camera")
+planned(
+    "framing.py",
+    "{}; choose a less extreme aspect ratio or a larger image (--image-px)",
+    NARROW,
+    {
+        "choose a less extreme aspect ratio": {"camera": Camera(20.0, 10.0)},
+        "a larger image (--image-px)": {"image_px": 9_000},
+    },
+)
+planned(
+    "framing.py",
+    "{}; choose a less extreme aspect ratio or larger pictures (--max-px)",
+    NARROW.with_(image_px=9_000, max_px=640),
+    {
+        "choose a less extreme aspect ratio": {"camera": Camera(20.0, 10.0)},
+        "larger pictures (--max-px)": {"max_px": 9_000},
+    },
+)
+planned(
+    "layout.py",
+    "mission of {} images: the limit is {}; fly higher, draw a smaller area, or raise it (--max-images)",
+    Mission(AREA, 120.0, max_images=20),
+    {
+        "fly higher": {"agl_m": 600.0},
+        "draw a smaller area": {"area": SMALL},
+        "raise it (--max-images)": {"max_images": 60},
+    },
+)
+planned(
+    "layout.py",
+    "overlap {}: leaves under a thousandth of a pixel between captures; overlap less",
+    Mission(Box(35, -89, 35, -89), 120.0, overlap_along=0.9999999),
+    {"overlap less": {"overlap_along": 0.9}},
+)
+planned(
+    "layout.py",
+    "paper layout over {} deg of longitude: its UTM grid holds to {} deg from the zone's meridian; use "
+    "--layout cover",
+    Mission(Box(10, -170, -10, 170), 1e5, layout="paper", accept_error=True),
+    {"use --layout cover": {"layout": "cover"}},
+)
+planned(
+    "layout.py",
+    "images without a thousandth of a pixel of ground to count on: the camera looks past the map or the Earth; tilt it "
+    "less or fly lower",
+    Mission(Box(84, 0, 83.5, 1), 8e5, tilt_deg=20.0),
+    {"tilt it less": {"tilt_deg": 2.0}, "fly lower": {"agl_m": 8e4}},
+)
+planned(
+    "layout.py",
+    "images without a thousandth of a pixel of ground to count on: the camera looks past the map or the "
+    "Earth; fly lower",
+    over(70.0, agl_m=3e6),
+    {"fly lower": {"agl_m": 3e5}},
+)
+ASIDE = Mission(Box(84.5, 0, 84, 1), 3e5, yaw_deg=180.0, tilt_deg=50.0)
+planned(
+    "layout.py",
+    "camera at {} m, tilted so: from nowhere on the map does it see this area; tilt it less or fly lower",
+    ASIDE,
+    {"tilt it less": {"tilt_deg": 5.0}, "fly lower": {"agl_m": 1e4}},
+)
+planned(
+    "layout.py",
+    "rows from {} m cannot be placed so that their images cover this area; tilt the camera less, fly lower or take a "
+    "smaller area",
+    Mission(Box(84, 0, 83, 1), 1e5, yaw_deg=180.0, tilt_deg=60.0),
+    {
+        "tilt the camera less": {"tilt_deg": 5.0},
+        "fly lower": {"agl_m": 1e4},
+        "take a smaller area": {"area": Box(83.1, 0, 83, 1)},
+    },
+)
+planned(
+    "layout.py",
+    "rows from {} m cannot be placed so that their images cover this area; fly lower or take a smaller area",
+    Mission(Box(84.9, 0, 0, 1), 8e5),
+    {"fly lower": {"agl_m": 1e5}, "take a smaller area": {"area": Box(50, 0, 0, 1)}},
+)
+planned(
+    "layout.py",
+    "rows from {} m cannot be placed so near to a pole; fly lower or farther from it",
+    Mission(Box(84.9, 0, 84.4, 1), 2e6),
+    {"fly lower": {"agl_m": 3e4}, "farther from it": {"area": Box(50, 0, 49.5, 1)}},
+)
+planned(
+    "plan.py",
+    "wind of {} m/s at {} m: the gusts throw the camera to the ground; fly higher or in less turbulence",
+    Mission(SMALL, 3.0, wind=Wind(14.0, 250.0, 0.9), accept_error=True),
+    {"fly higher": {"agl_m": 300.0}, "in less turbulence": {"wind": Wind(3.0, 250.0, 0.05)}},
+)
+planned(
+    "turned.py",
+    "{}: the layout {} is north-up; use --layout cover",
+    TURNED.with_(layout="paper"),
+    {"use --layout cover": {"layout": "cover"}},
+)
+planned(
+    "turned.py",
+    "camera with tilt {}, roll {} deg from {} m: sees past the horizon, where turned rows have no "
+    "frames; tilt it less, "
+    "fly lower or fly north-up rows",
+    Mission(SMALL, 1e6, camera=Camera(60.0, 1.0), tilt_deg=40.0, grid_angle_deg=37.0),
+    {
+        "tilt it less": {"tilt_deg": 5.0},
+        "fly lower": {"agl_m": 1e4},
+        "fly north-up rows": {"grid_angle_deg": 0.0},
+    },
+)
+planned(
+    "turned.py",
+    "camera from {} m: sees past the horizon, where turned rows have no frames; fly lower or fly north-up rows",
+    Mission(SMALL, 2e6, camera=Camera(100.0, 1.0), grid_angle_deg=37.0),
+    {"fly lower": {"agl_m": 1e5}, "fly north-up rows": {"grid_angle_deg": 0.0}},
+)
+planned(
+    "turned.py",
+    "grid angle {} deg: turned rows hold to {} km from the area's middle, and the area or its images "
+    "reach {} km; take a "
+    "smaller area or north-up rows",
+    Mission(Box(50, 0, 30, 30), 1e5, grid_angle_deg=37.0),
+    {"take a smaller area": {"area": Box(41, 10, 40, 11)}, "north-up rows": {"grid_angle_deg": 0.0}},
+)
+
+
+def level(lat, agl):
+    return Poses.level(*(np.array([value]) for value in (lat, 0.0, agl)))
+
+
+@remedy(
+    "geodesy/frames.py",
+    "height {} m with a field of view of {} deg: the picture reaches past the Earth's horizon; fly lower "
+    "or narrow the "
+    "field of view",
+)
+def _past_the_horizon(case: Case) -> None:
+    def frames(agl, fov):
+        return map_windows(Camera(fov, 4 / 3), level(0.0, agl), GRID, 2)
+
+    case.refused(partial(frames, 8e6, 78.8))
+    case.follow("fly lower", partial(frames, 8e5, 78.8))
+    case.follow("narrow the field of view", partial(frames, 8e6, 20.0))
+
+
+@remedy(
+    "geodesy/frames.py",
+    "picture at latitude {} from {} m: it holds a pole, which Web Mercator does not; fly lower or "
+    "farther from the pole",
+)
+def _holds_a_pole(case: Case) -> None:
+    def frames(lat, agl):
+        return map_windows(Camera(78.8, 4 / 3), level(lat, agl), GRID, 2)
+
+    case.refused(partial(frames, 89.9, 1e5))
+    case.follow("fly lower", partial(frames, 89.9, 1e3))
+    case.follow("farther from the pole", partial(frames, 80.0, 1e5))
+
+
+@remedy(
+    "geodesy/horizon.py",
+    "camera at height {} m, yaw {}, tilt {}, roll {} deg: no ray of its image meets the Earth; tilt it down",
+)
+def _sees_the_sky(case: Case) -> None:
+    case.refused(lambda: outline(Camera(20.0, 1.0), 35.0, 120.0, (0.0, 120.0, 0.0)))
+    case.follow("tilt it down", lambda: outline(Camera(20.0, 1.0), 35.0, 120.0, (0.0, 60.0, 0.0)))
+
+
+@remedy(
+    "geodesy/camera.py",
+    "sensor {} by {} mm and a picture of {} to 1: pixels would not be square; give the part of the "
+    "sensor that the picture "
+    "shows",
+)
+def _not_square(case: Case) -> None:
+    case.refused(lambda: Camera.from_sensor((13.2, 8.8), 8.8, 16 / 9))
+    case.follow(
+        "give the part of the sensor that the picture shows",
+        lambda: Camera.from_sensor((13.2, 13.2 * 9 / 16), 8.8, 16 / 9),
+    )
+
+
+@remedy(
+    "geodesy/camera.py",
+    "field of view across the diagonal {} deg: must be between 0 and 180, both excluded; choose a less "
+    "extreme field of "
+    "view or aspect ratio",
+)
+def _too_wide(case: Case) -> None:
+    case.refused(lambda: Camera.from_vertical_fov(179.999999999, 1e9))
+    case.follow("choose a less extreme field of view", lambda: Camera.from_vertical_fov(60.0, 1e5))
+    case.follow("aspect ratio", lambda: Camera.from_vertical_fov(179.9, 2.0))

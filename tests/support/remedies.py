@@ -1,0 +1,217 @@
+"""What messages advise: every one of them found by walking the code, and what it takes to try it.
+
+A message gives advice where one of its clauses begins with what to do ("; choose another folder"), or where it names an
+option or a command. Its entry provokes it, and does each thing that it says.
+"""
+
+from __future__ import annotations
+
+import ast
+import re
+from collections import Counter
+from collections.abc import Callable, Iterator
+from functools import cache
+from pathlib import Path
+from traceback import walk_tb
+from typing import Any, NamedTuple
+
+import pytest
+
+from tests.support.command import Finished, command
+
+ROOT = Path(__file__).parents[2]
+
+#: What clauses of advice begin with.
+VERBS = frozenset(
+    "add agree allow ask capture choose clean close copy cut draw enter finish fly get give go have install leave "
+    "make mend move name overlap pip plan press put raise remove rename repair resize resume run say select set "
+    "shorten show split start take tilt try use wait write".split()
+)
+#: What clauses of refusals begin with that say what is wrong, or what would be right.
+STATEMENTS = frozenset(
+    "a an commas dates did expected it its known left lat must need needs no nothing the this which".split()
+)
+_FIRST = re.compile(r"^(?:or )?([a-z]+)\b(?!.*:)")
+_CLAUSE = re.compile(r"[;:] (?:or |\{\})?([a-z]+)\b")
+_NAMED = re.compile(r"^(--[a-z-]+ \{\})|[;:] ([^;:]*?(?:--[a-z]|`?\bterrainav [a-z]))")
+#: Where an option says in its own words what it is for.
+_HELP = frozenset(["mission/options.py"])
+#: What reads like advice, and is none.
+NO_ADVICE = frozenset(
+    [
+        "overlap along rows",
+        "overlap across rows",
+        "shares {}: add up to {}; must add up to 1",
+        "cache %s: is damaged; set aside as %s and begun anew",
+        "--plot shows what a threshold rejects: it does not go with --undo",
+    ]
+)
+#: What stands between two things to do, or two things that are named for one.
+_BETWEEN = re.compile(r"\b(?:or|and)\b|\W")
+
+
+class Place(NamedTuple):
+    """A message and the module that it stands in; values are {}."""
+
+    module: str
+    message: str
+
+    @property
+    def advice_at(self) -> int:
+        """Where in the message the advice begins; -1 where there is none."""
+        clauses = [match.start(1) for match in _CLAUSE.finditer(self.message) if match[1] in VERBS]
+        first = _FIRST.match(self.message)
+        starts = clauses or [first.start(1)] if first is not None and first[1] in VERBS else clauses
+        starts = starts or [match.start(match.lastindex) for match in _NAMED.finditer(self.message)]
+        return min(starts, default=-1)
+
+    def advice_of(self, text: str) -> str:
+        """What a text that is this message advises; empty where it is another."""
+        head, tail = (
+            re.escape(part).replace(r"\{\}", "(?:.|\n)*?").replace("%s", "(?:.|\n)*?")
+            for part in (self.message[: self.advice_at], self.message[self.advice_at :].rstrip(", "))
+        )
+        # What ends with a value goes on to the end of the text, or of the line where it is a command's.
+        whole = f"({tail[:-1]})$" if tail.endswith("*?") else f"({tail})(?=$|[,;] )"
+        found = re.search(head + whole, text)
+        return found[1] if found else ""
+
+
+def _words(node: ast.AST) -> str:
+    if isinstance(node, ast.JoinedStr):
+        return "".join("{}" if isinstance(part, ast.FormattedValue) else _words(part) for part in node.values)
+    return node.value if isinstance(node, ast.Constant) and isinstance(node.value, str) else ""
+
+
+def _messages(tree: ast.Module) -> Iterator[str]:
+    """Texts of a module that are neither docstrings nor the help of options."""
+    aside: set[ast.AST] = set()
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant):
+            aside.add(node.value)
+        elif isinstance(node, ast.JoinedStr):
+            aside.update(node.values)
+        elif isinstance(node, ast.keyword) and node.arg in ("help", "description", "epilog"):
+            aside.update(ast.walk(node.value))
+    for node in ast.walk(tree):
+        if isinstance(node, (ast.JoinedStr, ast.Constant)) and node not in aside and " " in _words(node):
+            yield _words(node)
+
+
+@cache
+def places(package: str) -> Counter[Place]:
+    """Every message of a package that gives advice, and how often it stands in its module."""
+    found: Counter[Place] = Counter()
+    for path in sorted((ROOT / package).rglob("*.py")):
+        module = path.relative_to(ROOT / package).as_posix()
+        if module in _HELP:
+            continue
+        tree = ast.parse(path.read_text(encoding="utf-8"))
+        # What begins with a line's end is a page of help, or a style.
+        texts = (text for text in _messages(tree) if text not in NO_ADVICE and not text.startswith("\n"))
+        found.update(place for place in (Place(module, text) for text in texts) if place.advice_at >= 0)
+    return found
+
+
+def unknown_beginnings(package: str) -> set[str]:
+    """Words that clauses of refusals begin with and that are known neither of advice nor of statements."""
+    found: set[str] = set()
+    for path in (ROOT / package).rglob("*.py"):
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.Call) and re.search(
+                r"InvalidInput$|Error$", getattr(node.func, "id", "")
+            ):
+                texts = (_words(part) for argument in node.args for part in ast.walk(argument))
+                found.update(
+                    word.lower() for text in texts for word in re.findall(r"; (?:or )?([A-Za-z]+)\b", text)
+                )
+    return found - VERBS - STATEMENTS
+
+
+Entry = Callable[["Case"], None]
+#: What tries the advice of each place.
+ENTRIES: dict[Place, Entry] = {}
+
+
+def remedy(module: str, message: str) -> Callable[[Entry], Entry]:
+    """Enter what tries the advice of a message."""
+
+    def enter(entry: Entry) -> Entry:
+        place = Place(module, message)
+        if place in ENTRIES:
+            raise ValueError(f"two entries of {place}")
+        ENTRIES[place] = entry
+        return entry
+
+    return enter
+
+
+class Case:
+    """One message that is provoked, and what is left to do of its advice."""
+
+    def __init__(self, place: Place, package: str, request: pytest.FixtureRequest) -> None:
+        self.place = place
+        self._package, self._request = package, request
+        self._left: str | None = None
+        self._run: Callable[..., Finished] | None = None
+        self.advice = ""
+
+    @property
+    def tmp_path(self) -> Path:
+        return self._request.getfixturevalue("tmp_path")
+
+    @property
+    def monkeypatch(self) -> pytest.MonkeyPatch:
+        return self._request.getfixturevalue("monkeypatch")
+
+    @property
+    def run(self) -> Callable[..., Finished]:
+        """The command, in ``tmp_path`` and as a user with nothing configured or cached."""
+        if self._run is None:
+            capsys = self._request.getfixturevalue("capsys")
+            self._run = command(self.tmp_path, self.monkeypatch, capsys)
+        return self._run
+
+    def refused(self, action: Callable[[], Any], kind: type[BaseException] = Exception) -> str:
+        """Do what is refused by the message, raised in its module; returns the text."""
+        with pytest.raises(kind) as caught:
+            action()
+        assert self._passed(caught.value), f"not raised in {self.place.module}: {caught.value}"
+        return self._heard(str(caught.value))
+
+    def says(self, text: str, *, only_here: bool = True) -> str:
+        """Find the message in a text; where it stands in several modules, what was run has to tell which it was."""
+        same = [place for place in places(self._package) if place.message == self.place.message]
+        assert (same == [self.place]) == only_here, "said at several places: provoke it by `refused`"
+        lines = [line for line in text.splitlines(keepends=True) if self.place.advice_of(line)]
+        assert lines, f"{self.place.message!r} is not in:\n{text}"
+        return self._heard(lines[0]).rstrip("\n")
+
+    def _passed(self, wrong: BaseException | None) -> bool:
+        """Whether an error, or one that it is raised from, came from the place's module."""
+        own = (ROOT / self._package / self.place.module).resolve()
+        while wrong is not None:
+            for frame, _ in walk_tb(wrong.__traceback__):
+                if Path(frame.f_code.co_filename).resolve() == own:
+                    return True
+            wrong = wrong.__cause__
+        return False
+
+    def _heard(self, text: str) -> str:
+        advice = self.place.advice_of(text)
+        assert advice, f"another message: {text}"
+        if self._left is None:
+            self.advice = self._left = advice
+        return text
+
+    def follow(self, what: str, action: Callable[[], Any]) -> None:
+        """Do one of the things that the message says, in its words; fails where it is refused, or gives False."""
+        assert self._left is not None, "nothing was refused before"
+        assert what in self._left, f"{what!r} is not in what is left of the advice: {self._left!r}"
+        assert action() is not False, f"{what!r} did not help"
+        self._left = self._left.replace(what, " ", 1)
+
+    def check(self) -> None:
+        """Fail where something that the message says was not done."""
+        assert self._left is not None, "the message was not provoked"
+        assert not _BETWEEN.sub("", self._left), f"not tried of the advice: {self._left!r}"
