@@ -42,8 +42,9 @@ _STALLED = 50
 _FAR_ASIDE, _TRIED_PLACES = 1e-3, 257
 #: Nodes of the quadrature that counts rows beforehand, and the share and number of rows added to be safe.
 _COUNT_NODES, _COUNT_SHARE, _COUNT_MORE = 64, 1e-3, 3
-#: Rows from which their images are counted beforehand, and the share of those that are needed in any case.
-_MANY_ROWS, _SURELY = 1000, 0.95
+#: Rows from which their images are counted beforehand; the share of those that are needed in any case, and what there
+#: are at most, so that a limit that is raised to the number named is enough.
+_MANY_ROWS, _SURELY, _ENOUGH = 1000, 0.95, 1.01
 #: Guard of the paper's counts against the noise of UTM metres, as a share of a step.
 _COUNT_GUARD = 1e-9
 #: Degrees from a zone's central meridian within which the paper's UTM grid is still a grid.
@@ -316,8 +317,12 @@ class _Rows:
                 np.maximum(self._across - width, 0.0) / (width * (1.0 - self._mission.overlap_along))
             )
             images = half * float(np.sum(weights / step * (columns + 1.0)))
+            # The last row ends with the area: those that only its own height has room for are not flown.
+            images *= max(
+                1.0 - self._mission.overlap_across / (1.0 - self._mission.overlap_across) / count, 0.0
+            )
             if images * _SURELY > self._mission.max_images:
-                refuse_too_many(math.ceil(images / _SURELY), self._mission.max_images)
+                refuse_too_many(math.ceil(images * _ENOUGH), self._mission.max_images)
         return math.ceil(count * (1.0 + _COUNT_SHARE)) + _COUNT_MORE
 
     def settle(self, top: float, count: int) -> tuple[Floats, FrameEdges]:

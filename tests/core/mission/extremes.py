@@ -31,7 +31,6 @@ ALLOWED = (
     "resolve 4e-08 m",
     "beyond the map",
     "±85.0511",
-    "under one pixel",
     "the limit is",
     "past the map or the Earth",
     "from nowhere on the map",
