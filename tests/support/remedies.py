@@ -25,7 +25,7 @@ ROOT = Path(__file__).parents[2]
 VERBS = frozenset(
     "add agree allow ask capture choose clean close copy cut draw enter finish fly get give go have install leave "
     "make mend move name overlap pip plan press put raise remove rename repair resize resume run say select set "
-    "shorten show split start take tilt try use wait write".split()
+    "shorten show split start take tick tilt try use wait write".split()
 )
 #: What clauses of refusals begin with that say what is wrong, or what would be right.
 STATEMENTS = frozenset(
@@ -51,7 +51,7 @@ _BETWEEN = re.compile(r"\b(?:or|and)\b|\W")
 
 
 class Place(NamedTuple):
-    """A message and the module that it stands in; values are {}."""
+    """A message and the module that it stands in; values are {}, or have a name in braces."""
 
     module: str
     message: str
@@ -68,7 +68,7 @@ class Place(NamedTuple):
     def advice_of(self, text: str) -> str:
         """What a text that is this message advises; empty where it is another."""
         head, tail = (
-            re.escape(part).replace(r"\{\}", "(?:.|\n)*?").replace("%s", "(?:.|\n)*?")
+            re.sub(r"\\\{\w*\\\}|%s", "(?:.|\\n)*?", re.escape(part))
             for part in (self.message[: self.advice_at], self.message[self.advice_at :].rstrip(", "))
         )
         # What ends with a value goes on to the end of the text, or of the line where it is a command's.
@@ -163,6 +163,10 @@ class Case:
     @property
     def monkeypatch(self) -> pytest.MonkeyPatch:
         return self._request.getfixturevalue("monkeypatch")
+
+    def fixture(self, name: str) -> Any:
+        """A fixture of the tests that run the entries."""
+        return self._request.getfixturevalue(name)
 
     @property
     def run(self) -> Callable[..., Finished]:
