@@ -1,15 +1,40 @@
 """How much a server, a file or a mission may ask of this machine: every limit that protects it, in one place.
 
-What lies beyond is refused in one line, before memory, time or disk is spent on it. Limits of another kind (of a method's
-domain, of a format) stand where they come from.
+What lies beyond is refused in one line, before memory, time or disk is spent on it. Limits of another kind (of a
+method's domain, of a format) stand where they come from.
 """
 
 from __future__ import annotations
 
 # --- What a server answers
 
+#: Largest body read, packed or not; a tile of 512 px takes about 1 MB at most as PNG.
+MAX_BODY_BYTES = 32 << 20
+#: Lines of an answer's head; servers send ten to thirty. `http.client` reads no more of them, either.
+MAX_HEADERS = 100
+#: All that may come on a connection for one answer beside its body: head, sizes of chunks, trailers.
+MAX_FRAMING_BYTES = 8 << 20
+#: Characters of a header that is interpreted.
+MAX_HEADER_CHARACTERS = 4096
+#: Redirects followed for one request; tile servers need one or two.
+MAX_REDIRECTS = 5
+#: Seconds within which attempts at one part begin: five silences of 20 s and the waits between them.
+MAX_PART_S = 120.0
+#: Parts one after the other for which no answer came in time, until the server is left alone for a while.
+MAX_LATE_PARTS = 5
+#: Characters of a text that others wrote which are looked at, and those of it that are shown.
+MAX_TEXT_CHARACTERS = 16384
+MAX_LINE_CHARACTERS = 300
+
 
 # --- Pictures
+
+#: Bytes of a picture's file beyond those of its pixels with 16 bits a channel: metadata, colour profiles.
+MAX_PICTURE_EXTRA_BYTES = 4 << 20
+#: Segments of a JPEG, and bytes that fill up between those of its head; cameras and editors write up to some hundred.
+MAX_JPEG_SEGMENTS = 10_000
+#: Scans of a JPEG, each of which may touch every pixel; progressive ones have about ten.
+MAX_JPEG_SCANS = 100
 
 
 # --- Documents, files and databases

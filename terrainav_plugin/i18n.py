@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import re
-from functools import cache, lru_cache, partial
+from functools import lru_cache, partial
 
 from qgis.core import QgsApplication
 from qgis.PyQt.QtCore import QCoreApplication, QLocale, QTranslator
@@ -23,7 +23,9 @@ _PLACE = re.compile(r"\{(\d+)\}")
 _DEPTH = 6
 #: Joints of what the core puts together of several messages, beside the colon.
 _JOINTS = ("; ", ", ")
-_BRACKETED = re.compile(r"(.+?) \((.+)\)", re.DOTALL)
+_BRACKET = " ("
+#: Longest message that is taken apart; what servers say in those of the core is cut short before.
+_MOST_CHARACTERS = 5000
 #: What ends a reason, whatever brackets it has itself.
 _TRIED = re.compile(r"(.+)( \(tried \d+ times\))", re.DOTALL)
 
@@ -51,7 +53,6 @@ def remove_translator(translator: QTranslator | None) -> None:
     if translator is not None:
         QCoreApplication.removeTranslator(translator)
         _templates.cache_clear()
-        _pattern.cache_clear()
 
 
 def told(message: object) -> str:
@@ -61,6 +62,8 @@ def told(message: object) -> str:
     translated too. What is not recognised stays as it is.
     """
     text = str(message)
+    if len(text) > _MOST_CHARACTERS:
+        return text
     return text if _is_english() and _separators() == _ENGLISH else _told(text, _DEPTH, whole=True)
 
 
@@ -118,13 +121,11 @@ def _told(text: str, depth: int, *, whole: bool) -> str:
     if tried is not None:
         return _told(tried[1], depth - 1, whole=whole) + _told(tried[2], depth - 1, whole=True)
     for fixed, template in _templates():
-        if not all(part in text for part in fixed):
-            continue
-        match = _pattern(template).fullmatch(text)
-        if match is not None:
+        found = _values(fixed, text)
+        if found is not None:
             values = [
                 localized(value) if _NUMBER.fullmatch(value) else _told(value, depth - 1, whole=False)
-                for value in match.groups()
+                for value in found
             ]
             translated = QCoreApplication.translate(_CORE, template)
             return _PLACE.sub(partial(_value_at, values), translated)
@@ -139,10 +140,11 @@ def _joined(text: str, depth: int) -> str:
     for joint in _JOINTS:
         if joint in text:
             return joint.join(_told(part, depth, whole=True) for part in text.split(joint))
-    match = _BRACKETED.fullmatch(text)
-    if match is None:
+    at = text.find(_BRACKET, 1)
+    inner = text[at + len(_BRACKET) : -1]
+    if at < 0 or not inner or not text.endswith(")"):
         return text
-    return f"{_told(match[1], depth, whole=True)} ({_told(match[2], depth, whole=True)})"
+    return f"{_told(text[:at], depth, whole=True)} ({_told(inner, depth, whole=True)})"
 
 
 def _value_at(values: list[str], place: re.Match[str]) -> str:
@@ -159,13 +161,30 @@ def _templates() -> tuple[tuple[tuple[str, ...], str], ...]:
     return tuple(found)
 
 
-@cache
-def _pattern(template: str) -> re.Pattern[str]:
-    """Pattern of a message; made when it is first needed, as all of them together take long."""
-    parts = _PLACE.split(template)[::2]
-    places = ["(.*?)"] * (len(parts) - 1)
-    if parts[:2] == ["", " "]:
+def _values(fixed: tuple[str, ...], text: str) -> list[str] | None:
+    """Values that stand in a text between the fixed parts of a message; None where it is no such message.
+
+    Each is the shortest that fits, from left to right. Not a pattern: one with several places takes time that grows
+    with a power of the text's length.
+    """
+    first, *between, last = fixed
+    begin, end = len(first), len(text) - len(last)
+    if begin > end or not text.startswith(first) or not text.endswith(last):
+        return None
+    values = []
+    if between and fixed[:2] == ("", " "):
         # What is wrong with its value after it: words, and the value is one word.
-        places[0] = "(.*)"
-    pattern = "".join(re.escape(part) + place for part, place in zip(parts, [*places, ""]))
-    return re.compile(pattern, re.DOTALL)
+        at = end
+        for part in reversed(between):
+            at = text.rfind(part, 0, at)
+            if at < 0:
+                return None
+        values.append(text[:at])
+        begin = at + len(between.pop(0))
+    for part in between:
+        at = text.find(part, begin, end)
+        if at < 0:
+            return None
+        values.append(text[begin:at])
+        begin = at + len(part)
+    return [*values, text[begin:end]]

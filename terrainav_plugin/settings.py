@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 BYTES_PER_MB = 1_000_000
 UNITS = ("m", "ft")
 _CACHE_ENV = "TERRAINAV_CACHE_DIR"
+#: Of a template: a name of 253 letters and what stands in it in braces.
+_LONGEST_HOST = 1000
 #: As `Placeholder` takes them.
 _DIGEST = re.compile(r"\b[0-9a-f]{16,64}\b")
 
@@ -180,6 +182,8 @@ def credential_name(source: str) -> str:
     address = re.search(r"https?://([^/?#]*)", source, re.IGNORECASE)
     if address:
         host = address.group(1).rpartition("@")[2].lower()
+        if len(host) > _LONGEST_HOST:
+            return ""
         return re.sub(r"[\w-]*(\{[^{}]*\}|\[[^\[\]]*\])[\w-]*\.?", "", host)
     known = re.fullmatch(r"[a-z0-9][a-z0-9_.:-]*", source) and not source.startswith("qgis:")
     return source if known else ""

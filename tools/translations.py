@@ -45,6 +45,7 @@ TOLD = (
     "core/imagery",
     "core/mission",
     "core/report",
+    "core/unexpected.py",
     "terrainav_plugin",
 )
 #: Modules in them of which the plugin makes no use.
@@ -96,7 +97,13 @@ WORDS = (
 )
 #: Single words for users, which nothing tells apart from names, and phrases of modules that have other texts too.
 PHRASES = {
-    "core/imagery/client.py": (" (tried {0} times)",),
+    "core/imagery/client.py": (
+        " (tried {0} times)",
+        "{0}: not asked for, as the last {1} parts had no answer in time; resume later",
+    ),
+    "core/imagery/decode.py": (
+        "a WebP picture, which libwebp {0} would not read safely: install Pillow 10.0.1 or later",
+    ),
     "core/imagery/placeholder.py": ("no imagery here: the provider's placeholder picture",),
     "core/imagery/staticmap.py": ("picture at {0},{1} zoom {2}",),
     "core/imagery/template.py": ("URL template",),

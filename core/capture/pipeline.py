@@ -15,9 +15,10 @@ from typing import Generic, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import Cancelled, PartError
+from ..errors import Cancelled, PartError, TerrAInavError
 from ..geodesy.frames import Windows
 from ..imagery.source import Part, Window
+from ..unexpected import UnexpectedErrors
 from .spool import Slot, Spool
 
 Pixels = NDArray[np.uint8]
@@ -125,9 +126,11 @@ class Pipeline(Generic[Job, Result]):
     users : Counter of Window
         How many of the pictures need each part; counted down as they are made.
     fetch : callable
-        Window to pixels; a PartError fails the pictures that need the part, anything else stops the run.
+        Window to pixels; a PartError fails the pictures that need the part, and so does an error that nobody foresaw
+        (see `UnexpectedErrors`); any other `TerrAInavError` stops the run.
     work : callable
-        Job, its parts, and their pixels by window, to a result; errors count as those of ``fetch``.
+        Job, its parts, and their pixels by window, to a result; a PartError is the picture's failure, anything else
+        stops the run.
     finished : callable
         Called in the calling thread with each job and its result or PartError, in the order they come.
     connections, workers : int
@@ -153,6 +156,7 @@ class Pipeline(Generic[Job, Result]):
         spool: Spool | None = None,
     ) -> None:
         self.requests = 0
+        self._unexpected = UnexpectedErrors()
         self._users = users
         self._fetch, self._work, self._finished = fetch, work, finished
         self._fetching_limit = connections * _FETCHES_PER_CONNECTION
@@ -203,6 +207,15 @@ class Pipeline(Generic[Job, Result]):
             self._spool.close()
             self._report_made()
 
+    def _fetched(self, window: Window) -> Pixels:
+        """Pixels of a part; an error that nobody foresaw is its failure, and ends no run."""
+        try:
+            return self._fetch(window)
+        except TerrAInavError:
+            raise
+        except Exception as wrong:
+            raise self._unexpected.failure(wrong) from wrong
+
     def _report_made(self) -> None:
         """Report pictures that were finished while the run was being stopped."""
         for making, job in self._making.items():
@@ -240,7 +253,7 @@ class Pipeline(Generic[Job, Result]):
     def _ask_for(self, window: Window) -> None:
         self.requests += 1
         self._fetching += 1
-        request = self._connections.submit(self._gate.pass_through, self._fetch, window)
+        request = self._connections.submit(self._gate.pass_through, self._fetched, window)
         request.add_done_callback(lambda done: self._events.put(partial(self._part_arrived, window, done)))
 
     def _handle_event(self) -> None:

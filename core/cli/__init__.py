@@ -88,7 +88,8 @@ def _drop_output() -> None:
 
 
 def _fail(error: object, code: int) -> int:
+    from ..text import printable
+
     # Names of files and words of servers may hold line ends and the terminal's control characters.
-    text = "".join(one if one.isprintable() else " " for one in str(error))
-    print(f"terrainav: {text}", file=sys.stderr)
+    print(f"terrainav: {printable(str(error))}", file=sys.stderr)
     return code

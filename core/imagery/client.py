@@ -3,19 +3,20 @@
 from __future__ import annotations
 
 import hashlib
-import html
-import json
 import re
 import threading
 import time
 from collections.abc import Mapping
+from dataclasses import dataclass
 from http import HTTPStatus
 from typing import Callable, TypeVar
-from urllib.parse import quote, quote_plus
 
-from ..errors import Cancelled, PartError, SourceError
+from ..errors import Cancelled, PartError, SourceError, TerrAInavError
+from ..limits import MAX_LATE_PARTS, MAX_PART_S, MAX_REDIRECTS
+from ..text import Secrets, first_words, whole_number
+from ..unexpected import UnexpectedErrors
 from .cache.freshness import http_date_s
-from .transport import Response, Stop, Transport, TransportError
+from .transport import Response, Stop, Transport, TransportError, joined, redirect_target
 
 #: Attempts at one part, the first included.
 TRIES = 5
@@ -37,9 +38,6 @@ _QUOTA = re.compile(
     r"|api[ _-]?key|access[ _-]?token",
     re.IGNORECASE,
 )
-_WORDS_CHARACTERS = 200
-#: Ends what was cut short.
-_CUT = "…"
 #: Asks every cache on the way for the server's own answer (RFC 9111, 5.2.1.4); the second is for those of HTTP/1.0.
 _PAST_CACHES = {"Cache-Control": "no-cache", "Pragma": "no-cache"}
 
@@ -92,6 +90,22 @@ class Pace:
             self._held_until_s = max(self._held_until_s, time.monotonic() + seconds)
 
 
+@dataclass
+class _Request:
+    """A part that is asked for: what goes with each request for it, and what has become of these.
+
+    Seconds they have taken, and what the last of them has failed of: in words, its status, the transport's failure.
+    """
+
+    headers: Mapping[str, str] | None
+    cancelled: Stop | None
+    allow: Callable[[str], object] | None
+    taken_s: float = 0.0
+    reason: str = ""
+    status: int = 0
+    failure: TransportError | None = None
+
+
 class Client:
     """Requests to one provider, from any number of threads.
 
@@ -105,7 +119,7 @@ class Client:
         Requests under way at once.
     requests_per_s : float or None
     secrets : tuple of str
-        Keys that no error may quote, even where the provider's own words do.
+        Keys that no error may quote, even where the provider's own words do, however these spell them.
     tries, first_wait_s, longest_retry_after_s
         As the constants of this module.
     """
@@ -126,7 +140,8 @@ class Client:
         self._title = title
         self._free = threading.BoundedSemaphore(connections)
         self._pace = Pace(requests_per_s)
-        self._secrets = secrets
+        self._secrets = Secrets(secrets)
+        self._unexpected = UnexpectedErrors()
         self._tries = tries
         self._first_wait_s = first_wait_s
         self._longest_retry_after_s = longest_retry_after_s
@@ -134,6 +149,8 @@ class Client:
         #: The last part found the server out of reach: until it answers, others are tried once only.
         self._away = threading.Event()
         self._silent_until_s = 0.0
+        #: Parts in a row that were waited for in vain: with so many the server is left alone for a while.
+        self._late_parts = 0
 
     def get(
         self,
@@ -141,8 +158,9 @@ class Client:
         what: str,
         cancelled: Stop | None = None,
         headers: Mapping[str, str] | None = None,
+        allow: Callable[[str], object] | None = None,
     ) -> Response:
-        """Answer with status 200; or 304, where ``headers`` are conditions.
+        """Answer with status 200; or 304, where ``headers`` are conditions. Redirects are followed.
 
         Parameters
         ----------
@@ -153,6 +171,9 @@ class Client:
             Asked during every wait.
         headers : mapping or None
             To be sent with the request, such as conditions under which an answer is wanted.
+        allow : callable or None
+            Called with the URL of each request before it is sent, also of those that redirects lead to; what it raises
+            goes through.
 
         Raises
         ------
@@ -162,13 +183,17 @@ class Client:
             The provider refuses: nothing can be had.
         Cancelled
         """
-        tries = 1 if self._away.is_set() else self._tries
-        reason, status, silent = "", 0, False
+        if self._left_alone():
+            raise OutOfReach(
+                f"{what}: not asked for, as the last {MAX_LATE_PARTS} parts had no answer in time; resume later"
+            )
+        tries = 1 if self._away.is_set() or self._late_parts >= MAX_LATE_PARTS else self._tries
+        request = _Request(headers, cancelled, allow)
         for attempt in range(tries):
             try:
-                response = self._attempt(url, cancelled, headers)
+                response = self._followed(url, what, request)
             except TransportError as failure:
-                reason, status, silent = str(failure), 0, failure.again or failure.away
+                request.reason, request.status, request.failure = str(failure), 0, failure
                 if failure.away and attempt == tries - 1:
                     self._away.set()
                 if not failure.again:
@@ -176,24 +201,19 @@ class Client:
                 wait_s = 0.0
             else:
                 self._away.clear()
-                self._silent_until_s = 0.0
+                self._silent_until_s, self._late_parts = 0.0, 0
                 if response.status == HTTPStatus.OK or (
                     response.status == HTTPStatus.NOT_MODIFIED and _is_conditional(headers)
                 ):
                     return self._without_secrets(response)
-                reason, status, silent = self._judge(response, what), response.status, False
-                wait_s = self._asked_wait_s(response, reason)
-            if attempt < tries - 1:
-                self._pause(max(wait_s, self._backoff_s(url, attempt)), cancelled)
-        else:
-            reason += _tried(tries)
-        if status == HTTPStatus.TOO_MANY_REQUESTS:
-            raise SourceError(f"{self._title}: {reason}; ask for less at a time, or resume later")
-        if silent:
-            self._silent_until_s = time.monotonic() + OUT_OF_REACH_S
-        if silent or status >= HTTPStatus.INTERNAL_SERVER_ERROR:
-            raise OutOfReach(f"{what}: {reason}")
-        raise PartError(f"{what}: {reason}")
+                request.reason, request.status = self._judge(response, what), response.status
+                request.failure = None
+                wait_s = self._asked_wait_s(response, request.reason)
+            if attempt == tries - 1 or request.taken_s > MAX_PART_S or self._left_alone():
+                request.reason += _tried(attempt + 1)
+                break
+            self._pause(max(wait_s, self._backoff_s(url, attempt)), cancelled)
+        raise self._given_up(what, request)
 
     def picture(
         self,
@@ -202,6 +222,7 @@ class Client:
         read: Callable[[Response], Picture],
         cancelled: Stop | None = None,
         headers: Mapping[str, str] | None = None,
+        allow: Callable[[str], object] | None = None,
     ) -> tuple[Response, Picture]:
         """Answer as of `get`, and what is read of it: a picture that is broken is asked for once more.
 
@@ -217,11 +238,11 @@ class Client:
         PartError, SourceError, Cancelled
             As `get` does; PartError also where the answer is no picture.
         """
-        response, times = self.get(url, what, cancelled, headers), 1
-        picture = _picture_or_problem(response, read)
+        response, times = self.get(url, what, cancelled, headers, allow), 1
+        picture = self._picture_or_problem(response, read)
         if isinstance(picture, BrokenPictureError):
-            response, times = self.get(url, what, cancelled, _PAST_CACHES), 2
-            picture = _picture_or_problem(response, read)
+            response, times = self.get(url, what, cancelled, _PAST_CACHES, allow), 2
+            picture = self._picture_or_problem(response, read)
         if isinstance(picture, PartError):
             raise PartError(self.redacted(f"{what}: {picture}{_tried(times)}"))
         return response, picture
@@ -232,42 +253,88 @@ class Client:
 
     def redacted(self, text: str) -> str:
         """Return ``text`` without the keys, however they are written in it."""
-        for secret in self._secrets:
-            for written in {secret, quote(secret), quote(secret, safe=""), quote_plus(secret)}:
-                text = text.replace(written, "***")
-                if text.endswith(_CUT):
-                    # What a provider says may have been cut short amid a key.
-                    told = next(
-                        (n for n in range(len(written), 0, -1) if text.endswith(written[:n] + _CUT)), 0
-                    )
-                    text = text[: len(text) - told - len(_CUT)] + ("***" if told else "") + _CUT
-        return text
+        return self._secrets.masked(text)
 
     def words(self, response: Response) -> str:
         """Return the first line of what a provider says, for people, without the keys."""
-        return self.redacted(first_words(response.body, response.headers.get("content-type", "")))
+        return first_words(response.body, response.headers.get("content-type", ""), self._secrets.masked)
 
     def close(self) -> None:
         """End every wait and request under way; they raise `Cancelled`."""
         self._closed.set()
         self._transport.close()
 
-    def _attempt(self, url: str, cancelled: Stop | None, headers: Mapping[str, str] | None) -> Response:
+    def _given_up(self, what: str, request: _Request) -> TerrAInavError:
+        """Error of a part that is not asked for any more."""
+        if request.status == HTTPStatus.TOO_MANY_REQUESTS:
+            return SourceError(f"{self._title}: {request.reason}; ask for less at a time, or resume later")
+        failure = request.failure
+        silent = failure is not None and (failure.again or failure.away)
+        if failure is not None and failure.late:
+            self._late_parts += 1
+        if silent:
+            self._silent_until_s = time.monotonic() + OUT_OF_REACH_S
+        kind = OutOfReach if silent or request.status >= HTTPStatus.INTERNAL_SERVER_ERROR else PartError
+        return kind(f"{what}: {request.reason}")
+
+    def _left_alone(self) -> bool:
+        """Whether the server has kept part after part waiting in vain, and the last one a moment ago."""
+        return self._late_parts >= MAX_LATE_PARTS and self.out_of_reach()
+
+    def _followed(self, url: str, what: str, request: _Request) -> Response:
+        """Answer of any status that is no redirect; a redirect is a request as any other, with its turn."""
+        first = url
+        for _ in range(MAX_REDIRECTS + 1):
+            if request.allow is not None:
+                request.allow(url)
+            response = self._attempt(url, "" if url is first else first, what, request)
+            target = redirect_target(response)
+            if target is None:
+                return response
+            url = joined(url, target)
+        raise TransportError(f"more than {MAX_REDIRECTS} redirects", again=False)
+
+    def _attempt(self, url: str, origin: str, what: str, request: _Request) -> Response:
+        cancelled = request.cancelled
         self._pause(self._pace.turn_s(), cancelled)
         while not self._free.acquire(timeout=_LOOK_S):
             self._refuse_cancelled(cancelled)
+        began_s = time.monotonic()
         try:
             # The server may have asked for a rest while this request waited for its turn.
             while held_s := self._pace.held_s():
                 self._pause(held_s, cancelled)
             self._refuse_cancelled(cancelled)
-            return self._transport.get(url, headers or None, cancelled)
+            began_s = time.monotonic()
+            more = {"origin": origin} if origin else {}
+            return self._transport.get(url, request.headers or None, cancelled, **more)
+        except TerrAInavError:
+            raise
+        except Exception as wrong:  # noqa: BLE001  (of whatever kind: it is one part's failure)
+            failure = self._unexpected.failure(wrong, self.redacted)
         finally:
             self._free.release()
+            request.taken_s += time.monotonic() - began_s
+        # Out here, where what was raised, which may quote a key, is no part of it.
+        raise PartError(f"{what}: {failure}")
+
+    def _picture_or_problem(
+        self, response: Response, read: Callable[[Response], Picture]
+    ) -> Picture | PartError:
+        """What is read; a problem is returned, so that one which quotes a key is no part of what is raised of it."""
+        try:
+            return read(response)
+        except PartError as wrong:
+            return wrong
+        except TerrAInavError:
+            raise
+        except Exception as wrong:  # noqa: BLE001  (of whatever kind: it is one part's failure)
+            return self._unexpected.failure(wrong, self.redacted)
 
     def _without_secrets(self, response: Response) -> Response:
         """Leave out headers that quote a key: some are kept in files."""
-        if not self._secrets:
+        told = "\n".join(response.headers.values())
+        if self.redacted(told) == told:
             return response
         kept = {name: value for name, value in response.headers.items() if self.redacted(value) == value}
         return response._replace(headers=kept)
@@ -317,14 +384,6 @@ def _tried(times: int) -> str:
     return f" (tried {times} times)" if times > 1 else ""
 
 
-def _picture_or_problem(response: Response, read: Callable[[Response], Picture]) -> Picture | PartError:
-    """What is read; a problem is returned, so that one which quotes a key is no part of that which is raised of it."""
-    try:
-        return read(response)
-    except PartError as wrong:
-        return wrong
-
-
 def _is_conditional(headers: Mapping[str, str] | None) -> bool:
     return any(name.startswith("If-") for name in headers or ())
 
@@ -341,44 +400,14 @@ def retry_after_s(response: Response, now_s: float) -> float:
         Seconds since 1970, for a response without Date.
     """
     asked = response.headers.get("retry-after", "").strip()
-    if asked.isdigit():
-        return float(asked)
+    seconds = whole_number(asked)
+    if seconds is not None:
+        return float(seconds)
     until_s = http_date_s(asked)
     if until_s is None:
         return 0.0
     since_s = http_date_s(response.headers.get("date", ""))
     return max(until_s - (now_s if since_s is None else since_s), 0.0)
-
-
-def first_words(body: bytes, content_type: str) -> str:
-    """First line of a text, HTML or JSON body, at most 200 characters; empty for anything else."""
-    text = body[:16384].decode("utf-8", "replace").lstrip("\ufeff").strip()
-    if text.count("\ufffd") > len(text) // 20 or "\0" in text:
-        return ""
-    if "json" in content_type or text[:1] in ("{", "["):
-        text = _json_message(text)
-    elif "html" in content_type or "xml" in content_type or text[:1] == "<":
-        title = re.search(r"<title[^>]*>(.*?)</title>", text, re.IGNORECASE | re.DOTALL)
-        plain = re.sub(r"<(script|style)\b.*?</\1>|<!--.*?-->", " ", text, flags=re.IGNORECASE | re.DOTALL)
-        text = title.group(1) if title and title.group(1).strip() else re.sub(r"<[^>]*>", "\n", plain)
-        text = html.unescape(text)
-    line = next((line.strip() for line in text.splitlines() if line.strip()), "")
-    line = "".join(character if character.isprintable() else " " for character in line)
-    return line if len(line) <= _WORDS_CHARACTERS else line[: _WORDS_CHARACTERS - 1] + _CUT
-
-
-def _json_message(text: str) -> str:
-    try:
-        found = json.loads(text)
-    except ValueError:
-        return text
-    while isinstance(found, (dict, list)):
-        if isinstance(found, list):
-            found = found[0] if found else ""
-            continue
-        names = ("message", "error_message", "error", "errors", "detail", "title", "reason")
-        found = next((found[name] for name in names if name in found), "")
-    return str(found)
 
 
 def _is_quota(status: int, words: str) -> bool:

@@ -4,18 +4,31 @@ from __future__ import annotations
 
 import io
 import re
+import sys
+from functools import lru_cache
+from pathlib import Path
 
 import numpy as np
+import PIL
 from PIL import GifImagePlugin, ImageFile, JpegImagePlugin, PngImagePlugin, WebPImagePlugin, features
 
 from ..errors import PartError
-from .client import BrokenPictureError, first_words
+from ..limits import MAX_JPEG_SCANS, MAX_JPEG_SEGMENTS, MAX_PICTURE_EXTRA_BYTES
+from ..text import first_words, one_line
+from .client import BrokenPictureError
 from .source import Pixels
 
 #: What must not follow 0xFF within the entropy-coded data of a JPEG (ITU-T T.81, B.1.1.5), and what may.
-#: It begins with one plain byte, which is searched for ten times as fast as ``\xff+`` is.
-_JPEG_MARKER = re.compile(rb"\xff\xff*([^\x00\xff\xd0-\xd7])", re.DOTALL)
+#: It begins with one plain byte, which is searched for ten times as fast as ``\xff+`` is, and which is all that is
+#: looked at again where many follow each other.
+_JPEG_MARKER = re.compile(rb"\xff[^\x00\xff\xd0-\xd7]", re.DOTALL)
+_JPEG_FILL = re.compile(rb"\xff*")
 _JPEG_END, _JPEG_SCAN = 0xD9, 0xDA
+#: First libwebp without the hole by which a picture may run any code (CVE-2023-4863).
+_SOUND_LIBWEBP = (1, 3, 2)
+#: Bytes of a pixel with four channels of 16 bits.
+_PIXEL_BYTES = 8
+_KIND_CHARACTERS = 60
 
 
 def decode(
@@ -47,6 +60,11 @@ def decode(
     PartError
         With the reason alone: who asked knows the part. `BrokenPictureError` where another copy may be whole.
     """
+    most_bytes = _PIXEL_BYTES * width_px * height_px + MAX_PICTURE_EXTRA_BYTES
+    if len(body) > most_bytes:
+        raise PartError(
+            f"{len(body):,} bytes, more than the {most_bytes:,} of {width_px}x{height_px} px at most"
+        )
     try:
         image = _open(body, content_type)
         if image.size != (width_px, height_px):
@@ -54,9 +72,13 @@ def decode(
                 f"a picture of {image.size[0]}x{image.size[1]} px instead of {width_px}x{height_px}"
             )
         image.load()
-    except (OSError, SyntaxError, ValueError, EOFError, IndexError, KeyError, OverflowError) as broken:
-        raise BrokenPictureError(f"broken picture ({str(broken) or type(broken).__name__})") from broken
-    return _rgb(image, alpha)
+        return _rgb(image, alpha)
+    except PartError:
+        raise
+    except Exception as broken:  # Pillow's readers let through whatever they stumble over
+        raise BrokenPictureError(
+            f"broken picture ({one_line(str(broken)) or type(broken).__name__})"
+        ) from broken
 
 
 def _open(body: bytes, content_type: str) -> ImageFile.ImageFile:
@@ -72,33 +94,60 @@ def _open(body: bytes, content_type: str) -> ImageFile.ImageFile:
     if body[:4] == b"RIFF" and body[8:12] == b"WEBP":
         if not features.check("webp"):  # type: ignore[no-untyped-call]
             raise PartError("a WebP picture, which this installation of Pillow cannot read")
+        if problem := webp_problem():
+            raise PartError(problem)
         return WebPImagePlugin.WebPImageFile(io.BytesIO(body))
     if body[:6] in (b"GIF87a", b"GIF89a"):
         return GifImagePlugin.GifImageFile(io.BytesIO(body))
     if not body:
         raise BrokenPictureError("an empty answer instead of a picture")
     words = first_words(body, content_type)
-    kind = content_type.partition(";")[0].strip() or "something"
+    kind = one_line(content_type.partition(";")[0], _KIND_CHARACTERS) or "something"
     if words:
         # It says what it is: that is the provider's answer, and no copy of a picture gone bad.
         raise PartError(f"{kind} instead of a picture: {words}")
     raise BrokenPictureError(f"{kind} instead of a picture")
 
 
+@lru_cache(maxsize=1)
+def webp_problem() -> str:
+    """Why WebP pictures are not safe to read here; empty where they are.
+
+    A distribution mends its own libwebp and leaves the version as it is; what comes inside a wheel of Pillow is as
+    old as the wheel.
+    """
+    version = str(features.version("webp") or "")  # type: ignore[no-untyped-call]
+    numbers = tuple(int(part) for part in version.split(".") if part.isdigit())
+    if not _brings_libraries() or numbers >= _SOUND_LIBWEBP:
+        return ""
+    return f"a WebP picture, which libwebp {version} would not read safely: install Pillow 10.0.1 or later"
+
+
+def _brings_libraries() -> bool:
+    """Whether this Pillow has come with libraries of its own, as its wheels do."""
+    package = Path(PIL.__file__).parent
+    beside = (package.parent / "pillow.libs", package.parent / "Pillow.libs", package / ".dylibs")
+    return sys.platform == "win32" or any(folder.is_dir() for folder in beside)
+
+
 def _check_jpeg(body: bytes) -> None:
     """Refuse a JPEG whose segments or scans are broken: libjpeg would fill what is missing with grey."""
-    at = 2
+    at, segments, scans = 2, 0, 0
     while True:
         if body[at : at + 1] != b"\xff":
             raise OSError("JPEG segments out of step")
-        while body[at : at + 1] == b"\xff":
-            at += 1
+        begin, at = at, _JPEG_FILL.match(body, at).end()  # type: ignore[union-attr]
         if at >= len(body):
             raise OSError("JPEG broken off")
         marker = body[at]
         at += 1
         if marker == _JPEG_END:
             return
+        # Pillow reads the head byte by byte.
+        segments += 1 if scans else at - begin - 1
+        scans += marker == _JPEG_SCAN
+        if segments > MAX_JPEG_SEGMENTS or scans > MAX_JPEG_SCANS:
+            raise OSError(f"JPEG of more than {MAX_JPEG_SCANS} scans or {MAX_JPEG_SEGMENTS} segments")
         at += int.from_bytes(body[at : at + 2], "big")
         if marker == _JPEG_SCAN:
             found = _JPEG_MARKER.search(body, at)

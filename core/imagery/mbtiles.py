@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import html
 import io
 import os
 import re
@@ -17,6 +16,7 @@ from PIL import Image
 
 from ..errors import Cancelled, InvalidInput, PartError
 from ..geodesy.mercator import PixelGrid, extent_of_box
+from ..text import one_line, whole_number
 from .cache.tilefile import connect, fault
 from .decode import decode
 from .policy import Policy
@@ -51,12 +51,12 @@ class MBTilesSource:
         self, path: Path, connection: sqlite3.Connection, rows: Mapping[str, str], grid: PixelGrid
     ) -> None:
         self.name = str(path)
-        self.title = _plain(rows.get("name", "")) or path.stem
-        self.attribution = _plain(rows.get("attribution", ""))
+        self.title = one_line(rows.get("name", "")) or path.stem
+        self.attribution = one_line(rows.get("attribution", ""))
         self.grid = grid
         date = rows.get("date", "").strip()
         self.date = date if re.fullmatch(r"\d{4}(-\d\d){0,2}", date) else ""
-        self.policy = Policy(licence=_plain(rows.get("license", rows.get("licence", ""))))
+        self.policy = Policy(licence=one_line(rows.get("license", rows.get("licence", ""))))
         self._connection: sqlite3.Connection | None = connection
         self._lock = threading.Lock()
 
@@ -215,11 +215,9 @@ def _grid(file: Path, connection: sqlite3.Connection, rows: Mapping[str, str], s
 
 def _zooms(connection: sqlite3.Connection, rows: Mapping[str, str]) -> tuple[int, int]:
     """Lowest and highest zoom, of the metadata where they make sense, else of the tiles."""
-    told = [rows.get(name, "").strip() for name in ("minzoom", "maxzoom")]
-    if all(text.isascii() and text.isdigit() for text in told):
-        lowest, highest = (int(text) for text in told)
-        if lowest <= highest <= _HIGHEST_ZOOM:
-            return lowest, highest
+    lowest, highest = (whole_number(rows.get(name, "")) for name in ("minzoom", "maxzoom"))
+    if lowest is not None and highest is not None and lowest <= highest <= _HIGHEST_ZOOM:
+        return lowest, highest
     found: Any = connection.execute("SELECT min(zoom_level), max(zoom_level) FROM tiles").fetchone()
     if not all(isinstance(zoom, int) for zoom in found):
         raise InvalidInput(f"its tiles are of zooms {found[0]!r} to {found[1]!r}; must be whole numbers")
@@ -236,10 +234,3 @@ def _tile_px(sample: bytes) -> int:
     if width_px != height_px:
         raise InvalidInput(f"its tiles are of {width_px}x{height_px} px; must be square")
     return int(width_px)
-
-
-def _plain(text: str) -> str:
-    """Text without the HTML that attributions of web maps are written in, on one line."""
-    lines = re.sub(r"<(br|p|/p|div|/div)\b[^>]*>", " ", text, flags=re.IGNORECASE)
-    plain = html.unescape(re.sub(r"<[^>]*>", "", lines))
-    return " ".join("".join(one if one.isprintable() else " " for one in plain).split())

@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from ..errors import InvalidInput, PartError
+from ..text import one_line
 
 if TYPE_CHECKING:
     import numpy as np
@@ -62,7 +63,9 @@ class Placeholder:
         """Raise PartError for a body or header that is the placeholder's."""
         for name, value in self.header:
             if name.lower() in headers and value in ("*", headers[name.lower()]):
-                raise PartError(f"no imagery here, the provider says ({name}: {headers[name.lower()]})")
+                raise PartError(
+                    f"no imagery here, the provider says ({name}: {one_line(headers[name.lower()])})"
+                )
         if self.sha256 and self.knows(hashlib.sha256(body).hexdigest()):
             raise PartError(PLACEHOLDER_REASON)
 

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import io
 import logging
 import time
 import weakref
 from collections.abc import Mapping
 from contextlib import closing
 from http import HTTPStatus
+from http.client import HTTPException, HTTPResponse
 from typing import Any, Callable, NamedTuple
-from urllib.parse import SplitResult, urljoin, urlsplit
+from urllib.parse import SplitResult, urlsplit
 
 import requests
 import urllib3
@@ -19,7 +21,18 @@ from urllib3.connection import HTTPConnection, HTTPSConnection
 from urllib3.connectionpool import HTTPConnectionPool, HTTPSConnectionPool
 
 from ..errors import Cancelled
-from .transport import MAX_BODY_BYTES, MAX_REDIRECTS, Response, Stop, Timeouts, TransportError, user_agent
+from ..limits import MAX_BODY_BYTES, MAX_FRAMING_BYTES
+from .transport import (
+    Response,
+    Stop,
+    Timeouts,
+    TransportError,
+    check_length,
+    too_long,
+    too_many_headers,
+    unpacked,
+    user_agent,
+)
 from .watch import Watch
 
 _CHUNK_BYTES = 1 << 16
@@ -70,7 +83,7 @@ class RequestsTransport:
             "Accept-Encoding": "identity",
         }
         self._session = requests.Session()
-        self._adapter = _Adapter(connections, self._watch)
+        self._adapter = _Adapter(connections, self._watch, max_body_bytes + MAX_FRAMING_BYTES)
         self._session.mount("http://", self._adapter)
         self._session.mount("https://", self._adapter)
         self._hosts: dict[tuple[str, str], _Host] = {}
@@ -78,13 +91,18 @@ class RequestsTransport:
         self._free = weakref.finalize(self, _free, self._session, _quiet(self._watch))
 
     def get(
-        self, url: str, headers: Mapping[str, str] | None = None, cancelled: Stop | None = None
+        self,
+        url: str,
+        headers: Mapping[str, str] | None = None,
+        cancelled: Stop | None = None,
+        *,
+        origin: str = "",  # noqa: ARG002  (credentials of its own it has none)
     ) -> Response:
         """Answer of any status; see `Transport.get`."""
         problem: TransportError
         with self._watch.over(cancelled, time.monotonic() + self._timeouts.whole_s) as exchange:
             try:
-                return self._follow(url, headers or {})
+                return self._answer(urlsplit(url), headers or {})
             except TransportError as failure:
                 problem = failure
             except (requests.RequestException, urllib3.exceptions.HTTPError, OSError, ValueError) as failure:
@@ -93,40 +111,36 @@ class RequestsTransport:
         if exchange.ended == "cancelled":
             raise Cancelled("cancelled while waiting for the network")
         if exchange.ended == "late":
-            raise TransportError(f"no whole answer within {self._timeouts.whole_s:g} s")
-        raise TransportError(str(problem), again=problem.again, away=problem.away)
+            raise TransportError(f"no whole answer within {self._timeouts.whole_s:g} s", late=True)
+        raise TransportError(str(problem), again=problem.again, away=problem.away, late=problem.late)
 
     def close(self) -> None:
         """Free the connections and end what is under way."""
         self._watch.close()
         self._free()
 
-    def _follow(self, url: str, headers: Mapping[str, str]) -> Response:
-        for _ in range(MAX_REDIRECTS + 1):
-            parts = urlsplit(url)
-            if parts.scheme not in ("http", "https"):
-                raise TransportError("redirect to something else than http or https", again=False)
-            host = self._host(parts)
-            path = host.prefix + (parts.path or "/")
-            with closing(
-                host.pool.urlopen(  # type: ignore[no-untyped-call]
-                    "GET",
-                    f"{path}?{parts.query}" if parts.query else path,
-                    headers={**host.headers, **headers},
-                    redirect=False,
-                    retries=False,
-                    assert_same_host=False,
-                    preload_content=False,
-                    timeout=self._timeout,
-                )
-            ) as answer:
-                body = self._body(answer)
-                location = answer.get_redirect_location()
-                if not location:
-                    named = {name.lower(): value for name, value in answer.headers.items()}
-                    return Response(answer.status, named, body)
-            url = urljoin(url, location)
-        raise TransportError(f"more than {MAX_REDIRECTS} redirects", again=False)
+    def _answer(self, parts: SplitResult, headers: Mapping[str, str]) -> Response:
+        host = self._host(parts)
+        path = host.prefix + (parts.path or "/")
+        with closing(
+            host.pool.urlopen(  # type: ignore[no-untyped-call]
+                "GET",
+                f"{path}?{parts.query}" if parts.query else path,
+                headers={**host.headers, **headers},
+                redirect=False,
+                retries=False,
+                assert_same_host=False,
+                preload_content=False,
+                timeout=self._timeout,
+            )
+        ) as answer:
+            named = {name.lower(): value for name, value in answer.headers.items()}
+            body = self._body(answer)
+        # What an unchanged picture would be long is not the length of this answer (RFC 9110, 8.6).
+        if answer.status != HTTPStatus.NOT_MODIFIED:
+            # urllib3 before 2 takes the end of the connection for the end of the body.
+            check_length(len(body), named)
+        return Response(answer.status, named, unpacked(body, named, self._max_body_bytes))
 
     def _host(self, parts: SplitResult) -> _Host:
         """Pool, headers and prefix for a URL's host, with the proxy and certificates the environment names."""
@@ -158,33 +172,36 @@ class RequestsTransport:
         return _Host(pool, dict(request.headers), prefix.rstrip("/"))
 
     def _body(self, answer: urllib3.HTTPResponse) -> bytes:
+        """Body as it is sent: unpacked it may be any length."""
         chunks, size = [], 0
-        for chunk in answer.stream(_CHUNK_BYTES, decode_content=True):
+        # Not `stream`: of a body in chunks that reads lines of any length.
+        while chunk := answer.read(_CHUNK_BYTES, decode_content=False):
             chunks.append(chunk)
             size += len(chunk)
             if size > self._max_body_bytes:
-                raise TransportError(f"body beyond {self._max_body_bytes} bytes", again=False)
-        # What an unchanged picture would be long is not the length of this answer (RFC 9110, 8.6).
-        bodiless = answer.status == HTTPStatus.NOT_MODIFIED
-        length = "" if bodiless else answer.headers.get("Content-Length", "")
-        # urllib3 before 2 takes the end of the connection for the end of the body.
-        if length.isdigit() and "Transfer-Encoding" not in answer.headers and answer.tell() < int(length):
-            raise TransportError(f"body broke off after {answer.tell()} of {length} bytes")
+                raise too_long(self._max_body_bytes)
         return b"".join(chunks)
 
     def _problem(self, failure: Exception, host: str | None) -> TransportError:
         """Say what failed in words of our own: those of the libraries quote the URL."""
         if isinstance(failure, (urllib3.exceptions.SSLError, requests.exceptions.SSLError)):
             return TransportError(f"no trusted connection to {host} (TLS)", again=False, away=True)
+        # urllib3 hands on what it has met with as an argument of its own errors.
+        met = {type(one) for one in (failure, *failure.args)}
+        if _EndlessError in met:
+            return too_long(self._max_body_bytes)
+        if HTTPException in met:
+            return too_many_headers()
         if isinstance(failure, urllib3.exceptions.ProxyError):
             return TransportError("the proxy does not answer", away=True)
         # Before the timeouts, which they are among.
         if isinstance(
             failure, (urllib3.exceptions.NewConnectionError, urllib3.exceptions.ConnectTimeoutError)
         ):
-            return TransportError(f"no connection to {host}", away=True)
+            late = isinstance(failure, urllib3.exceptions.ConnectTimeoutError)
+            return TransportError(f"no connection to {host}", away=True, late=late)
         if isinstance(failure, urllib3.exceptions.TimeoutError):
-            return TransportError(f"no answer from {host} for {self._timeouts.read_s:g} s")
+            return TransportError(f"no answer from {host} for {self._timeouts.read_s:g} s", late=True)
         if isinstance(failure, (requests.exceptions.InvalidURL, urllib3.exceptions.LocationValueError)):
             return TransportError("the URL is not valid", again=False)
         return TransportError(f"connection to {host} broke off")
@@ -220,8 +237,8 @@ def _quiet(watch: Watch) -> Callable[[], None]:
 class _Adapter(HTTPAdapter):
     """Adapter whose connections can be given up while they wait."""
 
-    def __init__(self, connections: int, watch: Watch) -> None:
-        self._pools = _pool_classes(watch)
+    def __init__(self, connections: int, watch: Watch, max_answer_bytes: int) -> None:
+        self._pools = _pool_classes(watch, max_answer_bytes)
         super().__init__(pool_connections=_HOSTS, pool_maxsize=connections)
 
     def init_poolmanager(self, *args: Any, **kwargs: Any) -> None:
@@ -234,11 +251,43 @@ class _Adapter(HTTPAdapter):
         return manager
 
 
-def _pool_classes(watch: Watch) -> dict[str, type[HTTPConnectionPool]]:
-    """Make connection pools of urllib3 whose connections tell ``watch`` what they wait on."""
+class _EndlessError(OSError):
+    """An answer has gone on beyond what is read of one."""
+
+
+class _Counted(io.RawIOBase):
+    """What comes from a socket for one answer, up to a limit: a line or a chunk in it may claim any length."""
+
+    def __init__(self, raw: io.RawIOBase, most_bytes: int) -> None:
+        self._raw, self._left_bytes = raw, most_bytes
+
+    def readable(self) -> bool:
+        return True
+
+    def readinto(self, buffer: Any) -> int | None:
+        count = self._raw.readinto(buffer)
+        self._left_bytes -= count or 0
+        if self._left_bytes < 0:
+            raise _EndlessError
+        return count
+
+    def close(self) -> None:
+        self._raw.close()
+        super().close()
+
+
+def _pool_classes(watch: Watch, max_answer_bytes: int) -> dict[str, type[HTTPConnectionPool]]:
+    """Make connection pools of urllib3 whose connections tell ``watch`` what they wait on, and end endless answers."""
+
+    class Limited(HTTPResponse):
+        def __init__(self, sock: Any, *args: Any, **kwargs: Any) -> None:
+            super().__init__(sock, *args, **kwargs)
+            whole = self.fp
+            self.fp = io.BufferedReader(_Counted(whole.detach(), max_answer_bytes))
 
     class Watched:
         sock: Any
+        response_class: Any = Limited
 
         def connect(self) -> None:
             watch.run(super().connect, self.close)  # type: ignore[misc]

@@ -1,22 +1,26 @@
 """HTTP as the sources need it: one attempt at one URL gives a whole body, or says what went wrong.
 
-Trying again, limits of rate and what a status means are in `client`, so that another transport (QGIS's own
+Trying again, redirects, limits of rate and what a status means are in `client`, so that another transport (QGIS's own
 network stack) has only `Transport` to fulfil; the one over requests is `requests_transport`.
 """
 
 from __future__ import annotations
 
+import zlib
 from collections.abc import Mapping
 from typing import Callable, NamedTuple, Protocol
+from urllib.parse import urljoin, urlsplit
 
 from ..errors import TerrAInavError
+from ..limits import MAX_HEADERS
+from ..text import one_line, whole_number
 from ..version import version
 
 PROJECT_URL = "https://github.com/terrainav/terrainav"
-#: Largest body read; a tile of 512 px takes about 1 MB at most as PNG.
-MAX_BODY_BYTES = 32 << 20
-#: Redirects followed for one request; tile servers need one or two.
-MAX_REDIRECTS = 5
+_REDIRECTS = frozenset({301, 302, 303, 307, 308})
+#: What a body may be packed as although that was not asked for.
+_ZLIB = frozenset({"gzip", "x-gzip", "deflate"})
+_LONGEST_CODING = 40
 
 Stop = Callable[[], bool]
 
@@ -39,21 +43,38 @@ class TransportError(TerrAInavError):
         Whether another attempt may fare better.
     away : bool
         Whether the server could not be reached at all.
+    late : bool
+        Whether it had been waited for as long as is waited at all.
     """
 
-    def __init__(self, reason: str, *, again: bool = True, away: bool = False) -> None:
+    def __init__(self, reason: str, *, again: bool = True, away: bool = False, late: bool = False) -> None:
         super().__init__(reason)
         self.again = again
         self.away = away
+        self.late = late
 
 
 class Transport(Protocol):
     """One attempt at one URL; safe to call from several threads at once."""
 
     def get(
-        self, url: str, headers: Mapping[str, str] | None = None, cancelled: Stop | None = None
+        self,
+        url: str,
+        headers: Mapping[str, str] | None = None,
+        cancelled: Stop | None = None,
+        *,
+        origin: str = "",
     ) -> Response:
-        """Answer of any status, its body as long as its Content-Length says.
+        """Answer of any status, redirects too; its body as long as its Content-Length says, and unpacked.
+
+        Parameters
+        ----------
+        url : str
+        headers : mapping or None
+        cancelled : callable or None
+        origin : str
+            URL that was asked first, where a redirect led from it to this one: credentials that a transport has of its
+            own are for that server only.
 
         Raises
         ------
@@ -75,6 +96,82 @@ class Timeouts(NamedTuple):
     connect_s: float = 10.0
     read_s: float = 20.0
     whole_s: float = 60.0
+
+
+def too_long(max_body_bytes: int) -> TransportError:
+    """Error of a body beyond its limit."""
+    return TransportError(f"body beyond {max_body_bytes} bytes", again=False)
+
+
+def too_many_headers() -> TransportError:
+    """Error of an answer with more header lines than any server means to send; `http.client` has the same limit."""
+    return TransportError(f"an answer of more than {MAX_HEADERS} header lines", again=False)
+
+
+def check_length(received_bytes: int, headers: Mapping[str, str]) -> None:
+    """Raise TransportError for a body that is shorter than its Content-Length says; names in lower case."""
+    length = whole_number(headers.get("content-length", ""))
+    if length is not None and "transfer-encoding" not in headers and received_bytes < length:
+        raise TransportError(f"body broke off after {received_bytes} of {length} bytes")
+
+
+def unpacked(body: bytes, headers: Mapping[str, str], max_body_bytes: int) -> bytes:
+    """Body as it was before a server packed it, which nobody asks for: unpacked no further than to the limit.
+
+    Parameters
+    ----------
+    body : bytes
+    headers : mapping
+        Names in lower case.
+    max_body_bytes : int
+
+    Raises
+    ------
+    TransportError
+        It is too long then, broken, or packed in a way that has no such limit.
+    """
+    coding = headers.get("content-encoding", "").strip().lower()
+    if coding in ("", "identity") or not body:
+        return body
+    if coding not in _ZLIB:
+        raise TransportError(
+            f"a body packed as {one_line(coding, _LONGEST_CODING)}, which was not asked for", again=False
+        )
+    # 32: zlib or gzip by its header. Some servers leave the header of zlib out.
+    for window_bits in (32 + zlib.MAX_WBITS, -zlib.MAX_WBITS):
+        unpacking = zlib.decompressobj(window_bits)
+        try:
+            plain = unpacking.decompress(body, max_body_bytes + 1)
+        except zlib.error:
+            continue
+        if len(plain) > max_body_bytes:
+            raise too_long(max_body_bytes)
+        if unpacking.eof and not unpacking.unused_data:
+            return plain
+    raise TransportError("a packed body that is broken")
+
+
+def redirect_target(answer: Response) -> str | None:
+    """Where an answer points to, as it says it; None where it is not a redirect."""
+    return (answer.headers.get("location") or None) if answer.status in _REDIRECTS else None
+
+
+def joined(url: str, target: str) -> str:
+    """URL that a redirect from ``url`` leads to.
+
+    Raises
+    ------
+    TransportError
+        It is none, or of something else than http or https.
+    """
+    try:
+        led_to = urljoin(url, target)
+        scheme = urlsplit(led_to).scheme
+    except ValueError:
+        raise TransportError("redirect to something that is no URL", again=False) from None
+    if scheme not in ("http", "https"):
+        raise TransportError("redirect to something else than http or https", again=False)
+    return led_to
 
 
 def user_agent() -> str:

@@ -24,7 +24,7 @@ _FORMATS = (
     "a file of lines `lat lon` or `lat lon name` (or the paper's `lat lon agl`), or a box "
     "latTL_lonTL_latBR_lonBR with a number of places"
 )
-_NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
+_NUMBER = r"[-+]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][-+]?\d+)?"
 _BETWEEN = r"[\s,;_]+"
 _LINE = re.compile(rf"({_NUMBER}){_BETWEEN}({_NUMBER})(?:{_BETWEEN}(.*))?")
 #: Hyphens, dashes and signs that text processors make of a minus.

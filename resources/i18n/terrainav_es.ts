@@ -5684,8 +5684,18 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/client.py"/>
+        <source>more than {0} redirects</source>
+        <translation>más de {0} redirecciones</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/client.py"/>
         <source>{0} refuses: {1}</source>
         <translation>{0} lo rechaza: {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/client.py"/>
+        <source>{0}: not asked for, as the last {1} parts had no answer in time; resume later</source>
+        <translation>{0}: no se pidió, porque las últimas {1} partes no tuvieron respuesta a tiempo; reanude más tarde</translation>
     </message>
     <message>
         <location filename="../../core/imagery/client.py"/>
@@ -5704,8 +5714,18 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/decode.py"/>
+        <source>JPEG of more than {0} scans or {1} segments</source>
+        <translation>JPEG de más de {0} barridos o {1} segmentos</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/decode.py"/>
         <source>JPEG segments out of step</source>
         <translation>segmentos de JPEG desacompasados</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/decode.py"/>
+        <source>a WebP picture, which libwebp {0} would not read safely: install Pillow 10.0.1 or later</source>
+        <translation>una imagen WebP que la libwebp {0} no leería de forma segura: instale Pillow 10.0.1 o posterior</translation>
     </message>
     <message>
         <location filename="../../core/imagery/decode.py"/>
@@ -5731,6 +5751,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/imagery/decode.py"/>
         <source>no imagery (a transparent picture)</source>
         <translation>no hay imágenes (una imagen transparente)</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/decode.py"/>
+        <source>{0} bytes, more than the {1} of {2}x{3} px at most</source>
+        <translation>{0} bytes, más de los {1} que puede tener una imagen de {2}x{3} px</translation>
     </message>
     <message>
         <location filename="../../core/imagery/decode.py"/>
@@ -6081,27 +6106,9 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/requests_transport.py"/>
-        <location filename="../../terrainav_plugin/network/answer.py"/>
-        <source>body beyond {0} bytes</source>
-        <translation>cuerpo de más de {0} bytes</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/requests_transport.py"/>
-        <location filename="../../terrainav_plugin/network/answer.py"/>
-        <source>body broke off after {0} of {1} bytes</source>
-        <translation>el cuerpo se cortó tras {0} de {1} bytes</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/requests_transport.py"/>
         <location filename="../../terrainav_plugin/network/errors.py"/>
         <source>connection to {0} broke off</source>
         <translation>se cortó la conexión con {0}</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/requests_transport.py"/>
-        <location filename="../../terrainav_plugin/network/worker.py"/>
-        <source>more than {0} redirects</source>
-        <translation>más de {0} redirecciones</translation>
     </message>
     <message>
         <location filename="../../core/imagery/requests_transport.py"/>
@@ -6126,12 +6133,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/network/worker.py"/>
         <source>no whole answer within {0} s</source>
         <translation>sin respuesta completa en {0} s</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/requests_transport.py"/>
-        <location filename="../../terrainav_plugin/network/worker.py"/>
-        <source>redirect to something else than http or https</source>
-        <translation>redirección a algo distinto de http o https</translation>
     </message>
     <message>
         <location filename="../../core/imagery/requests_transport.py"/>
@@ -6346,6 +6347,41 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/imagery/tiles.py"/>
         <source>{0}: is no tile of {1} px</source>
         <translation>{0}: no es una tesela de {1} px</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/transport.py"/>
+        <source>a body packed as {0}, which was not asked for</source>
+        <translation>un cuerpo comprimido como {0}, que no se pidió</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/transport.py"/>
+        <source>a packed body that is broken</source>
+        <translation>un cuerpo comprimido que está dañado</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/transport.py"/>
+        <source>an answer of more than {0} header lines</source>
+        <translation>una respuesta de más de {0} líneas de cabecera</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/transport.py"/>
+        <source>body beyond {0} bytes</source>
+        <translation>cuerpo de más de {0} bytes</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/transport.py"/>
+        <source>body broke off after {0} of {1} bytes</source>
+        <translation>el cuerpo se cortó tras {0} de {1} bytes</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/transport.py"/>
+        <source>redirect to something else than http or https</source>
+        <translation>redirección a algo distinto de http o https</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/transport.py"/>
+        <source>redirect to something that is no URL</source>
+        <translation>redirección a algo que no es una URL</translation>
     </message>
     <message>
         <location filename="../../core/imagery/world/samples.py"/>
@@ -7577,6 +7613,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>paso de {0} s: debe ser mayor que 0</translation>
     </message>
     <message>
+        <location filename="../../core/unexpected.py"/>
+        <source>unexpected error ({0})</source>
+        <translation>error inesperado ({0})</translation>
+    </message>
+    <message>
         <location filename="../../terrainav_plugin/dock/entries.py"/>
         <source>{0}: not a widget that entries know</source>
         <translation>{0}: no es un elemento que las entradas conozcan</translation>
@@ -7680,16 +7721,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/map/world_picture.py"/>
         <source>background: stopped</source>
         <translation>fondo: detenido</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/network/answer.py"/>
-        <source>a packed body that is broken</source>
-        <translation>un cuerpo comprimido que está dañado</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/network/answer.py"/>
-        <source>redirect to something that is no URL</source>
-        <translation>redirección a algo que no es una URL</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/network/errors.py"/>

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import re
-
 from ...core.errors import InvalidInput
 from ...core.mission.area import Area, Points
 from ...core.mission.coords import parse_coords
@@ -39,7 +37,7 @@ def area_of_text(text: str, agl: float, agl_unit: str) -> tuple[Area, float | No
         Names what cannot be read, with its line.
     """
     lines = [
-        (number, re.sub(r"^[_,;\s]+|[_,;\s]+$", "", line))
+        (number, _without_separators(line))
         for number, line in enumerate(text.splitlines(), 1)
         if line.strip() and not line.lstrip().startswith("#")
     ]
@@ -50,6 +48,12 @@ def area_of_text(text: str, agl: float, agl_unit: str) -> tuple[Area, float | No
     given = len(parts) not in (_POINT, _CORNERS)
     area, agl_m = parse_coords(line if given else "_".join([*parts, repr(agl)]), agl_unit=agl_unit)
     return area, agl_m if given else None
+
+
+def _without_separators(line: str) -> str:
+    """Line without what separates at its ends; a pattern for its end would take time that grows with its square."""
+    first, after = (found.end() if found else 0 for found in map(SEPARATORS.match, (line, line[::-1])))
+    return line[first : len(line) - after]
 
 
 def _points(lines: list[tuple[int, str]], agl: float, agl_unit: str) -> tuple[Points, float | None]:

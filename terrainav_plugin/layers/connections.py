@@ -11,6 +11,7 @@ from urllib.parse import unquote, urlsplit, urlunsplit
 from qgis.core import QgsApplication, QgsOwsConnection
 
 from ...core.errors import InvalidInput
+from ...core.text import whole_number
 from ..i18n import told, tr
 
 if TYPE_CHECKING:
@@ -201,4 +202,5 @@ def connection_of(name: str, uri: str) -> Connection:
 
 
 def _zoom(text: str, usual: int) -> int:
-    return min(int(text), _HIGHEST_ZOOM) if text.isdigit() else usual
+    stated = whole_number(text)
+    return usual if stated is None else min(stated, _HIGHEST_ZOOM)

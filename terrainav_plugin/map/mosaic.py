@@ -34,7 +34,7 @@ MOST_PICTURES = 100_000
 _OVERVIEWS, _MADE = ".ovr", ".new"
 #: Ending of what GDAL notes of a file: statistics of pixels that may be others by now.
 _NOTES = ".aux.xml"
-_SOURCE = re.compile(rb"<SourceFilename[^>]*>([^<]+)</SourceFilename>")
+_SOURCE = re.compile(rb"<SourceFilename[^<>]*>([^<]+)</SourceFilename>")
 _COLOURS = {1: ("Gray",), 3: ("Red", "Green", "Blue")}
 
 Progress = Callable[[float], bool]

@@ -78,5 +78,5 @@ def problem(error: Any, host: str, *, answered: bool, proxy: bool) -> TransportE
     if error in _PROXY or (error in _AWAY and proxy and not answered):
         return TransportError("the proxy does not answer", away=True)
     if error in _AWAY and not answered:
-        return TransportError(f"no connection to {host}", away=True)
+        return TransportError(f"no connection to {host}", away=True, late=error == _Error.TimeoutError)
     return TransportError(f"connection to {host} broke off")

@@ -35,6 +35,13 @@ class Terms(NamedTuple):
 class Exchange:
     """A request on its way to an answer; handed from the thread that asks to the main one and back.
 
+    Parameters
+    ----------
+    url : str
+    headers : mapping
+    origin : str
+        As of `Transport.get`.
+
     Attributes
     ----------
     done : threading.Event
@@ -45,11 +52,11 @@ class Exchange:
         When it has to be over, and when the server was last heard of, on the clock of the worker.
     """
 
-    def __init__(self, url: str, headers: Mapping[str, str]) -> None:
+    def __init__(self, url: str, headers: Mapping[str, str], origin: str = "") -> None:
         self.url = url
         self.headers = headers
-        self.origin = urlsplit(url)[:2]
-        self.redirects = 0
+        #: Whether the server is that which was asked first: credentials are for it only.
+        self.at_origin = urlsplit(url)[:2] == urlsplit(origin or url)[:2]
         self.received_bytes = 0
         self.until_s = self.heard_s = 0.0
         self.done = threading.Event()

@@ -9,7 +9,8 @@ from collections.abc import Mapping
 from qgis.PyQt.QtCore import QEventLoop
 
 from ...core.errors import Cancelled
-from ...core.imagery.transport import MAX_BODY_BYTES, Response, Stop, Timeouts, TransportError, user_agent
+from ...core.imagery.transport import Response, Stop, Timeouts, TransportError, user_agent
+from ...core.limits import MAX_BODY_BYTES
 from .exchange import Exchange, Terms
 from .worker import NetworkWorker, in_main_thread
 
@@ -64,11 +65,16 @@ class QgisTransport:
         self._free.atexit = False
 
     def get(
-        self, url: str, headers: Mapping[str, str] | None = None, cancelled: Stop | None = None
+        self,
+        url: str,
+        headers: Mapping[str, str] | None = None,
+        cancelled: Stop | None = None,
+        *,
+        origin: str = "",
     ) -> Response:
         """Answer of any status; see `Transport.get`."""
         try:
-            exchange = Exchange(url, headers or {})
+            exchange = Exchange(url, headers or {}, origin)
         except ValueError:
             raise TransportError("the URL is not valid", again=False) from None
         with self._lock:

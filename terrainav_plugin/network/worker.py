@@ -33,8 +33,8 @@ from qgis.PyQt.QtNetwork import (
 )
 
 from ...core.errors import Cancelled
-from ...core.imagery.transport import MAX_REDIRECTS, TransportError
-from .answer import answer_of, joined, redirect_target, too_long
+from ...core.imagery.transport import TransportError, too_long, too_many_headers
+from .answer import answer_of, has_too_many_headers
 from .exchange import Exchange, Terms
 
 #: Requests that a manager of Qt sends to one server at a time, over as many connections; for more there are more.
@@ -92,6 +92,9 @@ class NetworkWorker(QObject):
         self._under_way: dict[QNetworkReply, tuple[Exchange, int]] = {}
         self._over: list[QNetworkReply] = []
         self._tls: dict[str, QSslConfiguration] = {}
+        #: Servers that have sent more header lines than are read: Qt takes time for them that grows with their square,
+        #: much of it in the main thread.
+        self._talkative: set[str] = set()
         self._clock_s = self._looked_s = 0.0
         self.asked.connect(self._start, Qt.ConnectionType.QueuedConnection)
         self.dropped.connect(self._drop, Qt.ConnectionType.QueuedConnection)
@@ -154,14 +157,9 @@ class NetworkWorker(QObject):
             return
         exchange = self._release(reply)
         try:
-            answer = answer_of(reply, exchange.url, self._terms.max_body_bytes, _has_proxy)
-            target = redirect_target(answer)
-            if target is None:
-                exchange.end(answer)
-            else:
-                exchange.url = joined(exchange.url, target)
-                exchange.redirects += 1
-                self._send(exchange)
+            if has_too_many_headers(reply):
+                self._shun(reply.url().host())
+            exchange.end(answer_of(reply, exchange.url, self._terms.max_body_bytes, _has_proxy))
         except Exception as failure:  # noqa: BLE001  (raised in the thread that asked)
             exchange.end(failure)
         finally:
@@ -204,10 +202,10 @@ class NetworkWorker(QObject):
         if exchange.received_bytes > self._terms.max_body_bytes:
             return too_long(self._terms.max_body_bytes)
         if self._clock_s > exchange.until_s:
-            return TransportError(f"no whole answer within {timeouts.whole_s:g} s")
+            return TransportError(f"no whole answer within {timeouts.whole_s:g} s", late=True)
         if self._clock_s - exchange.heard_s > timeouts.read_s:
             return TransportError(
-                f"no answer from {urlsplit(exchange.url).hostname} for {timeouts.read_s:g} s"
+                f"no answer from {urlsplit(exchange.url).hostname} for {timeouts.read_s:g} s", late=True
             )
         return None
 
@@ -228,15 +226,12 @@ class NetworkWorker(QObject):
 
     def _send(self, exchange: Exchange) -> None:
         parts = urlsplit(exchange.url)
-        if parts.scheme not in ("http", "https"):
-            raise TransportError("redirect to something else than http or https", again=False)
-        if exchange.redirects > MAX_REDIRECTS:
-            raise TransportError(f"more than {MAX_REDIRECTS} redirects", again=False)
         url = QUrl(exchange.url)
-        if not url.isValid() or not url.host():
+        if parts.scheme not in ("http", "https") or not url.isValid() or not url.host():
             raise TransportError("the URL is not valid", again=False)
-        # Credentials are for the server that was asked, not for one it points to.
-        authcfg = self._terms.authcfg if parts[:2] == exchange.origin else ""
+        if url.host() in self._talkative:
+            raise too_many_headers()
+        authcfg = self._terms.authcfg if exchange.at_origin else ""
         request = self._request(url, exchange.headers, authcfg)
         exchange.received_bytes = 0
         exchange.heard_s = self._clock_s
@@ -293,6 +288,14 @@ class NetworkWorker(QObject):
                     configuration.setPeerVerifyDepth(own.sslPeerVerifyDepth())
             self._tls[server] = configuration
         return self._tls[server]
+
+    def _shun(self, host: str) -> None:
+        """Ask a server no more: what is under way to it would hold up the main thread as well."""
+        self._talkative.add(host)
+        for reply, (exchange, _) in list(self._under_way.items()):
+            if reply.url().host() == host:
+                self._abandon(reply)
+                exchange.end(too_many_headers())
 
     def _abandon(self, reply: QNetworkReply) -> None:
         self._release(reply)

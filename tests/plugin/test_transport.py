@@ -109,6 +109,10 @@ def test_a_body_packed_unasked_is_unpacked_within_the_limit(server, transport_of
     server.answer = (200, {"Content-Encoding": "gzip"}, b"not packed")
     with pytest.raises(TransportError, match="a packed body that is broken"):
         transport_of().get(server.url + "/")
+    # Qt leaves alone what is packed, because nothing but identity is asked for.
+    server.answer = (200, {"Content-Encoding": "br"}, b"packed")
+    with pytest.raises(TransportError, match="a body packed as br, which was not asked for"):
+        transport_of().get(server.url + "/")
 
 
 @pytest.mark.parametrize("more", [0, 1])
@@ -149,10 +153,11 @@ def test_a_body_in_chunks_that_breaks_off_is_no_tile(server, transport_of, monke
 def test_redirects_are_followed_five_times(server, transport_of):
     for step in range(6):
         server.answers[f"/{step}"] = (302, {"Location": str(step + 1)}, b"elsewhere")
-    assert transport_of().get(server.url + "/1").body == PICTURE
+    client = Client(transport_of(), "P")
+    assert client.get(server.url + "/1", "w").body == PICTURE
     assert [path for path, _ in server.seen] == ["/1", "/2", "/3", "/4", "/5", "/6"]
-    with pytest.raises(TransportError, match="more than 5 redirects"):
-        transport_of().get(server.url + "/0")
+    with pytest.raises(PartError, match="more than 5 redirects"):
+        client.get(server.url + "/0", "w")
 
 
 @pytest.mark.parametrize("url", ["http://", "http://[::1/", "http://a b/"])
@@ -164,8 +169,18 @@ def test_what_is_no_url_is_said(transport_of, url):
 
 def test_a_redirect_to_no_url_is_said(server, transport_of):
     server.answer = (302, {"Location": "http://[::1/"}, b"")
-    with pytest.raises(TransportError, match="redirect to something that is no URL"):
-        transport_of().get(server.url + "/")
+    with pytest.raises(PartError, match="redirect to something that is no URL"):
+        Client(transport_of(), "P").get(server.url + "/", "w")
+
+
+def test_a_server_of_endless_headers_is_asked_once(server, transport_of):
+    server.answer = (200, {f"X-{number}": "of no use" for number in range(101)}, PICTURE)
+    transport = transport_of()
+    for _ in range(3):
+        with pytest.raises(TransportError, match="an answer of more than 100 header lines") as raised:
+            transport.get(server.url + "/")
+        assert not raised.value.again
+    assert len(server.seen) == 1
 
 
 # --- ends

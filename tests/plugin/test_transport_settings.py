@@ -17,6 +17,7 @@ from qgis.core import (
     QgsAuthMethodConfig,
 )
 from qgis.PyQt.QtNetwork import QSslCertificate, QSslError
+from terrainav.core.imagery.client import Client
 from terrainav.core.imagery.transport import TransportError, user_agent
 
 from tests.plugin.transports import (  # noqa: F401  (fixtures)
@@ -223,7 +224,8 @@ def test_an_authentication_configuration_is_applied(server, transport_of, authcf
 def test_credentials_are_not_for_the_server_that_another_points_to(server, transport_of, authcfg):
     with Server() as other:
         server.answer = (302, {"Location": other.url + "/there"}, b"")
-        assert transport_of(authcfg=authcfg).get(server.url + "/").body == PICTURE
+        client = Client(transport_of(authcfg=authcfg), "P")
+        assert client.get(server.url + "/", "w").body == PICTURE
         assert "authorization" in server.seen[0][1]
         assert "authorization" not in other.seen[0][1]
 

@@ -12,6 +12,7 @@ import pytest
 from qgis.PyQt.QtCore import QTimer
 from qgis.PyQt.QtWidgets import QDialogButtonBox
 from terrainav.core.errors import Cancelled
+from terrainav.core.imagery.client import Client
 from terrainav.core.imagery.transport import Timeouts
 from terrainav.terrainav_plugin.network import worker as network_worker
 from terrainav.terrainav_plugin.network.transport import QgisTransport
@@ -115,7 +116,7 @@ def test_time_in_which_the_main_thread_is_busy_counts_for_no_limit(server, trans
     server.answers["/"] = (302, {"Location": "/there"}, b"")
     transport = transport_of(timeouts=Timeouts(1.5, 1.5, 2.0))
     with ThreadPoolExecutor(1) as pool:
-        asked = pool.submit(transport.get, server.url + "/")
+        asked = pool.submit(Client(transport, "P").get, server.url + "/", "w")
         qtbot.waitUntil(lambda: bool(server.seen), timeout=PATIENCE_MS)
         released.set()
         time.sleep(3.0)

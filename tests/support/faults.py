@@ -5,6 +5,7 @@ A fault answers one request in place of the server. It is given the handler and 
 
 from __future__ import annotations
 
+import gzip
 import hashlib
 import socket
 import struct
@@ -20,6 +21,8 @@ QUOTA_WORDS = "You have exceeded your daily request quota for this API."
 STALL_S = 30.0
 HUGE_BYTES = 200 << 20
 BOMB_PX = 40_000
+#: More than the largest body that is read, packed to a thousandth of it.
+UNPACKED_BYTES = 40 << 20
 
 
 def status(code, words="", headers=(), kind="text/plain"):
@@ -139,9 +142,41 @@ def _bomb(handler, _body):
     handler.answer(200, bomb(), "image/png")
 
 
+def _gif_bomb(handler, _body):
+    handler.answer(200, gif_bomb(), "image/gif")
+
+
+def _png_without_pixels(handler, body):
+    at = body.index(b"IDAT") - 4
+    handler.answer(200, body[:at] + body[body.index(b"IEND") - 4 :], "image/png")
+
+
+def _packed_bomb(handler, _body):
+    handler.answer(200, gzip.compress(bytes(UNPACKED_BYTES), 6), "image/png", {"Content-Encoding": "gzip"})
+
+
+def _brotli(handler, body):
+    handler.answer(200, body, content_type(body), {"Content-Encoding": "br"})
+
+
+def _redirect_to_nowhere(handler, _body):
+    handler.answer(302, b"", "text/plain", {"Location": "http://[::1/"})
+
+
+def _many_headers(handler, body):
+    handler.answer(200, body, content_type(body), {f"X-{count}": "of no use" for count in range(200)})
+
+
 def flat_placeholder(size_px: int = 256) -> bytes:
     """Encode the placeholder picture the server sends for ground it has nothing of."""
     return to_bytes(np.full((size_px, size_px, 3), 204, np.uint8), "png")
+
+
+def gif_bomb() -> bytes:
+    """Encode a GIF of a few bytes whose only frame is of 12.9 GB."""
+    screen = struct.pack("<HHBBB", 256, 256, 0, 0, 0)
+    frame = b"," + struct.pack("<HHHHB", 0, 0, 65535, 65535, 0x80) + bytes(6)
+    return b"GIF89a" + screen + frame + b"\x02\x02\x4c\x01\x00;"
 
 
 def bomb() -> bytes:
@@ -188,4 +223,12 @@ FAULTS = {
     "redirect-to-file": _redirect_to_file,
     "200MB": _huge,
     "bomb": _bomb,
+    "gif-bomb": _gif_bomb,
+    "png-without-pixels": _png_without_pixels,
+    "packed-bomb": _packed_bomb,
+    "brotli": _brotli,
+    "redirect-to-nowhere": _redirect_to_nowhere,
+    "many-headers": _many_headers,
+    "deep-json": status(400, "[" * 8000, kind="application/json"),
+    "odd-retry-after": status(503, "later", {"Retry-After": "\N{SUPERSCRIPT TWO}"}),
 }

@@ -8,11 +8,16 @@ from collections.abc import Mapping
 from email.utils import parsedate_to_datetime
 from typing import NamedTuple
 
+from ...limits import MAX_HEADER_CHARACTERS
+from ...text import whole_number
+
 #: Lifetime of an answer that says nothing of one, seconds: a week, the least the tile usage policy of
 #: OpenStreetMap asks of its users.
 HEURISTIC_LIFETIME_S = 7 * 86400
 #: What a longer lifetime counts as, seconds (RFC 9111, 1.2.2).
 LONGEST_LIFETIME_S = 2**31
+#: A date of HTTP has 29 to 33 characters.
+_DATE_CHARACTERS = 64
 _DIRECTIVE = re.compile(r"([\w!#$%&'*+.^`|~-]+)(?:\s*=\s*(\"(?:[^\"\\]|\\.)*\"|[^\s,]*))?")
 
 
@@ -91,16 +96,18 @@ def freshness(
 def cache_control(text: str) -> dict[str, str]:
     """Directives of a Cache-Control header and their values; of two of a name, the smaller number."""
     found: dict[str, str] = {}
-    for name, value in _DIRECTIVE.findall(text):
+    for name, value in _DIRECTIVE.findall(text[:MAX_HEADER_CHARACTERS]):
         plain = value.strip('"')
-        known = found.get(name.lower(), plain)
-        both_count = known.isdigit() and plain.isdigit()
-        found[name.lower()] = min(known, plain, key=int) if both_count else plain
+        before, now = whole_number(found.get(name.lower(), "")), whole_number(plain)
+        if before is None or now is None or now < before:
+            found[name.lower()] = plain
     return found
 
 
 def http_date_s(text: str) -> float | None:
     """Seconds since 1970 of a date as HTTP writes it, None of anything else."""
+    if len(text) > _DATE_CHARACTERS:
+        return None
     try:
         moment = parsedate_to_datetime(text)
         # The oldest of the three forms names no zone, and means UTC (RFC 9110, 5.6.7).
@@ -111,7 +118,8 @@ def http_date_s(text: str) -> float | None:
 
 def _sendable(value: str) -> str:
     """Return a header's value if it can be sent back, else nothing."""
-    return value if value.isascii() and value.isprintable() else ""
+    sound = len(value) <= MAX_HEADER_CHARACTERS and value.isascii() and value.isprintable()
+    return value if sound else ""
 
 
 def _lifetime_s(
@@ -120,9 +128,8 @@ def _lifetime_s(
     if "no-cache" in directives:
         return 0.0
     if "max-age" in directives:
-        value = directives["max-age"]
         # What is no number counts as past (RFC 9111, 4.2.1).
-        return float(value) if value.isascii() and value.isdigit() else 0.0
+        return float(whole_number(directives["max-age"]) or 0)
     if "expires" in headers:
         expires_s = http_date_s(headers["expires"])
         sent_s = http_date_s(headers.get("date", ""))
@@ -135,8 +142,7 @@ def _age_s(headers: Mapping[str, str], now_s: float) -> float:
 
     The time the answer took is left out: it counts in seconds, lifetimes of tiles count in hours.
     """
-    stated = headers.get("age", "").strip()
-    stated_s = float(stated) if stated.isascii() and stated.isdigit() else 0.0
+    stated_s = float(whole_number(headers.get("age", "")) or 0)
     sent_s = http_date_s(headers.get("date", ""))
     apparent_s = 0.0 if sent_s is None else max(now_s - sent_s, 0.0)
     return min(max(stated_s, apparent_s), float(LONGEST_LIFETIME_S))

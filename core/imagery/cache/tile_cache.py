@@ -18,6 +18,7 @@ from pathlib import Path
 from typing import Callable
 
 from ...errors import InvalidInput, OutputError
+from ...text import whole_number
 from . import tilefile
 from .tilefile import About, TileFile
 from .tilestore import FILE_ERRORS, TileStore
@@ -294,14 +295,13 @@ def _bytes(path: Path) -> int:
 
 
 def _described(path: Path, rows: Mapping[str, str], tiles: int) -> CacheFile:
-    tile_px = rows.get("tile_px", "")
     return CacheFile(
         path,
         source=rows.get("source", ""),
         title=rows.get("title", ""),
         map_type=rows.get("map_type", ""),
         date=rows.get("date", ""),
-        tile_px=int(tile_px) if tile_px.isdigit() else 0,
+        tile_px=whole_number(rows.get("tile_px", "")) or 0,
         tiles=tiles,
         bytes=sum(_bytes(path.with_name(path.name + ending)) for ending in ("", "-wal", "-shm")),
     )

@@ -12,8 +12,9 @@ from typing import Any
 from urllib.parse import parse_qsl, quote, quote_plus, urlencode, urlsplit, urlunsplit
 
 from ...errors import InvalidInput, PartError, SourceError, TerrAInavError
+from ...text import first_words, one_line
 from ..catalogue.entry import KEY_ENV, WORLD_DEG
-from ..client import Client, first_words
+from ..client import Client
 from ..policy import Policy
 from ..requests_transport import RequestsTransport
 from ..template import check_address
@@ -34,7 +35,6 @@ MAX_DOCUMENT_BYTES = 32 << 20
 _TRIES = 2
 #: Layers and tile matrix sets that an error names.
 NAMED = 8
-_WORDS_CHARACTERS = 300
 _NOTHING = frozenset({"", "none", "no", "null", "no constraints", "no conditions apply", "-"})
 
 
@@ -262,13 +262,6 @@ def policy_of(identification: Any) -> Policy:
 def credit_of(title: str | None, provider: Any) -> str:
     """Attribution: as the layer states it, else the provider's name."""
     return one_line(title) or one_line(getattr(provider, "name", None))
-
-
-def one_line(text: str | None) -> str:
-    """Text of a document in one line of bounded length, markup left out."""
-    plain = re.sub(r"<[^>]*>", " ", text or "")
-    plain = " ".join("".join(one if one.isprintable() else " " for one in plain).split())
-    return plain if len(plain) <= _WORDS_CHARACTERS else plain[: _WORDS_CHARACTERS - 1] + "…"
 
 
 def bounds_of(layers: Iterable[Any]) -> tuple[float, float, float, float]:

@@ -11,6 +11,7 @@ from urllib.parse import urljoin
 
 from ...errors import InvalidInput
 from ...geodesy.mercator import HALF_WORLD_M
+from ...text import one_line
 from ..catalogue.dates import Dates, dates_of_dimension
 from ..catalogue.entry import KEY_ENV, CatalogueEntry
 from ..catalogue.user_sources import DEFAULT_MAX_ZOOM
@@ -24,7 +25,6 @@ from .capabilities import (
     chosen_format,
     chosen_one,
     credit_of,
-    one_line,
     policy_of,
 )
 from .wmts import with_query
@@ -100,7 +100,7 @@ def _service(document: Document) -> tuple[str, Any]:
     """Version the server answered in, and its capabilities."""
     read = importlib.import_module("owslib.wms").WebMapService
     found = re.search(
-        rb"<(?:\w+:)?(?:WMS|WMT_MS)_Capabilities\b[^>]*?\bversion\s*=\s*[\"']([\d.]+)", document.body
+        rb"<(?:\w+:)?(?:WMS|WMT_MS)_Capabilities\b[^<>]*?\bversion\s*=\s*[\"']([\d.]+)", document.body
     )
     version = found.group(1).decode() if found else VERSIONS[0]
     if version not in VERSIONS:

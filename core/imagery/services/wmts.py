@@ -10,6 +10,7 @@ from urllib.parse import quote, urlencode, urljoin
 
 from ...errors import InvalidInput
 from ...geodesy.mercator import HALF_WORLD_M
+from ...text import one_line
 from ..catalogue.dates import Dates, dates_of_dimension
 from ..catalogue.entry import KEY_ENV, CatalogueEntry
 from ..placeholder import Placeholder
@@ -21,7 +22,6 @@ from .capabilities import (
     chosen_format,
     chosen_one,
     credit_of,
-    one_line,
     policy_of,
 )
 

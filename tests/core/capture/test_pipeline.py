@@ -167,9 +167,25 @@ def test_a_picture_that_cannot_be_assembled_fails_alone():
     assert (results[0], str(results[1]), results[2]) == (0, "hole", 2)
 
 
-@pytest.mark.parametrize("error", [SourceError("403: over quota"), RuntimeError("a bug")])
-def test_other_errors_stop_the_run_and_keep_what_is_done(error):
-    seen = []
+@pytest.mark.parametrize("error", [RecursionError("too deep"), ZeroDivisionError(), MemoryError()])
+def test_an_error_of_a_part_that_nobody_foresaw_fails_its_pictures_and_is_logged_once(error, caplog):
+    def fetch(window):
+        if window.left_px in (10, 40):
+            raise error
+        return pixels(window)
+
+    results, _, complete = run([[number] for number in range(60)], fetch=fetch)
+    assert complete
+    failed = {job: str(result) for job, result in results.items() if isinstance(result, PartError)}
+    assert sorted(failed) == [10, 40]
+    assert failed[10].startswith(f"unexpected error ({type(error).__name__}")
+    (record,) = caplog.records
+    assert "Traceback" in record.getMessage()
+    assert "in fetch" in record.getMessage()
+
+
+def test_other_errors_stop_the_run_and_keep_what_is_done():
+    seen, error = [], SourceError("403: over quota")
 
     def fetch(window):
         if window.left_px == 50:
@@ -180,7 +196,7 @@ def test_other_errors_stop_the_run_and_keep_what_is_done(error):
     pipeline = Pipeline(
         users, fetch, lambda job, *_: job, lambda job, result: seen.append(job), connections=1, workers=1
     )
-    with pytest.raises(type(error)) as caught:
+    with pytest.raises(SourceError) as caught:
         pipeline.run(((number, [part(number)]) for number in range(5000)), lambda: True)
     assert caught.value is error
     assert set(range(40)) <= set(seen)

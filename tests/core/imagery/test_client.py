@@ -10,8 +10,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from terrainav.core.errors import Cancelled, PartError, SourceError
-from terrainav.core.imagery.client import LONGEST_WAIT_S, Client, Pace, first_words, retry_after_s
+from terrainav.core.imagery import client as client_module
+from terrainav.core.imagery.client import LONGEST_WAIT_S, Client, OutOfReach, Pace, retry_after_s
 from terrainav.core.imagery.transport import Response, TransportError, user_agent
+from terrainav.core.limits import MAX_LATE_PARTS
+from terrainav.core.text import first_words
 
 
 class Answers:
@@ -23,7 +26,7 @@ class Answers:
         self.most_at_once = self.at_once = 0
         self.lock = threading.Lock()
 
-    def get(self, url, headers=None, cancelled=None):
+    def get(self, url, headers=None, cancelled=None, origin=""):
         with self.lock:
             self.asked.append((time.monotonic(), url))
             self.at_once += 1
@@ -107,6 +110,9 @@ def test_a_hold_outlives_a_shorter_one():
         ),
         ({"retry_after": "soon"}, 0.0),
         ({"retry_after": "-3"}, 0.0),
+        ({"retry_after": "²"}, 0.0),
+        ({"retry_after": "9" * 5000}, 1e18),
+        ({"retry_after": "Mon, 01 Jan 99999999999 00:00:00 GMT"}, 0.0),
     ],
 )
 def test_retry_after_in_seconds_and_as_a_date(headers, seconds):
@@ -146,6 +152,119 @@ def test_away_is_remembered_until_an_answer_comes():
     with pytest.raises(PartError):
         client.get("u", "w")
     assert len(transport.asked) - before == 3
+
+
+LATE = TransportError("no whole answer within 60 s", late=True)
+
+
+def test_a_server_that_keeps_everybody_waiting_is_left_alone():
+    client, transport = client_of(LATE, tries=2)
+    for _ in range(MAX_LATE_PARTS):
+        with pytest.raises(OutOfReach, match=r"^w: no whole answer within 60 s \(tried 2 times\)$"):
+            client.get("u", "w")
+    for _ in range(100):
+        with pytest.raises(OutOfReach, match=r"^w: not asked for, as the last 5 parts had no answer in time"):
+            client.get("u", "w")
+    assert len(transport.asked) == 2 * MAX_LATE_PARTS
+    assert client.out_of_reach()
+
+
+def test_a_server_that_was_left_alone_is_tried_again_later(monkeypatch):
+    client, transport = client_of(*[LATE] * (MAX_LATE_PARTS + 1), answer(), tries=1)
+    for _ in range(MAX_LATE_PARTS + 1):
+        with pytest.raises(OutOfReach):
+            client.get("u", "w")
+    assert len(transport.asked) == MAX_LATE_PARTS
+    monkeypatch.setattr(client, "out_of_reach", lambda: False)
+    with pytest.raises(OutOfReach, match="no whole answer"):
+        client.get("u", "w")
+    assert client.get("u", "w").status == 200
+    monkeypatch.undo()
+    assert client.get("u", "w").status == 200
+
+
+def test_an_answer_now_and_then_keeps_a_slow_server_in_use():
+    client, transport = client_of(*[LATE, LATE, LATE, answer(404)] * 5, answer(), tries=1)
+    for _ in range(20):
+        with pytest.raises(PartError):
+            client.get("u", "w")
+    assert len(transport.asked) == 20
+
+
+def test_a_refused_connection_is_not_waited_for_and_leaves_nothing_out():
+    client, transport = client_of(TransportError("no connection", away=True), tries=1)
+    for _ in range(3 * MAX_LATE_PARTS):
+        with pytest.raises(PartError, match="no connection"):
+            client.get("u", "w")
+    assert len(transport.asked) == 3 * MAX_LATE_PARTS
+
+
+def test_no_further_attempt_begins_once_a_part_has_taken_its_time(monkeypatch):
+    # A request of the transport here takes 5 ms at least.
+    monkeypatch.setattr(client_module, "MAX_PART_S", 0.012)
+    client, transport = client_of(LATE, tries=50)
+    with pytest.raises(OutOfReach, match=r"no whole answer within 60 s \(tried \d times\)|within 60 s$"):
+        client.get("u", "w")
+    assert 1 <= len(transport.asked) <= 3
+
+
+def test_waits_that_a_server_asks_for_count_for_no_limit(monkeypatch):
+    monkeypatch.setattr(client_module, "MAX_PART_S", 0.5)
+    client, transport = client_of(answer(503, retry_after="1"), answer())
+    assert client.get("u", "w").status == 200
+    assert len(transport.asked) == 2
+
+
+def redirect(target, status=302):
+    return answer(status, location=target)
+
+
+@pytest.mark.parametrize("status", [301, 302, 303, 307, 308])
+def test_redirects_are_requests_with_a_turn_each(status):
+    client, transport = client_of(
+        redirect("/b", status), redirect("c", status), answer(), requests_per_s=20.0
+    )
+    allowed = []
+    client.get("http://h/a", "w", allow=allowed.append)
+    assert [url for _, url in transport.asked] == ["http://h/a", "http://h/b", "http://h/c"] == allowed
+    times = [asked for asked, _ in transport.asked]
+    assert min(later - earlier for earlier, later in zip(times, times[1:])) > 0.9 / 20.0
+
+
+def test_where_a_redirect_may_not_lead_it_is_not_followed():
+    client, transport = client_of(redirect("http://other/b"), answer())
+
+    def allow(url):
+        if "other" in url:
+            raise SourceError("not there")
+
+    with pytest.raises(SourceError, match="not there"):
+        client.get("http://h/a", "w", allow=allow)
+    assert len(transport.asked) == 1
+
+
+@pytest.mark.parametrize("wrong", [ZeroDivisionError("of k€y/1"), RecursionError("k€y/1"), MemoryError()])
+def test_what_nobody_foresaw_is_the_failure_of_a_part_and_shows_no_key(caplog, wrong):
+    client, _ = client_of(wrong, secrets=("k€y/1",))
+    for _ in range(2):
+        with pytest.raises(PartError, match=rf"^w: unexpected error \({type(wrong).__name__}") as raised:
+            client.get("http://h/?key=k%e2%82%acy%2F1", "w")
+        assert raised.value.__cause__ is raised.value.__context__ is None
+        assert "y/1" not in str(raised.value)
+    (record,) = caplog.records
+    assert "Traceback" in record.getMessage()
+    assert "y/1" not in record.getMessage()
+
+
+def test_what_nobody_foresaw_in_reading_a_picture_is_the_failure_of_a_part(caplog):
+    def read(response):
+        raise AssertionError(f"of {response.body!r}")
+
+    client, _ = client_of(answer(body=b"secret"), secrets=("secret",))
+    with pytest.raises(PartError, match=r"^w: unexpected error \(AssertionError: of b'\*\*\*'\)$"):
+        client.picture("u", "w", read)
+    assert "Traceback" in caplog.text
+    assert "secret" not in caplog.text
 
 
 def test_what_another_attempt_cannot_mend_is_not_tried_again():

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import time
 import warnings
 
 import numpy as np
@@ -11,6 +12,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from PIL import Image, ImageFile
 from terrainav.core.errors import PartError
+from terrainav.core.imagery import decode as decode_module
+from terrainav.core.imagery.client import BrokenPictureError
 from terrainav.core.imagery.decode import decode
 from terrainav.core.imagery.placeholder import Placeholder
 
@@ -196,3 +199,97 @@ def test_jpeg_with_fill_bytes_before_its_end():
     assert np.array_equal(
         decode(body[:-2] + b"\xff\xff\xff\xd9", *PICTURE.shape[1::-1]), decode(body, *PICTURE.shape[1::-1])
     )
+
+
+# A head as libjpeg writes it; what follows is what the entropy-coded data would be.
+HEAD = to_bytes(SMOOTH, "jpg").partition(b"\xff\xda")[0]
+SCAN = b"\xff\xda\x00\x02"
+SLOW_S = 5.0
+
+
+@pytest.mark.parametrize(
+    "body",
+    [
+        HEAD + SCAN + b"\xff" * 300_000,
+        HEAD + SCAN + b"\xff\xd0" * 500_000,
+        HEAD + SCAN + b"\xff\x00" * 500_000 + b"\xff" * 100_000,
+        HEAD + b"\xff" * 1_000_000,
+        HEAD + b"\xff\xfe\x00\x02" * 250_000,
+        HEAD + SCAN * 200_000,
+        b"GIF89a" + bytes([64, 0, 48, 0, 0, 0, 0]) + b"\x21\xfe" + (b"\xff" + b"c" * 255) * 4000,
+        b"\x89PNG\r\n\x1a\n" + b"\x00\x00\x00\x00tEXt\x00\x00\x00\x00" * 80_000,
+        b"RIFF\xff\xff\xff\xffWEBPVP8X" + b"\xff" * 1_000_000,
+        b"<" * 1_000_000,
+    ],
+    ids="fill restarts zeros head-fill comments scans gif png webp text".split(),
+)
+def test_a_megabyte_of_anything_is_soon_refused(body):
+    began = time.monotonic()
+    with pytest.raises(PartError):
+        decode(body, 64, 48)
+    assert time.monotonic() - began < SLOW_S
+
+
+@given(st.binary(max_size=200).map(lambda body: body.replace(b"\x01", b"\xff").replace(b"\x02", b"\xd3")))
+def test_markers_are_found_as_by_the_letter_of_the_standard(body):
+    # ITU-T T.81, B.1.1.2: any number of 0xFF may stand before a marker, and B.1.1.5: 0xFF 0x00 and RSTn are data.
+    expected, at = None, 0
+    while at < len(body):
+        if body[at] == 0xFF:
+            follows = next((i for i in range(at, len(body)) if body[i] != 0xFF), len(body))
+            if follows < len(body) and body[follows] != 0 and not 0xD0 <= body[follows] <= 0xD7:
+                expected = body[follows]
+                break
+            at = follows
+        at += 1
+    found = decode_module._JPEG_MARKER.search(body)
+    assert (found[0][-1] if found else None) == expected
+
+
+def test_a_picture_of_more_scans_or_bytes_than_any_is_refused():
+    whole = to_bytes(SMOOTH, "jpg", progressive=True)
+    first = whole.index(b"\xff\xda")
+    second = whole.index(b"\xff\xc4", first)
+    scan = whole[first:second]
+    assert decode(whole[:second] + scan * 3 + whole[second:], 64, 48).shape == (48, 64, 3)
+    with pytest.raises(PartError, match="JPEG of more than 100 scans"):
+        decode(whole[:second] + scan * 100 + whole[second:], 64, 48)
+    with pytest.raises(PartError, match=r"^4,218,881 bytes, more than the 4,218,880 of 64x48 px at most$"):
+        decode(whole.ljust(4_218_881, b"\0"), 64, 48)
+
+
+@pytest.mark.parametrize(
+    "error", [AttributeError("no png"), ZeroDivisionError(), AssertionError(), MemoryError()]
+)
+def test_whatever_a_reader_of_pillow_raises_is_a_broken_picture(monkeypatch, error):
+    def load(_image):
+        raise error
+
+    monkeypatch.setattr(ImageFile.ImageFile, "load", load)
+    with pytest.raises(BrokenPictureError, match=r"^broken picture \((no png|\w+Error)\)$"):
+        decode(to_bytes(PICTURE, "png"), 64, 48)
+
+
+@pytest.mark.parametrize(
+    ("version", "bundled", "refused"),
+    [
+        ("1.2.4", True, True),
+        ("1.3.1", True, True),
+        ("1.3.2", True, False),
+        ("1.10.0", True, False),
+        # A distribution keeps the version of what it has mended.
+        ("1.2.4", False, False),
+    ],
+)
+def test_webp_is_read_by_a_libwebp_without_the_known_hole(monkeypatch, version, bundled, refused):
+    monkeypatch.setattr(decode_module.features, "version", lambda _name: version)
+    monkeypatch.setattr(decode_module, "_brings_libraries", lambda: bundled)
+    decode_module.webp_problem.cache_clear()
+    try:
+        if refused:
+            with pytest.raises(PartError, match=rf"libwebp {version} .* install Pillow 10\.0\.1 or later"):
+                decode(to_bytes(PICTURE, "webp"), 64, 48)
+        else:
+            assert np.array_equal(decode(to_bytes(PICTURE, "webp"), 64, 48), PICTURE)
+    finally:
+        decode_module.webp_problem.cache_clear()

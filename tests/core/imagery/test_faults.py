@@ -3,15 +3,20 @@
 from __future__ import annotations
 
 import contextlib
+import gzip
 import hashlib
+import html
+import re
 import threading
 import time
 import traceback
+import zlib
 
 import numpy as np
 import pytest
 from terrainav.core.errors import Cancelled, PartError, SourceError, TerrAInavError
 from terrainav.core.geodesy.mercator import PixelGrid
+from terrainav.core.imagery.cache.tile_cache import TileCache
 from terrainav.core.imagery.client import Client
 from terrainav.core.imagery.placeholder import Placeholder
 from terrainav.core.imagery.requests_transport import RequestsTransport
@@ -35,10 +40,12 @@ CANCEL_S, BUSY_S = 0.5, 5.0
 # Another attempt may bring these right, so they must not cost a picture.
 PASSING = [
     "408", "425", "429-seconds", "429-date", "500", "502", "503", "504",
-    "stall", "stall-mid-body", "reset", "short-body",
+    "stall", "stall-mid-body", "reset", "short-body", "odd-retry-after",
 ]  # fmt: skip
 # Another copy may be right: these are asked for once more, however often an answer that does not come is tried for.
-SPOILT = dict.fromkeys(("truncated-jpeg", "corrupt-jpeg", "corrupt"), "broken picture (")
+SPOILT = dict.fromkeys(
+    ("truncated-jpeg", "corrupt-jpeg", "corrupt", "gif-bomb", "png-without-pixels"), "broken picture ("
+)
 # Nothing brings these right: the part fails at once, and says why.
 BROKEN = {
     "204": "204 No Content",
@@ -52,6 +59,11 @@ BROKEN = {
     "redirect-to-file": "redirect to something else than http or https",
     "200MB": "body beyond 33554432 bytes",
     "bomb": "a picture of 40000x40000 px instead of 256x256",
+    "packed-bomb": "body beyond 33554432 bytes",
+    "brotli": "a body packed as br, which was not asked for",
+    "redirect-to-nowhere": "redirect to something that is no URL",
+    "many-headers": "an answer of more than 100 header lines",
+    "deep-json": f"400 Bad Request: {'[' * 199}…",
 }
 # These hold for every tile: the run stops, with the provider's own words.
 REFUSED = {
@@ -68,7 +80,7 @@ def sources_over(transport):
     """Give what makes sources over a transport, and close them."""
     opened = []
 
-    def make(server, tries=2, timeouts=TIMEOUTS, template=None, key=None, **options):
+    def make(server, tries=2, timeouts=TIMEOUTS, template=None, key=None, cache=None, **options):
         client = Client(
             transport(4, timeouts),
             "The provider",
@@ -79,7 +91,9 @@ def sources_over(transport):
             **options,
         )
         opened.append(
-            XYZSource(template or server.url_template, placeholder=PLACEHOLDER, client=client, key=key)
+            XYZSource(
+                template or server.url_template, placeholder=PLACEHOLDER, client=client, key=key, cache=cache
+            )
         )
         return opened[-1]
 
@@ -190,6 +204,61 @@ def test_a_body_that_trickles_is_given_up(server, source_of):
     with pytest.raises(PartError, match=r"no whole answer within 0\.5 s"):
         source.fetch("satellite", TILE)
     assert time.monotonic() - began < 0.5 + BUSY_S
+
+
+@pytest.mark.parametrize(
+    "pack",
+    [gzip.compress, zlib.compress, lambda body: zlib.compress(body)[2:-4]],
+    ids=["gzip", "zlib", "deflate without its header"],
+)
+def test_a_body_packed_unasked_is_unpacked(server, source_of, monkeypatch, pack):
+    coding = "gzip" if pack is gzip.compress else "deflate"
+
+    def packed(handler, body):
+        handler.answer(200, pack(body), "image/png", {"Content-Encoding": coding})
+
+    monkeypatch.setitem(FAULTS, "brotli", packed)
+    server.fail("brotli")
+    assert np.array_equal(source_of(server).fetch("satellite", TILE), RIGHT)
+
+
+@pytest.mark.parametrize("broken", [b"not packed", gzip.compress(bytes(9000))[:-9], gzip.compress(b"x") * 2])
+def test_a_packed_body_that_is_not_whole_is_no_picture(server, source_of, monkeypatch, broken):
+    def packed(handler, _body):
+        handler.answer(200, broken, "image/png", {"Content-Encoding": "gzip"})
+
+    monkeypatch.setitem(FAULTS, "brotli", packed)
+    server.fail("brotli")
+    with pytest.raises(PartError, match="a packed body that is broken"):
+        source_of(server).fetch("satellite", TILE)
+
+
+@pytest.mark.parametrize(
+    "headers", [{"Cache-Control": "max-age=²"}, {"Content-Length": "²"}, {"Age": "²"}, {"Expires": "9" * 999}]
+)
+def test_numbers_of_no_digits_cost_no_picture(server, tmp_path, headers, monkeypatch, source_of):
+    def odd(handler, body):
+        handler.send_response(200)
+        for name, value in {"Content-Length": str(len(body)), **headers}.items():
+            handler.send_header(name, value)
+        handler.end_headers()
+        handler.wfile.write(body)
+        handler.close_connection = True
+
+    monkeypatch.setitem(FAULTS, "brotli", odd)
+    server.fail("brotli")
+    source = source_of(server, cache=TileCache(tmp_path))
+    assert np.array_equal(source.fetch("satellite", TILE), RIGHT)
+
+
+def test_each_redirect_waits_for_its_turn(server, source_of):
+    server.fail("redirects")
+    began = time.monotonic()
+    with pytest.raises(PartError, match="more than 5 redirects"):
+        source_of(server, requests_per_s=10.0).fetch("satellite", TILE)
+    # Six requests, five tenths of a second apart from each other.
+    assert time.monotonic() - began >= 0.5
+    assert sum(server.requests.values()) == 6
 
 
 def test_one_fault_costs_no_other_tile(server, source_of):
@@ -320,9 +389,29 @@ def test_no_error_holds_the_key(server, source_of, kind, caplog):
         assert any(quote(KEY, safe="") in path for path in server.requests)
 
 
-def test_the_provider_s_own_words_do_not_tell_the_key(server, source_of, monkeypatch):
+def spelled(text):
+    """A key in the spellings that servers echo one in."""
+    from urllib.parse import quote, quote_plus
+
+    return {
+        "as it is": text,
+        "encoded": quote(text, safe=""),
+        "lower case": re.sub("%..", lambda found: found[0].lower(), quote(text, safe="")),
+        "twice encoded": quote(quote(text, safe=""), safe=""),
+        "three times, and lower case": quote(quote(quote(text, safe=""), safe=""), safe="").lower(),
+        "a form's": quote_plus(text),
+        "upper case": text.upper(),
+        "html": html.escape(text),
+        "html by numbers": "".join(f"&#x{ord(one):X};" for one in text),
+        "json": text.replace("/", "\\/"),
+        "json by numbers": "".join(f"\\u{ord(one):04x}" for one in text),
+    }
+
+
+@pytest.mark.parametrize(("how", "written"), spelled(KEY).items(), ids=spelled(KEY))
+def test_the_provider_s_own_words_do_not_tell_the_key(server, source_of, monkeypatch, how, written):
     def quote_key(handler, _body):
-        handler.answer(403, f"API key {KEY} is invalid".encode(), "text/plain")
+        handler.answer(403, f"API key {written} is invalid".encode(), "text/plain")
 
     monkeypatch.setitem(FAULTS, "403", quote_key)
     server.fail("403")

@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
+import contextlib
 import gc
 import logging
+import re
 import shutil
+import socket
 import ssl
 import subprocess
 import threading
 import time
+import tracemalloc
 
 import numpy as np
 import pytest
 from terrainav.core.errors import Cancelled, PartError
+from terrainav.core.imagery import requests_transport
 from terrainav.core.imagery.client import Client
 from terrainav.core.imagery.requests_transport import RequestsTransport
 from terrainav.core.imagery.source import Window
@@ -172,3 +177,70 @@ def test_a_request_that_outlives_its_transport_logs_nothing_either(caplog):
         logger.debug("GET /5/1/2.png?token=ours")
     assert "ours" not in caplog.text
     assert len(logger.filters) == filters
+
+
+@pytest.fixture
+def talking():
+    """Give what makes a server that sends the same bytes to everybody, without end if the last of them may repeat."""
+    opened = []
+
+    def make(first, repeated=b""):
+        listening = socket.create_server(("127.0.0.1", 0))
+        opened.append(listening)
+
+        def talk():
+            with contextlib.suppress(OSError):
+                while True:
+                    client, _ = listening.accept()
+                    with client, contextlib.suppress(OSError):
+                        client.recv(1 << 16)
+                        client.sendall(first)
+                        while repeated:
+                            client.sendall(repeated)
+
+        threading.Thread(target=talk, daemon=True).start()
+        return f"http://127.0.0.1:{listening.getsockname()[1]}/"
+
+    yield make
+    for listening in opened:
+        listening.shutdown(socket.SHUT_RDWR)
+        listening.close()
+
+
+OK = b"HTTP/1.1 200 OK\r\n"
+CHUNKED = OK + b"Transfer-Encoding: chunked\r\n\r\n"
+FILLING = bytes(1 << 16).replace(b"\0", b"a")
+
+
+@pytest.mark.parametrize(
+    ("first", "repeated"),
+    [
+        (OK + b"\r\n", FILLING),
+        (OK + b"Content-Length: 99999999999999999999\r\n\r\n", FILLING),
+        (CHUNKED + b"1;", FILLING),
+        (CHUNKED + b"-1\r\n", FILLING),
+        (CHUNKED + b"7fffffffffffffff\r\n", FILLING),
+        (CHUNKED, b"4\r\naaaa\r\n" * 1000),
+        (CHUNKED + b"0\r\n", b"Trailer: 1\r\n" * 1000),
+        (OK + b"X: ", FILLING),
+        (OK, b"X: 1\r\n" * 1000),
+        (b"", b"HTTP/1.1 100 Continue\r\n\r\n" * 1000),
+        (b"", FILLING),
+    ],
+    ids="body length chunk-line negative-chunk chunk chunks trailers header headers continue status".split(),
+)
+def test_an_answer_without_end_ends_in_words_and_takes_no_memory(talking, monkeypatch, first, repeated):
+    limit = 1 << 20
+    monkeypatch.setattr(requests_transport, "MAX_FRAMING_BYTES", limit)
+    transport = RequestsTransport(1, Timeouts(5.0, 5.0, 30.0), max_body_bytes=limit)
+    tracemalloc.start()
+    try:
+        with pytest.raises(TransportError) as raised:
+            transport.get(talking(first, repeated))
+        _, peak_bytes = tracemalloc.get_traced_memory()
+    finally:
+        tracemalloc.stop()
+        transport.close()
+    assert re.search("body beyond|broke off|header lines", str(raised.value))
+    # What is read of one answer at most, while it is being put together.
+    assert peak_bytes < 6 * limit

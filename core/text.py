@@ -1,0 +1,230 @@
+"""Text that others wrote (servers, files, environments): read, made one plain line, and without the user's keys.
+
+Whatever the text is, all of this takes time in proportion to its length at most.
+"""
+
+from __future__ import annotations
+
+import html
+import json
+import re
+from collections.abc import Iterable
+from typing import Callable
+from urllib.parse import quote, quote_plus
+
+from .limits import MAX_LINE_CHARACTERS, MAX_TEXT_CHARACTERS
+
+#: Ends what was cut short.
+CUT = "…"
+#: Stands where a key stood.
+MASK = "***"
+#: Largest number read: more than anything that is counted.
+_LARGEST_DIGITS = 18
+_WORDS_CHARACTERS = 200
+#: Characters beyond those looked at in which a key that begins before them ends.
+_KEY_CHARACTERS = 4096
+_TAG = re.compile(r"<(?:(!--)|/?([a-zA-Z][a-zA-Z0-9]*)|[!?/])")
+#: Tags within a line of text; others stand between lines.
+_INLINE = frozenset("a abbr b big cite code em font i img mark small span strong sub sup tt u".split())
+#: What is no text to read up to its end tag, and how that begins.
+_HIDDEN = {name: re.compile(f"</{name}", re.IGNORECASE) for name in ("script", "style")}
+_TITLE = re.compile(r"<title\b", re.IGNORECASE)
+_TITLE_END = re.compile("</title", re.IGNORECASE)
+#: A character as URLs (encoded up to nine times over), HTML and JSON spell it.
+_SPELLED = re.compile(
+    rb"%(?:25){0,8}([0-9a-f]{2})|(&(?:#[0-9]{1,7}|#x[0-9a-f]{1,6}|[a-z]{2,8});)|\\u([0-9a-f]{4})|\\(?=[/\"\\])",
+    re.IGNORECASE,
+)
+#: Beginning of such a spelling, cut short.
+_PARTLY_SPELLED = re.compile(rb"(?:%[0-9a-f]{0,18}|&#?[0-9a-z]{0,8}|\\u?[0-9a-f]{0,3})\Z", re.IGNORECASE)
+_PARTLY_SPELLED_BYTES = 20
+
+
+def whole_number(text: str) -> int | None:
+    """Whole number that a text of decimal digits states, 10^18 at most; None of any other text."""
+    digits = text.strip()
+    if not (digits.isascii() and digits.isdigit()):
+        return None
+    return int(digits) if len(digits) <= _LARGEST_DIGITS else 10**_LARGEST_DIGITS
+
+
+def one_line(text: str | None, most: int = MAX_LINE_CHARACTERS) -> str:
+    """Text in one line of ``most`` printable characters at most, without markup."""
+    plain = _unescaped(without_markup((text or "")[:MAX_TEXT_CHARACTERS]))
+    return shortened(" ".join(printable(plain).split()), most)
+
+
+def printable(text: str) -> str:
+    """Text with spaces for characters that steer terminals or the direction of writing, and other invisible ones."""
+    return "".join(one if one.isprintable() else " " for one in text)
+
+
+def shortened(text: str, most: int) -> str:
+    """Text of ``most`` characters at most; the last of one that is longer says so."""
+    return text if len(text) <= most else text[: most - 1] + CUT
+
+
+def without_markup(text: str, between: str = " ") -> str:
+    """Text of HTML or XML without its tags, comments, scripts and styles.
+
+    Parameters
+    ----------
+    text : str
+    between : str
+        What stands for tags that end a line.
+    """
+    pieces, at = [], 0
+    while (begin := text.find("<", at)) >= 0:
+        pieces.append(text[at:begin])
+        tag = _TAG.match(text, begin)
+        if tag is None:
+            pieces.append("<")
+            at = begin + 1
+            continue
+        end = text.find("-->" if tag[1] else ">", begin)
+        if end < 0:
+            # A comment without its end hides the rest, as browsers have it; any other such bracket is text.
+            return "".join(pieces) if tag[1] else "".join([*pieces, text[begin:]])
+        name = (tag[2] or "").lower()
+        pieces.append("" if name in _INLINE else between)
+        at = end + (len("-->") if tag[1] else 1)
+        if name in _HIDDEN and text[begin + 1] != "/":
+            ending = _HIDDEN[name].search(text, at)
+            if ending is None:
+                return "".join(pieces)
+            at = ending.start()
+    return "".join([*pieces, text[at:]])
+
+
+def first_words(body: bytes, content_type: str, hide: Callable[[str], str] = str) -> str:
+    """First line of a text, HTML or JSON body, at most 200 characters; empty for anything else.
+
+    Parameters
+    ----------
+    body : bytes
+    content_type : str
+    hide : callable
+        Masks what must not be shown, before anything is cut.
+    """
+    told = body[: MAX_TEXT_CHARACTERS + _KEY_CHARACTERS].decode("utf-8", "replace")
+    text = hide(told)[:MAX_TEXT_CHARACTERS].lstrip("\ufeff").strip()
+    if text.count("\ufffd") > len(text) // 20 or "\0" in text:
+        return ""
+    if "json" in content_type or text[:1] in ("{", "["):
+        text = _json_message(text)
+    elif "html" in content_type or "xml" in content_type or text[:1] == "<":
+        text = _unescaped(_title(text) or without_markup(text, "\n"))
+    line = next((line.strip() for line in text.splitlines() if line.strip()), "")
+    return shortened(hide(printable(line)), _WORDS_CHARACTERS)
+
+
+def _title(text: str) -> str:
+    """Title of an HTML document; empty without one."""
+    begin = _TITLE.search(text)
+    inside = text.find(">", begin.end()) if begin else -1
+    end = _TITLE_END.search(text, inside) if inside >= 0 else None
+    return text[inside + 1 : end.start()].strip() if end else ""
+
+
+def _unescaped(text: str) -> str:
+    try:
+        return html.unescape(text)
+    except ValueError:
+        # A number of more digits than Python reads.
+        return text
+
+
+def _json_message(text: str) -> str:
+    try:
+        found = json.loads(text)
+    except (ValueError, RecursionError):
+        return text
+    while isinstance(found, (dict, list)):
+        if isinstance(found, list):
+            found = found[0] if found else ""
+            continue
+        names = ("message", "error_message", "error", "errors", "detail", "title", "reason")
+        found = next((found[name] for name in names if name in found), "")
+    return str(found)
+
+
+class Secrets:
+    """Keys that no text may show, however they are spelled: in URLs (encoded several times, too), HTML or JSON.
+
+    Parameters
+    ----------
+    values : iterable of str
+    """
+
+    def __init__(self, values: Iterable[str]) -> None:
+        forms = set()
+        for value in filter(None, values):
+            written = (value, quote(value), quote(value, safe=""), quote_plus(value), html.escape(value))
+            forms |= {_alike(value.encode("utf-8", "replace"))}
+            forms |= {_read(one)[0] for one in (*written, json.dumps(value)[1:-1])}
+        self._forms = sorted(forms - {b""}, key=len, reverse=True)
+
+    def __repr__(self) -> str:
+        return f"Secrets of {len(self._forms)} forms"
+
+    def __bool__(self) -> bool:
+        return bool(self._forms)
+
+    def masked(self, text: str) -> str:
+        """Text with asterisks for the keys, and for the beginning of one where it was cut short."""
+        if not self._forms:
+            return text
+        plain, starts = _read(text)
+        found = [place for form in self._forms for place in _places(plain, form)]
+        if not found:
+            return text
+        written, pieces, at = text.encode("utf-8", "replace"), [], 0
+        for begin, end in sorted(found):
+            if starts[end] > at:
+                # Of keys that overlap, one mask.
+                pieces += [written[at : starts[begin]], MASK.encode()] if starts[begin] >= at else []
+                at = starts[end]
+        return b"".join([*pieces, written[at:]]).decode("utf-8", "replace")
+
+
+def _alike(plain: bytes) -> bytes:
+    """Bytes without what spellings of a key may differ in: upper case, and + for a space."""
+    return plain.lower().replace(b"+", b" ")
+
+
+def _read(text: str) -> tuple[bytes, list[int] | range]:
+    """Text as UTF-8 with its spellings read, `_alike`, and where each of these bytes begins in its own UTF-8."""
+    written = text.encode("utf-8", "replace")
+    if not _SPELLED.search(written):
+        return _alike(written), range(len(written) + 1)
+    plain, starts, at = bytearray(), [], 0
+    for found in _SPELLED.finditer(written):
+        percent, entity, code = found.groups()
+        if percent:
+            read = bytes([int(percent, 16)])
+        elif entity:
+            read = html.unescape(entity.decode("ascii")).encode("utf-8", "replace")
+        else:
+            read = chr(int(code, 16)).encode("utf-8", "replace") if code else b""
+        plain += written[at : found.start()] + read
+        starts += [*range(at, found.start()), *(found.start(),) * len(read)]
+        at = found.end()
+    plain += written[at:]
+    return _alike(bytes(plain)), [*starts, *range(at, len(written) + 1)]
+
+
+def _places(plain: bytes, form: bytes) -> list[tuple[int, int]]:
+    """Where a key begins and ends, and what of one stands before the mark of what was cut short."""
+    found, at = [], plain.find(form)
+    while at >= 0:
+        found.append((at, at + len(form)))
+        at = plain.find(form, at + len(form))
+    # Only one can be the end of what was cut short.
+    cut = plain.rfind(CUT.encode())
+    partly = _PARTLY_SPELLED.search(plain, max(cut - _PARTLY_SPELLED_BYTES, 0), cut) if cut >= 0 else None
+    for end in {cut, partly.start() if partly else cut} - {-1}:
+        before = plain[max(end - len(form), 0) : end]
+        length = next((n for n in range(len(before), 0, -1) if before.endswith(form[:n])), 0)
+        if length:
+            found.append((end - length, cut))
+    return found

@@ -1,0 +1,44 @@
+"""Errors that nobody foresaw: what a server or a file sends must not end a run by one."""
+
+from __future__ import annotations
+
+import logging
+import threading
+import traceback
+from typing import Callable
+
+from .errors import PartError
+from .text import one_line
+
+_log = logging.getLogger(__name__)
+
+
+class UnexpectedErrors:
+    """Makes them failures of the parts they happened to; safe to use from several threads.
+
+    The first of each kind is logged with its trace: a server must not be able to fill a log.
+    """
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self._logged: set[tuple[type, str, int]] = set()
+
+    def failure(self, wrong: Exception, hide: Callable[[str], str] = str) -> PartError:
+        """Return the failure of a part.
+
+        Parameters
+        ----------
+        wrong : Exception
+        hide : callable
+            Masks what no text may show.
+        """
+        at = traceback.extract_tb(wrong.__traceback__)[-1:]
+        kind = (type(wrong), at[0].filename if at else "", (at[0].lineno or 0) if at else 0)
+        with self._lock:
+            is_new = kind not in self._logged
+            self._logged.add(kind)
+        if is_new:
+            trace = "".join(traceback.format_exception(type(wrong), wrong, wrong.__traceback__))
+            _log.error("unexpected error, further ones of its kind are not logged:\n%s", hide(trace))
+        words = one_line(": ".join(filter(None, (type(wrong).__name__, hide(str(wrong))))))
+        return PartError(f"unexpected error ({words})")

@@ -1,0 +1,156 @@
+"""Text of others becomes one plain line, in time that grows with its length, and shows no key."""
+
+from __future__ import annotations
+
+import html
+import json
+import time
+from urllib.parse import quote, quote_plus
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from terrainav.core.limits import MAX_LINE_CHARACTERS
+from terrainav.core.text import CUT, MASK, Secrets, first_words, one_line, whole_number, without_markup
+
+MEGABYTE = 1 << 20
+# What made patterns try each beginning anew took hours for a megabyte; all of this takes hundredths of a second.
+ATTACKS = {
+    name: (piece * (MEGABYTE // len(piece) + 1))[:MEGABYTE]
+    for name, piece in {
+        "brackets": "<",
+        "tags": "<a",
+        "comments": "<!--",
+        "titles": "<title",
+        "whole titles": "<title>",
+        "scripts": "<script>",
+        "versions": "<WMS_Capabilities version ",
+        "entities": "&a",
+        "percent signs": "%25",
+        "backslashes": "\\u",
+        "marks of a cut": CUT,
+        "spaces": " ",
+        "lists": "[",
+        "digits": "9",
+    }.items()
+}
+ATTACKS["a number"] = "&#" + "9" * MEGABYTE
+SLOW_S = 5.0
+
+
+@pytest.mark.parametrize("attack", ATTACKS.values(), ids=ATTACKS)
+def test_a_megabyte_takes_no_time(attack):
+    began = time.monotonic()
+    assert len(one_line(attack)) <= MAX_LINE_CHARACTERS
+    without_markup(attack)
+    for kind in ("text/html", "application/json"):
+        assert len(first_words(attack.encode(), kind, Secrets(["a/b c+d<e>"]).masked)) <= 200
+    Secrets(["a/b c+d<e>"]).masked(attack)
+    whole_number(attack)
+    assert time.monotonic() - began < SLOW_S
+
+
+@pytest.mark.parametrize(
+    ("text", "line"),
+    [
+        (None, ""),
+        ("  two\n lines\t", "two lines"),
+        (
+            "\N{COPYRIGHT SIGN} <a href='x>y'>OpenStreetMap</a>,<br/>others",
+            "\N{COPYRIGHT SIGN} y'>OpenStreetMap, others",
+        ),
+        ("&copy; A &amp; B", "\N{COPYRIGHT SIGN} A & B"),
+        ("1 < 2 and 3 > 2", "1 < 2 and 3 > 2"),
+        ("a<!-- <b> -->b<script>steal()</script >c", "a b c"),
+        ("<script>steal()", ""),
+        ("red \x1b[31m, \u202eright to left, bell\x07", "red [31m, right to left, bell"),
+        ("x" * 400, "x" * (MAX_LINE_CHARACTERS - 1) + CUT),
+    ],
+)
+def test_one_line(text, line):
+    assert one_line(text) == line
+
+
+@given(st.text(max_size=400))
+def test_one_line_is_one_and_can_be_printed(text):
+    line = one_line(text)
+    assert line.isprintable()
+    assert len(line) <= MAX_LINE_CHARACTERS
+    assert line == " ".join(line.split())
+
+
+@given(st.text(alphabet="<>!-/ abscript", max_size=60))
+def test_nothing_of_a_tag_is_left(text):
+    plain = without_markup(f"{text}<b>bold</b>", "")
+    assert "<b>" not in plain.rpartition("bold")[0][-3:]
+
+
+@pytest.mark.parametrize(
+    ("text", "number"),
+    [
+        ("7", 7),
+        (" 120 ", 120),
+        ("007", 7),
+        ("9" * 4400, 10**18),
+        ("", None),
+        ("-1", None),
+        ("+1", None),
+        ("1_0", None),
+        ("1.5", None),
+        ("\N{SUPERSCRIPT TWO}", None),
+        ("\N{ARABIC-INDIC DIGIT TWO}", None),
+    ],
+)
+def test_whole_numbers_are_of_plain_digits(text, number):
+    assert whole_number(text) == number
+
+
+def test_a_body_of_brackets_is_no_stack_of_calls():
+    assert first_words(b"[" * 8000, "application/json") == "[" * 199 + CUT
+
+
+SPELLINGS = {
+    "as it is": str,
+    "percent": quote,
+    "all percent": lambda text: quote(text, safe=""),
+    "plus": quote_plus,
+    "twice": lambda text: quote(quote(text, safe=""), safe=""),
+    "html": html.escape,
+    "json": lambda text: json.dumps(text)[1:-1],
+    "every byte": lambda text: "".join(f"%{byte:02x}" for byte in text.encode()),
+    "every character": lambda text: "".join(f"&#{ord(one)};" for one in text),
+}
+# HTML has other characters for the numbers of control characters.
+KEYS = st.text(st.characters(exclude_categories=("C", "Z")), min_size=6, max_size=40)
+
+
+@pytest.mark.parametrize("spell", SPELLINGS.values(), ids=SPELLINGS)
+@given(key=KEYS)
+def test_a_key_is_masked_however_it_is_spelled(spell, key):
+    masked = Secrets([key]).masked(f"before\0{spell(key)}\0after")
+    # A backslash that stands for another may stay.
+    assert masked.replace("\\", "") == f"before\0{MASK}\0after"
+
+
+@given(key=st.from_regex(r"[A-Za-z0-9/+=_&-]{8,40}", fullmatch=True), share=st.floats(0.1, 1.0))
+@pytest.mark.parametrize("spell", SPELLINGS.values(), ids=SPELLINGS)
+def test_the_beginning_of_a_key_that_was_cut_short_is_masked(spell, key, share):
+    written = spell(key)
+    # The beginning of its first character says nothing.
+    part = written[: max(len(spell(key[:1])), int(len(written) * share))]
+    for tried in ("", " (tried 2 times)"):
+        assert Secrets([key]).masked(f"\0{part}{CUT}{tried}") == f"\0{MASK}{CUT}{tried}"
+
+
+@given(st.text(max_size=80))
+def test_text_without_a_key_stays_as_it_is(text):
+    assert Secrets(["a key that is not in it"]).masked(text) == text or CUT in text
+    assert Secrets([]).masked(text) == text
+
+
+def test_a_key_across_the_end_of_what_is_looked_at_does_not_show():
+    key = "AIzaSyExample-0123456789"
+    for before in range(16384 - len(key), 16384):
+        assert "AIza" not in first_words(
+            b" " * before + key.encode() + b" and more", "", Secrets([key]).masked
+        )
