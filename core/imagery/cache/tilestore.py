@@ -103,7 +103,10 @@ class TileStore:
             return self._received(tile, *ask({}, new))
         stored = pixels
         stale_allowed = kept.freshness.stale_allowed
-        if kept.freshness.is_fresh(self._clock()) or (stale_allowed and out_of_reach()):
+        now_s = self._clock()
+        # One that is stored in the future was stored by a clock that was wrong, and so is the time it expires.
+        fresh = kept.freshness.is_fresh(now_s) and kept.fetched_s <= now_s
+        if fresh or (stale_allowed and out_of_reach()):
             self._note_use(tile, kept)
             return stored
         try:

@@ -111,6 +111,18 @@ def test_what_has_expired_is_confirmed(cache, clock, validators, length_in_304):
         assert server.statuses == {200: 1, 304: 1}
 
 
+def test_what_a_clock_that_was_wrong_has_stored_is_confirmed(cache, clock):
+    now_s = clock.now_s
+    with CachingTileServer(headers={"Cache-Control": "max-age=31536000"}, etag=True, clock=clock) as server:
+        clock.now_s = now_s + 74 * 365 * 86400
+        fetch(server, cache)
+        clock.now_s = now_s
+        fetch(server, cache)
+        assert server.statuses == {200: 1, 304: 1}
+        fetch(server, cache)
+        assert server.statuses == {200: 1, 304: 1}
+
+
 def test_what_has_changed_comes_anew(cache, clock):
     with CachingTileServer(headers=HOUR, etag=True, clock=clock) as server:
         fetch(server, cache)
