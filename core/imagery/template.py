@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import itertools
 import re
 from collections.abc import Iterable
 from dataclasses import dataclass
-from urllib.parse import parse_qsl, quote, urlsplit
+from urllib.parse import parse_qsl, quote, unquote, urlsplit
 
 from ..errors import InvalidInput
 from ..geodesy.mercator import HALF_WORLD_M
@@ -24,9 +25,14 @@ PLACEHOLDERS = {
     "key": "API key",
     "bbox-epsg-3857": "west,south,east,north of the tile in metres, for a WMS",
 }
+#: What {map_type} may stand for.
+MAP_TYPES = ("satellite", "roadmap", "terrain")
 #: The placeholder that says all of where a tile is, as Mapbox and MapLibre spell it.
 BBOX = "bbox-epsg-3857"
 _BRACES = re.compile(r"\{([^{}]*)\}")
+#: Names and numbers of hosts, once they are written plainly.
+_HOST = re.compile(r"[a-z0-9._-]+|[0-9a-f:.]+")
+_LONGEST_HOST = 253
 #: Subdomains written into the host: {a-c} and {1-4} as in OpenLayers, [1-4], {switch:a,b,c} as in JOSM.
 _RANGE = re.compile(r"\{(\w)-(\w)\}|\[(\w)-(\w)\]|\{switch:([\w,-]+)\}")
 #: Names that keys go by in queries.
@@ -80,10 +86,11 @@ class Template:
 
     @property
     def hosts(self) -> tuple[str, ...]:
-        """Hosts asked, of every subdomain."""
-        asked = (urlsplit(self._filled({"s": one})).hostname or "" for one in self.subdomains or ("",))
-        # A name may end in the dot of the root, which is the same host.
-        return tuple(dict.fromkeys(host.rstrip(".") for host in asked))
+        """Hosts asked, as `host_of` names them: of every subdomain, map type and size of tiles."""
+        values = itertools.product(self.subdomains or ("",), MAP_TYPES, ("", "@2x"))
+        asked = (self._filled({"s": s, "map_type": map_type, "r": r}) for s, map_type, r in values)
+        # What else stands in braces is known once a tile is asked for.
+        return tuple(dict.fromkeys(host_of(_BRACES.sub("0", url)) for url in asked))
 
     def url(
         self, z: int, x: int, y: int, *, scale: int = 1, map_type: str = "", date: str = "", key: str = ""
@@ -129,6 +136,20 @@ class Template:
             )
 
 
+def host_of(url: str) -> str:
+    """Host of a URL as it is looked up, in whatever way the URL writes it; empty where it names none.
+
+    Upper case, percent-encoding, other forms of letters and dots (IDNA) and the dot of the root make no other host.
+    """
+    try:
+        host = unquote(urlsplit(url).hostname or "").rstrip(".")
+        plain = host.encode("idna").decode("ascii").lower() if len(host) <= _LONGEST_HOST else ""
+    except ValueError:
+        return ""
+    # Programs differ in where a host ends that has other signs in it.
+    return plain.rstrip(".") if _HOST.fullmatch(plain) else ""
+
+
 def check_address(text: str, what: str) -> None:
     """Refuse an address that is not http or https, or that holds a user's credentials.
 
@@ -143,13 +164,15 @@ def check_address(text: str, what: str) -> None:
         raise InvalidInput(
             f"{what} with spaces or control characters: must be without, or have them written %20"
         )
+    filled = _BRACES.sub("0", text)
     try:
-        parts = urlsplit(_BRACES.sub("0", text))
+        parts = urlsplit(filled)
         _ = parts.port
-    except ValueError as wrong:
-        raise InvalidInput(
-            f"{what} of an invalid host or port: must be as in https://tiles.example:8080/"
-        ) from wrong
+        sound = bool(host_of(filled)) or not parts.hostname
+    except ValueError:
+        sound = False
+    if not sound:
+        raise InvalidInput(f"{what} of an invalid host or port: must be as in https://tiles.example:8080/")
     if parts.scheme not in ("http", "https") or not parts.hostname:
         raise InvalidInput(f"{what} of {parts.scheme or 'no'} scheme: must start with http:// or https://")
     if parts.username is not None or parts.password is not None:

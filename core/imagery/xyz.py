@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+from collections import Counter
 from collections.abc import Mapping
 from typing import Callable
 
@@ -10,18 +11,19 @@ from ..errors import InvalidInput, SourceError
 from ..geodesy.mercator import PixelGrid
 from .cache.tile_cache import TileCache
 from .cache.tilestore import TileStore
+from .catalogue.entry import serving
 from .client import Client
 from .decode import decode
 from .placeholder import Placeholder
 from .policy import Policy
 from .requests_transport import RequestsTransport
 from .source import Part, Pixels, Received, Window, tile_parts
-from .template import Template
+from .template import MAP_TYPES, Template, host_of
 from .tiles import tile_address
 from .transport import Response, Stop, Transport
 
-#: What {map_type} in a template may stand for.
-MAP_TYPES = ("satellite", "roadmap", "terrain")
+#: Hosts whose terms are kept at hand; a template has a few.
+_HOSTS = 64
 
 
 class XYZSource:
@@ -96,7 +98,8 @@ class XYZSource:
         self._key = key or ""
         if not date and any("date" in template.names for template in self._templates.values()):
             raise InvalidInput(f"source {self.title}: its URL has a {{date}}; say which")
-        self._fetched = 0
+        self._fetched: Counter[str] = Counter()
+        self._terms: dict[str, tuple[str, Policy]] = {}
         self._lock = threading.Lock()
         self._cache = cache if policy.cache_allowed else None
         self._stores: dict[str, TileStore] = {}
@@ -146,9 +149,12 @@ class XYZSource:
             key=self._key_needed(map_type),
         )
 
+        counted: set[str] = set()
+
         def ask(headers: Mapping[str, str], read: Callable[[Response], Pixels]) -> tuple[Response, Pixels]:
-            self._count()
-            return self._client.picture(url, str(tile), read, cancelled, headers)
+            return self._client.picture(
+                url, str(tile), read, cancelled, headers, lambda asked: self._count(asked, counted)
+            )
 
         # What was read last, of the cache or of an answer, is what is returned.
         file = b""
@@ -219,10 +225,34 @@ class XYZSource:
             raise SourceError(f"{self.title}: needs an API key, and none is set")
         return self._key
 
-    def _count(self) -> None:
-        """Hold a library's caller to a provider's limit too, who may not have asked beforehand."""
-        if self.policy.bulk_allowed != "no":
+    def _count(self, url: str, counted: set[str]) -> None:
+        """Hold to the limit of the provider who is asked: a library's caller, odd templates and redirects, too.
+
+        Parameters
+        ----------
+        url : str
+            As it is sent.
+        counted : set of str
+            Providers of whom the tile was asked before, as attempts and redirects of theirs are no further tile.
+        """
+        title, policy = self._terms_of(host_of(url))
+        if policy.bulk_allowed != "no" or title in counted:
             return
+        counted.add(title)
         with self._lock:
-            self._fetched += 1
-            self.policy.check(self.title, self._fetched)
+            self._fetched[title] += 1
+            policy.check(title, self._fetched[title])
+
+    def _terms_of(self, host: str) -> tuple[str, Policy]:
+        """Who is asked at a host, and under which terms: the source's own, but for a provider who allows no bulk."""
+        found = self._terms.get(host)
+        if found is None:
+            if len(self._terms) >= _HOSTS:
+                self._terms.clear()
+            provider = serving(host)
+            if provider is None or provider.policy.bulk_allowed != "no" or provider.policy == self.policy:
+                found = self.title, self.policy
+            else:
+                found = provider.title, provider.policy
+            self._terms[host] = found
+        return found

@@ -13,7 +13,7 @@ from ...errors import InvalidInput
 from ...geodesy.mercator import PixelGrid, extent_of_box
 from ...resources import read_json
 from ..placeholder import Placeholder
-from ..policy import Policy
+from ..policy import BULK, Policy
 from ..template import Template
 from .dates import Dates
 
@@ -291,14 +291,15 @@ def serving(host: str) -> CatalogueEntry | None:
 
 def under_provider(entry: CatalogueEntry) -> CatalogueEntry:
     """Return an entry with its provider's terms: they hold however the tiles are asked for."""
-    for url in entry.urls.values():
-        providers = (serving(host) for host in Template(url, levels=entry.levels).hosts)
-        known = next((provider for provider in providers if provider is not None), None)
-        if known is not None:
-            return replace(
-                entry,
-                policy=known.policy,
-                placeholder=known.placeholder.with_files(entry.placeholder.sha256),
-                attribution=entry.attribution or known.attribution,
-            )
-    return entry
+    hosts = (host for url in entry.urls.values() for host in Template(url, levels=entry.levels).hosts)
+    known = [provider for provider in map(serving, hosts) if provider is not None]
+    if not known:
+        return entry
+    # Of several, the one that allows least.
+    strictest = max(known, key=lambda provider: BULK.index(provider.policy.bulk_allowed))
+    return replace(
+        entry,
+        policy=strictest.policy,
+        placeholder=strictest.placeholder.with_files(entry.placeholder.sha256),
+        attribution=entry.attribution or strictest.attribution,
+    )

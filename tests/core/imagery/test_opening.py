@@ -3,17 +3,23 @@
 from __future__ import annotations
 
 import sqlite3
+from collections import Counter
+from dataclasses import replace
+from urllib.parse import urlsplit
 
 import numpy as np
 import pytest
 from PIL import Image
 from terrainav.core.errors import InvalidInput, SourceError
 from terrainav.core.imagery.cache.tile_cache import TileCache
-from terrainav.core.imagery.catalogue.listing import check_policy
+from terrainav.core.imagery.catalogue.entry import CatalogueEntry, under_provider
+from terrainav.core.imagery.catalogue.listing import check_policy, entry_named
 from terrainav.core.imagery.catalogue.user_sources import add, described
 from terrainav.core.imagery.opening import entry_of, is_file, is_template, open_source
 from terrainav.core.imagery.source import Window
 from terrainav.core.imagery.staticmap import StaticMapSource
+from terrainav.core.imagery.transport import Response
+from terrainav.core.imagery.xyz import XYZSource
 
 from tests.support.patterns import positions, to_bytes
 from tests.support.tileserver import TileServer
@@ -270,6 +276,10 @@ def test_sizes_of_tiles_an_entry_does_not_have():
     [
         "https://tile.openstreetmap.org/{z}/{x}/{y}.png",
         "https://{s}.tile.openstreetmap.org/{z}/{x}/{y}.png",
+        "https://TILE%2eopenstreetmap%2Eorg./{z}/{x}/{y}.png",
+        "https://\N{FULLWIDTH LATIN SMALL LETTER T}ile\N{IDEOGRAPHIC FULL STOP}openstreetmap.org/{z}/{x}/{y}.png",
+        "https://til{r}e.openstreetmap.org/{z}/{x}/{y}.png",
+        "https://{map_type}.tile.openstreetmap.org/{z}/{x}/{y}.png",
         "https://services.arcgisonline.com/ArcGIS/rest/services/World_Topo_Map/MapServer/tile/{z}/{y}/{x}",
     ],
 )
@@ -279,6 +289,70 @@ def test_terms_hold_for_a_provider_s_tiles_by_template_too(template):
     with pytest.raises(SourceError):
         check_policy(source, 10_000, accept_terms=True)
     source.close()
+
+
+class Answers:
+    """A transport that sends the same tile from everywhere, and redirects from where it is told to."""
+
+    def __init__(self, redirects):
+        self.redirects, self.asked = redirects, Counter()
+        self.tile = to_bytes(positions("satellite", 1, 0, 0, 256), "png")
+
+    def get(self, url, headers=None, cancelled=None, *, origin=""):
+        host = urlsplit(url).hostname
+        self.asked[host] += 1
+        if host in self.redirects:
+            return Response(302, {"location": url.replace(host, self.redirects[host], 1)}, b"")
+        return Response(200, {}, self.tile)
+
+    def close(self):
+        pass
+
+
+@pytest.mark.parametrize(
+    ("template", "options", "redirects"),
+    [
+        ("https://{date}.openstreetmap.org/{z}/{x}/{y}.png", {"date": "tile"}, {}),
+        ("https://{key}/{z}/{x}/{y}.png", {"key": "tile.openstreetmap.org"}, {}),
+        ("https://own.example/{z}/{x}/{y}.png", {}, {"own.example": "tile.openstreetmap.org"}),
+        (
+            "https://own.example/{z}/{x}/{y}.png",
+            {},
+            {"own.example": "two.example", "two.example": "%74ile.openstreetmap.org"},
+        ),
+    ],
+)
+def test_terms_that_nothing_overrides_hold_for_the_host_that_is_asked_in_the_end(
+    template, options, redirects
+):
+    transport = Answers(redirects)
+    source = XYZSource(template, transport=transport, **options)
+    limit = entry_named("osm").policy.max_tiles
+    for x in range(limit):
+        source.fetch("", Window(12, x * 256, 0, 256, 256))
+    with pytest.raises(SourceError, match=f"^OpenStreetMap: {limit + 1} requests, and {limit} at most pass"):
+        source.fetch("", Window(12, limit * 256, 0, 256, 256))
+    assert sum(times for host, times in transport.asked.items() if "openstreetmap" in host) == limit
+    source.close()
+
+
+def test_a_redirect_within_a_provider_is_no_further_tile():
+    transport = Answers({"tile.osm.org": "tile.openstreetmap.org"})
+    policy = replace(entry_named("osm").policy, requests_per_s=None)
+    source = XYZSource("https://tile.osm.org/{z}/{x}/{y}.png", transport=transport, policy=policy)
+    for x in range(policy.max_tiles):
+        source.fetch("", Window(12, x * 256, 0, 256, 256))
+    with pytest.raises(SourceError, match="at most pass"):
+        source.fetch("", Window(12, 0, 256, 256, 256))
+    source.close()
+
+
+def test_of_several_providers_the_terms_of_the_strictest_hold():
+    known = {name: entry_named(name) for name in ("usgs", "osm", "pdok")}
+    urls = {name: next(iter(entry.urls.values())) for name, entry in known.items()}
+    data = {**described("https://own.example/{z}/{x}/{y}.png"), "map_types": list(urls), "urls": urls}
+    entry = under_provider(CatalogueEntry.from_dict("own", data, user=True))
+    assert entry.policy == known["osm"].policy
 
 
 def test_a_template_of_several_map_types():

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from terrainav.core.errors import InvalidInput
-from terrainav.core.imagery.template import Template, bbox, check_address, quadkey
+from terrainav.core.imagery.template import Template, bbox, check_address, host_of, quadkey
 
 
 def test_each_placeholder_gets_its_value():
@@ -87,6 +87,45 @@ def test_a_key_in_a_template_is_refused_without_being_told(name):
         Template(f"https://h.org/{{z}}/{{x}}/{{y}}?style=a&{name}=AIzaSecret")
     assert "AIzaSecret" not in str(raised.value)
     assert f"{name}={{key}}" in str(raised.value)
+
+
+@pytest.mark.parametrize(
+    ("url", "host"),
+    [
+        ("https://tile.example/1", "tile.example"),
+        ("https://TILE.Example:443/1", "tile.example"),
+        ("https://tile.example./1", "tile.example"),
+        ("https://tile%2Eexample/1", "tile.example"),
+        ("https://%74ile%2eexampl%65/1", "tile.example"),
+        ("https://user@tile.example/1", "tile.example"),
+        ("https://\N{FULLWIDTH LATIN SMALL LETTER T}ile\N{IDEOGRAPHIC FULL STOP}example/1", "tile.example"),
+        ("https://tile\N{VARIATION SELECTOR-1}.example/1", "tile.example"),
+        ("https://München.example/1", "xn--mnchen-3ya.example"),
+        ("http://[::1]:8000/1", "::1"),
+        ("http://127.0.0.1:8000/1", "127.0.0.1"),
+        ("http://under_scored.example/1", "under_scored.example"),
+        # Where it ends is another place to every program.
+        ("https://tile.example\\.other.example/1", ""),
+        ("https://tile.example%2F.other.example/1", ""),
+        ("https://tile..example/1", ""),
+        (f"https://{'a' * 300}/1", ""),
+        ("https://[::1/1", ""),
+        ("nothing", ""),
+    ],
+)
+def test_a_host_is_the_same_however_it_is_written(url, host):
+    assert host_of(url) == host
+
+
+@pytest.mark.parametrize("host", ["tile.example\\.other.example", "tile.example%2F.other", "a..b", "a" * 300])
+def test_a_host_that_programs_read_differently_is_refused(host):
+    with pytest.raises(InvalidInput, match="invalid host or port"):
+        Template(f"https://{host}/{{z}}/{{x}}/{{y}}")
+
+
+def test_hosts_are_known_before_a_tile_is_asked_for():
+    template = Template("https://{s}.{map_type}til{r}e.example/{z}/{x}/{y}", subdomains=("a", "b"))
+    assert {"a.satellitetile.example", "b.terraintile.example"} <= set(template.hosts)
 
 
 def test_credentials_in_a_template_are_refused_without_being_told():
