@@ -7,7 +7,7 @@ from typing import Callable
 from qgis.PyQt.QtCore import QUrl
 from qgis.PyQt.QtNetwork import QNetworkReply, QNetworkRequest
 
-from ...core.imagery.transport import Response, check_length, too_long, too_many_headers, unpacked
+from ...core.imagery.transport import Response, check_length, too_long, unpacked
 from ...core.limits import MAX_HEADERS
 from .errors import is_of_status, problem
 
@@ -39,8 +39,6 @@ def answer_of(
     body = bytes(reply.readAll())
     if len(body) > max_body_bytes:
         raise too_long(max_body_bytes)
-    if has_too_many_headers(reply):
-        raise too_many_headers()
     headers = {
         bytes(name).decode("latin-1").lower(): bytes(value).decode("latin-1")
         for name, value in reply.rawHeaderPairs()

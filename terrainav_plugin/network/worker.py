@@ -151,14 +151,19 @@ class NetworkWorker(QObject):
             self._timer.stop()
 
     @pyqtSlot()
+    def _headed(self) -> None:
+        """Look at the head of an answer as soon as it is there."""
+        reply = self.sender()
+        if reply in self._under_way and has_too_many_headers(reply):
+            self._shun(reply.url().host(), reply)
+
+    @pyqtSlot()
     def _finished(self) -> None:
         reply = self.sender()
         if reply not in self._under_way:
             return
         exchange = self._release(reply)
         try:
-            if has_too_many_headers(reply):
-                self._shun(reply.url().host())
             exchange.end(answer_of(reply, exchange.url, self._terms.max_body_bytes, _has_proxy))
         except Exception as failure:  # noqa: BLE001  (raised in the thread that asked)
             exchange.end(failure)
@@ -243,6 +248,7 @@ class NetworkWorker(QObject):
         # ends with a segmentation fault. `_look` sees to the limit.
         if parts.scheme == "https":
             reply.sslErrors.connect(self._judge_tls)
+        reply.metaDataChanged.connect(self._headed)
         reply.finished.connect(self._finished)
 
     def _request(self, url: QUrl, headers: Mapping[str, str], authcfg: str) -> QNetworkRequest:
@@ -289,16 +295,22 @@ class NetworkWorker(QObject):
             self._tls[server] = configuration
         return self._tls[server]
 
-    def _shun(self, host: str) -> None:
-        """Ask a server no more: what is under way to it would hold up the main thread as well."""
+    def _shun(self, host: str, talking: QNetworkReply) -> None:
+        """Ask a server no more, and end all that is under way to it, of which ``talking`` sends a signal just now."""
         self._talkative.add(host)
         for reply, (exchange, _) in list(self._under_way.items()):
             if reply.url().host() == host:
                 self._abandon(reply)
                 exchange.end(too_many_headers())
+        # At once, as what has come for them waits for the main thread already.
+        self._over, over = [reply for reply in self._over if reply is talking], self._over
+        for reply in over:
+            if reply is not talking:
+                sip.delete(reply)
 
     def _abandon(self, reply: QNetworkReply) -> None:
         self._release(reply)
+        reply.metaDataChanged.disconnect(self._headed)
         reply.finished.disconnect(self._finished)
         reply.abort()
         self._over.append(reply)

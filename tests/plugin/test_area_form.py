@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from dataclasses import replace
 
 import pytest
@@ -74,6 +75,17 @@ def test_pasted_heights_are_in_the_unit_chosen():
 def test_what_cannot_be_read_is_named_with_its_line(text, words):
     with pytest.raises(InvalidInput, match=words):
         area_of_text(text, 50.0, "m")
+
+
+@pytest.mark.parametrize(
+    "text", ["1" + "_" * 300_000 + "x", ", " * 300_000 + "1", "1" * 300_000 + " x 3 4 5"]
+)
+def test_a_text_of_any_length_is_soon_refused(text):
+    began = time.monotonic()
+    with pytest.raises(InvalidInput):
+        area_of_text(text, 50.0, "m")
+    # A pattern for the end of a line took minutes.
+    assert time.monotonic() - began < 10.0
 
 
 def test_lines_pasted_into_an_edge_become_points(desk):

@@ -231,6 +231,7 @@ def test_what_is_out_of_range_is_refused():
         ("qgis:layer/abc", ""),
         ("qgis:xyz/My tiles", ""),
         ("/data/ortho.tif", ""),
+        ("https://" + "a" * 1_000_000, ""),
     ],
 )
 def test_credentials_are_those_of_a_host(source, name):

@@ -5,9 +5,11 @@ from __future__ import annotations
 import html
 import importlib.util
 import os
+import random
 import re
 import shutil
 import subprocess
+import time
 from dataclasses import replace
 from pathlib import Path
 
@@ -31,6 +33,9 @@ from terrainav.terrainav_plugin.i18n import told, tr
 ROOT = Path(__file__).resolve().parents[2]
 #: Of a process: it starts in two seconds.
 LIMIT_S = 120.0
+#: Patterns that try every way to take a text apart needed minutes for some thousand characters.
+SLOW_S = 10.0
+MEGABYTE = 1 << 20
 _PLACE = re.compile(r"\{[^{}]*\}")
 _TAG = re.compile(r"<[^>]*>")
 
@@ -351,6 +356,33 @@ def test_a_terminal_is_spanish_too(tmp_path):
 def test_language_of_a_locale(monkeypatch, locale, code):
     monkeypatch.setattr(i18n, "_locale", lambda: locale)
     assert i18n.language() == code
+
+
+@pytest.mark.parametrize(
+    "piece", [" (", "; ", ", ", ": ", " ", "1,111", "tile 1/2/3: ", " (tried 2 times)", "{0} "]
+)
+def test_what_servers_say_is_taken_apart_in_no_time(spanish, piece):
+    for text in (piece * (5000 // len(piece)), piece * (MEGABYTE // len(piece))):
+        began = time.monotonic()
+        told(text)
+        assert time.monotonic() - began < SLOW_S
+
+
+@pytest.mark.parametrize(
+    "fixed", [("", " ", ""), ("a ", ""), ("", ": ", " (", ")"), ("", " ", ": ", ""), ("x", "", "y")]
+)
+def test_the_values_of_a_message_are_those_of_its_pattern(fixed):
+    places = ["(.*?)"] * (len(fixed) - 1)
+    if fixed[:2] == ("", " "):
+        places[0] = "(.*)"
+    pattern = "".join(re.escape(part) + place for part, place in zip(fixed, [*places, ""]))
+    drawn, found = random.Random(7), 0
+    for _ in range(2000):
+        text = "".join(drawn.choices(["a", "x", "y", " ", ": ", " (", ")"], k=drawn.randrange(12)))
+        match = re.fullmatch(pattern, text, re.DOTALL)
+        assert i18n._values(fixed, text) == (list(match.groups()) if match else None)
+        found += match is not None
+    assert found
 
 
 def test_without_a_translation_there_is_no_translator(monkeypatch, compiled):

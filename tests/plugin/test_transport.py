@@ -6,6 +6,7 @@ import gzip
 import socket
 import threading
 import time
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
@@ -173,14 +174,32 @@ def test_a_redirect_to_no_url_is_said(server, transport_of):
         Client(transport_of(), "P").get(server.url + "/", "w")
 
 
-def test_a_server_of_endless_headers_is_asked_once(server, transport_of):
-    server.answer = (200, {f"X-{number}": "of no use" for number in range(101)}, PICTURE)
-    transport = transport_of()
-    for _ in range(3):
-        with pytest.raises(TransportError, match="an answer of more than 100 header lines") as raised:
-            transport.get(server.url + "/")
-        assert not raised.value.again
-    assert len(server.seen) == 1
+def test_a_server_of_endless_headers_is_asked_no_more(server, transport_of, qtbot, monkeypatch):
+    rest = threading.Event()
+
+    def talk(handler):
+        server.seen.append((handler.path, {}))
+        handler.send_response(200)
+        for number in range(1000):
+            handler.send_header(f"X-{number}", "of no use")
+        handler.send_header("Content-Length", "2")
+        handler.end_headers()
+        # The head is enough to end all that is under way.
+        rest.wait(30.0)
+
+    monkeypatch.setattr(Handler, "do_GET", talk)
+    transport = transport_of(timeouts=Timeouts(20.0, 20.0, 20.0))
+    with ThreadPoolExecutor(4) as pool:
+        asked = [pool.submit(transport.get, server.url + "/") for _ in range(4)]
+        qtbot.waitUntil(lambda: all(one.done() for one in asked), timeout=PATIENCE_MS)
+        rest.set()
+    failures = {str(one.exception()) for one in asked}
+    assert failures == {"an answer of more than 100 header lines"}
+    before = len(server.seen)
+    with pytest.raises(TransportError, match="an answer of more than 100 header lines") as raised:
+        transport.get(server.url + "/")
+    assert not raised.value.again
+    assert len(server.seen) == before <= 4
 
 
 # --- ends

@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib
 import re
 import sys
+import time
 import warnings
 
 import numpy as np
@@ -286,6 +287,18 @@ def test_a_document_beyond_measure_is_given_up(server, monkeypatch):
     server.answer = lambda *_: xml(b"<Capabilities>" + b" " * 2000)
     with pytest.raises(SourceError, match="body beyond 1000 bytes"):
         open_source(f"wmts:{server.url}/c.xml")
+
+
+@pytest.mark.parametrize(
+    "piece", [b"<WMS_Capabilities", b"<WMS_Capabilities version ", b"<a:", b"<Capabilities <"]
+)
+def test_a_megabyte_of_beginnings_is_soon_refused(server, piece):
+    server.answer = lambda *_: xml(piece * (1_000_000 // len(piece)))
+    began = time.monotonic()
+    with pytest.raises(SourceError):
+        open_source(f"wms:{server.url}/c.xml")
+    # A pattern that tried each of them anew took 40 s, and grew with the square of their number.
+    assert time.monotonic() - began < 10.0
 
 
 def test_titles_are_one_line_of_what_can_be_printed(server):

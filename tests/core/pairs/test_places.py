@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import time
 
 import pytest
 from pyproj import Geod
@@ -60,6 +61,19 @@ def test_numbers_are_names_where_other_lines_have_words(tmp_path):
 def test_lines_that_are_no_places_are_named(tmp_path, text, told):
     with pytest.raises(InvalidInput, match=told):
         read_places(written(tmp_path, text))
+
+
+@pytest.mark.parametrize(
+    "text", ["1" * 100_000 + "x", "1." * 50_000, "1 " + "2" * 100_000 + "x", "1" + " " * 100_000]
+)
+def test_a_line_of_any_length_is_soon_refused(tmp_path, text):
+    path = tmp_path / "places.txt"
+    path.write_text(f"{text}\n", encoding="utf-8")
+    began = time.monotonic()
+    with pytest.raises(InvalidInput):
+        read_places(path)
+    # A pattern that shares digits out in every way took minutes.
+    assert time.monotonic() - began < 10.0
 
 
 def test_a_box_is_read_as_the_paper_writes_it():
