@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import math
 from collections.abc import Callable
 
@@ -35,6 +36,25 @@ _SECONDS = {Qgis.MessageLevel.Info: 8, Qgis.MessageLevel.Success: 12}
 def log(text: str, level: Qgis.MessageLevel = Qgis.MessageLevel.Info) -> None:
     """Write a line to the log panel's TerrAInav tab."""
     QgsMessageLog.logMessage(text, TITLE, level, notifyUser=False)
+
+
+class LogPanelHandler(logging.Handler):
+    """Hands warnings and errors of the core, with their traces, to the log panel; from any thread."""
+
+    def __init__(self) -> None:
+        super().__init__(logging.WARNING)
+        self._logger = logging.getLogger(__name__.partition(".")[0])
+        self._logger.addHandler(self)
+
+    def emit(self, record: logging.LogRecord) -> None:
+        """Write a record."""
+        is_error = record.levelno >= logging.ERROR
+        log(self.format(record), Qgis.MessageLevel.Critical if is_error else Qgis.MessageLevel.Warning)
+
+    def close(self) -> None:
+        """Hear no more."""
+        self._logger.removeHandler(self)
+        super().close()
 
 
 def show_log(iface: QgisInterface) -> None:

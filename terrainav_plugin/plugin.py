@@ -13,7 +13,7 @@ from qgis.PyQt.QtWidgets import QMenu
 
 from .compat import QAction
 from .i18n import install_translator, remove_translator, tr
-from .messages import Messages
+from .messages import LogPanelHandler, Messages
 from .options import PAGE, OptionsFactory
 from .paths import icon
 
@@ -40,6 +40,7 @@ class TerrAInavPlugin:
         self.iface = iface
         self.actions: dict[str, QAction] = {}
         self.messages: Messages | None = None
+        self._log: LogPanelHandler | None = None
         self._toolbar: QToolBar | None = None
         self._menu: QMenu | None = None
         self._options: OptionsFactory | None = None
@@ -62,6 +63,7 @@ class TerrAInavPlugin:
     def initGui(self) -> None:
         """Add toolbar, menu and options page."""
         self._translate()
+        self._log = LogPanelHandler()
         self.messages = Messages(self.iface)
         self._toolbar = self.iface.addToolBar(MENU)
         self._toolbar.setObjectName("terrainav_toolbar")
@@ -123,6 +125,7 @@ class TerrAInavPlugin:
             self._workflow = None
         self.messages.close()
         self.messages.deleteLater()
+        self._log.close()
         for action in self.actions.values():
             self.iface.unregisterMainWindowAction(action)
             action.deleteLater()

@@ -2,9 +2,18 @@
 
 from __future__ import annotations
 
+import contextlib
+import logging
+import threading
+
 import pytest
+from qgis.core import Qgis, QgsApplication
 from qgis.PyQt.QtTest import QTest
 from qgis.PyQt.QtWidgets import QDockWidget, QPushButton, QTextBrowser
+from terrainav.core.errors import PartError
+from terrainav.core.unexpected import UnexpectedErrors
+
+from tests.plugin.steps import PATIENCE_MS
 
 SMALL_PX, WIDE_PX = (1280, 720), (1600, 950)
 TEXTS = (
@@ -44,3 +53,38 @@ def test_message_is_whole_and_takes_no_room_from_the_panels(desk, window, iface,
         assert button.width() >= button.minimumSizeHint().width()
         assert item.rect().contains(button.mapTo(item, button.rect().bottomRight()))
     assert [panel.width() for panel in panels] == before
+
+
+def test_what_the_core_logs_stands_in_the_log_panel_until_the_plugin_goes(plugin, qtbot):
+    heard = []
+    received = QgsApplication.messageLog().messageReceived[str, str, Qgis.MessageLevel]
+
+    def hear(text, tag, level):
+        heard.append((text, tag, level))
+
+    def work():
+        failures = UnexpectedErrors()
+        for _ in range(3):
+            with contextlib.suppress(PartError):
+                try:
+                    raise ZeroDivisionError("of a tile")
+                except ZeroDivisionError as wrong:
+                    raise failures.failure(wrong) from wrong
+
+    received.connect(hear)
+    try:
+        thread = threading.Thread(target=work)
+        thread.start()
+        qtbot.waitUntil(lambda: bool(heard), timeout=PATIENCE_MS)
+        thread.join()
+        QTest.qWait(50)
+        ((text, tag, level),) = heard
+        assert "Traceback" in text
+        assert "ZeroDivisionError: of a tile" in text
+        assert (tag, level) == ("TerrAInav", Qgis.MessageLevel.Critical)
+    finally:
+        received.disconnect(hear)
+    assert logging.getLogger("terrainav").handlers == [plugin._log]
+    plugin.unload()
+    assert logging.getLogger("terrainav").handlers == []
+    plugin.initGui()
