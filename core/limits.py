@@ -1,7 +1,7 @@
 """How much a server, a file or a mission may ask of this machine: every limit that protects it, in one place.
 
-What lies beyond is refused in one line, before memory, time or disk is spent on it. Limits of another kind (of a method's
-domain, of a format) stand where they come from.
+What lies beyond is refused in one line, before memory, time or disk is spent on it. Limits of another kind (of a
+method's domain, of a format) stand where they come from.
 """
 
 from __future__ import annotations
@@ -14,5 +14,14 @@ from __future__ import annotations
 
 # --- Documents, files and databases
 
+#: Largest capabilities of a service; those of national services have some MB.
+MAX_DOCUMENT_BYTES = 32 << 20
+#: Elements of a document, how deep they may be within each other, and attributes of one; the largest services have
+#: some 100,000 elements, 20 deep, with a dozen attributes.
+MAX_XML_ELEMENTS = 1_000_000
+MAX_XML_DEPTH = 100
+MAX_XML_ATTRIBUTES = 1_000
+#: Properties that layers of a service inherit, over all layers: 6,000 coordinate systems for 1,000 layers are 12 M.
+MAX_XML_INHERITED = 40_000_000
 
 # --- Missions

@@ -7,17 +7,19 @@ import os
 import re
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 from urllib.parse import parse_qsl, quote, quote_plus, urlencode, urlsplit, urlunsplit
 
 from ...errors import InvalidInput, PartError, SourceError, TerrAInavError
+from ...limits import MAX_DOCUMENT_BYTES
 from ..catalogue.entry import KEY_ENV, WORLD_DEG
-from ..client import Client, first_words
+from ..client import Client
 from ..policy import Policy
 from ..requests_transport import RequestsTransport
 from ..template import check_address
 from ..transport import Transport
+from .parsing import UnreadableXMLError, root_of
 
 #: Choices after the # of each kind of service.
 CHOICES = {
@@ -28,8 +30,6 @@ CHOICES = {
 _ROOTS = {"wmts": rb"<(\w+:)?Capabilities\b", "wms": rb"<(\w+:)?(WMS|WMT_MS)_Capabilities\b"}
 #: Formats of tiles that can be decoded, the first that is offered is taken.
 FORMATS = ("image/png", "image/jpeg", "image/webp", "image/gif")
-#: Largest capabilities read; those of national services have some MB.
-MAX_DOCUMENT_BYTES = 32 << 20
 #: Attempts at a document: a person waits for it, and may try again.
 _TRIES = 2
 #: Layers and tile matrix sets that an error names.
@@ -110,8 +110,8 @@ class Document:
     Parameters
     ----------
     service : Service
-    body : bytes
-        With {key} where the server repeats the key.
+    root : element of lxml
+        With {key} where the server repeats the key, and nowhere else.
     url : str
         Where it came from; may hold the key.
     key : str
@@ -119,7 +119,7 @@ class Document:
     """
 
     service: Service
-    body: bytes
+    root: Any
     url: str
     key: str
 
@@ -158,27 +158,42 @@ def fetched(service: Service, key: str | None, transport: Transport | None) -> D
         # A transport that was given goes on to fetch the tiles.
         if transport is None:
             used.close()
-    # Servers repeat the key in the addresses they state, and in what they say; nothing of it goes on from here.
+    document = Document(service, None, url, key)
     body = response.body
-    if key:
-        body = without_key(body.decode("latin-1"), key).encode("latin-1")
-    document = Document(service, body, url, key)
+    if len(body) > MAX_DOCUMENT_BYTES:
+        raise document.wrong(f"capabilities of more than {MAX_DOCUMENT_BYTES} bytes")
     plain = body.replace(b"\0", b"")
-    if len(body) > MAX_DOCUMENT_BYTES or b"<!ENTITY" in plain:
-        raise document.wrong("capabilities of too many bytes, or with entities of their own, are not read")
     found = [kind for kind, root in _ROOTS.items() if re.search(root, plain)]
     if not found:
-        words = first_words(body, response.headers.get("content-type", ""))
+        words = client.words(response)
         raise document.wrong(f"no capabilities at this address{f': {words}' if words else ''}")
     if service.kind not in found:
         raise document.wrong(
             f"the capabilities at this address are of a {found[0].upper()}: write {found[0]}:URL"
         )
-    return document
+    with reading(document):
+        root = root_of(body)
+        _tell_keys_apart(root, key)
+    return replace(document, root=root)
+
+
+def _tell_keys_apart(root: Any, key: str) -> None:
+    """Put {key} where a document repeats the key, and nowhere else: one of its own is text, and is never filled."""
+
+    def told(text: str) -> str:
+        return without_key(text.replace("{key}", "%7Bkey%7D"), key)
+
+    for element in root.iter():
+        if element.text:
+            element.text = told(element.text)
+        for name, value in element.items():
+            element.set(name, told(value))
 
 
 def without_key(text: str, key: str) -> str:
     """Put {key} where a key stands, however it is written."""
+    if not key:
+        return text
     written = {key, quote(key), quote(key, safe=""), quote_plus(key), html.escape(key)}
     for form in sorted(written - {""}, key=len, reverse=True):
         text = text.replace(form, "{key}")
@@ -196,6 +211,8 @@ def reading(document: Document) -> Iterator[None]:
         raise SourceError(
             f"source {document.service.kind}:{document.service.host}: needs OWSLib: pip install owslib"
         ) from missing
+    except UnreadableXMLError as wrong:
+        raise document.wrong(f"capabilities that cannot be read: {wrong}") from None
     except (ArithmeticError, AttributeError, LookupError, SyntaxError, TypeError, ValueError) as broken:
         raise document.wrong(
             f"capabilities that cannot be read ({type(broken).__name__}: {' '.join(str(broken).split())})"
