@@ -56,7 +56,7 @@ def _show(arguments: argparse.Namespace) -> int:
     from ..imagery.services.ogc import is_service, layers, names_layer
 
     if is_service(arguments.source) and not names_layer(arguments.source):
-        offered = layers(arguments.source)
+        offered = layers(arguments.source, named_by_user=True)
         if arguments.json:
             print(json.dumps([{"name": layer.name, "title": layer.title} for layer in offered], indent=1))
             return DONE
@@ -65,7 +65,7 @@ def _show(arguments: argparse.Namespace) -> int:
         for layer in offered:
             print(f"{layer.name:{_COLUMN}s} {layer.title}")
         return DONE
-    entry = entry_of(arguments.source)
+    entry = entry_of(arguments.source, named_by_user=True)
     if arguments.json:
         print(json.dumps(entry.to_dict(), indent=1))
         return DONE
@@ -130,7 +130,7 @@ def _add(arguments: argparse.Namespace) -> int:
     if is_service(arguments.url):
         if arguments.default_date is not None:
             raise InvalidInput("--default-date: the dates of a service are those of its capabilities")
-        entry = service_entry(arguments.url, tile_px=arguments.tile_size)
+        entry = service_entry(arguments.url, tile_px=arguments.tile_size, named_by_user=True)
         files = list(Placeholder().with_files(placeholders).sha256)
         data = {**entry.to_data(), **given, **({"placeholder": {"sha256": files}} if files else {})}
     else:

@@ -119,6 +119,12 @@ class Template:
             raise InvalidInput(f"URL template {shown}: a brace without its partner")
         if "s" in names and not self.subdomains:
             raise InvalidInput(f"URL template {shown}: {{s}} without subdomains to put there")
+        in_host = set(_BRACES.findall(urlsplit(self.text).netloc)) - {"s"}
+        if "key" in names and in_host:
+            raise InvalidInput(
+                f"URL template {shown}: {_in_braces(sorted(in_host))} in its host; a key goes to a host that is "
+                "written out"
+            )
         missing = [name for name in ("z", "x") if name not in names]
         if not names & {"y", "-y"}:
             missing.append("y")

@@ -26,7 +26,7 @@ from ..help import add_help_button
 from ..i18n import number_text, told, tr
 from ..layers.connections import ServiceConnection
 from ..network.transport import QgisTransport
-from ..settings import Settings
+from ..settings import Settings, credential_home
 from ..task import Task
 
 if TYPE_CHECKING:
@@ -53,13 +53,16 @@ class _Capabilities(Task):
 
     def __init__(self, service: ServiceConnection, kind: str = "", layer: str = "") -> None:
         super().__init__(tr("Asking {name} for its layers").format(name=service.name))
-        from ...core.imagery.services.capabilities import MAX_DOCUMENT_BYTES
+        from ...core.limits import MAX_DOCUMENT_BYTES
 
         self.kind = kind
         self.layers: list[Offered] = []
         self.entry: CatalogueEntry | None = None
         self._service, self._layer = service, layer
-        self._transport = QgisTransport(1, max_body_bytes=MAX_DOCUMENT_BYTES, authcfg=service.authcfg)
+        home = credential_home(service.address)
+        self._transport = QgisTransport(
+            1, max_body_bytes=MAX_DOCUMENT_BYTES, authcfg=service.authcfg, home=home
+        )
 
     def work(self) -> None:
         """Ask."""
@@ -229,5 +232,7 @@ def kept(entry: CatalogueEntry, service: ServiceConnection, layer: str) -> str:
     title = tr("{layer} ({service})").format(layer=entry.title, service=service.name)
     add(name, {**entry.to_data(), "title": title})
     authcfg = store_key(title, service.key) if service.key else service.authcfg
-    Settings().set_authcfg(name, authcfg)
+    # Its tiles may be on another server, which the service's capabilities name and the user has not.
+    if all(credential_home(url) == credential_home(service.address) for url in entry.urls.values()):
+        Settings().set_authcfg(name, authcfg)
     return name

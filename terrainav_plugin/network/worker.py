@@ -235,9 +235,9 @@ class NetworkWorker(QObject):
         url = QUrl(exchange.url)
         if not url.isValid() or not url.host():
             raise TransportError("the URL is not valid", again=False)
-        # Credentials are for the server that was asked, not for one it points to.
-        authcfg = self._terms.authcfg if parts[:2] == exchange.origin else ""
-        request = self._request(url, exchange.headers, authcfg)
+        trusted = self._terms.are_for(exchange)
+        private = self._terms.private if trusted else {}
+        request = self._request(url, {**private, **exchange.headers}, self._terms.authcfg if trusted else "")
         exchange.received_bytes = 0
         exchange.heard_s = self._clock_s
         place = self._place()

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import html
-import os
 import re
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
@@ -15,6 +14,7 @@ from ...errors import InvalidInput, PartError, SourceError, TerrAInavError
 from ...limits import MAX_DOCUMENT_BYTES
 from ..catalogue.entry import KEY_ENV, WORLD_DEG
 from ..client import Client
+from ..keys import environment_key
 from ..policy import Policy
 from ..requests_transport import RequestsTransport
 from ..template import check_address
@@ -133,18 +133,19 @@ class Document:
         return without_key(text, self.key)
 
 
-def fetched(service: Service, key: str | None, transport: Transport | None) -> Document:
+def fetched(
+    service: Service, key: str | None, transport: Transport | None, *, named_by_user: bool = False
+) -> Document:
     """Capabilities of a service.
 
     Raises
     ------
     SourceError
-        They cannot be had, are too large, or something else is at the address; or the key is missing.
+        They cannot be had, are too large, or something else is at the address; or the key is missing, or for others.
     """
-    key = key or os.environ.get(KEY_ENV) or ""
-    if "{key}" not in service.address:
-        key = ""
-    elif not key:
+    needs_key = "{key}" in service.address
+    key = (key or environment_key([service.host], named_by_user=named_by_user) or "") if needs_key else ""
+    if needs_key and not key:
         raise SourceError(f"{service.host}: needs an API key: set the environment variable {KEY_ENV}")
     used = RequestsTransport(1, max_body_bytes=MAX_DOCUMENT_BYTES) if transport is None else transport
     url = service.document_url(key)
