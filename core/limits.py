@@ -11,6 +11,8 @@ from __future__ import annotations
 
 # --- Pictures
 
+#: Widest tiles: 48 MB of pixels, and twice what any server is known to have.
+MAX_TILE_PX = 4096
 
 # --- Documents, files and databases
 
@@ -23,5 +25,10 @@ MAX_XML_DEPTH = 100
 MAX_XML_ATTRIBUTES = 1_000
 #: Properties that layers of a service inherit, over all layers: 6,000 coordinate systems for 1,000 layers are 12 M.
 MAX_XML_INHERITED = 40_000_000
+#: Seconds that a look-up in a database of others may take: an index makes them milliseconds.
+MAX_QUERY_S = 5.0
+#: Characters of a line of its metadata, and bytes of one of its tiles.
+MAX_METADATA_CHARACTERS = 4096
+MAX_STORED_TILE_BYTES = 32 << 20
 
 # --- Missions
