@@ -25,6 +25,9 @@ MAX_XML_DEPTH = 100
 MAX_XML_ATTRIBUTES = 1_000
 #: Properties that layers of a service inherit, over all layers: 6,000 coordinate systems for 1,000 layers are 12 M.
 MAX_XML_INHERITED = 40_000_000
+#: Largest VRT, of some 50,000 files, and how deep one may read another.
+MAX_VRT_BYTES = 64 << 20
+MAX_VRT_DEPTH = 8
 #: Seconds that a look-up in a database of others may take: an index makes them milliseconds.
 MAX_QUERY_S = 5.0
 #: Characters of a line of its metadata, and bytes of one of its tiles.

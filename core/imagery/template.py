@@ -31,8 +31,10 @@ _BRACES = re.compile(r"\{([^{}]*)\}")
 _RANGE = re.compile(r"\{(\w)-(\w)\}|\[(\w)-(\w)\]|\{switch:([\w,-]+)\}")
 #: Names that keys go by in queries.
 _KEY_NAMES = re.compile(
-    r"access[-_]?(key|token)|ak|(x[-_])?api[-_]?key|app[-_]?(id|code|key)|auth([-_]?(key|token))?|client[-_]?secret"
-    r"|key|password|secret|sig(nature)?|subscription[-_]?key|tk|token",
+    r"access[-_]?(key([-_]?id)?|token)|ak|awsaccesskeyid|(x[-_])?api[-_]?key|app[-_]?(id|code|key)"
+    r"|auth([-_]?(key|token))?|authorization|bearer|client[-_]?secret|jwt|key|pass([-_]?(phrase|w(or)?d))?|pwd|secret"
+    r"|(x-(amz|goog)-)?(signature|credential|security-token)|sig|subscription[-_]?key|tk"
+    r"|((id|refresh|session|bearer|user)[-_]?)?token|user[-_]?key",
     re.IGNORECASE,
 )
 
