@@ -9,6 +9,7 @@ import sys
 from collections.abc import Sequence
 
 from ..errors import Cancelled, InvalidInput, TerrAInavError
+from ..text import printable
 from .exits import BAD_INPUT, DONE, FAILED, STOPPED
 
 #: The module of each command and its function there; only the one that is run is imported.
@@ -89,6 +90,5 @@ def _drop_output() -> None:
 
 def _fail(error: object, code: int) -> int:
     # Names of files and words of servers may hold line ends and the terminal's control characters.
-    text = "".join(one if one.isprintable() else " " for one in str(error))
-    print(f"terrainav: {text}", file=sys.stderr)
+    print(f"terrainav: {printable(str(error))}", file=sys.stderr)
     return code

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..errors import InvalidInput
 from ..mission.options import OPTIONS, RUN_OPTIONS
+from ..text import printable
 from .caching import opened_cache
 from .exits import DONE, INCOMPLETE, STOPPED
 from .parsing import names_source
@@ -109,7 +110,7 @@ def _print_summary(worked_out: Plan, source: Source, values: dict[str, Any], as_
         more = f"; this mission takes {needed:,}" if policy.stops(needed) else ""
         lines.append(("terms", f"{policy.licence or 'licence not stated'}; {policy.text()}{more}"))
     for label, text in [*lines, *summary.lines(), ("cost", cost.text(len(worked_out)))]:
-        print(f"{label:24s}{text}")
+        print(printable(f"{label:24s}{text}"))
 
 
 def run_plan(arguments: argparse.Namespace) -> int:
@@ -217,7 +218,7 @@ def _run(
         bar.close()
     if not source.map_types:
         kinds = ", ".join(mission.map_types)
-        print(f"{source.title} has one kind of picture; it is written as {kinds}", file=sys.stderr)
+        print(f"{printable(source.title)} has one kind of picture; it is written as {kinds}", file=sys.stderr)
     return result
 
 
@@ -263,7 +264,7 @@ def print_written(result: CaptureResult | PairResult) -> None:
 def print_failed(failed: Sequence[Failure], named_in: Path) -> None:
     """Name the first images that failed, and where the others are named."""
     for failure in failed[:NAMED_FAILURES]:
-        print(f"failed: {failure.map_type}/{failure.name}: {failure.reason}", file=sys.stderr)
+        print(printable(f"failed: {failure.map_type}/{failure.name}: {failure.reason}"), file=sys.stderr)
     if len(failed) > NAMED_FAILURES:
         print(f"failed: {len(failed) - NAMED_FAILURES:,} more, named in {named_in}", file=sys.stderr)
 

@@ -11,6 +11,7 @@ import numpy as np
 
 from ...errors import InvalidInput, PartError, SourceError
 from ...geodesy.mercator import PixelGrid
+from ...text import printable
 from ..policy import Policy
 from ..source import Part, Pixels, Window, tile_parts
 from .colours import Colours, colours_of
@@ -35,6 +36,8 @@ _LEAST_OF_BLOCKS = 2.0
 _STRIP_PX = 1 << 20
 #: Slivers of a pixel that are not worth reading it: the noise of positions, far below what `means` lets pass.
 _SLIVER_PX = 1e-5
+#: Characters of a credit that are kept.
+_CREDIT_CHARACTERS = 4096
 #: Tags that say whose a picture is, the best first.
 _CREDITS = ("TIFFTAG_COPYRIGHT", "COPYRIGHT", "EXIF_Copyright", "TIFFTAG_ARTIST")
 
@@ -103,7 +106,7 @@ class RasterSource:
         self.title = Path(path).name
         self.date = date
         credit = next((facts.tags[tag] for tag in _CREDITS if facts.tags.get(tag, "").strip()), "")
-        self.attribution = " ".join(credit.split()) or self.title
+        self.attribution = " ".join(printable(credit[:_CREDIT_CHARACTERS]).split()) or self.title
         self._path = path
         self._colours: Colours = colours_of(facts)
         self._place = Place(facts)

@@ -76,7 +76,7 @@ def wms_entry(name: str, document: Document, tile_px: int) -> CatalogueEntry:
     highest = _highest_zoom(layers, tile_px)
     return CatalogueEntry(
         name=name,
-        title=", ".join(one_line(layer.title) or str(layer.id) for layer in layers),
+        title=", ".join(one_line(layer.title) or one_line(layer.id) for layer in layers),
         kind="xyz",
         area="",
         attribution=credit_of((getattr(layers[0], "attribution", None) or {}).get("title"), service.provider),

@@ -76,7 +76,7 @@ def wmts_entry(name: str, document: Document) -> CatalogueEntry:
     zooms = sorted(levels)
     return CatalogueEntry(
         name=name,
-        title=one_line(layer.title) or layer.id,
+        title=one_line(layer.title) or one_line(layer.id),
         kind="xyz",
         area="",
         attribution=credit_of(None, getattr(service, "provider", None)),
