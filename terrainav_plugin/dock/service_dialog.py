@@ -12,7 +12,6 @@ from qgis.PyQt.QtCore import Qt
 from qgis.PyQt.QtWidgets import (
     QDialog,
     QDialogButtonBox,
-    QLabel,
     QLineEdit,
     QListWidget,
     QListWidgetItem,
@@ -26,6 +25,7 @@ from ..help import add_help_button
 from ..i18n import number_text, told, tr
 from ..layers.connections import ServiceConnection
 from ..network.transport import QgisTransport
+from ..plain import plain_label, shown_plain
 from ..settings import Settings, credential_home
 from ..task import Task
 
@@ -130,7 +130,7 @@ class ServiceDialog(QDialog):
         self.list = QListWidget()
         self.list.setObjectName("layers")
         self.list.setToolTip(tr("Layers that the service offers"))
-        self.told = QLabel()
+        self.told = plain_label()
         self.told.setObjectName("told")
         self.told.setWordWrap(True)
         self.buttons = QDialogButtonBox(
@@ -176,7 +176,7 @@ class ServiceDialog(QDialog):
             title = layer.title or layer.name
             item = QListWidgetItem(title)
             item.setData(Qt.ItemDataRole.UserRole, layer.name)
-            item.setToolTip(layer.name)
+            item.setToolTip(shown_plain(layer.name))
             self.list.addItem(item)
         text = tr("{count} layers").format(count=number_text(len(task.layers)))
         if self._service.key:
@@ -200,7 +200,7 @@ class ServiceDialog(QDialog):
         wanted = text.strip().casefold()
         for row in range(self.list.count()):
             item = self.list.item(row)
-            item.setHidden(wanted not in f"{item.text()} {item.toolTip()}".casefold())
+            item.setHidden(wanted not in f"{item.text()} {item.data(Qt.ItemDataRole.UserRole)}".casefold())
 
     def _chosen(self) -> str:
         items = [item for item in self.list.selectedItems() if not item.isHidden()]
