@@ -125,7 +125,7 @@ class MBTilesSource:
                 if cancelled is not None and cancelled():
                     raise Cancelled("cancelled while waiting for the file") from None
                 if self._clock.is_over():
-                    raise PartError(f"{tile}: {Path(self.name).name} {_TOO_SLOW}") from wrong
+                    raise _too_slow(str(tile)) from wrong
                 if fault(wrong) != "busy" or time.monotonic() > until_s:
                     raise PartError(f"{tile}: {Path(self.name).name} cannot be read ({wrong})") from wrong
 
@@ -165,10 +165,9 @@ def open_mbtiles(path: str | os.PathLike[str]) -> MBTilesSource:
         rows, sample = _first_look(connection)
         source = MBTilesSource(file, connection, clock, rows, _grid(file, connection, rows, sample))
     except sqlite3.Error as wrong:
-        slow = clock.is_over()
-        failure = InvalidInput(
-            f"MBTiles {file}: {_TOO_SLOW if slow else f'is no MBTiles file, or is damaged ({wrong})'}"
-        )
+        failure = InvalidInput(f"MBTiles {file}: is no MBTiles file, or is damaged ({wrong})")
+        if clock.is_over():
+            failure = InvalidInput(str(_too_slow(f"MBTiles {file}")))
     except InvalidInput as wrong:
         failure = wrong
     else:
@@ -198,10 +197,11 @@ class _Clock:
         return self.is_over() or (self._cancelled is not None and self._cancelled())
 
 
-_TOO_SLOW = (
-    f"takes more than {MAX_QUERY_S:g} s to look a tile up; give it an index: "
-    "CREATE UNIQUE INDEX tile_index ON tiles (zoom_level, tile_column, tile_row)"
-)
+def _too_slow(what: str) -> PartError:
+    return PartError(
+        f"{what}: takes more than {MAX_QUERY_S:g} s to look a tile up; give the file an index: "
+        "CREATE UNIQUE INDEX tile_index ON tiles (zoom_level, tile_column, tile_row)"
+    )
 
 
 def _opened(file: Path, clock: _Clock) -> sqlite3.Connection:
