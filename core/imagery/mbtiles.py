@@ -32,8 +32,6 @@ _WAIT_S = 0.25
 _LONGEST_WAIT_S = 10.0
 _HIGHEST_ZOOM = 30
 _GZIP = b"\x1f\x8b"
-#: Lines of metadata that are of use here.
-_METADATA = tuple("name attribution date license licence format bounds minzoom maxzoom".split())
 #: Steps of SQLite between two looks at the time.
 _STEPS = 10_000
 #: What views of a file may do: read and compute. Functions that make something large of nothing, and those whose
@@ -41,7 +39,16 @@ _STEPS = 10_000
 _FUNCTIONS = frozenset(
     "abs coalesce count ifnull iif length lower max min nullif round substr substring sum total typeof upper".split()
 )
-_TILE = f"CASE WHEN length(tile_data) <= {MAX_STORED_TILE_BYTES} THEN tile_data END"
+#: Metadata that are of use here, a tile by its place, and any tile.
+_METADATA = (
+    "SELECT name, substr(value, 1, ?) FROM metadata WHERE name IN "
+    "('name', 'attribution', 'date', 'license', 'licence', 'format', 'bounds', 'minzoom', 'maxzoom') LIMIT 100"
+)
+_TILE = (
+    "SELECT CASE WHEN length(tile_data) <= ? THEN tile_data END FROM tiles "
+    "WHERE zoom_level = ? AND tile_column = ? AND tile_row = ? LIMIT 1"
+)
+_SAMPLE = "SELECT CASE WHEN length(tile_data) <= ? THEN tile_data END FROM tiles LIMIT 1"
 
 
 class MBTilesSource:
@@ -135,9 +142,9 @@ class MBTilesSource:
                 raise Cancelled("the source was closed")
             self._clock.start(cancelled)
             row = self._connection.execute(
-                f"SELECT {_TILE} FROM tiles WHERE zoom_level = ? AND tile_column = ? AND tile_row = ? LIMIT 1",  # noqa: S608
+                _TILE,
                 # Rows are counted from the south (TMS).
-                (tile.zoom, tile.x, (1 << tile.zoom) - 1 - tile.y),
+                (MAX_STORED_TILE_BYTES, tile.zoom, tile.x, (1 << tile.zoom) - 1 - tile.y),
             ).fetchone()
         return bytes(row[0]) if row and isinstance(row[0], bytes) else None
 
@@ -243,17 +250,10 @@ def _allowed(action: int, _first: str | None, second: str | None, *_others: str 
 
 def _first_look(connection: sqlite3.Connection) -> tuple[dict[str, str], bytes]:
     """Metadata, and a tile; empty where there is none."""
-    marks = ",".join("?" * len(_METADATA))
-    rows = {
-        str(name): str(value)
-        for name, value in connection.execute(
-            f"SELECT name, substr(value, 1, {MAX_METADATA_CHARACTERS}) FROM metadata "  # noqa: S608
-            f"WHERE name IN ({marks}) LIMIT 100",
-            _METADATA,
-        )
-    }
-    found = connection.execute(f"SELECT {_TILE} FROM tiles LIMIT 1").fetchone()  # noqa: S608
-    body = found[0] if found else b""
+    found = connection.execute(_METADATA, (MAX_METADATA_CHARACTERS,))
+    rows = {str(name): str(value) for name, value in found}
+    tile = connection.execute(_SAMPLE, (MAX_STORED_TILE_BYTES,)).fetchone()
+    body = tile[0] if tile else b""
     return rows, body if isinstance(body, bytes) else b""
 
 
