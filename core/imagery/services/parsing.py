@@ -9,7 +9,6 @@ from __future__ import annotations
 import codecs
 import importlib
 import re
-from collections.abc import Iterator
 from typing import Any
 
 from ...limits import (
@@ -92,8 +91,7 @@ def root_of(body: bytes) -> Any:
         raise UnreadableXMLError("a document type or entities of its own, which are not read")
     _check_size(text)
     etree = importlib.import_module("lxml.etree")
-    parser = etree.XMLPullParser(
-        events=("start", "end"),
+    parser = etree.XMLParser(
         resolve_entities=False,
         no_network=True,
         load_dtd=False,
@@ -103,17 +101,12 @@ def root_of(body: bytes) -> Any:
         remove_comments=True,
         remove_pis=True,
     )
-    depth = 0
     try:
-        for piece in _pieces(text.encode()):
-            parser.feed(piece)
-            for event, _ in parser.read_events():
-                depth += 1 if event == "start" else -1
-                if depth > MAX_XML_DEPTH:
-                    raise UnreadableXMLError(f"elements within each other, more than {MAX_XML_DEPTH} deep")
-        root = parser.close()
+        root = etree.fromstring(text.encode(), parser)
     except etree.XMLSyntaxError as broken:
         raise UnreadableXMLError(" ".join(str(broken).split())) from None
+    if root.xpath(f"boolean({'/*' * (MAX_XML_DEPTH + 1)})"):
+        raise UnreadableXMLError(f"elements within each other, more than {MAX_XML_DEPTH} deep")
     _check_inherited(root)
     return root
 
@@ -122,11 +115,6 @@ def written(root: Any) -> bytes:
     """XML of what `root_of` has read, for other libraries to read."""
     xml: bytes = importlib.import_module("lxml.etree").tostring(root, encoding="utf-8")
     return xml
-
-
-def _pieces(body: bytes, size: int = 1 << 16) -> Iterator[bytes]:
-    for start in range(0, len(body), size):
-        yield body[start : start + size]
 
 
 def _without_wms_type(text: str) -> str:
@@ -143,35 +131,30 @@ def _check_size(text: str) -> None:
     """Refuse what would take memory or time beyond measure, before it is parsed."""
     if len(text) > MAX_DOCUMENT_BYTES or text.count("<") > 2 * MAX_XML_ELEMENTS:
         raise UnreadableXMLError(f"more than {MAX_DOCUMENT_BYTES >> 20} MB or {MAX_XML_ELEMENTS:,} elements")
-    start = text.find("<")
-    while start >= 0:
-        end = text.find("<", start + 1)
-        # Parsers compare each attribute of an element with all others.
-        if text.count("=", start, len(text) if end < 0 else end) > MAX_XML_ATTRIBUTES:
+    for piece in text.split("<"):
+        # Parsers compare each attribute of an element with all others. None is shorter than `a=""` with its space.
+        if len(piece) > 5 * MAX_XML_ATTRIBUTES and piece.count("=") > MAX_XML_ATTRIBUTES:
             raise UnreadableXMLError(f"more than {MAX_XML_ATTRIBUTES:,} attributes of one element")
-        start = end
 
 
 def _check_inherited(root: Any) -> None:
     """Refuse layers within layers that pass on more than memory and time are for: OWSLib copies it for each."""
     total = 0
-    # Of each layer that is still to be looked at: how deep it is, and how much the layers around it pass on.
-    waiting = [(root, 0, 0)]
-    while waiting:
-        element, depth, passed_on = waiting.pop()
-        children = [child for child in element if isinstance(child.tag, str)]
-        if _name(element) == "Layer":
-            depth += 1
-            passed_on += sum(
-                max(len((child.text or "").split()), 1) for child in children if _name(child) in _INHERITED
+    # Of each layer, after those around it: how deep it is, and how much it passes on.
+    known: dict[Any, tuple[int, int]] = {}
+    for layer in root.iter("{*}Layer"):
+        depth, passed_on = known.get(layer.getparent(), (0, 0))
+        depth += 1
+        passed_on += sum(
+            max(len((child.text or "").split()), 1) for child in layer if _name(child) in _INHERITED
+        )
+        known[layer] = depth, passed_on
+        # OWSLib reads a layer once more for each of those around it.
+        total += depth * (1 + passed_on + len(layer))
+        if total > MAX_XML_INHERITED:
+            raise UnreadableXMLError(
+                f"layers that pass on more than {MAX_XML_INHERITED:,} properties to those within them"
             )
-            # OWSLib reads a layer once more for each of those around it.
-            total += depth * (1 + passed_on + len(children))
-            if total > MAX_XML_INHERITED:
-                raise UnreadableXMLError(
-                    f"layers that pass on more than {MAX_XML_INHERITED:,} properties to those within them"
-                )
-        waiting.extend((child, depth, passed_on) for child in children)
 
 
 def _name(element: Any) -> str:
