@@ -94,7 +94,9 @@ def drivers_for(path: str) -> list[str]:
     if path.startswith("/vsi"):
         # What a VRT there names cannot be looked at.
         return [name for name in DRIVERS if name != "VRT"]
-    _check(Path(path), (Path(path).parent, *_folders()), 0, set())
+    file = Path(path)
+    # A link leads to what the user has named by it; GDAL takes names in a VRT from there.
+    _check(file, (file.parent, file.resolve().parent, *_folders()), 0, set())
     return list(DRIVERS)
 
 
@@ -150,13 +152,14 @@ def _is_within(path: Path, folder: Path) -> bool:
 def _places(vrt: Path, name: str, relative: str | None) -> Iterator[Path]:
     """Where a name in a VRT may lead to: GDAL takes it from the VRT's folder or from the current one."""
     name = name.strip()
-    if Path(name).is_absolute() or _ELSEWHERE.search(name) is None:
-        if relative != "1":
-            yield Path.cwd() / name
-        if relative != "0":
-            yield vrt.parent / name
-        return
-    raise InvalidInput(f"{vrt.name} reads {name.partition('?')[0][:80]!r}, which is no file beside it")
+    inside = Path(name).is_absolute() and not name.startswith("/vsi")
+    if "<" in name or not (inside or _ELSEWHERE.search(name) is None):
+        raise InvalidInput(f"{vrt.name} reads {name.partition('?')[0][:80]!r}, which is no file beside it")
+    if relative != "1":
+        yield Path.cwd() / name
+    if relative != "0":
+        yield vrt.parent / name
+        yield vrt.resolve().parent / name
 
 
 def _head(file: Path, size: int = _HEAD_BYTES) -> bytes:

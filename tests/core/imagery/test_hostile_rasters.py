@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import re
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -182,6 +183,21 @@ def test_other_places_that_a_vrt_names_data_in(folder, outside, library, change)
 def test_a_link_beside_a_vrt_leads_nowhere_else(folder, outside, library):
     (folder / "own.tif").symlink_to(outside)
     assert "is not beside it" in refusal(naming(folder / "map.vrt", outside, "own.tif", "1"))
+
+
+@pytest.mark.skipif(os.name == "nt", reason="links need rights there")
+def test_a_link_to_a_vrt_reads_what_is_beside_that(folder, outside, library):
+    vrt_of(outside.parent / "own.vrt", outside)
+    (folder / "map.vrt").symlink_to(outside.parent / "own.vrt")
+    source = open_raster(folder / "map.vrt")
+    assert (source.fetch("", TILE) == 77).all()
+    source.close()
+
+
+def test_no_folder_of_the_user_opens_the_network(folder, outside, server, library, monkeypatch):
+    monkeypatch.setenv("TERRAINAV_RASTER_FOLDERS", Path.cwd().anchor)
+    assert "no file beside it" in refusal(naming(folder / "map.vrt", outside, f"/vsicurl/{server.url}/x.tif"))
+    assert server.asked == []
 
 
 @pytest.mark.parametrize("hidden", ["own.wms", "map.tif", "by vrt", "overviews", "mask", "in a tiff"])
