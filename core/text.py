@@ -21,6 +21,8 @@ MASK = "***"
 #: Largest number read: more than anything that is counted.
 _LARGEST_DIGITS = 18
 _WORDS_CHARACTERS = 200
+#: What begins a formula in the programs that tables are opened with.
+_FORMULA = ("=", "+", "-", "@", "\t", "\r")
 #: Characters beyond those looked at in which a key that begins before them ends.
 _KEY_CHARACTERS = 4096
 _TAG = re.compile(r"<(?:(!--)|/?([a-zA-Z][a-zA-Z0-9]*)|[!?/])")
@@ -56,7 +58,13 @@ def one_line(text: str | None, most: int = MAX_LINE_CHARACTERS) -> str:
 
 def printable(text: str) -> str:
     """Text with spaces for characters that steer terminals or the direction of writing, and other invisible ones."""
-    return "".join(one if one.isprintable() else " " for one in text)
+    return text if text.isprintable() else "".join(one if one.isprintable() else " " for one in text)
+
+
+def table_cell(text: str) -> str:
+    """Text for a table, which no program takes for a formula: an apostrophe stands before one."""
+    plain = printable(text)
+    return f"'{plain}" if text.startswith(_FORMULA) else plain
 
 
 def shortened(text: str, most: int) -> str:
@@ -172,17 +180,24 @@ class Secrets:
 
     def masked(self, text: str) -> str:
         """Text with asterisks for the keys, and for the beginning of one where it was cut short."""
+        return self._with(MASK, text, lambda plain, form: _places(plain, form) + _cut_short(plain, form))
+
+    def replaced(self, text: str, by: str) -> str:
+        """Text with ``by`` in the place of the keys."""
+        return self._with(by, text, _places)
+
+    def _with(self, by: str, text: str, places: Callable[[bytes, bytes], list[tuple[int, int]]]) -> str:
         if not self._forms:
             return text
         plain, starts = _read(text)
-        found = [place for form in self._forms for place in _places(plain, form)]
+        found = [place for form in self._forms for place in places(plain, form)]
         if not found:
             return text
         written, pieces, at = text.encode("utf-8", "replace"), [], 0
         for begin, end in sorted(found):
             if starts[end] > at:
-                # Of keys that overlap, one mask.
-                pieces += [written[at : starts[begin]], MASK.encode()] if starts[begin] >= at else []
+                # Keys that overlap are replaced once.
+                pieces += [written[at : starts[begin]], by.encode()] if starts[begin] >= at else []
                 at = starts[end]
         return b"".join([*pieces, written[at:]]).decode("utf-8", "replace")
 
@@ -214,12 +229,17 @@ def _read(text: str) -> tuple[bytes, list[int] | range]:
 
 
 def _places(plain: bytes, form: bytes) -> list[tuple[int, int]]:
-    """Where a key begins and ends, and what of one stands before the mark of what was cut short."""
+    """Where a key begins and ends."""
     found, at = [], plain.find(form)
     while at >= 0:
         found.append((at, at + len(form)))
         at = plain.find(form, at + len(form))
-    # Only one can be the end of what was cut short.
+    return found
+
+
+def _cut_short(plain: bytes, form: bytes) -> list[tuple[int, int]]:
+    """Where the beginning of a key stands before the last mark of what was cut short; that mark is its end."""
+    found = []
     cut = plain.rfind(CUT.encode())
     partly = _PARTLY_SPELLED.search(plain, max(cut - _PARTLY_SPELLED_BYTES, 0), cut) if cut >= 0 else None
     for end in {cut, partly.start() if partly else cut} - {-1}:

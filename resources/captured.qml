@@ -147,6 +147,6 @@
   <blendMode>0</blendMode>
   <featureBlendMode>0</featureBlendMode>
   <layerOpacity>1</layerOpacity>
-  <mapTip>&lt;b>[% "name" %]&lt;/b></mapTip>
+  <mapTip>&lt;b>[% replace(replace(&quot;name&quot;, '&amp;', '&amp;amp;'), '&lt;', '&amp;lt;') %]&lt;/b></mapTip>
   <layerGeometryType>2</layerGeometryType>
 </qgis>

@@ -21,6 +21,7 @@ from qgis.PyQt.QtWidgets import (
 )
 
 from .i18n import tr
+from .plain import escaped
 
 TITLE = "TerrAInav"
 #: What QGIS calls its log panel.
@@ -34,8 +35,8 @@ _SECONDS = {Qgis.MessageLevel.Info: 8, Qgis.MessageLevel.Success: 12}
 
 
 def log(text: str, level: Qgis.MessageLevel = Qgis.MessageLevel.Info) -> None:
-    """Write a line to the log panel's TerrAInav tab."""
-    QgsMessageLog.logMessage(text, TITLE, level, notifyUser=False)
+    """Write a line to the log panel's TerrAInav tab, which shows HTML where there is some."""
+    QgsMessageLog.logMessage(escaped(text) if "<" in text else text, TITLE, level, notifyUser=False)
 
 
 class LogPanelHandler(logging.Handler):
@@ -129,7 +130,8 @@ class Messages(QObject):
         logged: str = "",
     ) -> QgsMessageBarItem:
         log(logged or (f"{text}\n{details}" if details else text), level)
-        item = QgsMessageBarItem(TITLE, text, level, _SECONDS.get(level, 0))
+        # The bar reads every text as HTML.
+        item = QgsMessageBarItem(TITLE, escaped(text), level, _SECONDS.get(level, 0))
         fitting = _Fitting(item)
         if action is not None:
             fitting.buttons.addWidget(self._button(item, *action))

@@ -20,6 +20,7 @@ UNITS = ("m", "ft")
 _CACHE_ENV = "TERRAINAV_CACHE_DIR"
 #: Of a template: a name of 253 letters and what stands in it in braces.
 _LONGEST_HOST = 1000
+_ADDRESS = re.compile(r"(https?)://([^/?#]*)", re.IGNORECASE)
 #: As `Placeholder` takes them.
 _DIGEST = re.compile(r"\b[0-9a-f]{16,64}\b")
 
@@ -179,11 +180,19 @@ def credential_name(source: str) -> str:
     Addresses go by their host, so that credentials given for one are not sent to another. Layers of the project, files
     and connections of QGIS have none here.
     """
-    address = re.search(r"https?://([^/?#]*)", source, re.IGNORECASE)
+    address = _ADDRESS.search(source)
     if address:
-        host = address.group(1).rpartition("@")[2].lower()
+        host = address.group(2).rpartition("@")[2].lower()
         if len(host) > _LONGEST_HOST:
             return ""
         return re.sub(r"[\w-]*(\{[^{}]*\}|\[[^\[\]]*\])[\w-]*\.?", "", host)
     known = re.fullmatch(r"[a-z0-9][a-z0-9_.:-]*", source) and not source.startswith("qgis:")
     return source if known else ""
+
+
+def credential_home(source: str) -> tuple[str, str]:
+    """Scheme and host that a source's credentials are for; empty for a source that is no address."""
+    address = _ADDRESS.search(source)
+    if address is None:
+        return "", ""
+    return address.group(1).lower(), credential_name(source).partition(":")[0]

@@ -17,7 +17,7 @@ from .i18n import number_text, told, tr
 from .layers.connections import Connection, connection, is_connection
 from .layers.snapshot import Snapshot, grid_of_layers, is_of_qgis, policies_of_layers, take_snapshot
 from .layers.source import LayerSource
-from .settings import Settings
+from .settings import Settings, credential_home
 
 if TYPE_CHECKING:
     from ..core.geodesy.mercator import PixelGrid
@@ -165,8 +165,10 @@ def transport_for(source: str, connections: int | None = None) -> QgisTransport:
     wanted = settings.connections if connections is None else connections
     if is_connection(source):
         known = connection(source)
-        return QgisTransport(wanted, authcfg=known.authcfg, headers=known.headers)
-    return QgisTransport(wanted, authcfg=authcfg_of_requests(source))
+        return QgisTransport(
+            wanted, authcfg=known.authcfg, headers=known.headers, home=credential_home(known.url)
+        )
+    return QgisTransport(wanted, authcfg=authcfg_of_requests(source), home=credential_home(source))
 
 
 def authcfg_of_requests(source: str) -> str:
@@ -187,9 +189,15 @@ def credentials_problem(source: str) -> str:
     if is_connection(source):
         return problem_with(connection(source).authcfg, is_key=False)
     authcfg, is_key = Settings().authcfg(source), needs_key(source)
-    # The command's way to hand a key over holds here as well.
-    if is_key and not authcfg and _entry_of(source).key(None):
-        return ""
+    # The command's way to hand a key over holds here as well, for hosts that the user has named with it.
+    if is_key and not authcfg:
+        from ..core.imagery.opening import key_of_environment
+
+        try:
+            if key_of_environment(source):
+                return ""
+        except SourceError as wrong:
+            return told(wrong)
     return problem_with(authcfg, is_key)
 
 

@@ -32,7 +32,8 @@ class Task(QgsTask):
     ended = pyqtSignal(object)
 
     def __init__(self, description: str) -> None:
-        super().__init__(description, TASK_FLAGS)
+        # QGIS shows it in a tooltip, which finds out by itself whether it is HTML.
+        super().__init__(description.replace("<", "‹"), TASK_FLAGS)
         self.error = ""
         self.trace = ""
 

@@ -7,6 +7,7 @@ import json
 from typing import TYPE_CHECKING, Any
 
 from ..errors import InvalidInput
+from ..text import printable
 from .exits import DONE
 
 if TYPE_CHECKING:
@@ -55,7 +56,11 @@ def run_cache(arguments: argparse.Namespace) -> int:
         return DONE
     for file in files:
         what = ", ".join(filter(None, (file.title, file.map_type, file.date)))
-        print(f"{file.source:22s}{what}: {file.tiles:,} tiles of {file.tile_px} px, {size_text(file.bytes)}")
+        print(
+            printable(
+                f"{file.source:22s}{what}: {file.tiles:,} tiles of {file.tile_px} px, {size_text(file.bytes)}"
+            )
+        )
         print(f"{'':22s}{file.path.name}")
     total = sum(file.bytes for file in files)
     print(f"{len(files)} files, {size_text(total)} in {cache.folder} (limit {size_text(cache.limit_bytes)})")

@@ -15,8 +15,10 @@ from typing import TYPE_CHECKING, Any
 
 from ..errors import InvalidInput
 from ..mission.options import OPTIONS, RUN_OPTIONS
+from ..text import printable
 from .caching import opened_cache
 from .exits import DONE, INCOMPLETE, STOPPED
+from .parsing import names_source
 
 if TYPE_CHECKING:
     from ..capture.runner import CaptureResult, Failure, Progress, Repeat
@@ -28,25 +30,27 @@ if TYPE_CHECKING:
 #: Failed pictures named on the terminal; all are in the journal and the tables.
 NAMED_FAILURES = 10
 _BAR_WIDTH = 30
+#: Beside the options' values: whether the user has named the source himself.
+NAMED = "named_by_user"
 #: Requests that a report may make for the few pictures it measures on.
 _REPORT_REQUESTS = 200
 
 
 def _settings(arguments: argparse.Namespace) -> tuple[Mission, dict[str, Any]]:
-    """Return the mission asked for, and the options of its run."""
+    """Return the mission asked for, and the options of its run, `NAMED` among them."""
     from ..mission.mission import Mission
     from ..mission.settings import mission_from, resolve
 
     given = {option.name: getattr(arguments, option.name) for option in OPTIONS}
     if arguments.mission_file is None:
         values = resolve(given, config=arguments.config)
-        return mission_from(values), values
+        return mission_from(values), {**values, NAMED: names_source(arguments)}
     for name, value in given.items():
         if value is not None and name not in RUN_OPTIONS:
             raise InvalidInput(
                 f"mission file {arguments.mission_file!r} and --{name.replace('_', '-')}: give one of the two"
             )
-    return Mission.load(arguments.mission_file), resolve(given, config=arguments.config)
+    return Mission.load(arguments.mission_file), {**resolve(given, config=arguments.config), NAMED: False}
 
 
 @contextmanager
@@ -61,6 +65,7 @@ def _opened(mission: Mission, values: dict[str, Any], *, plan_only: bool) -> Ite
         cache=None if plan_only else opened_cache(values),
         placeholders=values["placeholder"] or (),
         plan_only=plan_only,
+        named_by_user=values[NAMED],
     )
     try:
         yield source
@@ -105,7 +110,7 @@ def _print_summary(worked_out: Plan, source: Source, values: dict[str, Any], as_
         more = f"; this mission takes {needed:,}" if policy.stops(needed) else ""
         lines.append(("terms", f"{policy.licence or 'licence not stated'}; {policy.text()}{more}"))
     for label, text in [*lines, *summary.lines(), ("cost", cost.text(len(worked_out)))]:
-        print(f"{label:24s}{text}")
+        print(printable(f"{label:24s}{text}"))
 
 
 def run_plan(arguments: argparse.Namespace) -> int:
@@ -213,7 +218,7 @@ def _run(
         bar.close()
     if not source.map_types:
         kinds = ", ".join(mission.map_types)
-        print(f"{source.title} has one kind of picture; it is written as {kinds}", file=sys.stderr)
+        print(f"{printable(source.title)} has one kind of picture; it is written as {kinds}", file=sys.stderr)
     return result
 
 
@@ -259,7 +264,7 @@ def print_written(result: CaptureResult | PairResult) -> None:
 def print_failed(failed: Sequence[Failure], named_in: Path) -> None:
     """Name the first images that failed, and where the others are named."""
     for failure in failed[:NAMED_FAILURES]:
-        print(f"failed: {failure.map_type}/{failure.name}: {failure.reason}", file=sys.stderr)
+        print(printable(f"failed: {failure.map_type}/{failure.name}: {failure.reason}"), file=sys.stderr)
     if len(failed) > NAMED_FAILURES:
         print(f"failed: {len(failed) - NAMED_FAILURES:,} more, named in {named_in}", file=sys.stderr)
 

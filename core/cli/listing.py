@@ -9,6 +9,7 @@ import textwrap
 from typing import TYPE_CHECKING, Any
 
 from ..errors import InvalidInput, SourceError
+from ..text import printable
 from .exits import DONE
 
 if TYPE_CHECKING:
@@ -32,7 +33,7 @@ def _list(arguments: argparse.Namespace) -> int:
     own = shelf()
     entries = (*shipped(), *own.entries)
     for problem in own.problems.values():
-        print(f"terrainav: {problem}", file=sys.stderr)
+        print(f"terrainav: {printable(problem)}", file=sys.stderr)
     if arguments.json:
         print(json.dumps([entry.to_dict() for entry in entries], indent=1))
         return DONE
@@ -56,27 +57,27 @@ def _show(arguments: argparse.Namespace) -> int:
     from ..imagery.services.ogc import is_service, layers, names_layer
 
     if is_service(arguments.source) and not names_layer(arguments.source):
-        offered = layers(arguments.source)
+        offered = layers(arguments.source, named_by_user=True)
         if arguments.json:
             print(json.dumps([{"name": layer.name, "title": layer.title} for layer in offered], indent=1))
             return DONE
         if not offered:
             raise SourceError(f"{arguments.source}: offers no layers")
         for layer in offered:
-            print(f"{layer.name:{_COLUMN}s} {layer.title}")
+            print(printable(f"{layer.name:{_COLUMN}s} {layer.title}"))
         return DONE
-    entry = entry_of(arguments.source)
+    entry = entry_of(arguments.source, named_by_user=True)
     if arguments.json:
         print(json.dumps(entry.to_dict(), indent=1))
         return DONE
     for label, text in _described(entry):
         if text:
-            print(f"{label:{_COLUMN}s}{text}")
+            print(printable(f"{label:{_COLUMN}s}{text}"))
     if entry.dates is not None and entry.dates.values:
         margin = " " * _COLUMN
         listed = ", ".join(sorted(entry.dates.values))
         wrapped = textwrap.fill(
-            listed, _WIDTH, initial_indent=margin, subsequent_indent=margin, break_on_hyphens=False
+            printable(listed), _WIDTH, initial_indent=margin, subsequent_indent=margin, break_on_hyphens=False
         )
         print(f"{'each of the dates':{_COLUMN}s}{wrapped.strip()}")
     return DONE
@@ -130,7 +131,7 @@ def _add(arguments: argparse.Namespace) -> int:
     if is_service(arguments.url):
         if arguments.default_date is not None:
             raise InvalidInput("--default-date: the dates of a service are those of its capabilities")
-        entry = service_entry(arguments.url, tile_px=arguments.tile_size)
+        entry = service_entry(arguments.url, tile_px=arguments.tile_size, named_by_user=True)
         files = list(Placeholder().with_files(placeholders).sha256)
         data = {**entry.to_data(), **given, **({"placeholder": {"sha256": files}} if files else {})}
     else:

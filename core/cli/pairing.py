@@ -13,7 +13,7 @@ from ..mission.options import OPTIONS, Option
 from .caching import opened_cache
 from .exits import DONE, INCOMPLETE, STOPPED
 from .flying import NAMED_FAILURES, Bar, interruptible, print_failed, print_repeated, print_written
-from .parsing import add_json
+from .parsing import add_json, names_source
 
 if TYPE_CHECKING:
     from ..imagery.source import Source
@@ -164,6 +164,7 @@ def run_pairs(arguments: argparse.Namespace) -> int:
         cache=None if arguments.dry_run else opened_cache(values),
         placeholders=values["placeholder"] or (),
         plan_only=arguments.dry_run,
+        named_by_user=names_source(arguments),
     )
     try:
         worked_out = plan_pairs(places, settings, source.grid)

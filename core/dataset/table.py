@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from ..errors import InvalidInput, OutputError
 from ..files import write_whole
+from ..text import table_cell
 
 Floats = NDArray[np.float64]
 Numbers = NDArray[np.int64]
@@ -29,6 +30,8 @@ _OLD_HEADERS = {"row": "rows"}
 _NEEDED = ("img_names", "columns", "rows", "lat_deg", "lon_deg", "zoom")
 _WHOLE = ("columns", "rows", "zoom")
 _TEXT = ("img_names", "source", "attribution", "imagery_date", "status", "reason")
+#: Those whose text is a provider's or a server's.
+_FOREIGN = ("source", "attribution", "imagery_date", "reason")
 #: Columns of whole numbers, written as such; readers of other datasets may find none in them.
 _PIXELS = ("left_px", "top_px", "width_px", "height_px", "image_width_px", "image_height_px")
 #: Rows that are text at a time.
@@ -284,6 +287,9 @@ def _texts(name: str, column: Sequence[str] | NDArray[Any]) -> Sequence[str]:
     """Cells of a column."""
     if isinstance(column, np.ndarray):
         return [_number(value, whole=name in _PIXELS) for value in column.tolist()]
+    if name in _FOREIGN:
+        written = {text: table_cell(text) for text in set(column)}
+        return [written[text] for text in column]
     return column
 
 

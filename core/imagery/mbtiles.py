@@ -6,6 +6,7 @@ import io
 import os
 import re
 import sqlite3
+import sys
 import threading
 import time
 from collections.abc import Mapping
@@ -16,6 +17,7 @@ from PIL import Image
 
 from ..errors import Cancelled, InvalidInput, PartError
 from ..geodesy.mercator import PixelGrid, extent_of_box
+from ..limits import MAX_METADATA_CHARACTERS, MAX_QUERY_S, MAX_STORED_TILE_BYTES, MAX_TILE_PX
 from ..text import one_line, whole_number
 from .cache.tilefile import connect, fault
 from .decode import decode
@@ -30,6 +32,23 @@ _WAIT_S = 0.25
 _LONGEST_WAIT_S = 10.0
 _HIGHEST_ZOOM = 30
 _GZIP = b"\x1f\x8b"
+#: Steps of SQLite between two looks at the time.
+_STEPS = 10_000
+#: What views of a file may do: read and compute. Functions that make something large of nothing, and those whose
+#: one call may take for ever (LIKE, GLOB), are none of them, nor is recursion.
+_FUNCTIONS = frozenset(
+    "abs coalesce count ifnull iif length lower max min nullif round substr substring sum total typeof upper".split()
+)
+#: Metadata that are of use here, a tile by its place, and any tile.
+_METADATA = (
+    "SELECT name, substr(value, 1, ?) FROM metadata WHERE name IN "
+    "('name', 'attribution', 'date', 'license', 'licence', 'format', 'bounds', 'minzoom', 'maxzoom') LIMIT 100"
+)
+_TILE = (
+    "SELECT CASE WHEN length(tile_data) <= ? THEN tile_data END FROM tiles "
+    "WHERE zoom_level = ? AND tile_column = ? AND tile_row = ? LIMIT 1"
+)
+_SAMPLE = "SELECT CASE WHEN length(tile_data) <= ? THEN tile_data END FROM tiles LIMIT 1"
 
 
 class MBTilesSource:
@@ -40,6 +59,8 @@ class MBTilesSource:
     path : Path
     connection : sqlite3.Connection
         Closed with the source.
+    clock : _Clock
+        That of the connection.
     rows : mapping
         Metadata of the file.
     grid : PixelGrid
@@ -48,16 +69,22 @@ class MBTilesSource:
     map_types: tuple[str, ...] = ()
 
     def __init__(
-        self, path: Path, connection: sqlite3.Connection, rows: Mapping[str, str], grid: PixelGrid
+        self,
+        path: Path,
+        connection: sqlite3.Connection,
+        clock: _Clock,
+        rows: Mapping[str, str],
+        grid: PixelGrid,
     ) -> None:
         self.name = str(path)
         self.title = one_line(rows.get("name", "")) or path.stem
-        self.attribution = one_line(rows.get("attribution", ""))
+        self.attribution = one_line(rows.get("attribution", ""), MAX_METADATA_CHARACTERS)
         self.grid = grid
         date = rows.get("date", "").strip()
         self.date = date if re.fullmatch(r"\d{4}(-\d\d){0,2}", date) else ""
         self.policy = Policy(licence=one_line(rows.get("license", rows.get("licence", ""))))
         self._connection: sqlite3.Connection | None = connection
+        self._clock = clock
         self._lock = threading.Lock()
 
     def __repr__(self) -> str:
@@ -100,21 +127,26 @@ class MBTilesSource:
             if cancelled is not None and cancelled():
                 raise Cancelled("cancelled while waiting for the file")
             try:
-                return self._stored(tile)
+                return self._stored(tile, cancelled)
             except sqlite3.Error as wrong:
+                if cancelled is not None and cancelled():
+                    raise Cancelled("cancelled while waiting for the file") from None
+                if self._clock.is_over():
+                    raise _too_slow(str(tile)) from wrong
                 if fault(wrong) != "busy" or time.monotonic() > until_s:
                     raise PartError(f"{tile}: {Path(self.name).name} cannot be read ({wrong})") from wrong
 
-    def _stored(self, tile: Tile) -> bytes | None:
+    def _stored(self, tile: Tile, cancelled: Stop | None) -> bytes | None:
         with self._lock:
             if self._connection is None:
                 raise Cancelled("the source was closed")
-            rows = self._connection.execute(
-                "SELECT tile_data FROM tiles WHERE zoom_level = ? AND tile_column = ? AND tile_row = ?",
+            self._clock.start(cancelled)
+            row = self._connection.execute(
+                _TILE,
                 # Rows are counted from the south (TMS).
-                (tile.zoom, tile.x, (1 << tile.zoom) - 1 - tile.y),
-            ).fetchall()
-        return bytes(rows[0][0]) if rows and isinstance(rows[0][0], bytes) else None
+                (MAX_STORED_TILE_BYTES, tile.zoom, tile.x, (1 << tile.zoom) - 1 - tile.y),
+            ).fetchone()
+        return bytes(row[0]) if row and isinstance(row[0], bytes) else None
 
 
 def open_mbtiles(path: str | os.PathLike[str]) -> MBTilesSource:
@@ -134,13 +166,15 @@ def open_mbtiles(path: str | os.PathLike[str]) -> MBTilesSource:
         raise InvalidInput(f"MBTiles {file}: cannot be read ({wrong.strerror})") from wrong
     if not there:
         raise InvalidInput(f"MBTiles {file}: is not there")
-    connection = None
+    connection, clock = None, _Clock()
     try:
-        connection = _opened(file)
+        connection = _opened(file, clock)
         rows, sample = _first_look(connection)
-        source = MBTilesSource(file, connection, rows, _grid(file, connection, rows, sample))
+        source = MBTilesSource(file, connection, clock, rows, _grid(file, connection, rows, sample))
     except sqlite3.Error as wrong:
         failure = InvalidInput(f"MBTiles {file}: is no MBTiles file, or is damaged ({wrong})")
+        if clock.is_over():
+            failure = InvalidInput(str(_too_slow(f"MBTiles {file}")))
     except InvalidInput as wrong:
         failure = wrong
     else:
@@ -150,39 +184,76 @@ def open_mbtiles(path: str | os.PathLike[str]) -> MBTilesSource:
     raise failure
 
 
-def _opened(file: Path) -> sqlite3.Connection:
+class _Clock:
+    """Ends what SQLite does for too long: a view may loop for ever. For one thread at a time."""
+
+    def __init__(self) -> None:
+        self._until_s = 0.0
+        self._cancelled: Stop | None = None
+
+    def start(self, cancelled: Stop | None = None) -> None:
+        """Begin to count the time of a look-up, which ends at once where it is cancelled."""
+        self._until_s, self._cancelled = time.monotonic() + MAX_QUERY_S, cancelled
+
+    def is_over(self) -> bool:
+        """Whether the time of the last look-up is over."""
+        return time.monotonic() > self._until_s
+
+    def __call__(self) -> bool:
+        """Whether SQLite is to stop; it asks from time to time."""
+        return self.is_over() or (self._cancelled is not None and self._cancelled())
+
+
+def _too_slow(what: str) -> PartError:
+    return PartError(
+        f"{what}: takes more than {MAX_QUERY_S:g} s to look a tile up; give the file an index: "
+        "CREATE UNIQUE INDEX tile_index ON tiles (zoom_level, tile_column, tile_row)"
+    )
+
+
+def _opened(file: Path, clock: _Clock) -> sqlite3.Connection:
     try:
-        return _readable(file, "mode=ro")
+        return _readable(file, "mode=ro", clock)
     except sqlite3.OperationalError as wrong:
         # A file in WAL mode needs companions made beside it, which a folder that is read-only does not take. Without a
         # log whose content would be missed, nobody is writing and the file may be read as it is.
         log = file.with_name(file.name + "-wal")
         if fault(wrong) != "unwritable" or (log.exists() and log.stat().st_size):
             raise
-        return _readable(file, "mode=ro&immutable=1")
+        return _readable(file, "mode=ro&immutable=1", clock)
 
 
-def _readable(file: Path, mode: str) -> sqlite3.Connection:
-    """Open a file and read its first page, as opening alone does not."""
+def _readable(file: Path, mode: str, clock: _Clock) -> sqlite3.Connection:
+    """Open a file that anybody may have made, and read its first page, as opening alone does not."""
     connection = connect(file, mode, _WAIT_S)
     try:
-        connection.execute("SELECT count(*) FROM sqlite_master").fetchall()
+        connection.execute("PRAGMA trusted_schema = OFF")
+        if sys.version_info >= (3, 11):
+            connection.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, 2 * MAX_STORED_TILE_BYTES)
+        connection.set_authorizer(_allowed)
+        clock.start()
+        connection.set_progress_handler(clock, _STEPS)
+        connection.execute("SELECT count(*) FROM sqlite_master").fetchone()
     except sqlite3.Error:
         connection.close()
         raise
     return connection
 
 
+def _allowed(action: int, _first: str | None, second: str | None, *_others: str | None) -> int:
+    """Whether a statement, or a view that it reads, may do something."""
+    right = action in (sqlite3.SQLITE_SELECT, sqlite3.SQLITE_READ) or (
+        action == sqlite3.SQLITE_FUNCTION and (second or "").lower() in _FUNCTIONS
+    )
+    return sqlite3.SQLITE_OK if right else sqlite3.SQLITE_DENY
+
+
 def _first_look(connection: sqlite3.Connection) -> tuple[dict[str, str], bytes]:
     """Metadata, and a tile; empty where there is none."""
-    rows = {
-        str(name): str(value)
-        for name, value in connection.execute("SELECT name, value FROM metadata").fetchall()
-    }
-    found = connection.execute(
-        "SELECT zoom_level, tile_column, tile_row, tile_data FROM tiles LIMIT 1"
-    ).fetchall()
-    body = found[0][3] if found else b""
+    found = connection.execute(_METADATA, (MAX_METADATA_CHARACTERS,))
+    rows = {str(name): str(value) for name, value in found}
+    tile = connection.execute(_SAMPLE, (MAX_STORED_TILE_BYTES,)).fetchone()
+    body = tile[0] if tile else b""
     return rows, body if isinstance(body, bytes) else b""
 
 
@@ -218,7 +289,10 @@ def _zooms(connection: sqlite3.Connection, rows: Mapping[str, str]) -> tuple[int
     lowest, highest = (whole_number(rows.get(name, "")) for name in ("minzoom", "maxzoom"))
     if lowest is not None and highest is not None and lowest <= highest <= _HIGHEST_ZOOM:
         return lowest, highest
-    found: Any = connection.execute("SELECT min(zoom_level), max(zoom_level) FROM tiles").fetchone()
+    # Two questions, as SQLite finds the answer to one of them in an index.
+    found: Any = connection.execute(
+        "SELECT (SELECT min(zoom_level) FROM tiles), (SELECT max(zoom_level) FROM tiles)"
+    ).fetchone()
     if not all(isinstance(zoom, int) for zoom in found):
         raise InvalidInput(f"its tiles are of zooms {found[0]!r} to {found[1]!r}; must be whole numbers")
     return int(found[0]), int(found[1])
@@ -231,6 +305,8 @@ def _tile_px(sample: bytes) -> int:
             width_px, height_px = image.size
     except (OSError, SyntaxError, ValueError, Image.DecompressionBombError, Image.DecompressionBombWarning):
         raise InvalidInput("its tiles are no pictures; must be png, jpg or webp") from None
-    if width_px != height_px:
-        raise InvalidInput(f"its tiles are of {width_px}x{height_px} px; must be square")
+    if width_px != height_px or width_px > MAX_TILE_PX:
+        raise InvalidInput(
+            f"its tiles are of {width_px}x{height_px} px; must be square, of {MAX_TILE_PX} px at most"
+        )
     return int(width_px)

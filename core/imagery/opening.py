@@ -12,6 +12,7 @@ from ..errors import InvalidInput, SourceError
 from .catalogue.entry import CatalogueEntry, under_provider
 from .catalogue.listing import entry_named
 from .catalogue.user_sources import NAME, described
+from .keys import environment_key
 from .source import Source
 from .template import Template
 
@@ -94,6 +95,7 @@ def open_source(
     cache: TileCache | None = None,
     placeholders: Iterable[str] = (),
     plan_only: bool = False,
+    named_by_user: bool = False,
 ) -> Source:
     """Open a source by name.
 
@@ -122,19 +124,26 @@ def open_source(
         Files of the provider that count as missing, beside those it is known for, by their SHA-256 or 16 of its digits.
     plan_only : bool
         The source's grid and terms are wanted, nothing will be fetched: no key is needed.
+    named_by_user : bool
+        The user has named the source himself, and no file has: where it is an address with {key}, the environment's
+        key is for its host. Otherwise that goes to the hosts of TERRAINAV_KEY_HOSTS alone.
 
     Raises
     ------
     InvalidInput
         The name, date or tile size is unknown, or the template is not valid.
     SourceError
-        A key is needed and missing, or the service or file cannot be read.
+        A key is needed and missing, or for other hosts; or the service or file cannot be read.
     """
     if connections < 1:
         raise InvalidInput(f"{connections} connections: must be 1 or more")
     if is_file(name):
         return _open_file(name, date)
-    entry = entry_of(name, key=key, tile_px=tile_px, max_zoom=max_zoom, transport=transport)
+    entry = entry_of(
+        name, key=key, tile_px=tile_px, max_zoom=max_zoom, transport=transport, named_by_user=named_by_user
+    )
+    if entry.key_env and not plan_only:
+        key = key or key_of_environment(name, named_by_user=named_by_user)
     return open_entry(
         entry,
         seed=seed,
@@ -173,7 +182,7 @@ def open_entry(
     SourceError
         A key is needed and missing.
     """
-    chosen, key = entry.date(date), entry.key(key)
+    chosen, key = entry.date(date), None if plan_only else entry.key(key)
     placeholder = entry.placeholder.with_files(placeholders)
     if entry.kind == "world":
         from .world import WorldSource
@@ -222,6 +231,7 @@ def entry_of(
     tile_px: int | None = None,
     max_zoom: int | None = None,
     transport: Transport | None = None,
+    named_by_user: bool = False,
 ) -> CatalogueEntry:
     """Entry of a source's name, as `open_source` takes them; files have none.
 
@@ -240,12 +250,32 @@ def entry_of(
     if _is_service(name):
         from .services.ogc import service_entry
 
-        return service_entry(name, key=key, tile_px=tile_px, transport=transport)
+        return service_entry(name, key=key, tile_px=tile_px, transport=transport, named_by_user=named_by_user)
     if not is_template(name):
         return entry_named(name)
     # A provider's terms hold however its tiles are asked for.
     data = described(name, tile_px=tile_px or 256, max_zoom=max_zoom)
     return under_provider(CatalogueEntry.from_dict(Template(name).text, data, user=True))
+
+
+def key_of_environment(name: str, *, named_by_user: bool = False) -> str | None:
+    """Return the key that the environment has for a source; None where there is none.
+
+    Raises
+    ------
+    InvalidInput
+        There is no such source.
+    SourceError
+        The environment's key is for other hosts.
+    """
+    if _is_service(name):
+        from .services.capabilities import Service
+
+        return environment_key([Service.named(name).host], named_by_user=named_by_user)
+    if is_template(name):
+        return environment_key(Template(name).hosts, named_by_user=named_by_user)
+    # Whose key it is, the catalogue or the user's own file says.
+    return entry_named(name).key(None)
 
 
 def _open_file(name: str, date: str | None) -> Source:

@@ -37,8 +37,10 @@ _LONGEST_HOST = 253
 _RANGE = re.compile(r"\{(\w)-(\w)\}|\[(\w)-(\w)\]|\{switch:([\w,-]+)\}")
 #: Names that keys go by in queries.
 _KEY_NAMES = re.compile(
-    r"access[-_]?(key|token)|ak|(x[-_])?api[-_]?key|app[-_]?(id|code|key)|auth([-_]?(key|token))?|client[-_]?secret"
-    r"|key|password|secret|sig(nature)?|subscription[-_]?key|tk|token",
+    r"access[-_]?(key([-_]?id)?|token)|ak|awsaccesskeyid|(x[-_])?api[-_]?key|app[-_]?(id|code|key)"
+    r"|auth([-_]?(key|token))?|authorization|bearer|client[-_]?secret|jwt|key|pass([-_]?(phrase|w(or)?d))?|pwd|secret"
+    r"|(x-(amz|goog)-)?(signature|credential|security-token)|sig|subscription[-_]?key|tk"
+    r"|((id|refresh|session|bearer|user)[-_]?)?token|user[-_]?key",
     re.IGNORECASE,
 )
 
@@ -126,6 +128,12 @@ class Template:
             raise InvalidInput(f"URL template {shown}: a brace without its partner")
         if "s" in names and not self.subdomains:
             raise InvalidInput(f"URL template {shown}: {{s}} without subdomains to put there")
+        in_host = set(_BRACES.findall(urlsplit(self.text).netloc)) - {"s"}
+        if "key" in names and in_host:
+            raise InvalidInput(
+                f"URL template {shown}: {_in_braces(sorted(in_host))} in its host; a key goes to a host that is "
+                "written out"
+            )
         missing = [name for name in ("z", "x") if name not in names]
         if not names & {"y", "-y"}:
             missing.append("y")

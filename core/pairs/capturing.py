@@ -20,6 +20,7 @@ from ..files import make_folder, write_whole
 from ..geodesy.mercator import wrap_lon_deg
 from ..imagery.source import Source
 from ..lock import open_locked
+from ..text import table_cell
 from .parts import TEST, TRAIN
 from .planning import DRONE, SATELLITE, PairPlan
 
@@ -312,12 +313,12 @@ def _row(
     pose["lon_deg"] = float(wrap_lon_deg(plan.lon_deg[image.index : image.index + 1])[0])
     return {
         "id": worked_out.ids[place],
-        "name": where.name,
+        "name": table_cell(where.name),
         "part": worked_out.parts[place],
         "view": image.view,
         "image": image.name,
         "status": "done" if there else "failed",
-        "reason": reason,
+        "reason": table_cell(reason),
         "place_lat_deg": where.lat_deg,
         "place_lon_deg": where.lon_deg,
         **pose,

@@ -5149,6 +5149,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/dataset/labels.py"/>
         <location filename="../../core/imagery/raster/source.py"/>
+        <location filename="../../core/imagery/raster/trust.py"/>
         <source>{0}: cannot be read ({1})</source>
         <translation>{0}: no se puede leer ({1})</translation>
     </message>
@@ -5768,6 +5769,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>{0} en lugar de una imagen: {1}</translation>
     </message>
     <message>
+        <location filename="../../core/imagery/keys.py"/>
+        <source>{0}: {1} is not sent there, because a file names this host and not you; set {2}={3} if the key is for it</source>
+        <translation>{0}: {1} no se envía allí, porque este servidor lo nombra un archivo y no usted; definir {2}={3} si la clave es para él</translation>
+    </message>
+    <message>
         <location filename="../../core/imagery/mbtiles.py"/>
         <source>MBTiles {0}: cannot be read ({1})</source>
         <translation>MBTiles {0}: no se puede leer ({1})</translation>
@@ -5814,8 +5820,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/mbtiles.py"/>
-        <source>its tiles are of {0}x{1} px; must be square</source>
-        <translation>sus teselas son de {0}x{1} px; deben ser cuadradas</translation>
+        <source>its tiles are of {0}x{1} px; must be square, of {2} px at most</source>
+        <translation>sus teselas son de {0}x{1} px; deben ser cuadradas, de {2} px como máximo</translation>
     </message>
     <message>
         <location filename="../../core/imagery/mbtiles.py"/>
@@ -5826,6 +5832,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/imagery/mbtiles.py"/>
         <source>{0}: is not in {1}</source>
         <translation>{0}: no está en {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/mbtiles.py"/>
+        <source>{0}: takes more than {1} s to look a tile up; give the file an index: CREATE UNIQUE INDEX tile_index ON tiles (zoom_level, tile_column, tile_row)</source>
+        <translation>{0}: tarda más de {1} s en buscar una tesela; dar al archivo un índice: CREATE UNIQUE INDEX tile_index ON tiles (zoom_level, tile_column, tile_row)</translation>
     </message>
     <message>
         <location filename="../../core/imagery/mbtiles.py"/>
@@ -6105,6 +6116,56 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>{0}: no existe tal archivo</translation>
     </message>
     <message>
+        <location filename="../../core/imagery/raster/trust.py"/>
+        <source>raster file /vsi…: holds credentials; no credentials may stand in it</source>
+        <translation>archivo ráster /vsi…: contiene credenciales; no puede haberlas en él</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/trust.py"/>
+        <source>reads {0} within more than {1} others</source>
+        <translation>lee {0} dentro de más de {1} archivos</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/trust.py"/>
+        <source>{0} describes a service or a collection, whose requests keep to no terms; name the service itself: wms:URL, wmts:URL or a URL template</source>
+        <translation>{0} describe un servicio o una colección, cuyas peticiones no respetan ninguna condición; nombrar el servicio mismo: wms:URL, wmts:URL o una plantilla de URL</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/trust.py"/>
+        <source>{0} is of no format of pictures that a VRT may read here</source>
+        <translation>{0} no es de ningún formato de imagen que un VRT pueda leer aquí</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/trust.py"/>
+        <source>{0} names other files, which are not read</source>
+        <translation>{0} nombra otros archivos, que no se leen</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/trust.py"/>
+        <source>{0} reads {1}, which is no file beside it</source>
+        <translation>{0} lee {1}, que no es un archivo junto a él</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/trust.py"/>
+        <source>{0} reads {1}, which is not beside it; set {2}={3} if that is right</source>
+        <translation>{0} lee {1}, que no está junto a él; definir {2}={3} si es correcto</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/trust.py"/>
+        <source>{0}: is a VRT of more than {1} MB</source>
+        <translation>{0}: es un VRT de más de {1} MB</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/trust.py"/>
+        <source>{0}: is a VRT that cannot be read ({1})</source>
+        <translation>{0}: es un VRT que no se puede leer ({1})</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/trust.py"/>
+        <source>{0}: is a VRT with more in it than bands of files</source>
+        <translation>{0}: es un VRT que contiene algo más que bandas de archivos</translation>
+    </message>
+    <message>
         <location filename="../../core/imagery/requests_transport.py"/>
         <location filename="../../terrainav_plugin/network/errors.py"/>
         <source>connection to {0} broke off</source>
@@ -6160,13 +6221,18 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/services/capabilities.py"/>
-        <source>capabilities of too many bytes, or with entities of their own, are not read</source>
-        <translation>las capacidades de demasiados bytes, o con entidades propias, no se leen</translation>
+        <source>capabilities of more than {0} bytes</source>
+        <translation>descripción del servicio de más de {0} bytes</translation>
     </message>
     <message>
         <location filename="../../core/imagery/services/capabilities.py"/>
         <source>capabilities that cannot be read ({0}: {1})</source>
         <translation>capacidades que no se pueden leer ({0}: {1})</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/services/capabilities.py"/>
+        <source>capabilities that cannot be read: {0}</source>
+        <translation>la descripción del servicio no se puede leer: {0}</translation>
     </message>
     <message>
         <location filename="../../core/imagery/services/capabilities.py"/>
@@ -6227,6 +6293,41 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/imagery/services/capabilities.py"/>
         <source>{0} {1}: {2} offers {3}</source>
         <translation>{0} {1}: {2} ofrece {3}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/services/parsing.py"/>
+        <source>a document type or entities of its own, which are not read</source>
+        <translation>tipo de documento o entidades propias, que no se leen</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/services/parsing.py"/>
+        <source>elements within each other, more than {0} deep</source>
+        <translation>elementos unos dentro de otros, a más de {0} niveles</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/services/parsing.py"/>
+        <source>encoding {0}: must be {1}</source>
+        <translation>codificación {0}: debe ser {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/services/parsing.py"/>
+        <source>is not {0}; must be {1}, and say which</source>
+        <translation>no es {0}; debe ser {1}, e indicar cuál</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/services/parsing.py"/>
+        <source>layers that pass on more than {0} properties to those within them</source>
+        <translation>capas que transmiten más de {0} propiedades a las que contienen</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/services/parsing.py"/>
+        <source>more than {0} MB or {1} elements</source>
+        <translation>más de {0} MB o {1} elementos</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/services/parsing.py"/>
+        <source>more than {0} attributes of one element</source>
+        <translation>más de {0} atributos de un elemento</translation>
     </message>
     <message>
         <location filename="../../core/imagery/services/wms.py"/>
@@ -6297,6 +6398,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/imagery/template.py"/>
         <source>URL template {0}: without {1}; needs {z}, {x} and {y} (or {-y}, or {q} or {{2}} alone)</source>
         <translation>plantilla de URL {0}: sin {1}; necesita {z}, {x} e {y} (o {-y}, o solo {q} o {{2}})</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/template.py"/>
+        <source>URL template {0}: {1} in its host; a key goes to a host that is written out</source>
+        <translation>plantilla de URL {0}: {1} en su servidor; una clave solo va a un servidor escrito por completo</translation>
     </message>
     <message>
         <location filename="../../core/imagery/template.py"/>

@@ -25,6 +25,7 @@ from qgis.PyQt.QtWidgets import (
 
 from ...core.dataset.clean import DEFAULT_ENTROPY
 from ..i18n import number_text, tr
+from ..plain import plain_label
 from .chart import DECIMALS, HIGHEST, LOWEST
 from .charts import Bars, Histogram
 from .clean_task import MARK, MOVE, UNDO
@@ -337,7 +338,7 @@ def _add_row(form: QFormLayout, title: str, widget: QWidget) -> None:
 
 
 def _label(name: str) -> QLabel:
-    label = QLabel()
+    label = plain_label()
     label.setObjectName(name)
     label.setWordWrap(True)
     label.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)

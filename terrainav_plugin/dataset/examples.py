@@ -10,6 +10,7 @@ from qgis.PyQt.QtGui import QColor, QIcon, QPainter, QPaintEvent, QPixmap
 from qgis.PyQt.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QToolButton, QWidget
 
 from ..i18n import number_text, tr
+from ..plain import shown_plain
 from ..viewer.picture import Picture, read_picture
 from .colours import KEPT, REJECTED
 from .entropies import Example
@@ -98,7 +99,7 @@ class ExampleStrip(QWidget):
         tip = tr("{name}\n{bits} bits; press to show it on the map").format(
             name=example.path.name, bits=number_text(example.entropy, ".3f")
         )
-        button.setToolTip(f"{tip}\n{picture.problem}" if picture.problem else tip)
+        button.setToolTip(shown_plain(f"{tip}\n{picture.problem}" if picture.problem else tip))
         button.setAccessibleName(tip)
         self._rows[button] = example.index
 

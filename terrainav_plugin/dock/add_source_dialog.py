@@ -6,6 +6,7 @@ import re
 from typing import Any
 
 from qgis.gui import QgsSpinBox
+from qgis.PyQt.QtCore import Qt
 from qgis.PyQt.QtWidgets import (
     QCheckBox,
     QDialog,
@@ -108,6 +109,7 @@ class AddSourceDialog(QDialog):
         self.cached.setChecked(True)
         self.cached.setToolTip(tr("Leave it ticked only where the provider's terms allow storing"))
         self.limits = QLabel()
+        self.limits.setTextFormat(Qt.TextFormat.RichText)
         self.limits.setObjectName("limits")
         self.limits.setWordWrap(True)
         self.buttons = QDialogButtonBox(

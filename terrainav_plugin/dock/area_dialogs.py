@@ -10,7 +10,6 @@ from qgis.PyQt.QtWidgets import (
     QDialog,
     QDialogButtonBox,
     QFormLayout,
-    QLabel,
     QRadioButton,
     QWidget,
 )
@@ -18,6 +17,7 @@ from qgis.PyQt.QtWidgets import (
 from ..compat import POINT_LAYERS, POLYGON_LAYERS
 from ..i18n import number_text, tr
 from ..map.area_layers import PointFields
+from ..plain import plain_label
 from .form_state import M_PER_FT
 from .form_widgets import NumberBox, row, spin
 
@@ -47,7 +47,7 @@ class LayerDialog(QDialog):
         if self.layer.currentLayer() is None and self.layer.count():
             # The active layer is none of those to choose from.
             self.layer.setCurrentIndex(0)
-        self.words = QLabel()
+        self.words = plain_label()
         self.words.setObjectName("words")
         self.words.setWordWrap(True)
         self.buttons = QDialogButtonBox(

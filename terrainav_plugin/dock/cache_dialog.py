@@ -8,7 +8,6 @@ from qgis.PyQt.QtWidgets import (
     QDialog,
     QDialogButtonBox,
     QHeaderView,
-    QLabel,
     QTableWidget,
     QTableWidgetItem,
     QVBoxLayout,
@@ -19,6 +18,7 @@ from ...core.errors import TerrAInavError
 from ...core.mission.estimate import size_text
 from ..help import add_help_button
 from ..i18n import localized, number_text, told, tr
+from ..plain import plain_label
 
 _ROOM_PX = (620, 320)
 
@@ -33,7 +33,7 @@ class CacheDialog(QDialog):
         self.setObjectName("terrainav_cache")
         self.setWindowTitle(tr("TerrAInav: cache"))
         self._cache = Settings().tile_cache()
-        self.told = QLabel()
+        self.told = plain_label()
         self.told.setWordWrap(True)
         self.told.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
         self.table = QTableWidget(0, 5)

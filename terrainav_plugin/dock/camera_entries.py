@@ -12,6 +12,7 @@ from qgis.PyQt.QtWidgets import QInputDialog, QLineEdit, QMenu, QToolButton
 
 from ...core.errors import InvalidInput, OutputError
 from ..i18n import told, tr
+from ..plain import shown_plain
 from .camera_choices import camera_choices, forget_camera, save_camera
 from .camera_terms import given_by, with_height
 from .choices import CameraChoice
@@ -153,7 +154,9 @@ class CameraEntries(Entries):
         self.camera.clear()
         for choice in self._cameras:
             self.camera.addItem(choice.name, choice)
-            self.camera.setItemData(self.camera.count() - 1, choice.tip, Qt.ItemDataRole.ToolTipRole)
+            self.camera.setItemData(
+                self.camera.count() - 1, shown_plain(choice.tip), Qt.ItemDataRole.ToolTipRole
+            )
         self.camera.addItem(tr("Own values"), None)
         self._name_camera(self._state)
 
@@ -170,7 +173,9 @@ class CameraEntries(Entries):
             found = next((at for at, choice in enumerate(self._cameras) if _is(choice, state)), None)
             self.camera.setCurrentIndex(len(self._cameras) if found is None else found)
             current = self.camera.currentData()
-        self.camera.setToolTip(current.tip if current is not None and current.tip else _chooser_tip())
+        self.camera.setToolTip(
+            shown_plain(current.tip) if current is not None and current.tip else _chooser_tip()
+        )
         self.remove.setEnabled(current is not None and current.user)
 
     def _save(self) -> None:

@@ -22,6 +22,7 @@ from qgis.PyQt.QtWidgets import (
 from ..help import show_help
 from ..i18n import tr
 from ..paths import icon
+from ..plain import plain_label
 from .choices import CameraChoice, SourceChoice
 from .dock_form import DockForm
 from .figures import Figures
@@ -51,6 +52,7 @@ class Dock(QgsDockWidget):
         self.hint = _wrapped_label("hint")
         self.hint.setFrameShape(QFrame.Shape.StyledPanel)
         self.hint.setMargin(6)
+        self.hint.setTextFormat(Qt.TextFormat.RichText)
         self.hint.setTextInteractionFlags(Qt.TextInteractionFlag.TextBrowserInteraction)
         self.hint.linkActivated.connect(self.hint_followed)
         self.figures = Figures()
@@ -148,7 +150,7 @@ class Dock(QgsDockWidget):
 
 
 def _wrapped_label(name: str) -> QLabel:
-    label = QLabel()
+    label = plain_label()
     label.setObjectName(name)
     label.setWordWrap(True)
     label.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)

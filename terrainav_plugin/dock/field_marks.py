@@ -31,6 +31,7 @@ class FieldMessage(QLabel):
 
     def say(self, text: str) -> None:
         """Show a text, or nothing."""
+        self.setTextFormat(Qt.TextFormat.PlainText)
         self.setText(text)
         self.setVisible(bool(text))
         self._fit()

@@ -22,6 +22,7 @@ from qgis.PyQt.QtWidgets import (
 from ..i18n import tr
 from ..layers.connections import SERVICE
 from ..paths import icon
+from ..plain import shown_plain
 from .choices import OWN, SourceChoice
 from .field_marks import FieldMarks
 from .form_state import URL_TEMPLATE
@@ -128,7 +129,7 @@ class ImageryEntries(QgsCollapsibleGroupBoxBasic):
         self._form_row(self._date_label, self._date_field, self._is_dated(choice))
         if choice is not None and choice.dates:
             self.date.setPlaceholderText(choice.default_date or tr("date"))
-            self.date.setToolTip(tr("Date of the imagery: {dates}").format(dates=choice.dates))
+            self.date.setToolTip(shown_plain(tr("Date of the imagery: {dates}").format(dates=choice.dates)))
         else:
             self.date.setPlaceholderText(tr("date"))
             self.date.setToolTip(tr("Date of the imagery, as the server takes it"))

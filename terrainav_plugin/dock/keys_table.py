@@ -8,6 +8,7 @@ from qgis.PyQt.QtWidgets import QAbstractItemView, QComboBox, QHeaderView, QTabl
 
 from ...core.errors import TerrAInavError
 from ..i18n import tr
+from ..plain import shown_plain
 from ..settings import Settings
 
 #: Rows that are seen without scrolling.
@@ -47,14 +48,14 @@ class KeysTable(QTableWidget):
         self.setRowCount(len(titles))
         for line, (name, title) in enumerate(sorted(titles.items(), key=lambda one: one[1] or one[0])):
             item = QTableWidgetItem(title or name)
-            item.setToolTip(name)
+            item.setToolTip(shown_plain(name))
             self.setItem(line, 0, item)
             chooser = QgsAuthConfigSelect()
             chooser.setObjectName(f"key_{name}")
             chooser.setConfigId(chosen.get(name, ""))
             # Its buttons beside it tell the same.
             chooser.findChild(QComboBox).setToolTip(
-                tr("Configuration for {title}").format(title=title or name)
+                shown_plain(tr("Configuration for {title}").format(title=title or name))
             )
             self.choosers[name] = chooser
             self.setCellWidget(line, 1, chooser)

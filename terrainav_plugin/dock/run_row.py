@@ -9,6 +9,7 @@ from qgis.PyQt.QtWidgets import QFrame, QHBoxLayout, QLabel, QProgressBar, QTool
 
 from ..i18n import tr
 from ..paths import icon
+from ..plain import plain_label, shown_plain
 
 _BAR_HEIGHT_PX = 6
 
@@ -48,7 +49,7 @@ class RunRow(QFrame):
         self.bar.setRange(0, 100)
         self.bar.setTextVisible(False)
         self.bar.setFixedHeight(_BAR_HEIGHT_PX)
-        self.text = QLabel()
+        self.text = plain_label()
         self.text.setObjectName("run_text")
         self.text.setWordWrap(True)
         self.text.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
@@ -125,12 +126,13 @@ class _ElidedLabel(QLabel):
 
     def __init__(self) -> None:
         super().__init__()
+        self.setTextFormat(Qt.TextFormat.PlainText)
         self._whole = ""
         self.setMinimumWidth(self.fontMetrics().averageCharWidth() * 8)
 
     def set_text(self, text: str) -> None:
         self._whole = text
-        self.setToolTip(text)
+        self.setToolTip(shown_plain(text))
         self._fit()
 
     def resizeEvent(self, event: QResizeEvent) -> None:

@@ -12,7 +12,6 @@ from qgis.PyQt.QtCore import Qt
 from qgis.PyQt.QtWidgets import (
     QDialog,
     QDialogButtonBox,
-    QLabel,
     QLineEdit,
     QListWidget,
     QListWidgetItem,
@@ -26,7 +25,8 @@ from ..help import add_help_button
 from ..i18n import number_text, told, tr
 from ..layers.connections import ServiceConnection
 from ..network.transport import QgisTransport
-from ..settings import Settings
+from ..plain import plain_label, shown_plain
+from ..settings import Settings, credential_home
 from ..task import Task
 
 if TYPE_CHECKING:
@@ -53,13 +53,16 @@ class _Capabilities(Task):
 
     def __init__(self, service: ServiceConnection, kind: str = "", layer: str = "") -> None:
         super().__init__(tr("Asking {name} for its layers").format(name=service.name))
-        from ...core.imagery.services.capabilities import MAX_DOCUMENT_BYTES
+        from ...core.limits import MAX_DOCUMENT_BYTES
 
         self.kind = kind
         self.layers: list[Offered] = []
         self.entry: CatalogueEntry | None = None
         self._service, self._layer = service, layer
-        self._transport = QgisTransport(1, max_body_bytes=MAX_DOCUMENT_BYTES, authcfg=service.authcfg)
+        home = credential_home(service.address)
+        self._transport = QgisTransport(
+            1, max_body_bytes=MAX_DOCUMENT_BYTES, authcfg=service.authcfg, home=home
+        )
 
     def work(self) -> None:
         """Ask."""
@@ -127,7 +130,7 @@ class ServiceDialog(QDialog):
         self.list = QListWidget()
         self.list.setObjectName("layers")
         self.list.setToolTip(tr("Layers that the service offers"))
-        self.told = QLabel()
+        self.told = plain_label()
         self.told.setObjectName("told")
         self.told.setWordWrap(True)
         self.buttons = QDialogButtonBox(
@@ -173,7 +176,7 @@ class ServiceDialog(QDialog):
             title = layer.title or layer.name
             item = QListWidgetItem(title)
             item.setData(Qt.ItemDataRole.UserRole, layer.name)
-            item.setToolTip(layer.name)
+            item.setToolTip(shown_plain(layer.name))
             self.list.addItem(item)
         text = tr("{count} layers").format(count=number_text(len(task.layers)))
         if self._service.key:
@@ -197,7 +200,7 @@ class ServiceDialog(QDialog):
         wanted = text.strip().casefold()
         for row in range(self.list.count()):
             item = self.list.item(row)
-            item.setHidden(wanted not in f"{item.text()} {item.toolTip()}".casefold())
+            item.setHidden(wanted not in f"{item.text()} {item.data(Qt.ItemDataRole.UserRole)}".casefold())
 
     def _chosen(self) -> str:
         items = [item for item in self.list.selectedItems() if not item.isHidden()]
@@ -229,5 +232,7 @@ def kept(entry: CatalogueEntry, service: ServiceConnection, layer: str) -> str:
     title = tr("{layer} ({service})").format(layer=entry.title, service=service.name)
     add(name, {**entry.to_data(), "title": title})
     authcfg = store_key(title, service.key) if service.key else service.authcfg
-    Settings().set_authcfg(name, authcfg)
+    # Its tiles may be on another server, which the service's capabilities name and the user has not.
+    if all(credential_home(url) == credential_home(service.address) for url in entry.urls.values()):
+        Settings().set_authcfg(name, authcfg)
     return name

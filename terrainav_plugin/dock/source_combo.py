@@ -9,6 +9,7 @@ from qgis.PyQt.QtGui import QFont, QStandardItemModel
 from qgis.PyQt.QtWidgets import QComboBox, QCompleter, QStyle
 
 from ..i18n import tr
+from ..plain import shown_plain
 from .choices import CATALOGUE, CONNECTION, FILE, OTHER, OWN, PROJECT, REGIONAL, SERVICE, SourceChoice
 from .form_widgets import Chooser
 
@@ -62,7 +63,7 @@ class SourceCombo(Chooser):
         """Add an entry at the end."""
         self.addItem(title, value)
         row = self.count() - 1
-        self.setItemData(row, title, Qt.ItemDataRole.ToolTipRole)
+        self.setItemData(row, shown_plain(title), Qt.ItemDataRole.ToolTipRole)
         self._titles.setStringList([self.itemText(at) for at in range(self.count()) if self._can_choose(at)])
 
     def choose(self, value: str) -> None:

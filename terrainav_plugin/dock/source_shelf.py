@@ -9,6 +9,7 @@ from qgis.PyQt.QtWidgets import QMessageBox, QWidget
 from ...core.errors import TerrAInavError
 from ..i18n import told, tr
 from ..messages import Messages
+from ..plain import shown_plain
 from ..settings import Settings
 from .add_source_dialog import AddSourceDialog
 from .cache_dialog import CacheDialog
@@ -89,7 +90,9 @@ class SourceShelf(QObject):
         answer = QMessageBox.question(
             self._window,
             tr("TerrAInav: remove source"),
-            tr("Remove “{title}” from your sources? Captured images stay.").format(title=choice.title),
+            shown_plain(
+                tr("Remove “{title}” from your sources? Captured images stay.").format(title=choice.title)
+            ),
         )
         if answer != QMessageBox.StandardButton.Yes:
             return

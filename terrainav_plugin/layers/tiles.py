@@ -72,14 +72,17 @@ class Tiles:
         self, layer: QgsRasterLayer, entry: Callable[[], CatalogueEntry], connection: Connection
     ) -> None:
         from ..network.transport import QgisTransport
-        from ..settings import Settings
+        from ..settings import Settings, credential_home
 
         settings = Settings()
         self.layer = layer
         self._entry, self._connection = entry, connection
         self._connections, self._cache = settings.connections, settings.tile_cache()
         self._transport = QgisTransport(
-            self._connections, authcfg=connection.authcfg, headers=connection.headers
+            self._connections,
+            authcfg=connection.authcfg,
+            headers=connection.headers,
+            home=credential_home(connection.url),
         )
         self._colours = _colours_of(layer)
         self._lock = threading.Lock()

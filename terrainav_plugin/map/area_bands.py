@@ -8,6 +8,7 @@ from qgis.PyQt.QtGui import QColor
 from qgis.PyQt.QtWidgets import QLabel
 
 from ..compat import POINT, POLYGON
+from ..plain import plain_label
 from .area_outline import Outline
 
 #: Vermillion and its tint of the Okabe-Ito palette, which colour-blind people tell apart.
@@ -63,7 +64,7 @@ class Readout:
     def say(self, text: str, at: QPoint) -> None:
         """Show a text beside a pixel, inside the canvas."""
         if self._label is None:
-            self._label = QLabel(self._canvas.viewport())
+            self._label = plain_label(parent=self._canvas.viewport())
             self._label.setObjectName("terrainav_readout")
             self._label.setAttribute(Qt.WidgetAttribute.WA_TransparentForMouseEvents)
             self._label.setStyleSheet(_READOUT_STYLE)

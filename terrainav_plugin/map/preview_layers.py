@@ -9,6 +9,7 @@ from qgis.core import Qgis, QgsVectorLayer
 
 from ..i18n import tr
 from ..paths import style
+from ..plain import escaped_field
 from .mission_group import ROLE
 from .preview_view import CRS
 
@@ -83,7 +84,7 @@ def title(role: str) -> str:
 
 
 def _map_tip(role: str) -> str:
-    name = '<b>[% "name" %]</b><br/>'
+    name = f"<b>{escaped_field('name')}</b><br/>"
     gsd = tr("{gsd} cm per pixel, {height} m above ground").format(
         gsd='[% round(100 * "gsd_m", 1) %]', height='[% round("agl_m", 1) %]'
     )

@@ -21,6 +21,7 @@ from qgis.PyQt.QtCore import QThread
 from ..compat import field
 from ..i18n import tr
 from ..paths import place_of, style
+from ..plain import escaped_field
 from .mission_group import CAPTURED, FAILED, MissionGroup, file_of
 from .mosaic import Mosaic
 from .opened_results import OpenedResults, open_raster
@@ -53,7 +54,8 @@ def show_failed(group: MissionGroup, layer: QgsVectorLayer | None) -> None:
         group.remove(FAILED)
         return
     layer.loadNamedStyle(style("failed"))
-    layer.setMapTipTemplate('<b>[% "name" %]</b> ([% "map_type" %])<br/>[% "reason" %]')
+    name, map_type, reason = (escaped_field(one) for one in ("name", "map_type", "reason"))
+    layer.setMapTipTemplate(f"<b>{name}</b> ({map_type})<br/>{reason}")
     layer.setDisplayExpression('"name" || \': \' || "reason"')
     old = group.layer(FAILED)
     if old is None:
@@ -157,13 +159,13 @@ def _name_pictures(layer: QgsVectorLayer, mission: Mission) -> None:
                 False,
             )
         )
-        tip = f'[% "{name}" %]'
+        tip = escaped_field(name)
         if mission.image_format in _SHOWN_IN_TIPS:
             tip = f'<img src="file:///{tip}" width="{_TIP_PX}"/><br/>{tip}'
         tips.append(f"<p>{tip}</p>")
     pose = '[% round("yaw_deg", 2) %]°, [% round("tilt_deg", 2) %]°, [% round("roll_deg", 2) %]°'
     attitude = tr("yaw, tilt, roll: {angles}").format(angles=pose)
-    layer.setMapTipTemplate(f'<b>[% "name" %]</b><br/>{attitude}{"".join(tips)}')
+    layer.setMapTipTemplate(f"<b>{escaped_field('name')}</b><br/>{attitude}{''.join(tips)}")
 
 
 def _above_rasters(group: MissionGroup) -> int:

@@ -21,6 +21,7 @@ from ..map.failed_images import FAILED_FILE
 from ..map.mission_group import SavedMission, saved_missions
 from ..map.results import show_failed, show_results
 from ..paths import folder_of
+from ..plain import shown_plain
 from ..runs.before import next_folder
 from ..sources import grid_finder
 from .dataset_task import DatasetTask
@@ -77,7 +78,7 @@ class Missions(QObject):
         current = str(self._folder())
         for mission in saved:
             action = menu.addAction(_plain(mission.title), partial(self.open_saved, mission))
-            action.setToolTip(mission.folder)
+            action.setToolTip(shown_plain(mission.folder))
             action.setCheckable(True)
             action.setChecked(mission.folder == current)
         menu.addSeparator()
@@ -86,7 +87,9 @@ class Missions(QObject):
         menu.addAction(tr("Open &dataset folder…"), self.ask_for_dataset)
         last = menu.addMenu(tr("Open &recent"))
         for path in recent():
-            last.addAction(_plain(str(path)), partial(self.open_path, path))
+            last.addAction(_plain(str(path)), partial(self.open_path, path)).setToolTip(
+                shown_plain(str(path))
+            )
         last.setEnabled(not last.isEmpty())
         menu.addAction(tr("&Save mission as file…"), self.save_as)
         export = menu.addAction(tr("&Export plan…"), self.plan_export.ask)

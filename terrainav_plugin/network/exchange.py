@@ -23,6 +23,10 @@ class Terms(NamedTuple):
     max_body_bytes : int
     authcfg : str
         Id of a configuration of QGIS's authentication database; empty for none.
+    private : mapping of str
+        Headers that are for the server that they were entered for, as the configuration is.
+    home : tuple of scheme and host
+        That server; its subdomains are it, too. An empty host for whichever is asked.
     """
 
     connections: int
@@ -30,6 +34,19 @@ class Terms(NamedTuple):
     headers: Mapping[str, str]
     max_body_bytes: int
     authcfg: str
+    private: Mapping[str, str] = {}
+    home: tuple[str, str] = ("", "")
+
+    def are_for(self, exchange: Exchange) -> bool:
+        """Whether configuration and private headers are for the server that an exchange asks now."""
+        parts = urlsplit(exchange.url)
+        scheme, host = self.home
+        asked = (parts.hostname or "").rstrip(".")
+        at_home = not host or (
+            (asked == host or asked.endswith("." + host)) and not (scheme == "https" != parts.scheme)
+        )
+        # Nor for one that the server points to.
+        return at_home and exchange.at_origin
 
 
 class Exchange:

@@ -37,6 +37,9 @@ class QgisTransport:
         The database has to be unlocked: no dialog opens from here.
     headers : mapping of str or None
         To be sent along with every request.
+    home : tuple of scheme and host
+        Server that both are for, as `credential_home` tells it; an empty host for every one that is asked. What a
+        server points to, or names in its capabilities, gets neither.
     """
 
     def __init__(
@@ -47,15 +50,16 @@ class QgisTransport:
         *,
         authcfg: str = "",
         headers: Mapping[str, str] | None = None,
+        home: tuple[str, str] = ("", ""),
     ) -> None:
         # Pictures do not compress further, so their Content-Length may as well be that of the picture.
         usual = {
             "User-Agent": user_agent(),
             "Accept": "image/*,*/*;q=0.1",
             "Accept-Encoding": "identity",
-            **(headers or {}),
         }
-        self._worker = NetworkWorker(Terms(connections, timeouts, usual, max_body_bytes, authcfg))
+        terms = Terms(connections, timeouts, usual, max_body_bytes, authcfg, headers or {}, home)
+        self._worker = NetworkWorker(terms)
         self._lock = threading.Lock()
         self._closed = False
         self._waiting: set[Exchange] = set()

@@ -236,8 +236,9 @@ class NetworkWorker(QObject):
             raise TransportError("the URL is not valid", again=False)
         if url.host() in self._talkative:
             raise too_many_headers()
-        authcfg = self._terms.authcfg if exchange.at_origin else ""
-        request = self._request(url, exchange.headers, authcfg)
+        trusted = self._terms.are_for(exchange)
+        private = self._terms.private if trusted else {}
+        request = self._request(url, {**private, **exchange.headers}, self._terms.authcfg if trusted else "")
         exchange.received_bytes = 0
         exchange.heard_s = self._clock_s
         place = self._place()

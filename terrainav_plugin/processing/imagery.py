@@ -42,7 +42,7 @@ class Imagery:
     def __init__(self, mission: Mission, authcfg: str = "", placeholders: tuple[str, ...] = ()) -> None:
         from ..credentials import key_in, problem_with
         from ..network.transport import QgisTransport
-        from ..settings import Settings
+        from ..settings import Settings, credential_home
         from ..sources import grid_finder, key_of, needs_key, snapshot_for, transport_for
 
         self._mission, self._placeholders = mission, placeholders
@@ -56,7 +56,7 @@ class Imagery:
         self._grid: Callable[[], PixelGrid] = grid_finder(mission)
         self._snapshot: Snapshot | None = snapshot_for(mission)
         self._transport = (
-            QgisTransport(self.connections, authcfg=authcfg)
+            QgisTransport(self.connections, authcfg=authcfg, home=credential_home(mission.source))
             if authcfg and not is_key
             else transport_for(mission.source, self.connections)
         )

@@ -8,6 +8,7 @@ from collections.abc import Collection
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from qgis.PyQt.QtGui import QTextDocument
 from qgis.PyQt.QtWidgets import QMessageBox
 
 from ...core.errors import TerrAInavError
@@ -95,8 +96,11 @@ class Questions:
         window, title = self._workflow.iface.mainWindow(), tr("TerrAInav: terms of the source")
         if not can_agree:
             # The message bar shows its first lines only.
+            plain = QTextDocument()
+            plain.setHtml(text)
+            label = tr("Terms and alternatives")
             self._messages.warning(
-                text, action=(tr("Terms and alternatives"), lambda: QMessageBox.warning(window, title, text))
+                plain.toPlainText(), action=(label, lambda: QMessageBox.warning(window, title, text))
             )
             return False
         asked = tr("Do you agree to these terms, and are you allowed to download?")

@@ -21,6 +21,7 @@ from qgis.PyQt.QtWidgets import (
 )
 
 from ..i18n import number_text, tr
+from ..plain import plain_label
 from .details import details_html
 from .picture_view import PictureView
 from .shots import Seen, Shot
@@ -65,10 +66,11 @@ class Viewer(QgsDockWidget):
         )
         self.details = QLabel()
         self.details.setObjectName("details")
+        self.details.setTextFormat(Qt.TextFormat.RichText)
         self.details.setWordWrap(True)
         self.details.setAlignment(Qt.AlignmentFlag.AlignTop)
         self.details.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
-        self.place = QLabel()
+        self.place = plain_label()
         self.place.setObjectName("place")
         self.place.setAlignment(Qt.AlignmentFlag.AlignCenter)
         self._make_buttons()

@@ -8,6 +8,7 @@ from tests.core.remedies import (  # noqa: F401
     commands,
     datasets,
     files,
+    foreign,
     imagery,
     missions,
     pairs,

@@ -12,11 +12,19 @@ import pytest
 from qgis.core import Qgis, QgsApplication, QgsAuthMethodConfig, QgsOwsConnection, QgsProject, QgsSettings
 from qgis.PyQt.QtCore import QBuffer, QIODevice
 from qgis.PyQt.QtGui import QColor, QImage
+from terrainav.core.imagery.catalogue.entry import CatalogueEntry
 from terrainav.core.imagery.catalogue.user_sources import add, described, user_sources
 from terrainav.terrainav_plugin.credentials import problem_with
-from terrainav.terrainav_plugin.layers.connections import connection, connection_names, service, without_key
+from terrainav.terrainav_plugin.dock.service_dialog import kept
+from terrainav.terrainav_plugin.layers.connections import (
+    ServiceConnection,
+    connection,
+    connection_names,
+    service,
+    without_key,
+)
 from terrainav.terrainav_plugin.settings import Settings
-from terrainav.terrainav_plugin.sources import tile_layer_uri
+from terrainav.terrainav_plugin.sources import credentials_problem, tile_layer_uri
 
 from tests.plugin.transports import MASTER_PASSWORD, PASSWORD, USER, Server
 from tests.support.services import wms_document
@@ -325,6 +333,30 @@ def test_layer_of_a_service_is_kept_as_an_own_source(desk, configured, screensho
     desk.choose(desk.form.source, entry.name)
     desk.enter_small_mission()
     assert desk.wait_planned().mission.source == entry.name
+
+
+def test_the_environment_s_key_is_for_hosts_that_the_user_names(monkeypatch):
+    """A template may come from a mission file of anybody."""
+    source = "https://tiles.example/{z}/{x}/{y}.png?k={key}"
+    monkeypatch.setenv("TERRAINAV_KEY", KEY)
+    monkeypatch.delenv("TERRAINAV_KEY_HOSTS", raising=False)
+    assert "TERRAINAV_KEY is not sent there" in credentials_problem(source)
+    monkeypatch.setenv("TERRAINAV_KEY_HOSTS", "tiles.example")
+    assert credentials_problem(source) == ""
+    monkeypatch.delenv("TERRAINAV_KEY")
+    assert "API key" in credentials_problem(source)
+
+
+def test_a_kept_layer_whose_tiles_are_elsewhere_has_no_configuration():
+    entry = CatalogueEntry.from_dict(
+        "x", described("https://elsewhere.example/{z}/{x}/{y}", title="Layer"), user=True
+    )
+    for address, authcfg in (
+        ("https://maps.example/wmts", ""),
+        ("https://elsewhere.example/wmts", "cfg1234"),
+    ):
+        name = kept(entry, ServiceConnection("Survey", address, authcfg="cfg1234"), "ortho")
+        assert Settings().authcfg(name) == authcfg
 
 
 def test_words_for_what_keeps_a_configuration_from_being_used(configured):

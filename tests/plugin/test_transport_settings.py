@@ -230,6 +230,25 @@ def test_credentials_are_not_for_the_server_that_another_points_to(server, trans
         assert "authorization" not in other.seen[0][1]
 
 
+def test_credentials_are_not_for_a_server_that_capabilities_name(server, transport_of, authcfg):
+    """Neither the configuration nor the connection's own headers: another host, and the same one in the open."""
+    options = {"authcfg": authcfg, "headers": {"X-Api-Key": "own"}}
+    for home in (("http", "tiles.example"), ("https", "127.0.0.1"), ("http", "0.0.1")):
+        transport_of(**options, home=home).get(server.url + "/")
+    transport_of(**options, home=("http", "127.0.0.1")).get(server.url + "/")
+    sent = [("authorization" in headers, "x-api-key" in headers) for _, headers in server.seen]
+    # The third is a subdomain by its name.
+    assert sent == [(False, False), (False, False), (True, True), (True, True)]
+
+
+def test_a_connection_s_headers_are_not_for_the_server_that_another_points_to(server, transport_of):
+    with Server() as other:
+        server.answer = (302, {"Location": other.url + "/there"}, b"")
+        assert transport_of(headers={"X-Api-Key": "own"}).get(server.url + "/").body == PICTURE
+        assert server.seen[0][1]["x-api-key"] == "own"
+        assert "x-api-key" not in other.seen[0][1]
+
+
 def test_a_configuration_that_is_not_there_is_said(server, transport_of, authcfg):
     with pytest.raises(
         TransportError, match="could not apply the authentication configuration 0000000"

@@ -11,6 +11,7 @@ from urllib.parse import quote
 
 from ...errors import InvalidInput
 from ...geodesy.mercator import PixelGrid, extent_of_box
+from ...limits import MAX_TILE_PX
 from ...resources import read_json
 from ..placeholder import Placeholder
 from ..policy import BULK, Policy
@@ -38,8 +39,6 @@ _KINDS_OF: dict[str, tuple[tuple[type, ...], str]] = {
     **dict.fromkeys(("map_types", "hosts", "tile_px", "bounds_deg", "levels"), _LIST),
     **dict.fromkeys(("urls", "dates", "placeholder"), _OBJECT),
 }
-#: Widest tiles that may be stated, px: 48 MB of pixels, and twice what any server is known to have.
-_WIDEST_TILE_PX = 4096
 _VARIABLE = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
 
 
@@ -144,8 +143,8 @@ class CatalogueEntry:
         if not (-180.0 <= west < east <= 180.0 and -90.0 <= south < north <= 90.0):
             raise InvalidInput(f"bounds {self.bounds_deg}: must be west, south, east, north in degrees")
         for size in self.tile_px:
-            if size > _WIDEST_TILE_PX:
-                raise InvalidInput(f"tile size {size} px: must be {_WIDEST_TILE_PX} or less")
+            if size > MAX_TILE_PX:
+                raise InvalidInput(f"tile size {size} px: must be {MAX_TILE_PX} or less")
             self.grid(size)
         for variable in (self.key_env, self.signing_env):
             if variable is not None and not _VARIABLE.fullmatch(variable):

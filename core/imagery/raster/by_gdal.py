@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from .files import STRICT_JPEG, Band, Box, Bytes, Facts, ReadError
+from .trust import DRIVERS
 
 
 @contextmanager
@@ -45,13 +46,15 @@ def _heard() -> Iterator[list[str]]:
 class GdalFile:
     """A raster, or an overview, that is open in GDAL."""
 
-    def __init__(self, path: str, level: int) -> None:
+    def __init__(self, path: str, level: int, drivers: Sequence[str] = DRIVERS) -> None:
         from osgeo import gdal
 
         self._gdal: Any = gdal
         options = [f"OVERVIEW_LEVEL={level - 1}"] if level else []
         with _heard() as said:
-            self._dataset = gdal.OpenEx(path, gdal.OF_RASTER, open_options=options)
+            self._dataset = gdal.OpenEx(
+                path, gdal.OF_RASTER, allowed_drivers=list(drivers), open_options=options
+            )
         if self._dataset is None:
             raise ReadError(said[0] if said else "no format that GDAL knows")
 

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from .files import STRICT_JPEG, Band, Box, Bytes, Facts, ReadError
+from .trust import DRIVERS
 
 #: What GDAL gives as the geotransform of a raster that has none.
 _NO_GEOTRANSFORM = (0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
@@ -39,7 +40,7 @@ class RasterioFile:
     # Python's filters of warnings belong to the process: two threads must not put them back in the wrong order.
     _opening = threading.Lock()
 
-    def __init__(self, path: str, level: int) -> None:
+    def __init__(self, path: str, level: int, drivers: Sequence[str] = DRIVERS) -> None:
         import rasterio
         from rasterio.errors import NotGeoreferencedWarning
 
@@ -47,8 +48,9 @@ class RasterioFile:
         with _refused(), self._opening, warnings.catch_warnings():
             # Said in words of our own.
             warnings.simplefilter("ignore", NotGeoreferencedWarning)
-            self._dataset: Any = rasterio.open(path, **options)
-        self._path = path
+            # As rasterio.open does, which takes one driver only.
+            self._dataset: Any = rasterio.DatasetReader(path, driver=list(drivers), **options)
+        self._path, self._drivers = path, drivers
 
     def facts(self) -> Facts:
         """Read what the file says of itself."""
@@ -67,7 +69,7 @@ class RasterioFile:
 
     def _overview_sizes(self) -> Iterator[tuple[int, int]]:
         for level in range(len(self._dataset.overviews(1)) if self._dataset.count else 0):
-            overview = RasterioFile(self._path, 1 + level)
+            overview = RasterioFile(self._path, 1 + level, self._drivers)
             yield overview._dataset.width, overview._dataset.height
             overview.close()
 

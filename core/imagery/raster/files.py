@@ -138,8 +138,8 @@ class RasterFile(Protocol):
         ...
 
 
-#: Opens a path's raster (level 0) or its overviews (from 1 on); raises ReadError.
-Opener = Callable[[str, int], RasterFile]
+#: Opens a path's raster (level 0) or its overviews (from 1 on), as one of the ``drivers`` named; raises ReadError.
+Opener = Callable[..., RasterFile]
 
 
 def opener() -> Opener:

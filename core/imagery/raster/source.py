@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import math
 import os
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 
 from ...errors import InvalidInput, PartError, SourceError
 from ...geodesy.mercator import PixelGrid
+from ...limits import MAX_METADATA_CHARACTERS
+from ...text import printable
 from ..policy import Policy
 from ..source import Part, Pixels, Window, tile_parts
 from .colours import Colours, colours_of
@@ -18,6 +21,7 @@ from .files import Box, Bytes, Facts, ReadError, file_of_part, opener
 from .mean import MOST_PX, Boxes, Floats, Sums, boxes, means, reduced
 from .place import Place
 from .pool import Pool
+from .trust import check_virtual, drivers_for
 
 #: Highest zoom served, by enlarging, where the raster's own is below: that of tiles.
 _MAX_ZOOM = 22
@@ -40,8 +44,9 @@ _CREDITS = ("TIFFTAG_COPYRIGHT", "COPYRIGHT", "EXIF_Copyright", "TIFFTAG_ARTIST"
 def open_raster(path: str | os.PathLike[str], *, date: str = "") -> RasterSource:
     """Open a raster file as a source of imagery.
 
-    Anything that GDAL reads and that says where it lies: GeoTIFF, COG, VRT, JPEG 2000, a picture with world file and
-    projection. See `RasterSource` for how its pixels become the map's.
+    A picture that says where it lies: GeoTIFF, COG, JPEG 2000, a picture with world file and projection, a VRT of
+    files beside it (`trust` says which formats, and why no others). See `RasterSource` for how its pixels become the
+    map's.
 
     Parameters
     ----------
@@ -55,12 +60,18 @@ def open_raster(path: str | os.PathLike[str], *, date: str = "") -> RasterSource
     ------
     InvalidInput
         There is no such file, it is no raster, has no place on the map, or is no picture of 8 bits; no file of the
-        date; no library that reads raster files.
+        date; no library that reads raster files; it describes data elsewhere.
     """
     name = os.fspath(path)
+    if name.startswith("/vsi"):
+        check_virtual(name)
     file, date = file_of(name, date)
     _check_there(file)
-    pool = Pool(opener(), file)
+    try:
+        drivers = drivers_for(file)
+    except InvalidInput as wrong:
+        raise InvalidInput(f"{file}: {wrong}") from wrong
+    pool = Pool(partial(opener(), drivers=drivers), file)
     try:
         with pool.lent(0) as raster:
             facts = raster.facts()
@@ -94,7 +105,7 @@ class RasterSource:
         self.title = Path(path).name
         self.date = date
         credit = next((facts.tags[tag] for tag in _CREDITS if facts.tags.get(tag, "").strip()), "")
-        self.attribution = " ".join(credit.split()) or self.title
+        self.attribution = " ".join(printable(credit[:MAX_METADATA_CHARACTERS]).split()) or self.title
         self._path = path
         self._colours: Colours = colours_of(facts)
         self._place = Place(facts)

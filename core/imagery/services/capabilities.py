@@ -2,23 +2,24 @@
 
 from __future__ import annotations
 
-import html
-import os
 import re
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
-from urllib.parse import parse_qsl, quote, quote_plus, urlencode, urlsplit, urlunsplit
+from urllib.parse import parse_qsl, quote, urlencode, urlsplit, urlunsplit
 
 from ...errors import InvalidInput, PartError, SourceError, TerrAInavError
-from ...text import first_words, one_line
+from ...limits import MAX_DOCUMENT_BYTES
+from ...text import MASK, Secrets, one_line
 from ..catalogue.entry import KEY_ENV, WORLD_DEG
 from ..client import Client
+from ..keys import environment_key
 from ..policy import Policy
 from ..requests_transport import RequestsTransport
 from ..template import check_address
 from ..transport import Transport
+from .parsing import UnreadableXMLError, root_of, written
 
 #: Choices after the # of each kind of service.
 CHOICES = {
@@ -29,8 +30,6 @@ CHOICES = {
 _ROOTS = {"wmts": rb"<(\w+:)?Capabilities\b", "wms": rb"<(\w+:)?(WMS|WMT_MS)_Capabilities\b"}
 #: Formats of tiles that can be decoded, the first that is offered is taken.
 FORMATS = ("image/png", "image/jpeg", "image/webp", "image/gif")
-#: Largest capabilities read; those of national services have some MB.
-MAX_DOCUMENT_BYTES = 32 << 20
 #: Attempts at a document: a person waits for it, and may try again.
 _TRIES = 2
 #: Layers and tile matrix sets that an error names.
@@ -110,41 +109,42 @@ class Document:
     Parameters
     ----------
     service : Service
-    body : bytes
-        With {key} where the server repeats the key.
+    root : element of lxml
+        With {key} where the server repeats the key, and nowhere else.
     url : str
         Where it came from; may hold the key.
-    key : str
-        Empty where there is none.
+    secrets : Secrets
+        The key, where there is one.
     """
 
     service: Service
-    body: bytes
+    root: Any
     url: str
-    key: str
+    secrets: Secrets
 
     def wrong(self, reason: str) -> SourceError:
         """Error about this document, in one line and without the key."""
         text = f"{self.service.kind.upper()} of {self.service.host}: {reason}"
-        return SourceError(self.without_key(text).replace("{key}", "***"))
+        return SourceError(self.secrets.masked(text).replace("{key}", MASK))
 
     def without_key(self, text: str) -> str:
         """Put {key} where the key stands."""
-        return without_key(text, self.key)
+        return self.secrets.replaced(text, "{key}")
 
 
-def fetched(service: Service, key: str | None, transport: Transport | None) -> Document:
+def fetched(
+    service: Service, key: str | None, transport: Transport | None, *, named_by_user: bool = False
+) -> Document:
     """Capabilities of a service.
 
     Raises
     ------
     SourceError
-        They cannot be had, are too large, or something else is at the address; or the key is missing.
+        They cannot be had, are too large, or something else is at the address; or the key is missing, or for others.
     """
-    key = key or os.environ.get(KEY_ENV) or ""
-    if "{key}" not in service.address:
-        key = ""
-    elif not key:
+    needs_key = "{key}" in service.address
+    key = (key or environment_key([service.host], named_by_user=named_by_user) or "") if needs_key else ""
+    if needs_key and not key:
         raise SourceError(f"{service.host}: needs an API key: set the environment variable {KEY_ENV}")
     used = RequestsTransport(1, max_body_bytes=MAX_DOCUMENT_BYTES) if transport is None else transport
     url = service.document_url(key)
@@ -158,31 +158,37 @@ def fetched(service: Service, key: str | None, transport: Transport | None) -> D
         # A transport that was given goes on to fetch the tiles.
         if transport is None:
             used.close()
-    # Servers repeat the key in the addresses they state, and in what they say; nothing of it goes on from here.
+    document = Document(service, None, url, Secrets(secrets))
     body = response.body
-    if key:
-        body = without_key(body.decode("latin-1"), key).encode("latin-1")
-    document = Document(service, body, url, key)
+    if len(body) > MAX_DOCUMENT_BYTES:
+        raise document.wrong(f"capabilities of more than {MAX_DOCUMENT_BYTES} bytes")
     plain = body.replace(b"\0", b"")
-    if len(body) > MAX_DOCUMENT_BYTES or b"<!ENTITY" in plain:
-        raise document.wrong("capabilities of too many bytes, or with entities of their own, are not read")
     found = [kind for kind, root in _ROOTS.items() if re.search(root, plain)]
     if not found:
-        words = first_words(body, response.headers.get("content-type", ""))
+        words = client.words(response)
         raise document.wrong(f"no capabilities at this address{f': {words}' if words else ''}")
     if service.kind not in found:
         raise document.wrong(
             f"the capabilities at this address are of a {found[0].upper()}: write {found[0]}:URL"
         )
-    return document
+    with reading(document):
+        root = root_of(body)
+        if key or b"{key}" in written(root):
+            _tell_keys_apart(root, document)
+    return replace(document, root=root)
 
 
-def without_key(text: str, key: str) -> str:
-    """Put {key} where a key stands, however it is written."""
-    written = {key, quote(key), quote(key, safe=""), quote_plus(key), html.escape(key)}
-    for form in sorted(written - {""}, key=len, reverse=True):
-        text = text.replace(form, "{key}")
-    return text
+def _tell_keys_apart(root: Any, document: Document) -> None:
+    """Put {key} where a document repeats the key, and nowhere else: one of its own is text, and is never filled."""
+
+    def told(text: str) -> str:
+        return document.without_key(text.replace("{key}", "%7Bkey%7D"))
+
+    for element in root.iter():
+        if element.text:
+            element.text = told(element.text)
+        for name, value in element.items():
+            element.set(name, told(value))
 
 
 @contextmanager
@@ -196,9 +202,11 @@ def reading(document: Document) -> Iterator[None]:
         raise SourceError(
             f"source {document.service.kind}:{document.service.host}: needs OWSLib: pip install owslib"
         ) from missing
+    except UnreadableXMLError as wrong:
+        raise document.wrong(f"capabilities that cannot be read: {wrong}") from None
     except (ArithmeticError, AttributeError, LookupError, SyntaxError, TypeError, ValueError) as broken:
         raise document.wrong(
-            f"capabilities that cannot be read ({type(broken).__name__}: {' '.join(str(broken).split())})"
+            f"capabilities that cannot be read ({type(broken).__name__}: {one_line(str(broken))})"
         ) from broken
 
 

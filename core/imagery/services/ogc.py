@@ -28,7 +28,12 @@ def names_layer(name: str) -> bool:
 
 
 def service_entry(
-    name: str, *, key: str | None = None, tile_px: int | None = None, transport: Transport | None = None
+    name: str,
+    *,
+    key: str | None = None,
+    tile_px: int | None = None,
+    transport: Transport | None = None,
+    named_by_user: bool = False,
 ) -> CatalogueEntry:
     """Entry of a layer of a WMTS or WMS, from its capabilities.
 
@@ -42,6 +47,8 @@ def service_entry(
         Size of tiles asked of a WMS; that of a WMTS is as it is.
     transport : Transport or None
         None for one of its own.
+    named_by_user : bool
+        As for `open_source`.
 
     Raises
     ------
@@ -50,7 +57,7 @@ def service_entry(
     SourceError
         OWSLib is missing, or the capabilities cannot be had or read, or offer nothing in Web Mercator.
     """
-    document = fetched(Service.named(name), key, transport)
+    document = fetched(Service.named(name), key, transport, named_by_user=named_by_user)
     with reading(document):
         if document.service.kind == "wmts":
             entry = wmts_entry(name, document)
@@ -59,9 +66,15 @@ def service_entry(
     return under_provider(entry)
 
 
-def layers(name: str, *, key: str | None = None, transport: Transport | None = None) -> list[Offered]:
+def layers(
+    name: str,
+    *,
+    key: str | None = None,
+    transport: Transport | None = None,
+    named_by_user: bool = False,
+) -> list[Offered]:
     """Layers a service offers; raises as `service_entry` does."""
-    document = fetched(Service.named(name), key, transport)
+    document = fetched(Service.named(name), key, transport, named_by_user=named_by_user)
     with reading(document):
         if document.service.kind == "wmts":
             return wmts_layers(document)

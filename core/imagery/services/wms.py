@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import importlib
 import math
-import re
 from collections.abc import Sequence
 from typing import Any
 from urllib.parse import urljoin
@@ -27,6 +26,7 @@ from .capabilities import (
     credit_of,
     policy_of,
 )
+from .parsing import written
 from .wmts import with_query
 
 VERSIONS = ("1.3.0", "1.1.1")
@@ -76,7 +76,7 @@ def wms_entry(name: str, document: Document, tile_px: int) -> CatalogueEntry:
     highest = _highest_zoom(layers, tile_px)
     return CatalogueEntry(
         name=name,
-        title=", ".join(one_line(layer.title) or str(layer.id) for layer in layers),
+        title=", ".join(one_line(layer.title) or one_line(layer.id) for layer in layers),
         kind="xyz",
         area="",
         attribution=credit_of((getattr(layers[0], "attribution", None) or {}).get("title"), service.provider),
@@ -99,13 +99,10 @@ def wms_entry(name: str, document: Document, tile_px: int) -> CatalogueEntry:
 def _service(document: Document) -> tuple[str, Any]:
     """Version the server answered in, and its capabilities."""
     read = importlib.import_module("owslib.wms").WebMapService
-    found = re.search(
-        rb"<(?:\w+:)?(?:WMS|WMT_MS)_Capabilities\b[^<>]*?\bversion\s*=\s*[\"']([\d.]+)", document.body
-    )
-    version = found.group(1).decode() if found else VERSIONS[0]
+    version = document.root.get("version") or VERSIONS[0]
     if version not in VERSIONS:
         raise document.wrong(f"speaks version {version}; must be {' or '.join(VERSIONS)}")
-    return version, read(document.service.address, version=version, xml=document.body)
+    return version, read(document.service.address, version=version, xml=written(document.root))
 
 
 def _crs(document: Document, layers: Sequence[Any]) -> str:

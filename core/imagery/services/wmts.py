@@ -24,6 +24,7 @@ from .capabilities import (
     credit_of,
     policy_of,
 )
+from .parsing import written
 
 #: Metres of a pixel at scale 1:1, by which WMTS states scales (OGC 07-057r7, 6.1).
 _SCALE_PX_M = 0.28e-3
@@ -75,7 +76,7 @@ def wmts_entry(name: str, document: Document) -> CatalogueEntry:
     zooms = sorted(levels)
     return CatalogueEntry(
         name=name,
-        title=one_line(layer.title) or layer.id,
+        title=one_line(layer.title) or one_line(layer.id),
         kind="xyz",
         area="",
         attribution=credit_of(None, getattr(service, "provider", None)),
@@ -98,7 +99,7 @@ def wmts_entry(name: str, document: Document) -> CatalogueEntry:
 
 def _service(document: Document) -> Any:
     read = importlib.import_module("owslib.wmts").WebMapTileService
-    return read(document.service.address, xml=document.body)
+    return read(document.service.address, xml=written(document.root))
 
 
 def _formats(layer: Any) -> list[str]:
@@ -163,9 +164,8 @@ def _levels(matrices: list[Any]) -> tuple[int, dict[int, str]] | None:
 
 def _dimensions(document: Document, layer: str) -> dict[str, Dates | str]:
     """Dimensions of a layer, which OWSLib leaves out: dates of the time, the default value of any other."""
-    etree = importlib.import_module("owslib.etree").etree
     found: dict[str, Dates | str] = {}
-    for element in etree.fromstring(document.body).iter(f"{_WMTS}Layer"):
+    for element in document.root.iter(f"{_WMTS}Layer"):
         if (element.findtext(f"{_OWS}Identifier") or "").strip() != layer:
             continue
         for dimension in element.findall(f"{_WMTS}Dimension"):
@@ -182,11 +182,11 @@ def _rest_url(document: Document, layer: Any, kind: str, filled: dict[str, str])
     for resource in layer.resourceURLs:
         if resource["resourceType"] == "tile" and resource["format"] == kind:
             text = urljoin(document.url, resource["template"])
-
-            def fill(found: re.Match[str]) -> str:
-                return _quoted(filled.get(found.group(1).lower(), found.group(0)))
-
-            return document.without_key(re.sub(r"\{([^{}]*)\}", fill, text))
+            # What is no placeholder is text, braces included, and so is what stands for one: nothing is filled twice.
+            pieces = re.split(r"\{([^{}]*)\}", text)
+            pieces[::2] = [piece.replace("{", "%7B").replace("}", "%7D") for piece in pieces[::2]]
+            pieces[1::2] = [_quoted(filled.get(name.lower(), f"{{{name}}}")) for name in pieces[1::2]]
+            return document.without_key("".join(pieces))
     return ""
 
 

@@ -269,8 +269,8 @@ def test_a_key_is_sent_and_written_nowhere(server):
         (xml(b"<Capabilities><Contents>"),
          {"wmts": "capabilities that cannot be read", "wms": "are of a WMTS: write wmts:"}),
         (xml(b"<WMS_Capabilities/>"), {"wmts": "are of a WMS: write wms:", "wms": "capabilities that cannot be read"}),
-        (xml(b'<!DOCTYPE x [<!ENTITY e SYSTEM "file:///etc/hostname">]><Capabilities>&e;</Capabilities>'), "entities"),
-        (xml('<!DOCTYPE x [<!ENTITY e "x">]><Capabilities/>'.encode("utf-16")), "entities"),
+        (xml(b'<!DOCTYPE x [<!ENTITY e SYSTEM "file:///etc/hostname">]><Capabilities>&e;</Capabilities>'),
+         {"wmts": "a document type or entities of its own, which are not read", "wms": "are of a WMTS"}),
     ],
 )  # fmt: skip
 @pytest.mark.parametrize("kind", ["wmts", "wms"])

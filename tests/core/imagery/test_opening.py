@@ -195,9 +195,9 @@ def test_the_key_of_a_template_is_the_environment_s(monkeypatch):
     with TileServer() as server:
         template = server.url_template + "?t={key}"
         with pytest.raises(SourceError, match="set the environment variable TERRAINAV_KEY"):
-            open_source(template)
+            open_source(template, named_by_user=True)
         monkeypatch.setenv("TERRAINAV_KEY", "k 1")
-        source = open_source(template, tile_px=256, max_zoom=18)
+        source = open_source(template, tile_px=256, max_zoom=18, named_by_user=True)
         assert source.grid.max_zoom == 18
         tile = source.fetch("", Window(5, 256, 512, 256, 256))
         assert (tile == positions("satellite", 5, 1, 2, 256)).all()
@@ -313,7 +313,6 @@ class Answers:
     ("template", "options", "redirects"),
     [
         ("https://{date}.openstreetmap.org/{z}/{x}/{y}.png", {"date": "tile"}, {}),
-        ("https://{key}/{z}/{x}/{y}.png", {"key": "tile.openstreetmap.org"}, {}),
         ("https://own.example/{z}/{x}/{y}.png", {}, {"own.example": "tile.openstreetmap.org"}),
         (
             "https://own.example/{z}/{x}/{y}.png",

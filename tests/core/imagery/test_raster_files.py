@@ -364,8 +364,8 @@ def test_a_file_that_is_gone_or_changes_stops_the_run(values, tmp_path, library)
 def test_a_closed_source_says_so_and_holds_no_file(values, tmp_path, library):
     opened = []
 
-    def spying(path, level):
-        file = {"gdal": GdalFile, "rasterio": RasterioFile}[library](path, level)
+    def spying(path, level, drivers):
+        file = {"gdal": GdalFile, "rasterio": RasterioFile}[library](path, level, drivers)
         opened.append(file)
         return file
 

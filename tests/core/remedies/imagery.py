@@ -404,7 +404,7 @@ def _key_of_service(case: Case) -> None:
         name = f"wmts:{server.url}/c.xml?apikey={{key}}"
         case.refused(lambda: opened(name))
         case.monkeypatch.setenv("TERRAINAV_KEY", "s3cret")
-        case.follow("set the environment variable TERRAINAV_KEY", lambda: opened(name))
+        case.follow("set the environment variable TERRAINAV_KEY", lambda: opened(name, named_by_user=True))
 
 
 @remedy("imagery/services/capabilities.py", "source {}:{}: needs OWSLib: pip install owslib")
@@ -448,8 +448,8 @@ def _key_in_url(case: Case) -> None:
     case.refused(lambda: check_address(url + "s3cret", "URL template"))
     check_address(url + "{key}", "URL template")
     case.monkeypatch.setenv("TERRAINAV_KEY", "s3cret")
-    case.follow("write apikey={key}", lambda: opened(url + "{key}"))
-    case.follow("set TERRAINAV_KEY", lambda: opened(url + "{key}"))
+    case.follow("write apikey={key}", lambda: opened(url + "{key}", named_by_user=True))
+    case.follow("set TERRAINAV_KEY", lambda: opened(url + "{key}", named_by_user=True))
 
 
 @remedy("imagery/xyz.py", "source {}: its URL has a {date}; say which")

@@ -1,0 +1,245 @@
+"""What GDAL may open for a raster source: pictures on this machine, and no more than the user has named.
+
+GDAL reads descriptions of other data as readily as data: a VRT names files anywhere on the machine, a WMS file makes
+requests that keep to no terms. Inside them no list of formats holds; so they are read here before GDAL does.
+"""
+
+from __future__ import annotations
+
+import importlib
+import os
+import re
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+from urllib.parse import unquote
+
+from ...errors import InvalidInput
+from ...limits import MAX_VRT_BYTES, MAX_VRT_DEPTH
+from ..template import check_address
+from .files import file_of_part
+
+#: Formats of pictures that name no other data, as GDAL calls them, and VRT, which is looked through.
+DRIVERS = tuple(
+    "GTiff JPEG PNG JP2OpenJPEG JP2KAK JP2ECW JP2MrSID JPEGXL ECW MrSID HFA GPKG WEBP GIF BIGGIF BMP ENVI EHdr NITF "
+    "RMF VRT".split()
+)
+#: Environment variable with folders that a VRT may read files of, beside its own.
+FOLDERS_ENV = "TERRAINAV_RASTER_FOLDERS"
+#: How files of these formats begin, of those that say so.
+_MAGIC = (
+    *(
+        b"II*\0",
+        b"MM\0*",
+        b"II+\0",
+        b"MM\0+",
+        b"\xff\xd8\xff",
+        b"\x89PNG",
+        b"GIF8",
+        b"BM",
+        b"RIFF",
+        b"SQLite format 3",
+    ),
+    *(
+        b"\0\0\0\x0cjP",
+        b"\xff\x4f\xff\x51",
+        b"\xff\x0a",
+        b"EHFA_HEADER_TAG",
+        b"msid",
+        b"e\x02",
+        b"NITF",
+        b"NSIF",
+    ),
+)
+#: How descriptions of services and collections begin, wherever GDAL looks for that.
+_DESCRIPTIONS = re.compile(
+    rb"<(GDAL_WM|GDALTileIndex|WM[ST]|Capabilities|TileMap|MRF_META|kml)|\"stac_version\"", re.IGNORECASE
+)
+_VRT = re.compile(rb"<VRTDataset", re.IGNORECASE)
+#: Bytes of a file that its format is told by.
+_HEAD_BYTES = 4096
+#: Elements and attributes of a VRT, in lower case, that name data.
+_NAMING = frozenset(
+    "sourcefilename sourcedataset sourcedatasetname filename dempath x_dataset y_dataset".split()
+)
+#: Those whose text is no name, whatever it looks like.
+_TEXTS = frozenset("srs mdi description copyright targetsrs sourcesrs category".split())
+_ELSEWHERE = re.compile(r"/vsi|://|<|\bvrt:|^[a-z][a-z0-9_]+:", re.IGNORECASE)
+#: Files beside a raster that GDAL opens with it.
+_BESIDE = (".ovr", ".msk")
+
+
+def check_virtual(path: str) -> None:
+    """Refuse a name of GDAL's virtual file systems that holds a key or a password: it ends up in files.
+
+    Raises
+    ------
+    InvalidInput
+        Does not quote it.
+    """
+    plain = unquote(path)
+    if re.search(r"[?&](userpwd|header\.|headers?_file|bearer|.*password)", plain, re.IGNORECASE):
+        raise InvalidInput("raster file /vsi…: holds credentials; no credentials may stand in it")
+    for found in re.finditer(r"https?://", plain):
+        check_address(plain[found.start() :].replace(" ", "%20"), "address of a raster file")
+
+
+def drivers_for(path: str) -> list[str]:
+    """Return the formats that GDAL may take a file for.
+
+    Raises
+    ------
+    InvalidInput
+        It describes data elsewhere, or is a VRT of such data.
+    """
+    if path.startswith("/vsi"):
+        # What a VRT there names cannot be looked at.
+        return [name for name in DRIVERS if name != "VRT"]
+    part = file_of_part(path)
+    file = Path(part or path)
+    # A link leads to what the user has named by it; GDAL takes names in a VRT from there.
+    _check(file, (file.parent, file.resolve().parent, *_folders()), 0, set())
+    return [name for name in DRIVERS if name != "VRT"] if part else list(DRIVERS)
+
+
+def _folders() -> Iterator[Path]:
+    for one in os.environ.get(FOLDERS_ENV, "").split(os.pathsep):
+        if one:
+            yield Path(one)
+
+
+def _check(file: Path, folders: tuple[Path, ...], depth: int, seen: set[Path]) -> None:
+    """Look through a file and those that GDAL opens with it; ``depth`` is 0 for what the user has named."""
+    whole = file.resolve()
+    if whole in seen:
+        return
+    seen.add(whole)
+    if depth > MAX_VRT_DEPTH:
+        raise InvalidInput(f"reads {file.name} within more than {MAX_VRT_DEPTH} others")
+    head = _head(file)
+    if _VRT.search(head):
+        for name, relative in _named(file):
+            for source in _places(file, name, relative):
+                _check_source(file, source, folders, depth, seen)
+    elif _DESCRIPTIONS.search(head):
+        raise InvalidInput(
+            f"{file.name} describes a service or a collection, whose requests keep to no terms; name the service "
+            "itself: wms:URL, wmts:URL or a URL template"
+        )
+    elif depth and head and not head.startswith(_MAGIC):
+        raise InvalidInput(f"{file.name} is of no format of pictures that a VRT may read here")
+    for ending in _BESIDE:
+        beside = file.with_name(file.name + ending)
+        if beside.is_file():
+            _check(beside, folders, depth + 1, seen)
+    aux = file.with_name(file.name + ".aux.xml")
+    if aux.is_file() and re.search(rb"OVERVIEW_FILE|/vsi|_DATASET", _head(aux, MAX_VRT_BYTES)):
+        raise InvalidInput(f"{aux.name} names other files, which are not read")
+
+
+def _check_source(vrt: Path, source: Path, folders: tuple[Path, ...], depth: int, seen: set[Path]) -> None:
+    within = source.resolve()
+    if not any(_is_within(within, folder.resolve()) for folder in folders):
+        raise InvalidInput(
+            f"{vrt.name} reads {source}, which is not beside it; set {FOLDERS_ENV}={source.parent} if that is right"
+        )
+    if source.is_file():
+        _check(source, folders, depth + 1, seen)
+
+
+def _is_within(path: Path, folder: Path) -> bool:
+    return folder == path or folder in path.parents
+
+
+def _places(vrt: Path, name: str, relative: str | None) -> Iterator[Path]:
+    """Where a name in a VRT may lead to: GDAL takes it from the VRT's folder or from the current one."""
+    name = name.strip()
+    inside = Path(name).is_absolute() and not name.startswith("/vsi")
+    if "<" in name or not (inside or _ELSEWHERE.search(name) is None):
+        raise InvalidInput(f"{vrt.name} reads {name.partition('?')[0][:80]!r}, which is no file beside it")
+    if relative != "1":
+        yield Path.cwd() / name
+    if relative != "0":
+        yield vrt.parent / name
+        yield vrt.resolve().parent / name
+
+
+def _head(file: Path, size: int = _HEAD_BYTES) -> bytes:
+    try:
+        with file.open("rb") as opened:
+            return opened.read(size)
+    except OSError as wrong:
+        raise InvalidInput(f"{file.name}: cannot be read ({wrong.strerror})") from wrong
+
+
+def _named(vrt: Path) -> list[tuple[str, str | None]]:
+    """Names of data in a VRT, and whether each is relative to it ("1") as GDAL reads that."""
+    body = _head(vrt, MAX_VRT_BYTES + 1)
+    if len(body) > MAX_VRT_BYTES:
+        raise InvalidInput(f"{vrt.name}: is a VRT of more than {MAX_VRT_BYTES >> 20} MB")
+    reader = _Reader(vrt)
+    expat: Any = importlib.import_module("xml.parsers.expat")
+    parser = expat.ParserCreate("utf-8")
+    parser.StartElementHandler = reader.start
+    parser.EndElementHandler = reader.end
+    parser.CharacterDataHandler = reader.text
+    for handler in ("CommentHandler", "ProcessingInstructionHandler", "StartCdataSectionHandler"):
+        setattr(parser, handler, reader.between)
+    parser.StartDoctypeDeclHandler = reader.refuse
+    try:
+        parser.Parse(body, True)
+    except expat.ExpatError as broken:
+        raise InvalidInput(f"{vrt.name}: is a VRT that cannot be read ({broken})") from broken
+    return reader.found
+
+
+class _Reader:
+    """Collects what a VRT names. GDAL takes an attribute for an element, in any case of letters."""
+
+    def __init__(self, vrt: Path) -> None:
+        self.found: list[tuple[str, str | None]] = []
+        self._vrt = vrt
+        self._open: list[tuple[str, dict[str, str]]] = []
+        self._text: list[str] = []
+
+    def start(self, name: str, attributes: dict[str, str]) -> None:
+        self._told()
+        name, given = name.lower(), {one.lower(): value for one, value in attributes.items()}
+        if self._is_name(self._open[-1]) if self._open else False:
+            self.refuse()
+        self._open.append((name, given))
+        for one, value in given.items():
+            if one in _NAMING:
+                self.found.append((value, None))
+            elif name not in _TEXTS and one != "key" and _ELSEWHERE.search(value):
+                self.refuse()
+
+    def end(self, _name: str) -> None:
+        self._told()
+        self._open.pop()
+
+    def text(self, words: str) -> None:
+        self._text.append(words)
+
+    def between(self, *_: object) -> None:
+        """Refuse what GDAL may take for the end of a name."""
+        if self._open and self._is_name(self._open[-1]):
+            self.refuse()
+
+    def refuse(self, *_: object) -> None:
+        raise InvalidInput(f"{self._vrt.name}: is a VRT with more in it than bands of files")
+
+    def _told(self) -> None:
+        words, self._text = "".join(self._text).strip(), []
+        if not self._open or not words:
+            return
+        element, given = self._open[-1]
+        if self._is_name(self._open[-1]):
+            self.found.append((words, given.get("relativetovrt")))
+        elif element not in _TEXTS and _ELSEWHERE.search(words):
+            self.refuse()
+
+    @staticmethod
+    def _is_name(element: tuple[str, dict[str, str]]) -> bool:
+        name, given = element
+        return name in _NAMING or (name == "mdi" and given.get("key", "").lower() in _NAMING)

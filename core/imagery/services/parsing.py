@@ -1,0 +1,163 @@
+"""XML of strangers: no document type, no entities, no network, and no more of it than the limits allow.
+
+What other libraries read of a document is what was read and written anew here, so that their own settings (those of
+OWSLib hold for one thread only) have nothing left to be wrong about.
+"""
+
+from __future__ import annotations
+
+import codecs
+import importlib
+import re
+from typing import Any
+
+from ...limits import (
+    MAX_DOCUMENT_BYTES,
+    MAX_XML_ATTRIBUTES,
+    MAX_XML_DEPTH,
+    MAX_XML_ELEMENTS,
+    MAX_XML_INHERITED,
+)
+from ...text import one_line
+
+#: Encodings that documents may have, by Python's names of them.
+_ENCODINGS = ("utf-8", "ascii", "utf-16", "iso8859-1")
+_ENCODINGS_TOLD = "UTF-8, UTF-16 or Latin-1"
+#: Marks of the encoding at the beginning of a file, and the beginning of XML in UTF-16 without one.
+_MARKS = (
+    (codecs.BOM_UTF8, "utf-8-sig"),
+    (codecs.BOM_UTF16_LE, "utf-16"),
+    (codecs.BOM_UTF16_BE, "utf-16"),
+    (b"<\0", "utf-16-le"),
+    (b"\0<", "utf-16-be"),
+)
+#: Characters within which a document states its encoding, and its type.
+_HEAD_CHARACTERS = 1024
+_TYPE_CHARACTERS = 1 << 16
+_STATED = re.compile(rb"<\?xml\s[^>]*?\bencoding\s*=\s*[\"']([\w.:-]+)[\"']", re.ASCII)
+_DECLARATION = re.compile(r"\s*<\?xml\s[^>]*\?>")
+_BEFORE_TYPE = re.compile(r"\s*(?:<!--.*?-->|<\?.*?\?>)", re.DOTALL)
+#: The type that WMS 1.1.1 prescribes (OGC 01-068r3, annex A), with elements of its own and no entities.
+_WMS_TYPE = re.compile(
+    r"\s*<!DOCTYPE\s+WMT_MS_Capabilities\s+SYSTEM\s+(?:\"[^\"<>]*\"|'[^'<>]*')\s*"
+    r"(?:\[(?:\s|<!(?:ELEMENT|ATTLIST)\s[^<>%&\[\]]*>)*\]\s*)?>"
+)
+_REFUSED = re.compile(r"<!(?:DOCTYPE|ENTITY)", re.IGNORECASE)
+#: Children of a layer of a WMS that the layers within it have as well.
+_INHERITED = frozenset({"CRS", "SRS", "Style", "BoundingBox"})
+
+
+class UnreadableXMLError(ValueError):
+    """A document that is refused, or is no XML; the text says why."""
+
+
+def text_of(body: bytes) -> str:
+    """Text of a document, without a declaration of its encoding.
+
+    Raises
+    ------
+    UnreadableXMLError
+        It is of another encoding than UTF-8, UTF-16 and Latin-1, or not of the one that it states.
+    """
+    body = body.lstrip(b" \t\r\n")
+    encoding = next((name for mark, name in _MARKS if body.startswith(mark)), None)
+    if encoding is None:
+        found = _STATED.match(body[:_HEAD_CHARACTERS])
+        stated = found.group(1).decode("ascii") if found else "utf-8"
+        try:
+            encoding = codecs.lookup(stated).name
+        except LookupError:
+            encoding = ""
+        if encoding not in _ENCODINGS:
+            raise UnreadableXMLError(f"encoding {stated}: must be {_ENCODINGS_TOLD}")
+    try:
+        text = body.decode(encoding)
+    except UnicodeDecodeError:
+        raise UnreadableXMLError(f"is not {encoding}; must be {_ENCODINGS_TOLD}, and say which") from None
+    found_text = _DECLARATION.match(text, 0, _HEAD_CHARACTERS)
+    return text[found_text.end() :] if found_text else text
+
+
+def root_of(body: bytes) -> Any:
+    """Root of a document as lxml has it, with nothing in it but elements, attributes and text.
+
+    Raises
+    ------
+    UnreadableXMLError
+        It declares a type or entities (but for the type that WMS 1.1.1 prescribes, which is left out), is beyond the
+        limits, or is no XML.
+    """
+    text = _without_wms_type(text_of(body))
+    if _REFUSED.search(text):
+        raise UnreadableXMLError("a document type or entities of its own, which are not read")
+    _check_size(text)
+    etree = importlib.import_module("lxml.etree")
+    parser = etree.XMLParser(
+        resolve_entities=False,
+        no_network=True,
+        load_dtd=False,
+        dtd_validation=False,
+        attribute_defaults=False,
+        huge_tree=False,
+        remove_comments=True,
+        remove_pis=True,
+    )
+    try:
+        root = etree.fromstring(text.encode(), parser)
+    except etree.XMLSyntaxError as broken:
+        raise UnreadableXMLError(one_line(str(broken))) from None
+    if root.xpath(f"boolean({'/*' * (MAX_XML_DEPTH + 1)})"):
+        raise UnreadableXMLError(f"elements within each other, more than {MAX_XML_DEPTH} deep")
+    _check_inherited(root)
+    return root
+
+
+def written(root: Any) -> bytes:
+    """XML of what `root_of` has read, for other libraries to read."""
+    xml: bytes = importlib.import_module("lxml.etree").tostring(root, encoding="utf-8")
+    return xml
+
+
+def _without_wms_type(text: str) -> str:
+    """Leave out the type that every WMS 1.1.1 states: what it declares is of no use here."""
+    at = 0
+    head = text[:_TYPE_CHARACTERS]
+    while found := _BEFORE_TYPE.match(head, at):
+        at = found.end()
+    stated = _WMS_TYPE.match(head, at)
+    return text[stated.end() :] if stated else text
+
+
+def _check_size(text: str) -> None:
+    """Refuse what would take memory or time beyond measure, before it is parsed."""
+    if len(text) > MAX_DOCUMENT_BYTES or text.count("<") > 2 * MAX_XML_ELEMENTS:
+        raise UnreadableXMLError(f"more than {MAX_DOCUMENT_BYTES >> 20} MB or {MAX_XML_ELEMENTS:,} elements")
+    for piece in text.split("<"):
+        # Parsers compare each attribute of an element with all others. None is shorter than `a=""` with its space.
+        if len(piece) > 5 * MAX_XML_ATTRIBUTES and piece.count("=") > MAX_XML_ATTRIBUTES:
+            raise UnreadableXMLError(f"more than {MAX_XML_ATTRIBUTES:,} attributes of one element")
+
+
+def _check_inherited(root: Any) -> None:
+    """Refuse layers within layers that pass on more than memory and time are for: OWSLib copies it for each."""
+    total = 0
+    # Of each layer, after those around it: how deep it is, and how much it passes on.
+    known: dict[Any, tuple[int, int]] = {}
+    for layer in root.iter("{*}Layer"):
+        depth, passed_on = known.get(layer.getparent(), (0, 0))
+        depth += 1
+        passed_on += sum(
+            max(len((child.text or "").split()), 1) for child in layer if _name(child) in _INHERITED
+        )
+        known[layer] = depth, passed_on
+        # OWSLib reads a layer once more for each of those around it.
+        total += depth * (1 + passed_on + len(layer))
+        if total > MAX_XML_INHERITED:
+            raise UnreadableXMLError(
+                f"layers that pass on more than {MAX_XML_INHERITED:,} properties to those within them"
+            )
+
+
+def _name(element: Any) -> str:
+    """Name of an element without its namespace."""
+    return str(element.tag).rpartition("}")[2]

@@ -1,0 +1,34 @@
+"""Text of others, shown as it is: Qt takes whatever looks like HTML for that, and opens the files it names."""
+
+from __future__ import annotations
+
+import html
+
+from qgis.PyQt.QtCore import Qt
+from qgis.PyQt.QtWidgets import QLabel, QWidget
+
+
+def plain_label(text: str = "", parent: QWidget | None = None) -> QLabel:
+    """Label that shows any text as it is."""
+    label = QLabel(parent)
+    label.setTextFormat(Qt.TextFormat.PlainText)
+    label.setText(text)
+    return label
+
+
+def escaped(text: str) -> str:
+    """Text for what is always read as HTML."""
+    return html.escape(text, quote=False)
+
+
+def shown_plain(text: str) -> str:
+    """Text for what finds out by itself whether it is HTML: tooltips and message boxes."""
+    return f"<qt>{escaped(text)}</qt>".replace("\n", "<br>") if "<" in text else text
+
+
+def escaped_field(name: str) -> str:
+    """Value of a field in the HTML of a map tip."""
+    field = f'"{name}"'
+    for sign, written in (("&", "&amp;"), ("<", "&lt;"), ('"', "&quot;")):
+        field = f"replace({field}, '{sign}', '{written}')"
+    return f"[% {field} %]"
