@@ -7,7 +7,7 @@ import os
 from collections.abc import Iterable
 from pathlib import Path
 
-from .errors import OutputError
+from .errors import InvalidInput, OutputError
 
 #: Ending of a file while it is being written. It is the same every time, so that what a killed run left behind
 #: is overwritten by the next one.
@@ -30,6 +30,23 @@ def make_folder(folder: str | os.PathLike[str]) -> None:
         raise OutputError(
             f"folder {folder}: cannot be made ({wrong.strerror}); choose another folder"
         ) from wrong
+
+
+def read_limited(path: str | os.PathLike[str], most_bytes: int) -> bytes:
+    """Content of a file that somebody else may have made: it may have no end, as a device has none.
+
+    Raises
+    ------
+    InvalidInput
+        Longer than that; says so in a few words, to be put into a message of what was read.
+    OSError
+        Where it cannot be read.
+    """
+    with Path(path).open("rb") as file:
+        data = file.read(most_bytes + 1)
+    if len(data) > most_bytes:
+        raise InvalidInput(f"larger than {most_bytes / 1e6:,.0f} MB")
+    return data
 
 
 def write_whole(
