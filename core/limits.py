@@ -11,6 +11,14 @@ from __future__ import annotations
 
 # --- Pictures
 
+#: Pixels of one picture, as it is planned and as it is resized to: 20,000 x 10,000, a third more than the largest
+#: cameras of unmanned aircraft have (151 million). Making it takes 15 bytes a pixel, 3 GB.
+PICTURE_PX = 200_000_000
+#: Pixels along its longer side.
+PICTURE_SIDE_PX = 20_000
+#: Pixels of all pictures that are on the way at once: one that is made while the next is fetched.
+PICTURES_AT_ONCE_PX = 2 * PICTURE_PX
+
 
 # --- Documents, files and databases
 
@@ -20,9 +28,14 @@ JSON_DEPTH = 100
 JSON_DIGITS = 300
 #: Length of a file of settings, sources, cameras or labels, bytes: a hundred times the largest that is known.
 DOCUMENT_BYTES = 16 << 20
+#: Length of a line in a capture's journal, bytes: a name and a reason take a few hundred.
+JOURNAL_LINE_BYTES = 1 << 20
 #: Length of a file with a mission or its places, bytes: ten million points, as many as a mission may have images by
 #: default, take 750 MB.
 MISSION_BYTES = 1 << 30
 
 
 # --- Missions
+
+#: Whole numbers of a mission: those of 64 bits, as its seed may be.
+WHOLE_NUMBER = 2**64 - 1

@@ -31,7 +31,7 @@ def parse_json(text: str | bytes) -> Any:
     try:
         value = _DECODER.decode(text)
     except json.JSONDecodeError as wrong:
-        raise InvalidInput(f"not JSON: {wrong}") from wrong
+        raise InvalidInput(str(wrong)) from wrong
     except RecursionError as wrong:
         raise _too_deep() from wrong
     # Most texts have fewer brackets than may be nested, and no half of a character: they need no second look.
@@ -69,7 +69,7 @@ def _check_text(text: str) -> None:
         text.encode("utf-8")
     except UnicodeEncodeError as wrong:
         half = f"\\u{ord(text[wrong.start]):04x}"
-        raise InvalidInput(f"not JSON: {half} alone is half a character") from wrong
+        raise InvalidInput(f"{half} alone is half a character") from wrong
 
 
 def _too_deep() -> InvalidInput:

@@ -45,6 +45,7 @@ TOLD = (
     "core/imagery",
     "core/mission",
     "core/report",
+    "core/safe_json.py",
     "terrainav_plugin",
 )
 #: Modules in them of which the plugin makes no use.

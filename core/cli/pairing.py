@@ -11,9 +11,10 @@ from typing import TYPE_CHECKING, Any
 from ..errors import InvalidInput
 from ..mission.options import OPTIONS, Option
 from .caching import opened_cache
-from .exits import DONE, INCOMPLETE, STOPPED
-from .flying import NAMED_FAILURES, Bar, interruptible, print_failed, print_repeated, print_written
+from .exits import DONE, INCOMPLETE, exit_code
+from .flying import NAMED_FAILURES, Bar, print_failed, print_repeated, print_written
 from .parsing import add_json
+from .stopping import collected
 
 if TYPE_CHECKING:
     from ..imagery.source import Source
@@ -170,13 +171,14 @@ def run_pairs(arguments: argparse.Namespace) -> int:
         if arguments.dry_run:
             _print_plan(worked_out, arguments.json)
             return DONE
-        result = _capture(worked_out, source, arguments, values)
+        with collected() as signals:
+            result = _capture(worked_out, source, arguments, values, signals)
     finally:
         source.close()
     _print_result(worked_out, result, arguments.json)
     if result.cancelled:
         print("terrainav: stopped; what is finished is kept, go on with --resume", file=sys.stderr)
-        return STOPPED
+        return exit_code(signals[0])
     if arguments.sheet is not None and len(result.left_out) < len(places):
         contact_sheet(result.folder, arguments.sheet)
     return INCOMPLETE if result.failed or result.left_out else DONE
@@ -244,7 +246,11 @@ def _places(arguments: argparse.Namespace, settings: PairSettings) -> tuple[Plac
 
 
 def _capture(
-    worked_out: PairPlan, source: Source, arguments: argparse.Namespace, values: dict[str, Any]
+    worked_out: PairPlan,
+    source: Source,
+    arguments: argparse.Namespace,
+    values: dict[str, Any],
+    signals: list[int],
 ) -> PairResult:
     from ..imagery.catalogue.listing import check_policy
     from ..pairs.capturing import capture_pairs
@@ -257,19 +263,18 @@ def _capture(
         bounds_deg=worked_out.bounds_deg,
     )
     bar = Bar(arguments.quiet)
-    with interruptible() as interrupts:
-        try:
-            return capture_pairs(
-                worked_out,
-                source,
-                arguments.data_dir,
-                connections=values["connections"],
-                resume=arguments.resume,
-                progress=bar,
-                cancelled=lambda: bool(interrupts),
-            )
-        finally:
-            bar.close()
+    try:
+        return capture_pairs(
+            worked_out,
+            source,
+            arguments.data_dir,
+            connections=values["connections"],
+            resume=arguments.resume,
+            progress=bar,
+            cancelled=lambda: bool(signals),
+        )
+    finally:
+        bar.close()
 
 
 def _counts(worked_out: PairPlan) -> str:

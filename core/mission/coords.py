@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-import json
 import re
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
 from ..errors import InvalidInput
+from ..files import read_limited
+from ..limits import MISSION_BYTES
+from ..safe_json import decoded, parse_json
 from .area import Area, Box, Points, Polygon
 from .choices import KINDS, UNITS
 
@@ -112,8 +114,8 @@ def _from_file(path: Path, kind: str | None, agl_unit: str) -> tuple[Area, float
             f"file {path}: holds points; a raster mission needs two corners and a height as text"
         )
     try:
-        lines = path.read_text(encoding="utf-8-sig").splitlines()
-    except (OSError, UnicodeDecodeError) as wrong:
+        lines = decoded(read_limited(path, MISSION_BYTES)).splitlines()
+    except (OSError, InvalidInput) as wrong:
         raise InvalidInput(f"file {path}: cannot be read as text ({wrong})") from wrong
     if kind == "single":
         held = (at for at, line in enumerate(lines) if line.strip() and not line.lstrip().startswith("#"))
@@ -144,15 +146,15 @@ def load_polygon(path: str) -> Polygon:
         A file that cannot be read or holds no polygon.
     """
     try:
-        data = json.loads(Path(path).read_text(encoding="utf-8-sig"))
-    except (OSError, ValueError) as wrong:
+        data = parse_json(read_limited(path, MISSION_BYTES))
+    except (OSError, InvalidInput) as wrong:
         raise InvalidInput(f"area file {path}: cannot be read as GeoJSON ({wrong})") from wrong
     geometry = _first_polygon(data)
     if geometry is None:
         raise InvalidInput(f"area file {path}: holds no Polygon; give a GeoJSON with one")
     try:
         rings = tuple(tuple((float(p[0]), float(p[1])) for p in ring) for ring in geometry)
-    except (TypeError, ValueError, IndexError) as wrong:
+    except (TypeError, ValueError, IndexError, KeyError) as wrong:
         raise InvalidInput(f"area file {path}: a corner is not longitude, latitude ({wrong})") from wrong
     return Polygon(rings)
 
@@ -160,10 +162,17 @@ def load_polygon(path: str) -> Polygon:
 def _first_polygon(data: Any) -> list[Any] | None:
     if not isinstance(data, dict):
         return None
-    if data.get("type") == "Polygon":
-        return list(data.get("coordinates", []))
-    if data.get("type") == "MultiPolygon" and len(data.get("coordinates", [])) == 1:
-        return list(data["coordinates"][0])
-    inner = [data.get("geometry"), *data.get("features", []), *data.get("geometries", [])]
+    coordinates = _listed(data, "coordinates")
+    if data.get("type") == "Polygon" and coordinates:
+        return coordinates
+    if data.get("type") == "MultiPolygon" and len(coordinates) == 1 and isinstance(coordinates[0], list):
+        return coordinates[0]
+    inner = [data.get("geometry"), *_listed(data, "features"), *_listed(data, "geometries")]
     found = (_first_polygon(item) for item in inner)
     return next((rings for rings in found if rings is not None), None)
+
+
+def _listed(data: dict[str, Any], name: str) -> list[Any]:
+    """List of a name; empty where there is something else, as GeoJSON may have null for a geometry."""
+    value = data.get(name)
+    return value if isinstance(value, list) else []

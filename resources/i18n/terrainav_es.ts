@@ -4935,11 +4935,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>este almacén no tiene archivo: el lugar es de otro</translation>
     </message>
     <message>
-        <location filename="../../core/capture/writers.py"/>
-        <source>pictures of {0} x {1} px: JPEG ends at {2} px; choose tif or png, or resize them (--img-size)</source>
-        <translation>imágenes de {0} x {1} px: JPEG termina en {2} px; elegir tif o png, o redimensionarlas (--img-size)</translation>
-    </message>
-    <message>
         <location filename="../../core/dataset/clean.py"/>
         <source>entropy {0}: must be from 0 to {1} bits</source>
         <translation>entropía {0}: debe estar entre 0 y {1} bits</translation>
@@ -6399,6 +6394,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/area.py"/>
+        <source>height above ground {0} m: must be at most {1} m</source>
+        <translation>altura sobre el terreno {0} m: debe ser como máximo {1} m</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/area.py"/>
         <source>latitude {0}: must be within -90 and 90 degrees</source>
         <translation>latitud {0}: debe estar entre -90 y 90 grados</translation>
     </message>
@@ -6927,6 +6927,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/framing.py"/>
+        <source>or make them smaller (--max-px)</source>
+        <translation>o hacerlas más pequeñas (--max-px)</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/framing.py"/>
         <source>picture at latitude {0} from {1} m</source>
         <translation>imagen en la latitud {0} desde {1} m</translation>
     </message>
@@ -6944,6 +6949,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/framing.py"/>
         <source>pictures of {0} px: the longest side allowed here is {1} px; {2}</source>
         <translation>imágenes de {0} px: el lado mayor permitido aquí es de {1} px; {2}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/framing.py"/>
+        <source>pictures of {0} x {1} px: {2} px in all are allowed; {3}</source>
+        <translation>imágenes de {0} x {1} px: se permiten {2} px en total; {3}</translation>
     </message>
     <message>
         <location filename="../../core/mission/framing.py"/>
@@ -7067,6 +7077,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/mission.py"/>
+        <source>image size {0} x {1} px: must be at most {2} px along a side and {3} px in all</source>
+        <translation>tamaño de imagen {0} x {1} px: debe ser como máximo {2} px por lado y {3} px en total</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/mission.py"/>
         <source>image size {0} {1} {2}: needs a width and a height of 1 px or more, and 1 or 3 channels</source>
         <translation>tamaño de imagen {0} {1} {2}: necesita una anchura y una altura de 1 px o más, y 1 o 3 canales</translation>
     </message>
@@ -7122,11 +7137,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/mission.py"/>
-        <source>mission file {0}: cannot be read (it is no text in UTF-8)</source>
-        <translation>archivo de misión {0}: no se puede leer (no es texto en UTF-8)</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/mission.py"/>
         <source>mission file {0}: cannot be read ({1})</source>
         <translation>archivo de misión {0}: no se puede leer ({1})</translation>
     </message>
@@ -7142,13 +7152,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/mission.py"/>
-        <source>mission is not JSON that can be read: nested too deep, or a number too long</source>
-        <translation>la misión no es JSON que se pueda leer: anidado demasiado hondo, o un número demasiado largo</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/mission.py"/>
-        <source>mission is not JSON: {0}</source>
-        <translation>la misión no es JSON: {0}</translation>
+        <source>mission is not JSON that can be read: {0}</source>
+        <translation>la misión no es JSON que se pueda leer: {0}</translation>
     </message>
     <message>
         <location filename="../../core/mission/mission.py"/>
@@ -7209,6 +7214,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/mission.py"/>
         <source>zoom {0}: must be 0 or more</source>
         <translation>zoom {0}: debe ser 0 o más</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/mission.py"/>
+        <source>{0} of more than 64 bits: must be at most {1}</source>
+        <translation>{0} de más de 64 bits: debe ser como máximo {1}</translation>
     </message>
     <message>
         <location filename="../../core/mission/mission.py"/>
@@ -7555,6 +7565,36 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/report/wind_methods.py"/>
         <source>step {0} s: must be above 0</source>
         <translation>paso de {0} s: debe ser mayor que 0</translation>
+    </message>
+    <message>
+        <location filename="../../core/safe_json.py"/>
+        <source>a whole number of {0} digits: {1} at most</source>
+        <translation>un número entero de {0} cifras: {1} como máximo</translation>
+    </message>
+    <message>
+        <location filename="../../core/safe_json.py"/>
+        <source>nested too deep: {0} levels at most</source>
+        <translation>anidado demasiado hondo: {0} niveles como máximo</translation>
+    </message>
+    <message>
+        <location filename="../../core/safe_json.py"/>
+        <source>no text in UTF-8: byte {0} does not belong there</source>
+        <translation>no es texto en UTF-8: el byte {0} no le corresponde</translation>
+    </message>
+    <message>
+        <location filename="../../core/safe_json.py"/>
+        <source>number {0}: too large</source>
+        <translation>número {0}: demasiado grande</translation>
+    </message>
+    <message>
+        <location filename="../../core/safe_json.py"/>
+        <source>{0} alone is half a character</source>
+        <translation>{0} solo es medio carácter</translation>
+    </message>
+    <message>
+        <location filename="../../core/safe_json.py"/>
+        <source>{0}: JSON has finite numbers only</source>
+        <translation>{0}: JSON solo tiene números finitos</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/dock/entries.py"/>

@@ -50,12 +50,12 @@ def test_anything_else_is_read_or_refused(text):
         ("9" * 1000 + ".0", "number 99999999999999999999…: too large"),
         ("NaN", "NaN: JSON has finite numbers only"),
         ("[-Infinity]", "-Infinity: JSON has finite numbers only"),
-        ('"\\ud800"', "not JSON: \\ud800 alone is half a character"),
+        ('"\\ud800"', "\\ud800 alone is half a character"),
         ('{"\\uDFFF": 1}', "half a character"),
         ('[["\\udcff"]]', "half a character"),
         (b'"\xff"', "no text in UTF-8: byte 1 does not belong there"),
         (b'"\xed\xa0\x80"', "no text in UTF-8"),
-        ("", "not JSON: Expecting value"),
+        ("", "Expecting value: line 1"),
     ],
 )
 def test_what_could_hang_fill_or_end_the_program_is_refused(text, why):

@@ -151,6 +151,17 @@ def test_a_polygon_from_geojson(tmp_path, wrap):
         "[1]",
         '{"type": "Point", "coordinates": [1, 2]}',
         '{"type": "Polygon", "coordinates": [[[1]]]}',
+        '{"type": "FeatureCollection", "features": null}',
+        '{"type": "FeatureCollection", "features": 5}',
+        '{"type": "GeometryCollection", "geometries": null}',
+        '{"type": "Polygon", "coordinates": null}',
+        '{"type": "Polygon", "coordinates": {"0": 1}}',
+        '{"type": "Polygon", "coordinates": [[{"a": 1}, {"b": 2}, {}]]}',
+        '{"type": "MultiPolygon", "coordinates": null}',
+        '{"type": "MultiPolygon", "coordinates": [5]}',
+        '{"geometry": ' * 900 + "null" + "}" * 900,
+        '{"geometry": ' * 100_000,
+        "[" * 100_000,
     ],
 )
 def test_geojson_without_a_polygon_is_refused(tmp_path, content):

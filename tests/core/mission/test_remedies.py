@@ -110,6 +110,10 @@ WAYS_OUT = {
         (Mission(AREA, 120.0, max_images=20), GRID),
         [{"agl_m": 600.0}, {"area": SMALL}, {"max_images": 1000}],
     ),
+    "choose a lower zoom, or make them smaller (--max-px)": (
+        (at(35.0, 9e3, image_px=20_000, accept_error=True), GRID),
+        [{"zoom": 16}, {"max_px": 10_000}],
+    ),
     "overlap less": (
         (Mission(Box(35, -89, 35, -89), 120.0, overlap_along=0.9999999), GRID),
         [{"overlap_along": 0.9}],
@@ -128,7 +132,7 @@ PUT_TOGETHER = {
     f"{first}{second}"
     for first in ("fly lower", "choose a lower zoom", "choose a larger ground sample distance")
     for second in ("", ", or allow larger pictures (--max-px)")
-}
+} | {"choose a lower zoom, or make them smaller (--max-px)"}
 #: Advice that is tried elsewhere, or that no plan is known to end with.
 ELSEWHERE = {
     "tilt it less or fly lower": "seen in test_plan",
