@@ -63,6 +63,11 @@ def _open_own(path: str, flags: int) -> int:
     return descriptor
 
 
+def is_file(text: str) -> bool:
+    """Whether a text that may be anything names a file; `Path.is_file` raises where no name can be so long."""
+    return os.path.isfile(text)  # noqa: PTH113
+
+
 def read_limited(path: str | os.PathLike[str], most_bytes: int) -> bytes:
     """Content of a file that somebody else may have made: it may have no end, as a device has none.
 

@@ -31,7 +31,7 @@ DOCUMENT_BYTES = 16 << 20
 #: Length of a line in a capture's journal, bytes: a name and a reason take a few hundred.
 JOURNAL_LINE_BYTES = 1 << 20
 #: Length of a file with a mission or its places, bytes: ten million points, as many as a mission may have images by
-#: default, take 750 MB.
+#: default, take 700 MB.
 MISSION_BYTES = 1 << 30
 
 

@@ -128,7 +128,8 @@ class Polygon:
 def _tidy_ring(ring: tuple[Position, ...]) -> tuple[Position, ...]:
     """Ring without its closing corner, longitudes made continuous."""
     corners = [(float(lon), float(lat)) for lon, lat in ring]
-    if len(corners) > 1 and corners[0] == corners[-1]:
+    # As often as it is there: what is written and read again is the same ring.
+    while len(corners) > 1 and corners[0] == corners[-1]:
         corners.pop()
     if len(corners) < 3:
         raise InvalidInput(f"polygon ring of {len(corners)} corners: needs at least 3")

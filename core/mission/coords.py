@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import InvalidInput
-from ..files import read_limited
+from ..files import is_file, read_limited
 from ..limits import MISSION_BYTES
 from ..safe_json import decoded, parse_json
 from .area import Area, Box, Points, Polygon
@@ -17,8 +17,6 @@ from .choices import KINDS, UNITS
 _FORMATS = '"lat_lon_agl", "latTL_lonTL_latBR_lonBR_agl", or a text file of "lat lon agl [yaw]" lines'
 _SEPARATORS = re.compile(r"[_,;\s]+")
 _UNICODE_MINUS = {0x2212: "-", 0x2013: "-", 0xFE63: "-", 0xFF0D: "-"}
-#: Longer texts are no file's name.
-_LONGEST_PATH = 1024
 
 
 def _numbers(text: str, where: str) -> list[float]:
@@ -59,7 +57,7 @@ def parse_coords(text: str, kind: str | None = None, agl_unit: str = "m") -> tup
         raise InvalidInput(f"mission {kind!r}: must be one of {', '.join(KINDS)}")
     if not text.strip():
         raise InvalidInput(f"coordinates are empty: expected {_FORMATS}")
-    if len(text) < _LONGEST_PATH and "\n" not in text and Path(text).is_file():
+    if is_file(text):
         return _from_file(Path(text), kind, agl_unit)
     values = _numbers(text, "coordinates")
     if len(values) not in (3, 5):

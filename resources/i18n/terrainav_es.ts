@@ -5444,6 +5444,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/catalogue/dates.py"/>
+        <source>dates of kind {0}: values must be text</source>
+        <translation>fechas de tipo {0}: los valores deben ser texto</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/catalogue/dates.py"/>
         <source>every day</source>
         <translation>cada día</translation>
     </message>
@@ -5992,6 +5997,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/imagery/raster/place.py"/>
         <source>its geotransform {0} places no pixel</source>
         <translation>su geotransformación {0} no sitúa ningún píxel</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/place.py"/>
+        <source>its pixels are as wide as the whole map, or have no width there</source>
+        <translation>sus píxeles son tan anchos como todo el mapa, o no tienen anchura en él</translation>
     </message>
     <message>
         <location filename="../../core/imagery/raster/place.py"/>

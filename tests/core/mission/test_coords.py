@@ -171,6 +171,19 @@ def test_geojson_without_a_polygon_is_refused(tmp_path, content):
         load_polygon(str(file))
 
 
+def test_a_ring_closed_twice_is_the_same_ring_when_it_is_read_again(tmp_path):
+    file = tmp_path / "area.geojson"
+    file.write_text(json.dumps({"type": "Polygon", "coordinates": [[*RING, RING[-1], RING[-1]]]}))
+    area = load_polygon(str(file))
+    assert area == Polygon((tuple((x, y) for x, y in RING[:-1]),))
+    assert Polygon(area.rings) == area
+
+
+def test_a_text_too_long_for_a_name_is_no_file():
+    with pytest.raises(InvalidInput, match="could not convert"):
+        parse_coords("x" * 300)
+
+
 def test_pasted_lines_are_read_as_a_files_are():
     lines = ["# two", "", "35.1 -89.8 100 5", "35.2 -89.9 200 -5"]
     points = parse_points(lines, agl_unit="ft")
