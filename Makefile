@@ -1,5 +1,5 @@
 .DEFAULT_GOAL := help
-.PHONY: help setup qgis-setup test test-core test-narrow test-newest test-plugin test-qgis344 test-qgis340 lint format demo qgis screenshots translations package clean
+.PHONY: help setup qgis-setup test test-core test-narrow test-newest test-plugin test-qgis344 test-qgis340 fuzz lint format demo qgis screenshots translations package clean
 
 # QGIS's own, for what needs nothing else; that of the tests' environment has pytest, the linters and the rest.
 QGIS_PYTHON := /usr/bin/python3
@@ -46,11 +46,15 @@ test-qgis344:  ## the plugin's tests in QGIS 3.44, in a Debian 13 system of its 
 test-qgis340:  ## the same in the QGIS 3.40 of Debian 13
 	@bash tools/debian13.sh 3.40
 
-lint: setup  ## ruff, mypy (strict on core), bandit
+fuzz: setup  ## attack what reads foreign texts for TERRAINAV_FUZZ_S seconds (600), with new examples every time
+	$(PYTHON) -m tests.fuzz
+
+lint: setup  ## ruff, mypy (strict on core), bandit; what is known of the dependencies' vulnerabilities, where it can be had
 	$(PYTHON) -m ruff check .
 	$(PYTHON) -m ruff format --check .
 	$(PYTHON) -m mypy
 	$(PYTHON) -m bandit --quiet --configfile pyproject.toml --recursive core terrainav_plugin tools __init__.py
+	$(PYTHON) tools/audit.py
 
 format: setup  ## let ruff rewrite the code
 	$(PYTHON) -m ruff check --fix .

@@ -6,8 +6,8 @@ command; it needs no QGIS. ``terrainav.terrainav_plugin`` is the user interface 
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
+# As `typing` has it, whose import takes longer than all of this.
+TYPE_CHECKING = False
 if TYPE_CHECKING:
     from qgis.gui import QgisInterface
 

@@ -10,7 +10,9 @@ from pathlib import Path
 from typing import Any
 
 from .errors import InvalidInput, OutputError
-from .files import make_folder, write_whole
+from .files import make_folder, read_limited, write_whole
+from .limits import MAX_SETTINGS_BYTES
+from .safe_json import parse_json
 
 #: Environment variable with the folder, for one elsewhere than where the platform keeps configuration.
 FOLDER_ENV = "TERRAINAV_CONFIG_DIR"
@@ -49,12 +51,12 @@ def read_named(path: Path, what: str) -> dict[str, Any]:
         The file cannot be read, or holds no JSON object; names it.
     """
     try:
-        data = json.loads(path.read_text(encoding="utf-8"))
+        data = parse_json(read_limited(path, MAX_SETTINGS_BYTES))
     except FileNotFoundError:
         return {}
     except OSError as wrong:
         raise InvalidInput(f"{path}: cannot be read ({wrong.strerror}); mend it, or move it away") from wrong
-    except (ValueError, RecursionError) as wrong:
+    except InvalidInput as wrong:
         raise InvalidInput(f"{path}: cannot be read as JSON ({wrong}); mend it, or move it away") from wrong
     if not isinstance(data, dict):
         raise InvalidInput(f"{path}: must hold a JSON object of {what}")

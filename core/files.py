@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import contextlib
+import errno
 import os
-from collections.abc import Iterable
+import stat
+from collections.abc import Iterable, Iterator
 from pathlib import Path
+from typing import IO
 
-from .errors import OutputError
+from .errors import InvalidInput, OutputError
 
 #: Ending of a file while it is being written. It is the same every time, so that what a killed run left behind
 #: is overwritten by the next one.
@@ -32,6 +35,56 @@ def make_folder(folder: str | os.PathLike[str]) -> None:
         ) from wrong
 
 
+def open_own(path: Path, mode: str, buffering: int = -1) -> IO[bytes]:
+    """Open a file of ours in a folder that somebody else may have prepared.
+
+    A link is refused, through which another file would be written, and a pipe, which has no end.
+
+    Raises
+    ------
+    OSError
+        Where it is no file of its own, or cannot be opened.
+    """
+    file: IO[bytes] = open(path, mode, buffering, opener=_open_own)  # noqa: SIM115 (Path.open has no opener)
+    return file
+
+
+def _open_own(path: str, flags: int) -> int:
+    # Windows has neither flag, and makes links for administrators only.
+    try:
+        descriptor = os.open(path, flags | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0), 0o666)
+    except OSError as wrong:
+        if wrong.errno == errno.ELOOP:
+            raise OSError(errno.ELOOP, "it is a link to another place; remove it") from wrong
+        raise
+    if not stat.S_ISREG(os.fstat(descriptor).st_mode):
+        os.close(descriptor)
+        raise OSError(errno.EINVAL, "it is no regular file; remove it")
+    return descriptor
+
+
+def is_file(text: str) -> bool:
+    """Whether a text that may be anything names a file; `Path.is_file` raises where no name can be so long."""
+    return os.path.isfile(text)  # noqa: PTH113
+
+
+def read_limited(path: str | os.PathLike[str], most_bytes: int) -> bytes:
+    """Content of a file that somebody else may have made: it may have no end, as a device has none.
+
+    Raises
+    ------
+    InvalidInput
+        Longer than that; says so in a few words, to be put into a message of what was read.
+    OSError
+        Where it cannot be read.
+    """
+    with Path(path).open("rb") as file:
+        data = file.read(most_bytes + 1)
+    if len(data) > most_bytes:
+        raise InvalidInput(f"larger than {most_bytes / 1e6:,.0f} MB")
+    return data
+
+
 def write_whole(
     path: str | os.PathLike[str], data: bytes | Iterable[bytes], *, durable: bool = False
 ) -> None:
@@ -53,33 +106,46 @@ def write_whole(
         Where it cannot be written; what was there before is left alone.
     """
     target = Path(path)
-    partial = _partial(target)
     try:
-        try:
-            with partial.open("wb") as file:
-                file.writelines([data] if isinstance(data, bytes) else data)
-                if durable:
-                    file.flush()
-                    os.fsync(file.fileno())
-            os.replace(partial, target)
+        with partial_file(target) as partial, partial.open("xb") as file:
+            file.writelines([data] if isinstance(data, bytes) else data)
             if durable:
-                _sync_folder(target.parent)
-        except BaseException:
-            with contextlib.suppress(OSError):
-                partial.unlink()
-            raise
+                file.flush()
+                os.fsync(file.fileno())
+        if durable:
+            _sync_folder(target.parent)
     except OSError as wrong:
         raise OutputError(f"folder {target.parent}: cannot write {target.name} ({wrong.strerror})") from wrong
+
+
+@contextlib.contextmanager
+def partial_file(target: Path, ending: str = PARTIAL_ENDING) -> Iterator[Path]:
+    """Name beside a file to write it under: it gets its own name at the end, and is removed where that is not reached.
+
+    Nothing is there under that name: what a killed run has left is removed, and so is a link, through which another
+    file would be written.
+
+    Raises
+    ------
+    OSError
+        Where it cannot be renamed, or what is there not be removed.
+    """
+    partial = target.with_name(target.name + ending)
+    partial.unlink(missing_ok=True)
+    try:
+        yield partial
+        os.replace(partial, target)
+    except BaseException:
+        with contextlib.suppress(OSError):
+            partial.unlink()
+        raise
 
 
 def clear_partial(path: str | os.PathLike[str]) -> None:
     """Remove what a killed run has left of writing a file, where it can be removed."""
     with contextlib.suppress(OSError):
-        _partial(Path(path)).unlink()
-
-
-def _partial(target: Path) -> Path:
-    return target.with_name(target.name + PARTIAL_ENDING)
+        target = Path(path)
+        target.with_name(target.name + PARTIAL_ENDING).unlink()
 
 
 def _sync_folder(folder: Path) -> None:

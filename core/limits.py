@@ -22,8 +22,9 @@ MAX_REDIRECTS = 5
 MAX_PART_S = 120.0
 #: Parts one after the other for which no answer came in time, until the server is left alone for a while.
 MAX_LATE_PARTS = 5
-#: Characters of a text that others wrote which are looked at, and those of it that are shown.
+#: Characters of a text that others wrote which are looked at.
 MAX_TEXT_CHARACTERS = 16384
+#: Those of it that are shown, in one line.
 MAX_LINE_CHARACTERS = 300
 
 
@@ -37,27 +38,51 @@ MAX_PICTURE_EXTRA_BYTES = 4 << 20
 MAX_JPEG_SEGMENTS = 10_000
 #: Scans of a JPEG, each of which may touch every pixel; progressive ones have about ten.
 MAX_JPEG_SCANS = 100
+#: Pixels of one picture, as it is planned and as it is resized to: 20,000 x 10,000, a third more than the largest
+#: cameras of unmanned aircraft have (151 million). Making it takes 15 bytes a pixel, 3 GB.
+MAX_PICTURE_PX = 200_000_000
+#: Pixels along its longer side.
+MAX_PICTURE_SIDE_PX = 20_000
+#: Pixels of all pictures that are on the way at once: one that is made while the next is fetched.
+MAX_PICTURES_AT_ONCE_PX = 2 * MAX_PICTURE_PX
 
 
 # --- Documents, files and databases
 
 #: Largest capabilities of a service; those of national services have some MB.
-MAX_DOCUMENT_BYTES = 32 << 20
-#: Elements of a document, how deep they may be within each other, and attributes of one; the largest services have
-#: some 100,000 elements, 20 deep, with a dozen attributes.
+MAX_CAPABILITIES_BYTES = 32 << 20
+#: Elements of a document in XML; the largest services have some 100,000.
 MAX_XML_ELEMENTS = 1_000_000
+#: How deep they may be within each other; those of services are up to 20 deep.
 MAX_XML_DEPTH = 100
+#: Attributes of one of them; services write up to a dozen.
 MAX_XML_ATTRIBUTES = 1_000
 #: Properties that layers of a service inherit, over all layers: 6,000 coordinate systems for 1,000 layers are 12 M.
 MAX_XML_INHERITED = 40_000_000
-#: Largest VRT, of some 50,000 files, and how deep one may read another.
+#: Largest VRT, of some 50,000 files.
 MAX_VRT_BYTES = 64 << 20
+#: How deep one may read another.
 MAX_VRT_DEPTH = 8
-#: Seconds that a look-up in a database of others may take: an index makes them milliseconds.
+#: Seconds that a look-up in an MBTiles file may take: an index makes them milliseconds.
 MAX_QUERY_S = 5.0
-#: Characters of a line of its metadata, and bytes of one of its tiles.
+#: Characters of a line of metadata, of an MBTiles file or a raster.
 MAX_METADATA_CHARACTERS = 4096
+#: Bytes of a tile in an MBTiles file.
 MAX_STORED_TILE_BYTES = 32 << 20
+#: Levels of lists and objects in a JSON text: GeoJSON has up to ten, and Python's stack has room for a thousand.
+MAX_JSON_DEPTH = 100
+#: Digits of a whole number in a JSON text: every such number has a float, and takes no time to be read.
+MAX_JSON_DIGITS = 300
+#: Length of a file of settings, sources, cameras or labels, bytes: a hundred times the largest that is known.
+MAX_SETTINGS_BYTES = 16 << 20
+#: Length of a line in a capture's journal, bytes: a name and a reason take a few hundred.
+MAX_JOURNAL_LINE_BYTES = 1 << 20
+#: Length of a file with a mission or its places, bytes: ten million points, as many as a mission may have images by
+#: default, take 700 MB.
+MAX_MISSION_BYTES = 1 << 30
 
 
 # --- Missions
+
+#: Whole numbers of a mission: those of 64 bits, as its seed may be.
+MAX_WHOLE_NUMBER = 2**64 - 1

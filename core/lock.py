@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import IO
 
 from .errors import OutputError
+from .files import open_own
 
 if sys.platform == "win32":
     import msvcrt
@@ -51,7 +52,7 @@ def open_locked(path: Path) -> IO[bytes]:
     """
     try:
         # Not inherited by programs that the run starts, which may outlive it.
-        file = path.open("ab", buffering=0)
+        file = open_own(path, "ab", buffering=0)
     except OSError as wrong:
         raise OutputError(f"folder {path.parent}: cannot write {path.name} ({wrong.strerror})") from wrong
     try:

@@ -12,7 +12,9 @@ from collections.abc import Iterable
 from typing import Callable
 from urllib.parse import quote, quote_plus
 
+from .errors import InvalidInput
 from .limits import MAX_LINE_CHARACTERS, MAX_TEXT_CHARACTERS
+from .safe_json import parse_json
 
 #: Ends what was cut short.
 CUT = "…"
@@ -144,8 +146,8 @@ def _unescaped(text: str) -> str:
 
 def _json_message(text: str) -> str:
     try:
-        found = json.loads(text)
-    except (ValueError, RecursionError):
+        found = parse_json(text)
+    except InvalidInput:
         return text
     while isinstance(found, (dict, list)):
         if isinstance(found, list):

@@ -45,6 +45,7 @@ TOLD = (
     "core/imagery",
     "core/mission",
     "core/report",
+    "core/safe_json.py",
     "core/unexpected.py",
     "terrainav_plugin",
 )

@@ -16,10 +16,15 @@ from types import TracebackType
 from typing import IO, Any
 
 from ..errors import OutputError
+from ..files import open_own
+from ..limits import MAX_JOURNAL_LINE_BYTES
 from ..lock import open_locked
+from ..safe_json import parse_json
 
 DONE = "done"
 FAILED = "failed"
+#: Bytes of the journal read in one go; see `Table`'s.
+_READ_BYTES = 1 << 20
 
 
 @dataclass(frozen=True)
@@ -77,7 +82,7 @@ class Outcome:
     def from_line(cls, line: bytes) -> Outcome | None:
         """Outcome of a line, or None where the line is torn."""
         try:
-            fields = json.loads(line)
+            fields = parse_json(line)
             entropy = float(fields["entropy"]) if fields["status"] == DONE else None
             return cls(
                 str(fields["map_type"]),
@@ -89,7 +94,7 @@ class Outcome:
                 int(fields.get("size_bytes", 0)),
                 tuple(map(str, fields.get("repeated", ()))),
             )
-        except (ValueError, KeyError, TypeError, AttributeError):
+        except (ValueError, KeyError, TypeError, AttributeError, OverflowError):
             return None
 
 
@@ -113,13 +118,22 @@ class Journal:
         self._read()
 
     def _read(self) -> None:
+        self._bytes = self._whole_bytes = 0
+        self.outcomes: dict[tuple[str, str], Outcome] = {}
         try:
-            text = self._path.read_bytes() if self._path.exists() else b""
+            with open_own(self._path, "rb", buffering=_READ_BYTES) as file:
+                while line := file.readline(MAX_JOURNAL_LINE_BYTES):
+                    self._take(line)
+        except FileNotFoundError:
+            return
         except OSError as wrong:
             raise OutputError(f"journal {self._path}: cannot be read ({wrong.strerror})") from wrong
-        self._bytes, self._whole_bytes = len(text), text.rfind(b"\n") + 1
-        self.outcomes: dict[tuple[str, str], Outcome] = {}
-        for line in text[: self._whole_bytes].split(b"\n"):
+
+    def _take(self, line: bytes) -> None:
+        """Take what a line says; of one that is longer than any of ours each piece is torn."""
+        self._bytes += len(line)
+        if line.endswith(b"\n"):
+            self._whole_bytes = self._bytes
             outcome = Outcome.from_line(line)
             if outcome is not None:
                 self.outcomes[outcome.map_type, outcome.name] = outcome

@@ -135,6 +135,8 @@ class Pipeline(Generic[Job, Result]):
         Called in the calling thread with each job and its result or PartError, in the order they come.
     connections, workers : int
         At least 1 each.
+    at_once : int
+        Pictures on the way in all, at least 1: where they are large, few are.
     spool : Spool or None
         Closed with the run; None for one of the usual size.
 
@@ -153,6 +155,7 @@ class Pipeline(Generic[Job, Result]):
         *,
         connections: int,
         workers: int,
+        at_once: int = _MOST_ON_THE_WAY,
         spool: Spool | None = None,
     ) -> None:
         self.requests = 0
@@ -161,6 +164,7 @@ class Pipeline(Generic[Job, Result]):
         self._fetch, self._work, self._finished = fetch, work, finished
         self._fetching_limit = connections * _FETCHES_PER_CONNECTION
         self._ready_limit = workers * _READY_PER_WORKER
+        self._at_once = min(at_once, _MOST_ON_THE_WAY)
         self._fetching = self._on_the_way = 0
         self._making: dict[Future[Result], Job] = {}
         self._parts: dict[Window, _PartOnTheWay[Job]] = {}
@@ -227,7 +231,7 @@ class Pipeline(Generic[Job, Result]):
         while (
             self._fetching < self._fetching_limit
             and len(self._making) < self._ready_limit
-            and self._on_the_way < _MOST_ON_THE_WAY
+            and self._on_the_way < self._at_once
         ):
             following = next(waiting, None)
             if following is None:

@@ -21,6 +21,7 @@ from ..errors import InvalidInput, OutputError, PartError
 from ..imagery.placeholder import PLACEHOLDER_REASON
 from ..imagery.repeats import Repeats, corner
 from ..imagery.source import Part, Provided, Received, Source, Window
+from ..limits import MAX_PICTURES_AT_ONCE_PX
 from ..mission.plan import Plan
 from .folder import check_captured, complete_pictures, open_folder, remove_picture, write_plan_files
 from .journal import FAILED, Journal, Outcome
@@ -28,7 +29,7 @@ from .odm import write_odm_files
 from .pipeline import Pipeline, sweep
 from .records import Made, PictureJob, exposures_of, job_of, make_picture, parts_of, table_of
 from .result import CaptureResult, Failure, Progress, Repeat
-from .writers import check_size, file_endings
+from .writers import file_endings
 
 __all__ = ["CaptureResult", "Failure", "Progress", "Repeat", "capture"]
 
@@ -95,8 +96,7 @@ def capture(
     Raises
     ------
     InvalidInput
-        A map type the source does not have, a plan for another pixel grid, pictures the format cannot hold:
-        before anything is written.
+        A map type the source does not have, a plan for another pixel grid: before anything is written.
     OutputError
         A folder that cannot be written, that holds another mission, or holds this one without ``resume``, or
         does not hold it where only what has failed is wanted.
@@ -130,12 +130,12 @@ def _check(plan: Plan, source: Source, connections: int, workers: int | None) ->
     for map_type in plan.mission.map_types:
         if source.map_types and map_type not in source.map_types:
             raise InvalidInput(f"map type {map_type!r}: {source.title} has {', '.join(source.map_types)}")
-    width, height = (
-        plan.mission.img_size[:2]
-        if plan.mission.img_size
-        else (int(plan.width_px.max()), int(plan.height_px.max()))
-    )
-    check_size(plan.mission.image_format, width, height)
+
+
+def _largest_px(plan: Plan) -> int:
+    """Pixels of the largest picture, as it is planned or as it is resized to."""
+    width, height, _ = plan.mission.img_size or (1, 1, 1)
+    return max(int((plan.width_px * plan.height_px).max()), width * height)
 
 
 def _chosen(plan: Plan, only: Iterable[int] | None) -> Numbers:
@@ -287,6 +287,7 @@ class _Run:
                 self._note,
                 connections=connections,
                 workers=workers,
+                at_once=max(MAX_PICTURES_AT_ONCE_PX // _largest_px(self._plan), 1),
             )
             exposures = exposures_of(self._plan)
             jobs = (

@@ -11,7 +11,6 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image, PngImagePlugin
 
-from ..errors import InvalidInput
 from ..files import write_whole
 from .control_points import ControlPoints
 from .description import SOFTWARE, Description
@@ -21,8 +20,6 @@ from .tiff import HEADER_BYTES, Kind, Tag, directory, header
 
 Pixels = NDArray[np.uint8]
 
-#: libjpeg's limit (JPEG_MAX_DIMENSION).
-JPEG_LONGEST_PX = 65_500
 #: Only runs are searched for: on photographs that is four times as fast as zlib's default level and smaller too,
 #: as the predictor has left little else to find; drawn maps are small either way.
 _ZLIB_STRATEGY = zlib.Z_RLE
@@ -43,21 +40,6 @@ def file_endings(image_format: str, *, on_map: bool = True) -> tuple[str, ...]:
         return (own,)
     world_file = (_WORLD_FILES[image_format],) if on_map else ()
     return (*world_file, f"{own}.aux.xml", own)
-
-
-def check_size(image_format: str, width_px: int, height_px: int) -> None:
-    """Refuse pictures that a format cannot hold.
-
-    Raises
-    ------
-    InvalidInput
-        A JPEG of more than 65500 px along a side.
-    """
-    if image_format == "jpg" and max(width_px, height_px) > JPEG_LONGEST_PX:
-        raise InvalidInput(
-            f"pictures of {width_px} x {height_px} px: JPEG ends at {JPEG_LONGEST_PX} px; choose tif or png, or "
-            "resize them (--img-size)"
-        )
 
 
 def write_picture(

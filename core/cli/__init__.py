@@ -2,15 +2,21 @@
 
 from __future__ import annotations
 
-import contextlib
-import importlib
+# Until `main` runs, Ctrl-C ends Python with a traceback: nothing is imported here that Python has not loaded itself.
 import os
 import sys
-from collections.abc import Sequence
 
 from ..errors import Cancelled, InvalidInput, TerrAInavError
-from .exits import BAD_INPUT, DONE, FAILED, STOPPED
+from .exits import BAD_INPUT, DONE, FAILED, FAULT, STOPPED, exit_code
 
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+#: Set, the trace of a fault of the program is printed.
+DEBUG_ENV = "TERRAINAV_DEBUG"
+_SAID_CHARACTERS = 200
+_ISSUES = "https://github.com/terrainav/terrainav/issues"
 #: The module of each command and its function there; only the one that is run is imported.
 _COMMANDS = {
     "plan": ("flying", "run_plan"),
@@ -29,36 +35,50 @@ _COMMANDS = {
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the command; returns the exit code."""
+    signals: list[int] = []
     try:
-        code = _run(sys.argv[1:] if argv is None else argv)
-        if sys.stdout is not None:
-            # What cannot be printed is found out here, and not when Python ends.
-            sys.stdout.flush()
-    except InvalidInput as wrong:
-        return _fail(wrong, BAD_INPUT)
-    except Cancelled as stopped:
-        return _fail(stopped, STOPPED)
-    except KeyboardInterrupt:
-        return _fail("stopped", STOPPED)
-    except TerrAInavError as wrong:
-        return _fail(wrong, FAILED)
-    except MemoryError:
-        return _fail("not enough memory; ask for less at a time: fewer or smaller images", FAILED)
-    except BrokenPipeError:
-        # The reader of our output went away, as `| head` does: nothing is left to be said.
-        _drop_output()
-        return DONE
-    except OSError as wrong:
-        _drop_output()
-        return _fail(f"cannot go on ({wrong})", FAILED)
+        from .stopping import raised
+
+        with raised(signals):
+            code = _run(sys.argv[1:] if argv is None else argv)
+            if sys.stdout is not None:
+                # What cannot be printed is found out here, and not when Python ends.
+                sys.stdout.flush()
+    except KeyboardInterrupt as stopped:
+        return _fail("stopped", getattr(stopped, "code", STOPPED))
+    except Exception as wrong:  # noqa: BLE001 (the last door)
+        if signals:
+            # Modules written in C that a signal met while they were imported raise something else instead.
+            return _fail("stopped", exit_code(signals[0]))
+        return _failed(wrong)
     else:
         return code
+
+
+def _failed(wrong: Exception) -> int:
+    """Say what is wrong; returns the exit code."""
+    if isinstance(wrong, InvalidInput):
+        return _fail(wrong, BAD_INPUT)
+    if isinstance(wrong, Cancelled):
+        return _fail(wrong, STOPPED)
+    if isinstance(wrong, TerrAInavError):
+        return _fail(wrong, FAILED)
+    if isinstance(wrong, MemoryError):
+        return _fail("not enough memory; ask for less at a time: fewer or smaller images", FAILED)
+    if isinstance(wrong, OSError):
+        _drop_output()
+        # The reader of our output may have gone away, as `| head` does: nothing is left to be said.
+        gone = isinstance(wrong, BrokenPipeError)
+        return DONE if gone else _fail(f"cannot go on ({wrong})", FAILED)
+    return _fault(wrong)
 
 
 def _run(argv: Sequence[str]) -> int:
     if list(argv) == ["--version"]:
         # Asked for by scripts: it need not wait for the parser of all options.
         return _print_version()
+    import importlib
+
     from .options import normalised, parser
 
     reader = parser()
@@ -82,14 +102,35 @@ def _print_version() -> int:
 
 def _drop_output() -> None:
     """Lead what is still to be printed nowhere, so that Python does not fail at it once more when it ends."""
+    import contextlib
+
     with contextlib.suppress(AttributeError, OSError):
         # There may be no output, or one that is no file.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
+def _fault(error: Exception) -> int:
+    """Say that the program is at fault, where, and what to do about it."""
+    import traceback
+    from pathlib import Path
+
+    if os.environ.get(DEBUG_ENV):
+        traceback.print_exception(type(error), error, error.__traceback__)
+    *_, last = traceback.extract_tb(error.__traceback__)
+    said = str(error)[:_SAID_CHARACTERS]
+    return _fail(
+        f"a fault of the program, not yours: {type(error).__name__}: {said} ({Path(last.filename).name}, line "
+        f"{last.lineno}); please report it with the command at {_ISSUES}; {DEBUG_ENV}=1 shows the trace",
+        FAULT,
+    )
+
+
 def _fail(error: object, code: int) -> int:
+    import contextlib
+
     from ..text import printable
 
     # Names of files and words of servers may hold line ends and the terminal's control characters.
-    print(f"terrainav: {printable(str(error))}", file=sys.stderr)
+    with contextlib.suppress(OSError):
+        print(f"terrainav: {printable(str(error))}", file=sys.stderr)
     return code

@@ -5,7 +5,6 @@ from __future__ import annotations
 import argparse
 import json
 import os
-import signal
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
@@ -17,8 +16,9 @@ from ..errors import InvalidInput
 from ..mission.options import OPTIONS, RUN_OPTIONS
 from ..text import printable
 from .caching import opened_cache
-from .exits import DONE, INCOMPLETE, STOPPED
+from .exits import DONE, INCOMPLETE, exit_code
 from .parsing import names_source
+from .stopping import collected
 
 if TYPE_CHECKING:
     from ..capture.runner import CaptureResult, Failure, Progress, Repeat
@@ -150,28 +150,19 @@ class Bar:
         full = int(share * _BAR_WIDTH)
         failed = f", {progress.failed} failed" if progress.failed else ""
         line = f"{progress.map_type:10s}[{'#' * full:{_BAR_WIDTH}s}] {finished}/{progress.total}{failed}, {rate:.0f}/s"
-        print(f"\r{line:78s}", end="", file=sys.stderr, flush=True)
+        self._print(f"\r{line:78s}", end="")
 
     def close(self) -> None:
         """End the line."""
         if self._live:
-            print(file=sys.stderr)
+            self._print()
 
-
-@contextmanager
-def interruptible() -> Iterator[list[int]]:
-    """Collect interrupts (Ctrl-C) in a list instead of raising; the second one raises as usual."""
-    received: list[int] = []
-
-    def receive(number: int, _frame: object) -> None:
-        received.append(number)
-        signal.signal(signal.SIGINT, before)
-
-    before = signal.signal(signal.SIGINT, receive)
-    try:
-        yield received
-    finally:
-        signal.signal(signal.SIGINT, before)
+    def _print(self, text: str = "", end: str = "\n") -> None:
+        try:
+            print(text, end=end, file=sys.stderr, flush=True)
+        except OSError:
+            # The terminal was closed: that ends the bar, and not the run.
+            self._live = False
 
 
 def run_capture(arguments: argparse.Namespace) -> int:
@@ -181,12 +172,12 @@ def run_capture(arguments: argparse.Namespace) -> int:
         # As from a variable that is not set: the current folder, which it would stand for, is not meant.
         raise InvalidInput("data folder '': must be the name of a folder, such as . for the current one")
     bar = Bar(arguments.quiet)
-    with _opened(mission, values, plan_only=False) as source, interruptible() as interrupts:
-        result = _run(mission, source, values, arguments, bar, lambda: bool(interrupts))
+    with _opened(mission, values, plan_only=False) as source, collected() as signals:
+        result = _run(mission, source, values, arguments, bar, lambda: bool(signals))
     _print_result(result, arguments.json)
     if result.cancelled:
         print("terrainav: stopped; what is finished is kept, go on with --resume", file=sys.stderr)
-        return STOPPED
+        return exit_code(signals[0])
     return INCOMPLETE if result.failed else DONE
 
 

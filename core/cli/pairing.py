@@ -5,15 +5,16 @@ from __future__ import annotations
 import argparse
 import json
 import sys
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..errors import InvalidInput
+from ..files import is_file
 from ..mission.options import OPTIONS, Option
 from .caching import opened_cache
-from .exits import DONE, INCOMPLETE, STOPPED
-from .flying import NAMED_FAILURES, Bar, interruptible, print_failed, print_repeated, print_written
+from .exits import DONE, INCOMPLETE, exit_code
+from .flying import NAMED_FAILURES, Bar, print_failed, print_repeated, print_written
 from .parsing import add_json, names_source
+from .stopping import collected
 
 if TYPE_CHECKING:
     from ..imagery.source import Source
@@ -171,13 +172,14 @@ def run_pairs(arguments: argparse.Namespace) -> int:
         if arguments.dry_run:
             _print_plan(worked_out, arguments.json)
             return DONE
-        result = _capture(worked_out, source, arguments, values)
+        with collected() as signals:
+            result = _capture(worked_out, source, arguments, values, signals)
     finally:
         source.close()
     _print_result(worked_out, result, arguments.json)
     if result.cancelled:
         print("terrainav: stopped; what is finished is kept, go on with --resume", file=sys.stderr)
-        return STOPPED
+        return exit_code(signals[0])
     if arguments.sheet is not None and len(result.left_out) < len(places):
         contact_sheet(result.folder, arguments.sheet)
     return INCOMPLETE if result.failed or result.left_out else DONE
@@ -233,7 +235,7 @@ def _places(arguments: argparse.Namespace, settings: PairSettings) -> tuple[Plac
     from ..pairs.planning import places_in_box
 
     text = arguments.places
-    if Path(text).is_file():
+    if is_file(text):
         if arguments.count is not None or arguments.spacing is not None:
             option = "count" if arguments.count is not None else "spacing"
             raise InvalidInput(f"--{option} and the file {text}: it is for places of a box")
@@ -245,7 +247,11 @@ def _places(arguments: argparse.Namespace, settings: PairSettings) -> tuple[Plac
 
 
 def _capture(
-    worked_out: PairPlan, source: Source, arguments: argparse.Namespace, values: dict[str, Any]
+    worked_out: PairPlan,
+    source: Source,
+    arguments: argparse.Namespace,
+    values: dict[str, Any],
+    signals: list[int],
 ) -> PairResult:
     from ..imagery.catalogue.listing import check_policy
     from ..pairs.capturing import capture_pairs
@@ -258,19 +264,18 @@ def _capture(
         bounds_deg=worked_out.bounds_deg,
     )
     bar = Bar(arguments.quiet)
-    with interruptible() as interrupts:
-        try:
-            return capture_pairs(
-                worked_out,
-                source,
-                arguments.data_dir,
-                connections=values["connections"],
-                resume=arguments.resume,
-                progress=bar,
-                cancelled=lambda: bool(interrupts),
-            )
-        finally:
-            bar.close()
+    try:
+        return capture_pairs(
+            worked_out,
+            source,
+            arguments.data_dir,
+            connections=values["connections"],
+            resume=arguments.resume,
+            progress=bar,
+            cancelled=lambda: bool(signals),
+        )
+    finally:
+        bar.close()
 
 
 def _counts(worked_out: PairPlan) -> str:

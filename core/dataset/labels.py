@@ -16,7 +16,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InvalidInput
-from ..files import write_whole
+from ..files import read_limited, write_whole
+from ..limits import MAX_SETTINGS_BYTES
+from ..safe_json import decoded, parse_json
 from .choices import TRAIN
 from .frames import Frame, frame_of
 from .parts import part_of, taken
@@ -107,7 +109,7 @@ class Labels:
                 f"{name}: a split was interrupted, so the parts of its map types may disagree; split again"
             )
         try:
-            document: dict[str, Any] = json.loads(text)
+            document: dict[str, Any] = parse_json(text)
             if tuple(document["names"]) != NAMES:
                 raise ValueError(f"names {document['names']}, not {list(NAMES)}")
             frame = Frame(
@@ -133,8 +135,8 @@ class Labels:
     def load(cls, path: str | os.PathLike[str]) -> Labels:
         """Labels of a file; raises InvalidInput."""
         try:
-            text = Path(path).read_text(encoding="utf-8")
-        except (OSError, UnicodeDecodeError) as wrong:
+            text = decoded(read_limited(path, MAX_SETTINGS_BYTES))
+        except (OSError, InvalidInput) as wrong:
             raise InvalidInput(f"{path}: cannot be read ({wrong})") from wrong
         return cls.from_json(text, str(path))
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import math
+import sys
 from dataclasses import dataclass
 
 from ..errors import InvalidInput, SourceError
@@ -49,7 +49,8 @@ class Policy:
             )
         for name in ("max_tiles", "max_connections", "requests_per_s"):
             value = getattr(self, name)
-            if value is not None and not (value > 0 and math.isfinite(value)):
+            # Whole numbers may be too large for a float.
+            if value is not None and not 0 < value <= sys.float_info.max:
                 raise InvalidInput(f"{name} {value}: must be a number above 0, or left out")
 
     def connections(self, wanted: int) -> int:

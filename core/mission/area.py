@@ -16,6 +16,9 @@ from ..geodesy.mercator import wrap_lon_deg
 Floats = NDArray[np.float64]
 Position = tuple[float, float]
 
+#: Greatest height above ground, metres: up to there double precision holds the ground to less than a micrometre.
+HIGHEST_AGL_M = 1e9
+
 
 def check_lat_lon(lat_deg: float, lon_deg: float) -> None:
     """Refuse a latitude beyond ±90 or a longitude beyond ±360 degrees (or not a number)."""
@@ -26,9 +29,11 @@ def check_lat_lon(lat_deg: float, lon_deg: float) -> None:
 
 
 def check_agl(agl_m: float) -> None:
-    """Refuse a height that is not a positive, finite number of metres."""
-    if not (math.isfinite(agl_m) and agl_m > 0.0):
+    """Refuse a height that is not a positive number of metres, or beyond `HIGHEST_AGL_M`."""
+    if not agl_m > 0.0:
         raise InvalidInput(f"height above ground {agl_m} m: must be above 0")
+    if agl_m > HIGHEST_AGL_M:
+        raise InvalidInput(f"height above ground {agl_m:g} m: must be at most {HIGHEST_AGL_M:g} m")
 
 
 def check_yaw(yaw_deg: float) -> None:
@@ -123,7 +128,8 @@ class Polygon:
 def _tidy_ring(ring: tuple[Position, ...]) -> tuple[Position, ...]:
     """Ring without its closing corner, longitudes made continuous."""
     corners = [(float(lon), float(lat)) for lon, lat in ring]
-    if len(corners) > 1 and corners[0] == corners[-1]:
+    # As often as it is there: what is written and read again is the same ring.
+    while len(corners) > 1 and corners[0] == corners[-1]:
         corners.pop()
     if len(corners) < 3:
         raise InvalidInput(f"polygon ring of {len(corners)} corners: needs at least 3")
@@ -180,7 +186,7 @@ def _sound(poses: tuple[tuple[float, float, float], ...]) -> bool:
     if values.dtype.kind not in "fiu" or values.shape[1:] != (3,):
         return False
     lat, lon, agl = values.T
-    sound = (np.abs(lat) <= 90.0) & (np.abs(lon) <= 360.0) & (agl > 0.0) & np.isfinite(agl)
+    sound = (np.abs(lat) <= 90.0) & (np.abs(lon) <= 360.0) & (agl > 0.0) & (agl <= HIGHEST_AGL_M)
     return bool(sound.all())
 
 

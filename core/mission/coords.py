@@ -2,21 +2,21 @@
 
 from __future__ import annotations
 
-import json
 import re
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
 from ..errors import InvalidInput
+from ..files import is_file, read_limited
+from ..limits import MAX_MISSION_BYTES
+from ..safe_json import decoded, parse_json
 from .area import Area, Box, Points, Polygon
 from .choices import KINDS, UNITS
 
 _FORMATS = '"lat_lon_agl", "latTL_lonTL_latBR_lonBR_agl", or a text file of "lat lon agl [yaw]" lines'
 _SEPARATORS = re.compile(r"[_,;\s]+")
 _UNICODE_MINUS = {0x2212: "-", 0x2013: "-", 0xFE63: "-", 0xFF0D: "-"}
-#: Longer texts are no file's name.
-_LONGEST_PATH = 1024
 
 
 def _numbers(text: str, where: str) -> list[float]:
@@ -57,7 +57,7 @@ def parse_coords(text: str, kind: str | None = None, agl_unit: str = "m") -> tup
         raise InvalidInput(f"mission {kind!r}: must be one of {', '.join(KINDS)}")
     if not text.strip():
         raise InvalidInput(f"coordinates are empty: expected {_FORMATS}")
-    if len(text) < _LONGEST_PATH and "\n" not in text and Path(text).is_file():
+    if is_file(text):
         return _from_file(Path(text), kind, agl_unit)
     values = _numbers(text, "coordinates")
     if len(values) not in (3, 5):
@@ -112,8 +112,8 @@ def _from_file(path: Path, kind: str | None, agl_unit: str) -> tuple[Area, float
             f"file {path}: holds points; a raster mission needs two corners and a height as text"
         )
     try:
-        lines = path.read_text(encoding="utf-8-sig").splitlines()
-    except (OSError, UnicodeDecodeError) as wrong:
+        lines = decoded(read_limited(path, MAX_MISSION_BYTES)).splitlines()
+    except (OSError, InvalidInput) as wrong:
         raise InvalidInput(f"file {path}: cannot be read as text ({wrong})") from wrong
     if kind == "single":
         held = (at for at, line in enumerate(lines) if line.strip() and not line.lstrip().startswith("#"))
@@ -144,15 +144,15 @@ def load_polygon(path: str) -> Polygon:
         A file that cannot be read or holds no polygon.
     """
     try:
-        data = json.loads(Path(path).read_text(encoding="utf-8-sig"))
-    except (OSError, ValueError) as wrong:
+        data = parse_json(read_limited(path, MAX_MISSION_BYTES))
+    except (OSError, InvalidInput) as wrong:
         raise InvalidInput(f"area file {path}: cannot be read as GeoJSON ({wrong})") from wrong
     geometry = _first_polygon(data)
     if geometry is None:
         raise InvalidInput(f"area file {path}: holds no Polygon; give a GeoJSON with one")
     try:
         rings = tuple(tuple((float(p[0]), float(p[1])) for p in ring) for ring in geometry)
-    except (TypeError, ValueError, IndexError) as wrong:
+    except (TypeError, ValueError, IndexError, KeyError) as wrong:
         raise InvalidInput(f"area file {path}: a corner is not longitude, latitude ({wrong})") from wrong
     return Polygon(rings)
 
@@ -160,10 +160,17 @@ def load_polygon(path: str) -> Polygon:
 def _first_polygon(data: Any) -> list[Any] | None:
     if not isinstance(data, dict):
         return None
-    if data.get("type") == "Polygon":
-        return list(data.get("coordinates", []))
-    if data.get("type") == "MultiPolygon" and len(data.get("coordinates", [])) == 1:
-        return list(data["coordinates"][0])
-    inner = [data.get("geometry"), *data.get("features", []), *data.get("geometries", [])]
+    coordinates = _listed(data, "coordinates")
+    if data.get("type") == "Polygon" and coordinates:
+        return coordinates
+    if data.get("type") == "MultiPolygon" and len(coordinates) == 1 and isinstance(coordinates[0], list):
+        return coordinates[0]
+    inner = [data.get("geometry"), *_listed(data, "features"), *_listed(data, "geometries")]
     found = (_first_polygon(item) for item in inner)
     return next((rings for rings in found if rings is not None), None)
+
+
+def _listed(data: dict[str, Any], name: str) -> list[Any]:
+    """List of a name; empty where there is something else, as GeoJSON may have null for a geometry."""
+    value = data.get(name)
+    return value if isinstance(value, list) else []

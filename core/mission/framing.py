@@ -18,6 +18,7 @@ from ..geodesy.inscribed import inscribed_edges
 from ..geodesy.mercator import MAX_LAT_DEG, PixelGrid, fitting_zoom, lat_to_v
 from ..geodesy.poses import Poses
 from ..geodesy.view import fitting_detail
+from ..limits import MAX_PICTURE_PX, MAX_PICTURE_SIDE_PX
 from .area import Points
 from .layout import Layout, lay_out
 from .mission import Mission
@@ -32,8 +33,6 @@ _SAME_SIZE = 0.995
 _NARROWED, _BEYOND_FIRST_ORDER = 1e-3, 1.1
 #: World fraction that stands for frames without extent: far below a pixel.
 _SMALLEST = 1e-12
-#: Longest side of a picture, px: one of it takes 1.2 GB.
-_LONGEST_PX = 20_000
 #: Points along each side of an image at which it is looked whether it shows the map.
 _POINTS_LOOKED_AT = 33
 #: By how much a picture's side may differ from its frame's, as each edge is rounded on its own.
@@ -171,18 +170,26 @@ def nominal_poses(mission: Mission, layout: Layout) -> Poses:
 def _limit_px(mission: Mission, grid: PixelGrid) -> int:
     """Longest side of a picture that a mission, its source and memory allow, px."""
     limits = [limit * grid.scale for limit in (mission.limit_px, grid.max_size_px) if limit is not None]
-    return min([_LONGEST_PX, *limits])
+    return min([MAX_PICTURE_SIDE_PX, *limits])
 
 
-def _check_longest(longest_px: int, mission: Mission, grid: PixelGrid, *, coarsest: bool) -> None:
+def _check_size(width_px: int, height_px: int, mission: Mission, grid: PixelGrid, *, coarsest: bool) -> None:
     """Refuse pictures that are larger than allowed; ``coarsest`` says that there are no coarser pixels to be had."""
-    limit = _limit_px(mission, grid)
-    if longest_px <= limit:
-        return
+    limit, longest_px = _limit_px(mission, grid), max(width_px, height_px)
     ways_out = ["fly lower"]
     if not coarsest:
         coarser = "choose a lower zoom", "choose a larger ground sample distance"
         ways_out = [coarser[mission.gsd_m_per_px is not None]]
+    if longest_px <= limit:
+        if width_px * height_px <= MAX_PICTURE_PX:
+            return
+        if not coarsest and mission.zoom is None and mission.gsd_m_per_px is None:
+            ways_out.append("or make them smaller (--max-px)")
+        raise InvalidInput(
+            f"pictures of {width_px:,} x {height_px:,} px: {MAX_PICTURE_PX:,} px in all are allowed; "
+            f"{', '.join(ways_out)}",
+            "max_px",
+        )
     if mission.limit_px is not None and mission.limit_px * grid.scale == limit:
         ways_out.append("or allow larger pictures (--max-px)")
     raise InvalidInput(
@@ -302,7 +309,7 @@ class CameraFraming:
         size = round(width), round(width / aspect)
         if min(size) < 1:
             raise self._under_one_pixel(width, width / aspect)
-        _check_longest(max(size), mission, grid, coarsest=mission.zoom == grid.min_zoom)
+        _check_size(*size, mission, grid, coarsest=mission.zoom == grid.min_zoom)
         return size
 
     def _under_one_pixel(self, width_px: float, height_px: float) -> InvalidInput:
@@ -376,7 +383,9 @@ def _largest_px(windows: Windows) -> int:
 
 def check_sizes(framed: Framed, mission: Mission, grid: PixelGrid) -> None:
     """Refuse map frames that are larger than allowed."""
-    _check_longest(_largest_px(framed.windows), mission, grid, coarsest=framed.zoom == grid.min_zoom)
+    windows = framed.windows
+    coarsest = framed.zoom == grid.min_zoom
+    _check_size(int(windows.width_px.max()), int(windows.height_px.max()), mission, grid, coarsest=coarsest)
 
 
 def check_windows(framed: Framed, mission: Mission, grid: PixelGrid) -> None:

@@ -8,12 +8,13 @@ import os
 import re
 from dataclasses import MISSING, asdict, dataclass, field, fields, replace
 from datetime import datetime, timezone
-from pathlib import Path
 from typing import Any, TypeVar
 
 from ..errors import InvalidInput
-from ..files import write_whole
+from ..files import read_limited, write_whole
 from ..geodesy.camera import Camera
+from ..limits import MAX_MISSION_BYTES, MAX_PICTURE_PX, MAX_PICTURE_SIDE_PX, MAX_WHOLE_NUMBER
+from ..safe_json import decoded, parse_json
 from .area import Area, Box, Points, Polygon, check_agl
 from .choices import (
     AUTO,
@@ -36,19 +37,16 @@ from .choices import (
 from .wind import Wind, check_airspeed
 
 _Part = TypeVar("_Part", Box, Camera, Wind)
-
 #: Version of the mission file; readers accept this one and refuse newer ones.
 SCHEMA = 1
 #: Ground lies between these, metres: the shore of the Dead Sea and Everest, with room for geoid and lakes' beds.
 LOWEST_GROUND_M, HIGHEST_GROUND_M = 12_000.0, 9_000.0
-
 
 #: Fields that are real numbers.
 _REAL = (
     *("agl_m", "overlap_along", "overlap_across", "gsd_m_per_px", "error_budget_px"),
     *("yaw_deg", "tilt_deg", "roll_deg", "ground_height_m", "grid_angle_deg", "airspeed_m_per_s"),
 )
-
 
 #: UTC as ISO 8601 writes it: to the second, or with up to six decimals of one.
 _UTC = re.compile(r"[0-9]{4}-[0-9]{2}-[0-9]{2}T[0-9]{2}:[0-9]{2}:[0-9]{2}(\.[0-9]{1,6})?Z")
@@ -234,6 +232,9 @@ class Mission:
         _choice("resampling", self.resampling, RESAMPLINGS)
 
     def _check_pixels(self) -> None:
+        for name in ("zoom", "image_px", "max_px", "max_images", "seed"):
+            if (getattr(self, name) or 0) > MAX_WHOLE_NUMBER:
+                raise InvalidInput(f"{name} of more than 64 bits: must be at most {MAX_WHOLE_NUMBER}", name)
         if self.zoom is not None and self.gsd_m_per_px is not None:
             raise InvalidInput(
                 f"zoom {self.zoom} and ground sample distance {self.gsd_m_per_px} m: give one of the two"
@@ -258,6 +259,12 @@ class Mission:
                 raise InvalidInput(
                     f"image size {width} {height} {channels}: needs a width and a height of 1 px or more, and 1 or "
                     "3 channels"
+                )
+            if max(width, height) > MAX_PICTURE_SIDE_PX or width * height > MAX_PICTURE_PX:
+                raise InvalidInput(
+                    f"image size {width} x {height} px: must be at most {MAX_PICTURE_SIDE_PX:,} px along a side and "
+                    f"{MAX_PICTURE_PX:,} px in all",
+                    "img_size",
                 )
 
     @property
@@ -332,14 +339,9 @@ class Mission:
     def from_json(cls, text: str) -> Mission:
         """Mission from the text of a mission file; raises InvalidInput as `from_dict` does."""
         try:
-            data = json.loads(text)
-        except json.JSONDecodeError as wrong:
-            raise InvalidInput(f"mission is not JSON: {wrong}") from wrong
-        except (RecursionError, ValueError) as wrong:
-            # Brackets in brackets without end, or a whole number of thousands of digits.
-            raise InvalidInput(
-                "mission is not JSON that can be read: nested too deep, or a number too long"
-            ) from wrong
+            data = parse_json(text)
+        except InvalidInput as wrong:
+            raise InvalidInput(f"mission is not JSON that can be read: {wrong}") from wrong
         if not isinstance(data, dict):
             raise InvalidInput(f"mission is a JSON {type(data).__name__}: must be an object")
         return cls.from_dict(data)
@@ -348,11 +350,11 @@ class Mission:
     def load(cls, path: str | os.PathLike[str]) -> Mission:
         """Mission from a file."""
         try:
-            text = Path(path).read_text(encoding="utf-8")
+            text = decoded(read_limited(path, MAX_MISSION_BYTES))
         except OSError as wrong:
             raise InvalidInput(f"mission file {path}: cannot be read ({wrong.strerror})") from wrong
-        except UnicodeDecodeError as wrong:
-            raise InvalidInput(f"mission file {path}: cannot be read (it is no text in UTF-8)") from wrong
+        except InvalidInput as wrong:
+            raise InvalidInput(f"mission file {path}: cannot be read ({wrong})") from wrong
         if not text.lstrip().startswith("{"):
             raise InvalidInput(
                 f"mission file {path}: holds no mission, which is a JSON object; a file of places is given as "

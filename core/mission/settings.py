@@ -7,7 +7,6 @@ defaults. That holds for what several options can state, too: ``--hfov`` comes b
 from __future__ import annotations
 
 import difflib
-import json
 import os
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
@@ -15,7 +14,10 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import InvalidInput
+from ..files import read_limited
 from ..geodesy.camera import Camera
+from ..limits import MAX_SETTINGS_BYTES
+from ..safe_json import parse_json
 from .area import Area, Points
 from .choices import DEFAULT_IMAGE_PX, UNITS
 from .coords import load_polygon, parse_coords
@@ -98,8 +100,8 @@ def _read_config(config: str | None) -> dict[str, Any]:
     if config is None and not path.is_file():
         return {}
     try:
-        data = json.loads(path.read_text(encoding="utf-8-sig"))
-    except (OSError, ValueError) as wrong:
+        data = parse_json(read_limited(path, MAX_SETTINGS_BYTES))
+    except (OSError, InvalidInput) as wrong:
         raise InvalidInput(f"config file {path}: cannot be read as JSON ({wrong})") from wrong
     if not isinstance(data, dict):
         raise InvalidInput(f"config file {path}: must hold a JSON object of options")

@@ -15,6 +15,7 @@ from ..errors import InvalidInput
 from ..geodesy.camera import Camera
 from ..geodesy.ellipsoid import WGS84, Ellipsoid
 from ..geodesy.mercator import PixelGrid, u_to_lon, v_to_lat
+from ..limits import MAX_PICTURE_PX
 from ..mission.area import Box, Points
 from ..mission.choices import DEFAULT_BUDGET_PX
 from ..mission.mission import Mission
@@ -27,8 +28,8 @@ Floats = NDArray[np.float64]
 
 #: University-1652's pictures.
 DEFAULT_SIZE_PX = 512
-#: Side of the largest images: those of aerial cameras have 14,000 to 26,000 px, and are made whole in memory.
-MOST_SIZE_PX = 32_768
+#: Side of the largest images, which are squares where they show a place from above.
+MOST_SIZE_PX = math.isqrt(MAX_PICTURE_PX)
 #: What the drone's camera has where nothing else is said: the paper's field of view, in University-1652's squares.
 DEFAULT_CAMERA = Camera(78.8, 1.0)
 SATELLITE, DRONE = "satellite", "drone"

@@ -4940,11 +4940,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>este almacén no tiene archivo: el lugar es de otro</translation>
     </message>
     <message>
-        <location filename="../../core/capture/writers.py"/>
-        <source>pictures of {0} x {1} px: JPEG ends at {2} px; choose tif or png, or resize them (--img-size)</source>
-        <translation>imágenes de {0} x {1} px: JPEG termina en {2} px; elegir tif o png, o redimensionarlas (--img-size)</translation>
-    </message>
-    <message>
         <location filename="../../core/dataset/clean.py"/>
         <source>entropy {0}: must be from 0 to {1} bits</source>
         <translation>entropía {0}: debe estar entre 0 y {1} bits</translation>
@@ -5457,6 +5452,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/imagery/catalogue/dates.py"/>
         <source>dates of kind {0}: values are for listed ones, which need them</source>
         <translation>fechas de clase {0}: los valores son para las enumeradas, que los necesitan</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/catalogue/dates.py"/>
+        <source>dates of kind {0}: values must be text</source>
+        <translation>fechas de tipo {0}: los valores deben ser texto</translation>
     </message>
     <message>
         <location filename="../../core/imagery/catalogue/dates.py"/>
@@ -6046,6 +6046,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/raster/place.py"/>
+        <source>its pixels are as wide as the whole map, or have no width there</source>
+        <translation>sus píxeles son tan anchos como todo el mapa, o no tienen anchura en él</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/place.py"/>
         <source>only ground control points place it: make a map of it first, by gdalwarp</source>
         <translation>solo lo sitúan puntos de control: hacer antes un mapa con él, con gdalwarp</translation>
     </message>
@@ -6548,6 +6553,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/area.py"/>
         <source>height above ground {0} m: must be above 0</source>
         <translation>altura sobre el terreno de {0} m: debe ser mayor que 0</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/area.py"/>
+        <source>height above ground {0} m: must be at most {1} m</source>
+        <translation>altura sobre el terreno {0} m: debe ser como máximo {1} m</translation>
     </message>
     <message>
         <location filename="../../core/mission/area.py"/>
@@ -7079,6 +7089,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/framing.py"/>
+        <source>or make them smaller (--max-px)</source>
+        <translation>o hacerlas más pequeñas (--max-px)</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/framing.py"/>
         <source>picture at latitude {0} from {1} m</source>
         <translation>imagen en la latitud {0} desde {1} m</translation>
     </message>
@@ -7096,6 +7111,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/framing.py"/>
         <source>pictures of {0} px: the longest side allowed here is {1} px; {2}</source>
         <translation>imágenes de {0} px: el lado mayor permitido aquí es de {1} px; {2}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/framing.py"/>
+        <source>pictures of {0} x {1} px: {2} px in all are allowed; {3}</source>
+        <translation>imágenes de {0} x {1} px: se permiten {2} px en total; {3}</translation>
     </message>
     <message>
         <location filename="../../core/mission/framing.py"/>
@@ -7224,6 +7244,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/mission.py"/>
+        <source>image size {0} x {1} px: must be at most {2} px along a side and {3} px in all</source>
+        <translation>tamaño de imagen {0} x {1} px: debe ser como máximo {2} px por lado y {3} px en total</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/mission.py"/>
         <source>image size {0} {1} {2}: needs a width and a height of 1 px or more, and 1 or 3 channels</source>
         <translation>tamaño de imagen {0} {1} {2}: necesita una anchura y una altura de 1 px o más, y 1 o 3 canales</translation>
     </message>
@@ -7279,11 +7304,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/mission.py"/>
-        <source>mission file {0}: cannot be read (it is no text in UTF-8)</source>
-        <translation>archivo de misión {0}: no se puede leer (no es texto en UTF-8)</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/mission.py"/>
         <source>mission file {0}: cannot be read ({1})</source>
         <translation>archivo de misión {0}: no se puede leer ({1})</translation>
     </message>
@@ -7299,13 +7319,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/mission.py"/>
-        <source>mission is not JSON that can be read: nested too deep, or a number too long</source>
-        <translation>la misión no es JSON que se pueda leer: anidado demasiado hondo, o un número demasiado largo</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/mission.py"/>
-        <source>mission is not JSON: {0}</source>
-        <translation>la misión no es JSON: {0}</translation>
+        <source>mission is not JSON that can be read: {0}</source>
+        <translation>la misión no es JSON que se pueda leer: {0}</translation>
     </message>
     <message>
         <location filename="../../core/mission/mission.py"/>
@@ -7366,6 +7381,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/mission.py"/>
         <source>zoom {0}: must be 0 or more</source>
         <translation>zoom {0}: debe ser 0 o más</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/mission.py"/>
+        <source>{0} of more than 64 bits: must be at most {1}</source>
+        <translation>{0} de más de 64 bits: debe ser como máximo {1}</translation>
     </message>
     <message>
         <location filename="../../core/mission/mission.py"/>
@@ -7717,6 +7737,36 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/report/wind_methods.py"/>
         <source>step {0} s: must be above 0</source>
         <translation>paso de {0} s: debe ser mayor que 0</translation>
+    </message>
+    <message>
+        <location filename="../../core/safe_json.py"/>
+        <source>a whole number of {0} digits: {1} at most</source>
+        <translation>un número entero de {0} cifras: {1} como máximo</translation>
+    </message>
+    <message>
+        <location filename="../../core/safe_json.py"/>
+        <source>nested too deep: {0} levels at most</source>
+        <translation>anidado demasiado hondo: {0} niveles como máximo</translation>
+    </message>
+    <message>
+        <location filename="../../core/safe_json.py"/>
+        <source>no text in UTF-8: byte {0} does not belong there</source>
+        <translation>no es texto en UTF-8: el byte {0} no le corresponde</translation>
+    </message>
+    <message>
+        <location filename="../../core/safe_json.py"/>
+        <source>number {0}: too large</source>
+        <translation>número {0}: demasiado grande</translation>
+    </message>
+    <message>
+        <location filename="../../core/safe_json.py"/>
+        <source>{0} alone is half a character</source>
+        <translation>{0} solo es medio carácter</translation>
+    </message>
+    <message>
+        <location filename="../../core/safe_json.py"/>
+        <source>{0}: JSON has finite numbers only</source>
+        <translation>{0}: JSON solo tiene números finitos</translation>
     </message>
     <message>
         <location filename="../../core/unexpected.py"/>

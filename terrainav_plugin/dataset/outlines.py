@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable, Collection, Iterator
 from dataclasses import dataclass
 from itertools import chain
@@ -18,6 +17,7 @@ from qgis.PyQt.QtGui import QColor, QImage, QPainter, QPen, QPolygonF
 
 from ...core.dataset.folder import FOOTPRINTS_FILE
 from ...core.errors import Cancelled, InvalidInput
+from ...core.safe_json import parse_json
 from ..i18n import tr
 from ..viewer.footprint_file import rings_of, stamp_of
 from .colours import REJECTED
@@ -158,7 +158,7 @@ def _features(path: Path) -> Iterator[dict[str, Any]]:
     with path.open("rb", buffering=_BLOCK_BYTES) as file:
         for line in file:
             if line.startswith(_FEATURE):
-                yield json.loads(line.rstrip().rstrip(b","))
+                yield parse_json(line.rstrip().rstrip(b","))
 
 
 class Drawer:

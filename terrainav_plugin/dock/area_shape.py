@@ -9,6 +9,7 @@ from functools import lru_cache
 from ...core.errors import InvalidInput
 from ...core.mission.area import Area, Box, Points, Polygon
 from ...core.mission.mission import SCHEMA, Mission
+from ...core.safe_json import parse_json
 from ..i18n import tr
 
 #: Heights this near to each other are the same: spin boxes show four decimals, of a foot at least.
@@ -54,7 +55,7 @@ def shape_text(area: Area, agl_m: float) -> str:
 def shape_of(text: str) -> Shape:
     """Shape of a text; raises InvalidInput where it holds none."""
     try:
-        data = json.loads(text)
+        data = parse_json(text)
         agl_m = float(data.pop("agl_m", 1.0))
     except (ValueError, TypeError, AttributeError) as wrong:
         raise InvalidInput(tr("the area's shape cannot be read: {error}").format(error=wrong)) from wrong

@@ -6,6 +6,9 @@ import json
 from dataclasses import asdict, dataclass, field, fields, replace
 from typing import Any
 
+from ...core.errors import InvalidInput
+from ...core.safe_json import parse_json
+
 #: International foot.
 M_PER_FT = 0.3048
 #: What a camera may be given by.
@@ -161,8 +164,8 @@ class FormState:
     def beyond_entries(self) -> dict[str, Any]:
         """What ``more`` holds, by the names of a mission file."""
         try:
-            data = json.loads(self.more) if self.more else {}
-        except json.JSONDecodeError:
+            data = parse_json(self.more) if self.more else {}
+        except InvalidInput:
             return {}
         return data if isinstance(data, dict) else {}
 
@@ -180,8 +183,8 @@ class FormState:
     def from_json(cls, text: str) -> FormState:
         """State from what `to_json` gave, also long ago; entries that no longer fit keep their defaults."""
         try:
-            data = json.loads(text) if text else {}
-        except json.JSONDecodeError:
+            data = parse_json(text) if text else {}
+        except InvalidInput:
             data = {}
         data = _with_later_entries(data) if isinstance(data, dict) else {}
         state = cls()
@@ -207,8 +210,8 @@ def _with_later_entries(data: dict[str, Any]) -> dict[str, Any]:
     would be one that nobody has asked for.
     """
     try:
-        more = json.loads(data.get("more") or "{}")
-    except (json.JSONDecodeError, TypeError):
+        more = parse_json(data.get("more") or "{}")
+    except (InvalidInput, TypeError):
         return data
     if not isinstance(more, dict):
         return data

@@ -53,7 +53,7 @@ class _Capabilities(Task):
 
     def __init__(self, service: ServiceConnection, kind: str = "", layer: str = "") -> None:
         super().__init__(tr("Asking {name} for its layers").format(name=service.name))
-        from ...core.limits import MAX_DOCUMENT_BYTES
+        from ...core.limits import MAX_CAPABILITIES_BYTES
 
         self.kind = kind
         self.layers: list[Offered] = []
@@ -61,7 +61,7 @@ class _Capabilities(Task):
         self._service, self._layer = service, layer
         home = credential_home(service.address)
         self._transport = QgisTransport(
-            1, max_body_bytes=MAX_DOCUMENT_BYTES, authcfg=service.authcfg, home=home
+            1, max_body_bytes=MAX_CAPABILITIES_BYTES, authcfg=service.authcfg, home=home
         )
 
     def work(self) -> None:

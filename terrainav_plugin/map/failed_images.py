@@ -9,8 +9,9 @@ from typing import Any
 
 from ...core.capture.journal import FAILED, Outcome
 from ...core.dataset.folder import FOOTPRINTS_FILE, JOURNAL_FILE
-from ...core.errors import OutputError
+from ...core.errors import InvalidInput, OutputError
 from ...core.files import write_whole
+from ...core.safe_json import parse_json
 from ..i18n import told
 
 #: Beside the dataset's own footprints, while there is something in it.
@@ -31,7 +32,7 @@ class FailedImages:
         self._folder = folder
         self._read_bytes = 0
         self._reasons: dict[tuple[str, str], str] = {}
-        self._footprints: dict[str, dict[str, Any]] = {}
+        self._footprints: dict[str, dict[str, Any] | None] = {}
         self._written: dict[tuple[str, str], str] | None = None
 
     @property
@@ -102,9 +103,9 @@ class FailedImages:
         with (self._folder / FOOTPRINTS_FILE).open("rb", buffering=_CHUNK_BYTES) as file:
             for line in file:
                 found = _NAME.search(line)
-                name = found[1].decode("utf-8") if found else ""
+                name = found[1].decode("utf-8", "replace") if found else ""
                 if name in wanted:
-                    self._footprints[name] = json.loads(line.rstrip().rstrip(b","))
+                    self._footprints[name] = _feature(line)
 
     def _lines(self) -> list[bytes]:
         features = []
@@ -116,3 +117,13 @@ class FailedImages:
             feature = {**footprint, "properties": {**footprint["properties"], **more}}
             features.append(json.dumps(feature, ensure_ascii=False).encode("utf-8"))
         return [b'{"type": "FeatureCollection", "features": [\n', b",\n".join(features), b"\n]}\n"]
+
+
+def _feature(line: bytes) -> dict[str, Any] | None:
+    """Feature of a line, or None where the file is not as a capture leaves it."""
+    try:
+        feature = parse_json(line.rstrip().rstrip(b","))
+    except InvalidInput:
+        return None
+    shaped = isinstance(feature, dict) and isinstance(feature.get("properties"), dict)
+    return feature if shaped else None

@@ -7,7 +7,6 @@ those put a picture tilted by 60 degrees a hundred pixels off, or its corners fo
 from __future__ import annotations
 
 import math
-import os
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -17,6 +16,7 @@ from osgeo import gdal
 from ...core.capture.georeference import WEB_MERCATOR_WKT
 from ...core.capture.resample import sample
 from ...core.errors import OutputError
+from ...core.files import partial_file
 from ...core.geodesy.ellipsoid import sight_lines
 from ...core.geodesy.mercator import HALF_WORLD_M, MAX_LAT_DEG, v_to_lat
 from ...core.mission.framing import ground_of
@@ -145,21 +145,18 @@ def _read(picture: Path) -> Pixels:
 
 
 def _write(pixels: Pixels, frame: _Frame, target: Path) -> None:
-    partial = target.with_name(target.name + ".part")
     try:
-        raster = gdal.GetDriverByName("GTiff").Create(
-            str(partial), frame.width_px, frame.height_px, 4, gdal.GDT_Byte, list(_OPTIONS)
-        )
-        if raster is None:
-            raise OutputError(f"picture {target}: cannot be written ({gdal.GetLastErrorMsg()})")
-        raster.SetProjection(WEB_MERCATOR_WKT)
-        raster.SetGeoTransform((frame.west_m, frame.pixel_m, 0.0, frame.north_m, 0.0, -frame.pixel_m))
-        raster.WriteArray(np.moveaxis(pixels, -1, 0))
-        raster.BuildOverviews("AVERAGE", _OVERVIEWS)
-        raster.FlushCache()
-        del raster
-        os.replace(partial, target)
+        with partial_file(target) as partial:
+            raster = gdal.GetDriverByName("GTiff").Create(
+                str(partial), frame.width_px, frame.height_px, 4, gdal.GDT_Byte, list(_OPTIONS)
+            )
+            if raster is None:
+                raise OutputError(f"picture {target}: cannot be written ({gdal.GetLastErrorMsg()})")
+            raster.SetProjection(WEB_MERCATOR_WKT)
+            raster.SetGeoTransform((frame.west_m, frame.pixel_m, 0.0, frame.north_m, 0.0, -frame.pixel_m))
+            raster.WriteArray(np.moveaxis(pixels, -1, 0))
+            raster.BuildOverviews("AVERAGE", _OVERVIEWS)
+            raster.FlushCache()
+            del raster
     except OSError as wrong:
         raise OutputError(f"picture {target}: cannot be written ({wrong.strerror})") from wrong
-    finally:
-        partial.unlink(missing_ok=True)

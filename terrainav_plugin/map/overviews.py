@@ -5,7 +5,6 @@ GDAL's own way reads the virtual raster block by block, four times slower than r
 
 from __future__ import annotations
 
-import contextlib
 import os
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
@@ -17,6 +16,7 @@ import numpy as np
 from osgeo import gdal
 
 from ...core.errors import Cancelled, OutputError
+from ...core.files import partial_file
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -70,26 +70,21 @@ def build_overviews(
     if max(size) <= _LAST_PX:
         target.unlink(missing_ok=True)
         return
-    partial = target.with_name(target.name + ".part")
     try:
-        raster = gdal.GetDriverByName("GTiff").Create(
-            str(partial), width, height, channels + 1, gdal.GDT_Byte, [*_OPTIONS, _photometric(channels)]
-        )
-        if raster is None:
-            raise _failed(target)
-        raster.GetRasterBand(channels + 1).SetColorInterpretation(gdal.GCI_AlphaBand)
-        _fill(raster, placed, (width, height), channels, progress)
-        _reduce(raster, (width, height), progress)
-        if raster.FlushCache() not in (None, gdal.CE_None):
-            raise _failed(target)
-        del raster
-        os.replace(partial, target)
+        with partial_file(target) as partial:
+            raster = gdal.GetDriverByName("GTiff").Create(
+                str(partial), width, height, channels + 1, gdal.GDT_Byte, [*_OPTIONS, _photometric(channels)]
+            )
+            if raster is None:
+                raise _failed(target)
+            raster.GetRasterBand(channels + 1).SetColorInterpretation(gdal.GCI_AlphaBand)
+            _fill(raster, placed, (width, height), channels, progress)
+            _reduce(raster, (width, height), progress)
+            if raster.FlushCache() not in (None, gdal.CE_None):
+                raise _failed(target)
+            del raster
     except OSError as wrong:
         raise OutputError(f"mosaic {target}: cannot be written ({wrong.strerror})") from wrong
-    finally:
-        # A traceback may still hold the raster open, which keeps the file where an open one cannot go.
-        with contextlib.suppress(OSError):
-            partial.unlink(missing_ok=True)
 
 
 def _photometric(channels: int) -> str:

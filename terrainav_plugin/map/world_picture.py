@@ -14,7 +14,7 @@ from osgeo import gdal
 
 from ...core.capture.georeference import WEB_MERCATOR_WKT
 from ...core.errors import Cancelled, OutputError
-from ...core.files import make_folder
+from ...core.files import make_folder, partial_file
 from ...core.geodesy.mercator import MAX_LAT_DEG, PixelGrid, lat_to_v, lon_to_u
 from ...core.imagery.opening import open_source
 from ...core.imagery.source import Window
@@ -97,14 +97,11 @@ def render(picture: WorldPicture, path: Path, progress: Callable[[float], bool])
     OutputError
     """
     make_folder(path.parent)
-    partial = path.with_name(path.name + ".part")
     try:
-        _write(picture, partial, progress)
-        os.replace(partial, path)
+        with partial_file(path) as partial:
+            _write(picture, partial, progress)
     except OSError as wrong:
         raise OutputError(f"background {path}: cannot be written ({wrong.strerror})") from wrong
-    finally:
-        partial.unlink(missing_ok=True)
 
 
 def _write(picture: WorldPicture, path: Path, progress: Callable[[float], bool]) -> None:

@@ -5,6 +5,8 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
+from ...core.errors import InvalidInput
+from ...core.safe_json import parse_json
 from ..settings import Settings
 
 _MOST = 8
@@ -13,8 +15,8 @@ _MOST = 8
 def recent() -> list[Path]:
     """Those that are still there, the latest first."""
     try:
-        paths = json.loads(Settings().recent or "[]")
-    except json.JSONDecodeError:
+        paths = parse_json(Settings().recent or "[]")
+    except InvalidInput:
         return []
     return [Path(path) for path in paths if isinstance(path, str) and Path(path).exists()]
 

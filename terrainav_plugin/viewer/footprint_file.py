@@ -6,7 +6,6 @@ Ours has a footprint a line, so that it is read once and then only where a footp
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any, BinaryIO
@@ -15,6 +14,7 @@ import numpy as np
 
 from ...core.dataset.folder import FOOTPRINTS_FILE
 from ...core.errors import Cancelled, InvalidInput
+from ...core.safe_json import parse_json
 from ..i18n import tr
 from .coordinates import Bytes, Floats, Numbers, lines_and_bounds
 
@@ -98,7 +98,7 @@ def rings_of(feature: dict[str, Any]) -> list[list[list[list[float]]]]:
 
 
 def _feature(line: bytes) -> dict[str, Any]:
-    feature = json.loads(line.rstrip().rstrip(b","))
+    feature = parse_json(line.rstrip().rstrip(b","))
     return feature if isinstance(feature, dict) else {}
 
 

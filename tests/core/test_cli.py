@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import json
 import os
 import signal
@@ -11,6 +12,7 @@ import time
 from pathlib import Path
 
 import pytest
+from terrainav.core.dataset.table import Table
 
 from tests.support.command import command
 from tests.support.tileserver import TileServer
@@ -157,6 +159,27 @@ def test_an_interrupt_stops_and_resume_goes_on(tmp_path):
     assert all(path.read_bytes() == data for path, data in written.items())
 
 
+@pytest.mark.skipif(os.name == "nt", reason="Windows ends processes without asking them")
+@pytest.mark.parametrize(("name", "code"), [("SIGTERM", 143), ("SIGHUP", 129)])
+def test_whatever_ends_a_capture_leaves_its_table(tmp_path, name, code):
+    arguments = ["capture", "--coords", "35.16_-89.90_35.15_-89.88_120", "--data-dir", "out", "--quiet"]
+    process = subprocess.Popen(
+        [sys.executable, "-m", "terrainav.core.cli", *arguments],
+        cwd=tmp_path,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    deadline = time.monotonic() + 60
+    while time.monotonic() < deadline and not list((tmp_path / "out").glob("satellite/*.tif")):
+        time.sleep(0.02)
+    process.send_signal(getattr(signal, name))
+    _, errors = process.communicate(timeout=60)
+    assert (process.returncode, "--resume" in errors) == (code, True), errors
+    table = Table.load(tmp_path / "out" / "satellite" / "meta_data.csv")
+    assert set(table.img_names) == {path.name for path in (tmp_path / "out").glob("satellite/*.tif")}
+    assert not list((tmp_path / "out").rglob("*.part"))
+
+
 @pytest.mark.parametrize(
     ("arguments", "says"),
     [
@@ -262,6 +285,48 @@ def test_a_folder_without_a_name_is_not_the_current_one(run, tmp_path, option):
         run("capture", "--coords", BOX, option, ""), 2
     )
     assert sorted(tmp_path.iterdir()) == before
+
+
+def test_a_signal_that_an_import_turns_into_another_error_stops_all_the_same(run, monkeypatch):
+    def interrupted(*_):
+        try:
+            signal.raise_signal(signal.SIGTERM)
+        except BaseException as wrong:
+            raise ImportError("numpy.core.multiarray failed to import") from wrong
+
+    monkeypatch.setattr("terrainav.core.mission.plan.plan", interrupted)
+    assert one_line(run("plan", "--coords", BOX), 143) == "terrainav: stopped"
+    assert signal.getsignal(signal.SIGTERM) == signal.SIG_DFL
+
+
+def test_what_the_program_itself_does_wrong_has_a_code_of_its_own(run, monkeypatch):
+    def broken(*found):
+        return found[9]
+
+    monkeypatch.setattr("terrainav.core.mission.plan.plan", broken)
+    line = one_line(run("plan", "--coords", BOX), 70)
+    assert "IndexError: tuple index out of range (test_cli.py, line " in line
+    assert "please report it" in line
+    said = run("plan", "--coords", BOX, TERRAINAV_DEBUG="1")
+    assert said.returncode == 70
+    assert "Traceback" in said.stderr
+    assert said.stderr.endswith(line + "\n")
+
+
+@pytest.mark.parametrize(
+    "name", ["__init__.py", "core/__init__.py", "core/cli/__init__.py", "core/cli/exits.py", "core/errors.py"]
+)
+def test_until_the_command_runs_nothing_is_imported_that_takes_time(name):
+    # What is imported before `main` cannot answer Ctrl-C with one line.
+    tree = ast.parse((Path(__file__).parents[2] / name).read_text(encoding="utf-8"))
+    imports = [node for node in tree.body if isinstance(node, (ast.Import, ast.ImportFrom))]
+    outside = {
+        alias.name if isinstance(node, ast.Import) else node.module
+        for node in imports
+        for alias in node.names
+        if isinstance(node, ast.Import) or not node.level
+    }
+    assert outside <= {"__future__", "os", "sys"}
 
 
 def test_an_interrupt_while_planning_is_one_line(run, monkeypatch):

@@ -56,3 +56,21 @@ def test_errors_name_the_folder_and_the_reason(tmp_path):
     make_folder(tmp_path / "a" / "b")
     make_folder(tmp_path / "a" / "b")
     assert (tmp_path / "a" / "b").is_dir()
+
+
+@pytest.mark.skipif(os.name == "nt", reason="links are for administrators")
+@pytest.mark.parametrize("there", [True, False])
+def test_a_link_under_the_temporary_name_is_not_followed(tmp_path, there):
+    foreign, path = tmp_path / "foreign", tmp_path / "a.bin"
+    if there:
+        foreign.write_bytes(b"not ours")
+    (tmp_path / "a.bin.part").symlink_to(foreign)
+    write_whole(path, b"ours")
+    assert (path.read_bytes(), path.is_symlink(), foreign.exists()) == (b"ours", False, there)
+    assert not there or foreign.read_bytes() == b"not ours"
+
+
+def test_what_a_killed_run_left_is_overwritten(tmp_path):
+    (tmp_path / "a.bin.part").write_bytes(b"half of what was longer")
+    write_whole(tmp_path / "a.bin", b"whole")
+    assert [(path.name, path.read_bytes()) for path in tmp_path.iterdir()] == [("a.bin", b"whole")]

@@ -224,7 +224,7 @@ def test_large_shapes_are_looked_at_once_however_much_is_typed(desk, monkeypatch
     ring = tuple(zip((0.01 * np.cos(angles)).tolist(), (0.01 * np.sin(angles)).tolist()))
     poses = tuple((35.0 + 1e-5 * index, -89.0, 120.0) for index in range(2000))
     looks = []
-    words, loads = area_editing.area_words, area_shape.json.loads
+    words, parse = area_editing.area_words, area_shape.parse_json
     made = Points.__post_init__
 
     def noted(name, act):
@@ -234,7 +234,7 @@ def test_large_shapes_are_looked_at_once_however_much_is_typed(desk, monkeypatch
         desk.form.area_editing.set_area(area, "enter")
         with monkeypatch.context() as watched:
             watched.setattr(area_editing, "area_words", noted("words", words))
-            watched.setattr(area_shape.json, "loads", noted("read", loads))
+            watched.setattr(area_shape, "parse_json", noted("read", parse))
             watched.setattr(Points, "__post_init__", noted("points", made))
             for key in range(5):
                 desk.form.flight.entries["airspeed_m_per_s"].setValue(10.0 + key)

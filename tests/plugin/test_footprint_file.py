@@ -112,7 +112,7 @@ def test_main_thread_goes_on_while_a_long_file_is_read(tmp_path, monkeypatch):
     def forbidden(_text):
         raise AssertionError("a line was parsed")
 
-    monkeypatch.setattr(footprint_file.json, "loads", forbidden)
+    monkeypatch.setattr(footprint_file, "parse_json", forbidden)
     read, loop, timer, turns = [], QEventLoop(), QTimer(), []
     thread = threading.Thread(target=lambda: read.append(len(FootprintFile(tmp_path))))
 

@@ -46,6 +46,8 @@ class Dates:
             raise InvalidInput(f"dates of kind {self.kind!r}: must be one of {', '.join(KINDS)}")
         if (self.kind == "listed") != bool(self.values):
             raise InvalidInput(f"dates of kind {self.kind!r}: values are for listed ones, which need them")
+        if not all(isinstance(text, str) for pair in self.values.items() for text in pair):
+            raise InvalidInput(f"dates of kind {self.kind!r}: values must be text")
         if self.kind == "listed":
             object.__setattr__(self, "first", min(self.values))
             object.__setattr__(self, "last", max(self.values))

@@ -127,7 +127,7 @@ class CatalogueEntry:
             )
         except InvalidInput as wrong:
             raise InvalidInput(f"catalogue entry {name!r}: {wrong}") from wrong
-        except (AttributeError, TypeError, KeyError, ValueError) as wrong:
+        except (AttributeError, TypeError, KeyError, ValueError, OverflowError) as wrong:
             raise InvalidInput(f"catalogue entry {name!r}: wrong or missing: {wrong}") from wrong
 
     def __post_init__(self) -> None:

@@ -88,10 +88,14 @@ class Place:
         # A centre off the map is not finite.
         with np.errstate(invalid="ignore"):
             steps = np.array([x[1:] - x[0], y[1:] - y[0]])
-        steps[0] -= np.rint(steps[0] / (2.0 * HALF_WORLD_M)) * (2.0 * HALF_WORLD_M)
+            steps[0] -= np.rint(steps[0] / (2.0 * HALF_WORLD_M)) * (2.0 * HALF_WORLD_M)
         if not np.isfinite(steps).all() or abs(y[0]) > HALF_WORLD_M:
             raise InvalidInput("its centre does not lie on the Web-Mercator map")
-        finest = 1.0 / float(np.hypot(*np.linalg.inv(steps).T).min())
+        try:
+            inverse = np.linalg.inv(steps)
+        except np.linalg.LinAlgError as wrong:
+            raise InvalidInput("its pixels are as wide as the whole map, or have no width there") from wrong
+        finest = 1.0 / float(np.hypot(*inverse.T).min())
         return fitting_zoom(finest / (2.0 * HALF_WORLD_M), 1.0)
 
     def extent(self) -> tuple[tuple[float, float], ...] | None:

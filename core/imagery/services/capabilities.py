@@ -10,7 +10,7 @@ from typing import Any
 from urllib.parse import parse_qsl, quote, urlencode, urlsplit, urlunsplit
 
 from ...errors import InvalidInput, PartError, SourceError, TerrAInavError
-from ...limits import MAX_DOCUMENT_BYTES
+from ...limits import MAX_CAPABILITIES_BYTES
 from ...text import MASK, Secrets, one_line
 from ..catalogue.entry import KEY_ENV, WORLD_DEG
 from ..client import Client
@@ -146,7 +146,7 @@ def fetched(
     key = (key or environment_key([service.host], named_by_user=named_by_user) or "") if needs_key else ""
     if needs_key and not key:
         raise SourceError(f"{service.host}: needs an API key: set the environment variable {KEY_ENV}")
-    used = RequestsTransport(1, max_body_bytes=MAX_DOCUMENT_BYTES) if transport is None else transport
+    used = RequestsTransport(1, max_body_bytes=MAX_CAPABILITIES_BYTES) if transport is None else transport
     url = service.document_url(key)
     secrets = (key,) if key else ()
     client = Client(used, service.host, connections=1, secrets=secrets, tries=_TRIES)
@@ -160,8 +160,8 @@ def fetched(
             used.close()
     document = Document(service, None, url, Secrets(secrets))
     body = response.body
-    if len(body) > MAX_DOCUMENT_BYTES:
-        raise document.wrong(f"capabilities of more than {MAX_DOCUMENT_BYTES} bytes")
+    if len(body) > MAX_CAPABILITIES_BYTES:
+        raise document.wrong(f"capabilities of more than {MAX_CAPABILITIES_BYTES} bytes")
     plain = body.replace(b"\0", b"")
     found = [kind for kind, root in _ROOTS.items() if re.search(root, plain)]
     if not found:

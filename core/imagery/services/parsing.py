@@ -12,7 +12,7 @@ import re
 from typing import Any
 
 from ...limits import (
-    MAX_DOCUMENT_BYTES,
+    MAX_CAPABILITIES_BYTES,
     MAX_XML_ATTRIBUTES,
     MAX_XML_DEPTH,
     MAX_XML_ELEMENTS,
@@ -130,8 +130,10 @@ def _without_wms_type(text: str) -> str:
 
 def _check_size(text: str) -> None:
     """Refuse what would take memory or time beyond measure, before it is parsed."""
-    if len(text) > MAX_DOCUMENT_BYTES or text.count("<") > 2 * MAX_XML_ELEMENTS:
-        raise UnreadableXMLError(f"more than {MAX_DOCUMENT_BYTES >> 20} MB or {MAX_XML_ELEMENTS:,} elements")
+    if len(text) > MAX_CAPABILITIES_BYTES or text.count("<") > 2 * MAX_XML_ELEMENTS:
+        raise UnreadableXMLError(
+            f"more than {MAX_CAPABILITIES_BYTES >> 20} MB or {MAX_XML_ELEMENTS:,} elements"
+        )
     for piece in text.split("<"):
         # Parsers compare each attribute of an element with all others. None is shorter than `a=""` with its space.
         if len(piece) > 5 * MAX_XML_ATTRIBUTES and piece.count("=") > MAX_XML_ATTRIBUTES:

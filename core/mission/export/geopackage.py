@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from ...errors import OutputError
+from ...files import partial_file
 from ..plan import Plan
 from .rings import Ring, closed_rings
 from .rows import POSE_COLUMNS, batches, clock, parts
@@ -49,22 +50,25 @@ def write_geopackage(plan: Plan, path: Path) -> None:
             f"{path}: GeoPackages need GDAL's Python module (osgeo), which QGIS brings along; install it, or choose "
             ".geojson"
         ) from missing
-    partial = path.with_name(path.name + PARTIAL_ENDING)
     try:
-        _clear(partial)
-        with _heard(path) as failed:
+        with partial_file(path, PARTIAL_ENDING) as partial, _clear_beside(partial), _heard(path) as failed:
             _write(ogr, plan, partial, failed)
-        partial.replace(path)
     except OSError as wrong:
         raise OutputError(f"folder {path.parent}: cannot write {path.name} ({wrong.strerror})") from wrong
+
+
+@contextmanager
+def _clear_beside(partial: Path) -> Iterator[None]:
+    """Remove what SQLite has beside a file while it writes it, before and afterwards."""
+    beside = [partial.with_name(partial.name + ending) for ending in ("-journal", "-wal", "-shm")]
+    for path in beside:
+        path.unlink(missing_ok=True)
+    try:
+        yield
     finally:
-        with contextlib.suppress(OSError):
-            _clear(partial)
-
-
-def _clear(partial: Path) -> None:
-    for ending in ("", "-journal", "-wal", "-shm"):
-        partial.with_name(partial.name + ending).unlink(missing_ok=True)
+        for path in beside:
+            with contextlib.suppress(OSError):
+                path.unlink(missing_ok=True)
 
 
 @contextmanager

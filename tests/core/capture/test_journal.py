@@ -1,11 +1,13 @@
 from __future__ import annotations
 
 import json
+import os
 
 import pytest
 from terrainav.core.capture.folder import complete_pictures
 from terrainav.core.capture.journal import Journal, Outcome
 from terrainav.core.errors import OutputError
+from terrainav.core.lock import open_locked
 
 DONE = Outcome("satellite", "0_0_a", 7.123456789012345)
 FAILED = Outcome("roadmap", "0_0_a", reason='404 "nicht da"\r\nü')
@@ -54,7 +56,29 @@ def test_a_torn_line_is_as_if_never_written(tmp_path, kept):
     assert path.read_bytes() == FAILED.to_line() + DONE.to_line()
 
 
-@pytest.mark.parametrize("rubbish", [b"\x00" * 40, b"[]", b'{"status": "done"}', b"\xff\xfe", b"a\rb"])
+NUMBER = DONE.to_line().rstrip().replace(b"7.123456789012345", b"%s")
+
+
+@pytest.mark.parametrize(
+    "rubbish",
+    [
+        b"\x00" * 40,
+        b"[]",
+        b'{"status": "done"}',
+        b"\xff\xfe",
+        b"a\rb",
+        b"[" * 100_000,
+        b"x" * (3 << 20),
+        NUMBER % (b"9" * 400),
+        NUMBER % b"1e999",
+        DONE.to_line().rstrip()[:-1] + b', "size_bytes": 1e999}',
+        DONE.to_line().rstrip()[:-1] + b', "size_bytes": Infinity}',
+        DONE.to_line().rstrip()[:-1] + b', "sky_share": ' + b"9" * 400 + b"}",
+        DONE.to_line().rstrip()[:-1] + b', "repeated": 5}',
+        DONE.to_line().replace(b"0_0_a", b"\\ud800").rstrip(),
+    ],
+    ids=range(14),
+)
 def test_rubbish_between_lines_is_passed_over(tmp_path, rubbish):
     path = tmp_path / "journal.jsonl"
     path.write_bytes(rubbish + b"\n" + DONE.to_line() + b"torn\r")
@@ -144,3 +168,21 @@ def test_a_journal_that_cannot_be_opened_is_named(tmp_path):
         pass
     with pytest.raises(OutputError, match="is not open"):
         Journal(tmp_path / "other.jsonl").add(DONE)
+
+
+@pytest.mark.skipif(os.name == "nt", reason="links are for administrators")
+def test_a_journal_that_is_a_link_or_a_pipe_is_left_alone(tmp_path):
+    foreign, path = tmp_path / "foreign", tmp_path / "journal.jsonl"
+    foreign.write_bytes(b"not ours")
+    path.symlink_to(foreign)
+    with pytest.raises(OutputError, match="it is a link to another place"):
+        Journal(path)
+    with pytest.raises(OutputError, match="it is a link to another place"):
+        open_locked(path)
+    assert foreign.read_bytes() == b"not ours"
+    path.unlink()
+    os.mkfifo(path)
+    with pytest.raises(OutputError, match="it is no regular file"):
+        Journal(path)
+    with pytest.raises(OutputError, match="cannot write journal"):
+        open_locked(path)

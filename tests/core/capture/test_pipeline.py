@@ -121,6 +121,27 @@ def test_a_slow_part_does_not_take_the_whole_mission_into_memory():
     assert admitted == 5000
 
 
+@pytest.mark.parametrize("at_once", [1, 3])
+def test_of_large_pictures_few_are_on_the_way(at_once):
+    admitted = finished = most = 0
+
+    def jobs():
+        nonlocal admitted, most
+        for number in range(50):
+            admitted += 1
+            most = max(most, admitted - finished)
+            yield number, [part(number)]
+
+    def note(*_):
+        nonlocal finished
+        finished += 1
+
+    users = Counter(part(number).window for number in range(50))
+    pipeline = Pipeline(users, pixels, lambda *_: 0, note, connections=4, workers=2, at_once=at_once)
+    assert pipeline.run(jobs(), lambda: True)
+    assert (most, finished) == (at_once, 50)
+
+
 def test_fetching_and_making_overlap():
     """A picture is made while another part is under way: each waits for the other."""
     making, fetching = threading.Event(), threading.Event()

@@ -15,7 +15,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 from PIL import Image
-from terrainav.core.capture import pipeline, records
+from terrainav.core import limits
+from terrainav.core.capture import pipeline, records, runner
 from terrainav.core.capture.runner import Failure, capture
 from terrainav.core.capture.spool import Spool
 from terrainav.core.dataset.entropy import entropy
@@ -596,7 +597,6 @@ def test_an_unwritable_folder_as_another_user(readable_folder, below, message):
         (PatternSource(tile_px=512), {}, {}, "plan is for another pixel grid"),
         (PatternSource(), {}, {"connections": 0}, "0 connections"),
         (PatternSource(), {}, {"workers": 0}, "0 workers"),
-        (PatternSource(), {"image_format": "jpg", "img_size": (70000, 10, 3)}, {}, "JPEG ends at 65500 px"),
     ],
 )
 def test_refused_before_anything_is_written(tmp_path, source, changes, options, message):
@@ -624,3 +624,23 @@ def test_a_job_is_a_plain_value_for_any_executor(tmp_path):
     with pytest.raises(PartError):
         records.make_picture(job, parts[1:], pixels)
     assert dataclasses.is_dataclass(job)
+
+
+def test_large_pictures_are_made_a_few_at_a_time(in_one_go, tmp_path, monkeypatch):
+    worked_out, folder, _, _ = in_one_go
+    asked = []
+
+    class Watched(pipeline.Pipeline):
+        def __init__(self, *arguments, at_once, **more):
+            asked.append(at_once)
+            super().__init__(*arguments, at_once=at_once, **more)
+
+    monkeypatch.setattr(runner, "Pipeline", Watched)
+    capture(worked_out, PatternSource(), tmp_path / "many")
+    largest_px = int((worked_out.width_px * worked_out.height_px).max())
+    assert asked == [limits.MAX_PICTURES_AT_ONCE_PX // largest_px] * 2
+    assert asked[0] > 256
+    monkeypatch.setattr(runner, "MAX_PICTURES_AT_ONCE_PX", largest_px - 1)
+    capture(worked_out, PatternSource(), tmp_path / "one")
+    assert asked[2:] == [1, 1]
+    assert contents(tmp_path / "one") == contents(folder)

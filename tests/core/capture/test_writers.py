@@ -11,7 +11,7 @@ from PIL import Image
 from terrainav.core.capture import jpeg, writers
 from terrainav.core.capture.description import Description
 from terrainav.core.capture.georeference import Georeference
-from terrainav.core.capture.writers import check_size, file_endings, write_picture
+from terrainav.core.capture.writers import file_endings, write_picture
 from terrainav.core.errors import InvalidInput, OutputError
 from terrainav.core.geodesy.mercator import HALF_WORLD_M, PixelGrid
 
@@ -289,13 +289,6 @@ def test_metadata_that_is_no_xml_does_not_break_the_files(gdal, tmp_path):
         assert data.GetSpatialRef().GetAuthorityCode(None) == "3857"
         assert data.GetMetadata()["NAME"] == description.name
         assert re.fullmatch("a.b.\\]c.+ & </Item>", data.GetMetadata()["ATTRIBUTION"])
-
-
-def test_pictures_too_large_for_jpeg_are_refused():
-    check_size("jpg", 65500, 10)
-    check_size("tif", 70000, 70000)
-    with pytest.raises(InvalidInput, match="JPEG ends at 65500 px; choose tif or png"):
-        check_size("jpg", 10, 65501)
 
 
 def test_a_folder_that_is_not_there_is_named(tmp_path):

@@ -252,6 +252,13 @@ def test_rasters_without_a_place_on_the_map_are_refused_in_one_line(values, tmp_
     assert "does not lie on the Web-Mercator map" in refused(
         path("pole", (0.0, 1e-3, 0.0, 90.0, 0.0, -1e-3), 4326)
     )
+    one_pixel = rasters.write(
+        tmp_path / "world.tif", values[:3, :1, :1], (-180.0, 360.0, 0.0, 10.0, 0.0, -20.0), 4326
+    )
+    assert "its pixels are as wide as the whole map" in refused(one_pixel)
+    assert "does not lie on the Web-Mercator map" in refused(
+        path("huge", (0.0, 1e300, 0.0, 0.0, 0.0, -1e300), 3857)
+    )
     by_points = gdal.Open(str(path("points", None, None)), gdal.GA_Update)
     corners = [gdal.GCP(9.0 + x / 1e3, 48.0 - y / 1e3, 0.0, x, y) for x in (0, 64) for y in (0, 64)]
     system = gdal.Open(str(path("other", ON_GRID, 4326))).GetProjection()

@@ -151,6 +151,17 @@ def test_a_polygon_from_geojson(tmp_path, wrap):
         "[1]",
         '{"type": "Point", "coordinates": [1, 2]}',
         '{"type": "Polygon", "coordinates": [[[1]]]}',
+        '{"type": "FeatureCollection", "features": null}',
+        '{"type": "FeatureCollection", "features": 5}',
+        '{"type": "GeometryCollection", "geometries": null}',
+        '{"type": "Polygon", "coordinates": null}',
+        '{"type": "Polygon", "coordinates": {"0": 1}}',
+        '{"type": "Polygon", "coordinates": [[{"a": 1}, {"b": 2}, {}]]}',
+        '{"type": "MultiPolygon", "coordinates": null}',
+        '{"type": "MultiPolygon", "coordinates": [5]}',
+        '{"geometry": ' * 900 + "null" + "}" * 900,
+        '{"geometry": ' * 100_000,
+        "[" * 100_000,
     ],
 )
 def test_geojson_without_a_polygon_is_refused(tmp_path, content):
@@ -158,6 +169,19 @@ def test_geojson_without_a_polygon_is_refused(tmp_path, content):
     file.write_text(content)
     with pytest.raises(InvalidInput, match=r"area\.geojson"):
         load_polygon(str(file))
+
+
+def test_a_ring_closed_twice_is_the_same_ring_when_it_is_read_again(tmp_path):
+    file = tmp_path / "area.geojson"
+    file.write_text(json.dumps({"type": "Polygon", "coordinates": [[*RING, RING[-1], RING[-1]]]}))
+    area = load_polygon(str(file))
+    assert area == Polygon((tuple((x, y) for x, y in RING[:-1]),))
+    assert Polygon(area.rings) == area
+
+
+def test_a_text_too_long_for_a_name_is_no_file():
+    with pytest.raises(InvalidInput, match="could not convert"):
+        parse_coords("x" * 300)
 
 
 def test_pasted_lines_are_read_as_a_files_are():

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import tracemalloc
+
 import numpy as np
 import pytest
 from hypothesis import assume, given, settings
@@ -353,6 +355,25 @@ def test_a_limit_is_the_sources_and_the_papers_too():
 def test_what_is_asked_for_beyond_a_limit_is_refused(mission, grid, says):
     with pytest.raises(InvalidInput, match=says):
         plan(mission, grid)
+
+
+@pytest.mark.parametrize("more", [{}, {"tilt_deg": 20.0}])
+def test_pictures_of_too_many_pixels_are_refused_before_memory_is_taken(more):
+    # As a camera of 20,000 px by 9,999 has them, and by 10,001.
+    def mission(high_px):
+        camera = Camera(78.8, 20_000 / high_px)
+        return Mission(Points(((35.0, -89.0, 9e3),)), 9e3, camera, image_px=20_000, accept_error=True, **more)
+
+    assert plan(mission(9_700), GRID).width_px[0] * 9_700 > 150e6
+    tracemalloc.start()
+    try:
+        with pytest.raises(
+            InvalidInput, match=r"20,000 x 1[0-9],... px: 200,000,000 px in all are allowed; choose"
+        ):
+            plan(mission(15_000), GRID)
+        assert tracemalloc.get_traced_memory()[1] < 20e6
+    finally:
+        tracemalloc.stop()
 
 
 @settings(max_examples=30, deadline=None)

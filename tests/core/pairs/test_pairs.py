@@ -329,5 +329,5 @@ def test_the_contact_sheet_shows_places_of_all_parts(pairs, tmp_path):
 
 @pytest.mark.parametrize("size_px", [0, 100_000])
 def test_sizes_of_images_are_checked(size_px):
-    with pytest.raises(InvalidInput, match=f"size of images {size_px} px: must be from 1 to 32,768"):
+    with pytest.raises(InvalidInput, match=f"size of images {size_px} px: must be from 1 to 14,142"):
         replace(SETTINGS, size_px=size_px)

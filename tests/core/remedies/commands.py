@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import signal
 from contextlib import contextmanager
 
 import numpy as np
@@ -61,7 +62,7 @@ def _mission_twice(case: Case) -> None:
 @contextmanager
 def pressed():
     """Ctrl+C that has been pressed."""
-    yield [1]
+    yield [signal.SIGINT]
 
 
 STOPPED = "terrainav: stopped; what is finished is kept, go on with --resume"
@@ -71,7 +72,7 @@ STOPPED = "terrainav: stopped; what is finished is kept, go on with --resume"
 def _stopped_capture(case: Case) -> None:
     asked = ("capture", "--coords", BOX, "--data-dir", "out")
     with case.monkeypatch.context() as stopped:
-        stopped.setattr(flying, "interruptible", pressed)
+        stopped.setattr(flying, "collected", pressed)
         case.says(case.run(*asked).stderr, only_here=False)
     case.follow(
         "what is finished is kept, go on with --resume", lambda: case.run(*asked, "--resume").returncode == 0
@@ -82,7 +83,7 @@ def _stopped_capture(case: Case) -> None:
 def _stopped_pairs(case: Case) -> None:
     asked = (*PAIRS, "--count", "2", "--data-dir", "out")
     with case.monkeypatch.context() as stopped:
-        stopped.setattr(pairing, "interruptible", pressed)
+        stopped.setattr(pairing, "collected", pressed)
         case.says(case.run(*asked).stderr, only_here=False)
     case.follow(
         "what is finished is kept, go on with --resume", lambda: case.run(*asked, "--resume").returncode == 0

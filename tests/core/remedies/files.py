@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from functools import partial
 from pathlib import Path
 
 import numpy as np
+import pytest
 from terrainav.core import config, drawing, files, lock
 from terrainav.core.capture import folder as captures
 from terrainav.core.capture import jpeg, writers
@@ -154,20 +156,31 @@ def _other_pictures(case: Case) -> None:
     case.follow("choose another folder", lambda: again(case.tmp_path / "other"))
 
 
-@remedy(
-    "capture/writers.py",
-    "pictures of {} x {} px: JPEG ends at {} px; choose tif or png, or resize them (--img-size)",
-)
-def _jpeg_ends(case: Case) -> None:
-    case.refused(lambda: writers.check_size("jpg", 70_000, 100))
-    case.follow("tif", lambda: writers.check_size("tif", 70_000, 100))
-    case.follow("png", lambda: writers.check_size("png", 70_000, 100))
-    case.follow("choose", lambda: True)
-    # As the run checks it: the size of the files that are written.
-    case.follow("resize them (--img-size)", lambda: writers.check_size("jpg", 640, 480))
-
-
 # --- files
+
+
+@remedy("files.py", "it is a link to another place; remove it")
+def _link(case: Case) -> None:
+    own = case.tmp_path / "journal.jsonl"
+    (case.tmp_path / "elsewhere").write_bytes(b"not to be written")
+    try:
+        own.symlink_to(case.tmp_path / "elsewhere")
+    except OSError:
+        pytest.skip("this user may not make links")
+    case.refused(lambda: files.open_own(own, "ab").close())
+    own.unlink()
+    case.follow("remove it", lambda: files.open_own(own, "ab").close())
+
+
+@remedy("files.py", "it is no regular file; remove it")
+def _pipe(case: Case) -> None:
+    if not hasattr(os, "mkfifo"):
+        pytest.skip("this system has no pipes with a name")
+    own = case.tmp_path / "journal.jsonl"
+    os.mkfifo(own)
+    case.refused(lambda: files.open_own(own, "rb").close())
+    own.unlink()
+    case.follow("remove it", lambda: files.open_own(own, "ab").close())
 
 
 @remedy("files.py", "folder {}: a file is in its place; choose another folder")

@@ -104,6 +104,12 @@ for _advice, (_mission, _grid, _change) in TOO_LARGE.items():
 
 planned(
     "framing.py",
+    "or make them smaller (--max-px)",
+    at(35.0, 9e3, image_px=20_000, accept_error=True),
+    {"make them smaller (--max-px)": {"max_px": 10_000}},
+)
+planned(
+    "framing.py",
     "zoom {}: the source's own pixels end at zoom {}; ask for that, or allow enlarged pixels (--upsample)",
     Mission(AREA, 120.0, zoom=20),
     {"ask for that": {"zoom": 16}, "allow enlarged pixels (--upsample)": {"upsample": True}},

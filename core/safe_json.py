@@ -1,0 +1,97 @@
+"""JSON that others wrote: read within limits, so that no text can hang, fill or end the program."""
+
+from __future__ import annotations
+
+import json
+import math
+from typing import Any, NoReturn
+
+from .errors import InvalidInput
+from .limits import MAX_JSON_DEPTH, MAX_JSON_DIGITS
+
+
+def parse_json(text: str | bytes) -> Any:
+    """Value of a JSON text, stricter than `json.loads`.
+
+    Only finite numbers, so that every one of them fits a float; nothing nested deeper than `MAX_JSON_DEPTH`; and only
+    text that can be written again.
+
+    Parameters
+    ----------
+    text : str or bytes
+        Bytes are UTF-8, with or without a byte order mark.
+
+    Raises
+    ------
+    InvalidInput
+        Says why in a few words, to be put into a message of what was read.
+    """
+    if isinstance(text, bytes):
+        text = decoded(text)
+    try:
+        value = _DECODER.decode(text)
+    except json.JSONDecodeError as wrong:
+        raise InvalidInput(str(wrong)) from wrong
+    except RecursionError as wrong:
+        raise _too_deep() from wrong
+    # Most texts have fewer brackets than may be nested, and no half of a character: they need no second look.
+    if text.count("[") + text.count("{") > MAX_JSON_DEPTH or "\\ud" in text or "\\uD" in text:
+        _check(value)
+    return value
+
+
+def decoded(data: bytes) -> str:
+    """Text of bytes in UTF-8, without a byte order mark; raises InvalidInput, in a few words."""
+    try:
+        return data.decode("utf-8-sig")
+    except UnicodeDecodeError as wrong:
+        raise InvalidInput(f"no text in UTF-8: byte {wrong.start} does not belong there") from wrong
+
+
+def _check(value: Any) -> None:
+    """Refuse what is nested too deep, and halves of characters (surrogates), which no file or terminal takes."""
+    level, depth = [value], 0
+    while level:
+        inner: list[Any] = []
+        for one in level:
+            if isinstance(one, str):
+                _check_text(one)
+            elif isinstance(one, (dict, list)):
+                if depth == MAX_JSON_DEPTH:
+                    raise _too_deep()
+                inner += one
+                inner += one.values() if isinstance(one, dict) else ()
+        level, depth = inner, depth + 1
+
+
+def _check_text(text: str) -> None:
+    try:
+        text.encode("utf-8")
+    except UnicodeEncodeError as wrong:
+        half = f"\\u{ord(text[wrong.start]):04x}"
+        raise InvalidInput(f"{half} alone is half a character") from wrong
+
+
+def _too_deep() -> InvalidInput:
+    return InvalidInput(f"nested too deep: {MAX_JSON_DEPTH} levels at most")
+
+
+def _whole(digits: str) -> int:
+    if len(digits) > MAX_JSON_DIGITS:
+        raise InvalidInput(f"a whole number of {len(digits):,} digits: {MAX_JSON_DIGITS} at most")
+    return int(digits)
+
+
+def _real(digits: str) -> float:
+    number = float(digits)
+    if math.isinf(number):
+        shown = digits if len(digits) <= MAX_JSON_DIGITS else f"{digits[:20]}…"
+        raise InvalidInput(f"number {shown}: too large")
+    return number
+
+
+def _no_constant(name: str) -> NoReturn:
+    raise InvalidInput(f"{name}: JSON has finite numbers only")
+
+
+_DECODER = json.JSONDecoder(parse_int=_whole, parse_float=_real, parse_constant=_no_constant)

@@ -1,0 +1,131 @@
+"""Files that a folder may hold: journals, tables, labels, and a user's own sources and cameras."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+from hypothesis import strategies as st
+from terrainav.core.capture.journal import Journal, Outcome
+from terrainav.core.dataset.labels import Labels, labels_of
+from terrainav.core.dataset.table import Table, other_columns
+from terrainav.core.imagery.catalogue.user_sources import described, shelf
+from terrainav.core.mission.user_cameras import camera_shelf
+from terrainav.core.safe_json import parse_json
+
+from tests.fuzz.support import Target, altered, as_json, mutated
+
+OUTCOMES = (
+    Outcome("satellite", "0_0_35.10000000_-89.90000000_19", 7.123456789, size_bytes=12345, sky_share=0.25),
+    Outcome("roadmap", "1_0_35.10000000_-89.90000000_19", reason='404 "not found"', repeated=("0" * 64,)),
+)
+TABLE = Table.of(
+    {
+        "img_names": ("a.tif", "b.tif"),
+        "columns": np.array([0, 1]),
+        "rows": np.array([0, 0]),
+        "lat_deg": np.array([35.1, 35.2]),
+        "lon_deg": np.array([-89.9, -89.8]),
+        "zoom": np.array([19, 19]),
+        "status": ("done", "failed"),
+        "reason": ("", "404"),
+    },
+    {"rejected": ("", "dark")},
+).to_csv()
+LABELS = labels_of(np.array([35.1, 35.2]), np.array([-89.9, -89.8])).to_json()
+SOURCES = {
+    "mine": described("https://tiles.example/{z}/{x}/{y}.png", title="Mine"),
+    "dated": described(
+        "https://tiles.example/{date}/{map_type}/{z}/{x}/{y}.png?key={key}", default_date="2024"
+    ),
+    "levels": {
+        **described("https://tiles.example/{z}/{x}/{y}.png", max_connections=2, requests_per_s=3.5),
+        "bounds_deg": [-10, -10, 10, 10],
+        "levels": [[0, "a"], [1, "b"]],
+        "hosts": ["tiles.example"],
+        "placeholder": {"sha256": ["0" * 64], "header": {"a": "*"}, "flat_rgb": [[0, 0, 0]]},
+        "dates": {"kind": "listed", "default": "a", "values": {"a": "b"}},
+        "bulk_allowed": "ask",
+        "max_tiles": 9,
+    },
+}
+SOURCES["levels"]["urls"] = {"": "https://tiles.example/{date}/{z}/{x}/{y}.png"}
+CAMERAS = {
+    "Mine": {"fov_deg": 60.0, "aspect_ratio": [4, 3], "image_px": 4000, "source": "me"},
+    "Sensor": {"sensor_mm": [13.2, 8.8], "focal_length_mm": 8.8, "size_px": [5472, 3648]},
+}
+
+
+# A date that stands for a number in the URL.
+_NUMBERED = {"levels": {**SOURCES["levels"], "dates": {"kind": "listed", "default": "a", "values": {"a": 5}}}}
+
+
+def journal(data: bytes) -> None:
+    path = Path("journal.jsonl")
+    path.write_bytes(data)
+    with Journal(path) as opened:
+        before = dict(opened.outcomes)
+        opened.add(OUTCOMES[0])
+    after = Journal(path).outcomes
+    assert after == {**before, (OUTCOMES[0].map_type, OUTCOMES[0].name): OUTCOMES[0]}
+    for outcome in before.values():
+        outcome.to_line()
+
+
+def table(data: bytes) -> None:
+    path = Path("meta_data.csv")
+    path.write_bytes(data)
+    other_columns(path)
+    read = Table.load(path)
+    assert Table.from_csv(read.to_csv()).to_csv() == read.to_csv()
+
+
+def labels(data: bytes) -> None:
+    path = Path("labels.json")
+    path.write_bytes(data)
+    read = Labels.load(path)
+    read.positions(read.of(np.array([35.1]), np.array([-89.9])))
+    assert Labels.from_json(read.to_json()) == read
+
+
+def sources(data: bytes) -> None:
+    path = Path("sources.json")
+    path.write_bytes(data)
+    for entry in shelf(".").entries:
+        as_json([entry.to_dict(), entry.to_data()])
+        entry.grid()
+        entry.templates(entry.date("2024-06-21" if entry.dates and not entry.dates.default else None))
+        entry.policy.text()
+        entry.policy.connections(8)
+        entry.policy.stops(1000)
+        if entry.dates:
+            entry.dates.text()
+        entry.placeholder.refuse(b"body", {"a": "b"})
+        entry.placeholder.refuse_flat(np.zeros((2, 2, 3), np.uint8))
+        entry.credit("2024")
+
+
+def cameras(data: bytes) -> None:
+    Path("cameras.json").write_bytes(data)
+    camera_shelf(".")
+
+
+def json_text(data: bytes) -> None:
+    parse_json(data)
+
+
+def targets() -> Iterator[Target]:
+    lines = b"".join(outcome.to_line() for outcome in OUTCOMES)
+    outcomes = st.lists(altered(*map(parse_json, lines.splitlines())).map(as_json), max_size=3).map(
+        b"\n".join
+    )
+    deep = b"[" * 100_000
+    yield Target("journal", journal, mutated(lines) | outcomes, (deep + b"\n",))
+    yield Target("table", table, mutated(TABLE, TABLE[:200]), (b'a,"b\n' * 9,))
+    yield Target("labels", labels, mutated(LABELS) | altered(parse_json(LABELS)).map(as_json), (deep,))
+    numbered = as_json(_NUMBERED)
+    stated = mutated(as_json(SOURCES)) | altered(SOURCES).map(as_json)
+    yield Target("sources.json", sources, stated, (deep, numbered), quick=60)
+    yield Target("cameras.json", cameras, mutated(as_json(CAMERAS)) | altered(CAMERAS).map(as_json), (deep,))
+    yield Target("JSON", json_text, mutated(as_json(SOURCES), LABELS) | st.binary(), (deep,))

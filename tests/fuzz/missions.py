@@ -1,0 +1,199 @@
+"""What is asked for: missions, their places, options and configurations."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from hypothesis import strategies as st
+from terrainav.core.geodesy.camera import Camera
+from terrainav.core.geodesy.mercator import PixelGrid
+from terrainav.core.mission.area import Box, Points, Polygon
+from terrainav.core.mission.coords import load_polygon, parse_coords, parse_points
+from terrainav.core.mission.estimate import estimate
+from terrainav.core.mission.mission import Mission
+from terrainav.core.mission.options import OPTIONS
+from terrainav.core.mission.plan import plan
+from terrainav.core.mission.settings import mission_from, resolve
+from terrainav.core.mission.wind import Wind
+
+from tests.fuzz.support import Target, altered, any_of, as_json, as_text, mutated
+
+BOX = Mission(Box(35.16, -89.90, 35.155, -89.895), 120.0)
+LIST = Mission(
+    Points(((35.1, -89.8, 120.0), (-33.0, 151.0, 60.0)), (5.0, -5.0)), 120.0, Camera(60.0, 1.5), zoom=18
+)
+TRIANGLE = Polygon((((-89.90, 35.16), (-89.895, 35.16), (-89.895, 35.155)),))
+TILTED = Mission(
+    TRIANGLE, 120.0, tilt_deg=20.0, wind=Wind(5.0, 90.0, 0.2), accept_error=True, img_size=(64, 48, 3)
+)
+TURNED = Mission(BOX.area, 120.0, grid_angle_deg=30.0, crosshatch=True, gsd_m_per_px=0.5, max_px=640)
+DOCUMENTS = tuple(mission.to_dict() for mission in (BOX, LIST, TILTED, TURNED))
+# Few, so that what is found is about values, and not about the number of images.
+MOST_IMAGES = 200
+GRIDS = (PixelGrid(), PixelGrid(512, 2, 19, 17), PixelGrid(max_size_px=640, centre_decimals=6))
+COORDS = ("35.16_-89.90_120", "35.16_-89.90_35.155_-89.895_120", "35.1 -89.8 120\n35.2 -89.7 120 5\n# no\n")
+RING = [[-89.90, 35.16], [-89.895, 35.16], [-89.895, 35.155], [-89.90, 35.16]]
+AREAS = (
+    {"type": "Polygon", "coordinates": [RING]},
+    {"type": "MultiPolygon", "coordinates": [[RING]]},
+    {
+        "type": "FeatureCollection",
+        "features": [
+            {"type": "Feature", "properties": {}, "geometry": {"type": "Polygon", "coordinates": [RING]}}
+        ],
+    },
+)
+CONFIG = {
+    "coords": "35.16_-89.90_35.155_-89.895_120",
+    "fov": 78.8,
+    "aspect-ratio": [4, 3],
+    "overlap": [0.1, 0.2],
+    "map_type": ["satellite"],
+    "img_size": "64 48 3",
+    "zoom": 18,
+    "wind": [5, 90, 0.2],
+    "crosshatch": "yes",
+    "max_images": 100,
+    "camera": None,
+    "date": "2024-06-21",
+    "start": "2024-06-21T10:30:00Z",
+}
+
+
+def work_out(mission: Mission) -> None:
+    """All that the command and the panel say of a mission."""
+    assert Mission.from_json(mission.to_json()) == mission
+
+    def on(grid: PixelGrid) -> None:
+        estimate(plan(mission.with_(max_images=min(mission.max_images, MOST_IMAGES)), grid)).lines()
+
+    any_of(partial(on, grid) for grid in GRIDS)
+
+
+def mission_file(data: bytes) -> None:
+    path = Path("mission.json")
+    path.write_bytes(data)
+    work_out(Mission.load(path))
+
+
+def mission_document(document: Any) -> None:
+    """As the panel has it from a project, without a text between."""
+    if isinstance(document, dict):
+        work_out(Mission.from_dict(document))
+
+
+def coordinates(data: bytes) -> None:
+    def of(kind: str | None) -> None:
+        area, agl_m = parse_coords(as_text(data), kind, "ft")
+        work_out(Mission(area, agl_m))
+
+    any_of(partial(of, kind) for kind in (None, "single", "list", "raster"))
+
+
+@st.composite
+def _coordinates(draw: Any) -> bytes:
+    """Numbers that may be right, as people write them apart."""
+    number = (
+        st.floats(-200.0, 200.0) | st.integers(-90, 9000) | st.sampled_from((120.0, 1e-9, 1e9, 90, -90, 180))
+    )
+    numbers = draw(st.lists(number, min_size=3, max_size=5))
+    return draw(st.sampled_from(("_", ",", " ", ", "))).join(map(str, numbers)).encode()
+
+
+def lines(data: bytes) -> None:
+    parse_points(as_text(data).splitlines())
+
+
+def places_file(data: bytes) -> None:
+    path = Path("places.txt")
+    path.write_bytes(data)
+    area, agl_m = parse_coords(str(path))
+    work_out(Mission(area, agl_m))
+
+
+def area_file(data: bytes) -> None:
+    path = Path("area.geojson")
+    path.write_bytes(data)
+    work_out(Mission(load_polygon(str(path)), 120.0))
+
+
+def config_file(data: bytes) -> None:
+    path = Path("options.json")
+    path.write_bytes(data)
+    work_out(mission_from(resolve({}, {}, str(path))))
+
+
+def environment(given: dict[str, str]) -> None:
+    values = {f"TERRAINAV_{name.upper()}": value for name, value in given.items()}
+    work_out(mission_from(resolve({"coords": COORDS[0]}, values)))
+
+
+def targets() -> Iterator[Target]:
+    documents, numbers = altered(*DOCUMENTS), _extreme()
+    texts = st.text(max_size=20) | mutated("0.5", "3 4", "64 48 3", "satellite").map(as_text)
+    names = st.sampled_from(
+        [option.name for option in OPTIONS if option.name not in ("coords", "area", "source")]
+    )
+    deep = b'{"a":' * 100_000
+    yield Target(
+        "mission file", mission_file, documents.map(as_json) | mutated(*map(as_json, DOCUMENTS)), (deep,)
+    )
+    yield Target("mission", mission_document, documents)
+    yield Target("mission of extremes", work_out_extreme, numbers)
+    yield Target(
+        "coordinates",
+        coordinates,
+        mutated(*COORDS) | _coordinates(),
+        (b"1_2_3\xff", b"35_-89_1e155", b"x" * 300),
+    )
+    yield Target("lines of points", lines, mutated(*COORDS))
+    yield Target("file of places", places_file, mutated(*COORDS))
+    twice = as_json({"type": "Polygon", "coordinates": [[*RING, RING[0]]]})
+    areas = altered(*AREAS).map(as_json) | mutated(*map(as_json, AREAS))
+    yield Target("GeoJSON", area_file, areas, (deep, twice))
+    yield Target("config.json", config_file, altered(CONFIG).map(as_json) | mutated(as_json(CONFIG)), (deep,))
+    yield Target("environment", environment, st.dictionaries(names, texts, max_size=3))
+
+
+def _extreme() -> st.SearchStrategy[dict[str, Any]]:
+    """Changes to a mission that each may be right, but far from what is flown."""
+    any_size = st.floats(-6.0, 9.0).map(lambda exponent: 10.0**exponent)
+    number = any_size | st.floats(0.0, 180.0) | st.sampled_from((0.0, 1e-300, 179.99999, 1e9, 1e300))
+    angle = st.floats(-360.0, 360.0) | st.sampled_from((0.0, 90.0, 180.0, -90.0, 1e-300))
+    return st.fixed_dictionaries(
+        {"lat": st.floats(-90.0, 90.0) | st.sampled_from((90.0, -90.0, 0.0)), "lon": angle, "agl": number},
+        optional={
+            "fov": number,
+            "ratio": number,
+            "yaw_deg": angle,
+            "tilt_deg": angle,
+            "roll_deg": angle,
+            "ground_height_m": st.floats(-12e3, 9e3),
+            "overlap_along": st.floats(0.0, 1.0),
+            "image_px": st.integers(1, 10**9),
+            "max_px": st.integers(1, 10**9),
+            "zoom": st.integers(0, 40),
+            "gsd_m_per_px": number,
+            "frame": st.sampled_from(("auto", "map", "camera")),
+            "footprint": st.sampled_from(("auto", "exact")),
+            "mesh": st.sampled_from(("auto", "rays")),
+            "upsample": st.booleans(),
+            "error_budget_px": number,
+            "box_deg": number,
+            "grid_angle_deg": angle,
+            "crosshatch": st.booleans(),
+            "layout": st.sampled_from(("cover", "paper")),
+        },
+    )
+
+
+def work_out_extreme(values: dict[str, Any]) -> None:
+    values = dict(values)
+    lat, lon, agl = values.pop("lat"), values.pop("lon"), values.pop("agl")
+    camera = Camera(values.pop("fov", 78.8), values.pop("ratio", 4 / 3))
+    size = values.pop("box_deg", None)
+    area = Points(((lat, lon, agl),)) if size is None else Box(lat, lon, lat - size, lon + size)
+    work_out(Mission(area, agl, camera, accept_error=True, **values))
