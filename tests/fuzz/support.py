@@ -23,7 +23,7 @@ from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
 from terrainav.core.errors import TerrAInavError
 
-MODULES = ("missions", "files", "commands")
+MODULES = ("missions", "files", "imagery", "commands")
 LONGEST_S, MOST_BYTES = 5.0, 1 << 30
 
 # What has ended programs before, as bytes between others, and as values of JSON.

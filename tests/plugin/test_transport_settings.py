@@ -244,7 +244,8 @@ def test_credentials_are_not_for_a_server_that_capabilities_name(server, transpo
 def test_a_connection_s_headers_are_not_for_the_server_that_another_points_to(server, transport_of):
     with Server() as other:
         server.answer = (302, {"Location": other.url + "/there"}, b"")
-        assert transport_of(headers={"X-Api-Key": "own"}).get(server.url + "/").body == PICTURE
+        client = Client(transport_of(headers={"X-Api-Key": "own"}), "P")
+        assert client.get(server.url + "/", "w").body == PICTURE
         assert server.seen[0][1]["x-api-key"] == "own"
         assert "x-api-key" not in other.seen[0][1]
 
