@@ -10,7 +10,6 @@ from qgis.PyQt.QtGui import QResizeEvent
 from qgis.PyQt.QtWidgets import QFrame, QLabel, QScrollArea, QSizePolicy, QToolButton, QVBoxLayout, QWidget
 
 from ..i18n import tr
-from ..plain import shown_plain
 from .estimates import Readout
 
 #: Lines of text that are always to be seen.
@@ -80,7 +79,7 @@ class Figures(QScrollArea):
         self._show(
             warnings="<br>".join(warnings), estimates=readout.figures_html(), details=readout.details_html()
         )
-        self.details.setToolTip(shown_plain(readout.why))
+        self.details.setToolTip(readout.why)
 
     def show_text(self, text: str) -> None:
         """Show a text in place of figures."""

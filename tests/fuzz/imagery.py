@@ -195,11 +195,12 @@ def targets() -> Iterator[Target]:
     texts = mutated(*HEADERS.values(), KEY, "²", "9" * 400).map(lambda data: data.decode("latin-1"))
     headers = st.dictionaries(st.sampled_from(sorted(HEADERS)), texts, max_size=5)
     bodies = mutated('{"message": "no"}', "<html><title>No</title>", KEY, "[" * 8000) | st.binary(max_size=50)
+    head = PICTURES[1].partition(b"\xff\xda")[0]
     yield Target(
         "picture",
         picture,
         mutated(*PICTURES),
-        (b"\xff\xd8" + b"\xff" * 300_000, b"\xff\xd8" + b"\xff\xda\x00\x02" * 100_000),
+        (head + b"\xff\xda\x00\x02" + b"\xff" * 60_000, head + b"\xff\xda\x00\x02" * 100_000),
     )
     yield Target(
         "answer",
