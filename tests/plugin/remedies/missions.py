@@ -19,6 +19,7 @@ from tests.plugin.test_processing import provider as _provider  # noqa: F401  (a
 from tests.plugin.test_project import choose_in_menu
 from tests.plugin.test_repeated_tiles import DIGEST, grey_images, some_grey
 from tests.plugin.test_viewer import pixel_of
+from tests.support.patterns import positions
 from tests.support.remedies import Case, remedy
 from tests.support.sources import PatternSource
 from tests.support.tileserver import TileServer
@@ -267,9 +268,17 @@ def _cleaning_stopped(case: Case) -> None:
 def _stopped(case: Case) -> None:
     case.fixture("_provider")
     feedback, folder = Feedback(), case.tmp_path / "out"
-    feedback.progressChanged.connect(lambda _percent: feedback.cancel())
-    with TileServer() as server:
-        asked = {"COORDS": "35.14_-89.87_35.1375_-89.866_120", "OTHER_SOURCE": server.url_template}
+    seen: list[object] = []
+
+    def paint(*tile):
+        seen.append(tile)
+        if len(seen) == 30:
+            feedback.cancel()
+        return positions(*tile)
+
+    with TileServer(paint) as server:
+        # Of some hundred tiles.
+        asked = {"COORDS": "35.14_-89.87_35.131_-89.856_120", "OTHER_SOURCE": server.url_template}
         first = run("capture", feedback, **asked, FOLDER=str(folder))
         case.says("\n".join(feedback.warnings))
         assert first["WRITTEN"] < first["TOTAL"]
