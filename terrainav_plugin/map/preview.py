@@ -26,7 +26,7 @@ _OVER_RESULTS = ("footprints", "centres", "flight", "density")
 #: Features put into a layer at once: QGIS looks at each of them for some hundredths of a millisecond.
 MOST_A_STEP = 100
 #: How long styles outlive their layers. The drawing is told to stop within a hundredth of a second.
-STYLES_KEPT_MS = 30_000
+_STYLES_KEPT_MS = 30_000
 
 
 class _Overtaken(Exception):
@@ -345,7 +345,7 @@ class Preview(QObject):
             styles += [style.clone() for style in (layer.renderer(), layer.labeling()) if style is not None]
         if styles:
             # Not of this object, which may be closed meanwhile.
-            QTimer.singleShot(STYLES_KEPT_MS, styles.clear)
+            QTimer.singleShot(_STYLES_KEPT_MS, styles.clear)
 
     def _forget(self, layer_ids: list[str]) -> None:
         """Notice layers that the user has removed; the preview ends with its footprints."""
