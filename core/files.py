@@ -17,6 +17,14 @@ from .errors import InvalidInput, OutputError
 PARTIAL_ENDING = ".part"
 
 
+def is_there(path: str | os.PathLike[str]) -> bool:
+    """Whether there is such a file; not for a name that no file can have."""
+    try:
+        return Path(path).is_file()
+    except (OSError, ValueError):
+        return False
+
+
 def make_folder(folder: str | os.PathLike[str]) -> None:
     """Make a folder, and those above it, unless it is there.
 

@@ -81,23 +81,7 @@ exec unshare --mount --pid --fork --kill-child bash -euo pipefail -c '
                 shift
                 exec "$@"
             fi
-            if (($#)); then
-                exec .venv/bin/python tools/qgis_app.py --timeout "$limit" --pytest "$@"
-            fi
-            # A QGIS for each dozen files. One for all of them has ended itself in two of four runs, while it closed a project
-            # after the tests of the preview; those alone never did, and no cause is known yet. A dozen that ends so is run
-            # again, which is said; tests that fail are final.
-            files=(tests/plugin/test_*.py) failed=0
-            for ((first = 0; first < ${#files[@]}; first += 12)); do
-                dozen=("${files[@]:first:12}") code=0
-                .venv/bin/python tools/qgis_app.py --timeout "$limit" --pytest "${dozen[@]}" || code=$?
-                if ((code > 128)); then
-                    echo "debian13: QGIS ended itself; its tests are run again" >&2
-                    code=0
-                    .venv/bin/python tools/qgis_app.py --timeout "$limit" --pytest "${dozen[@]}" || code=$?
-                fi
-                ((code == 0)) || failed=$code
-            done
-            exit "$failed"
+            (($#)) || set -- tests/plugin
+            exec .venv/bin/python tools/qgis_app.py --timeout "$limit" --pytest "$@"
         '\'' bash "$place" "$limit" "$@"
 ' bash "$SYSTEM" "$PLACE" "$LIMIT_S" "$@"

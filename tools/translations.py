@@ -134,7 +134,6 @@ PHRASES = {
         "what was left out",
     ),
     "core/report/page.py": ("page",),
-    "terrainav_plugin/layers/connections.py": ("set TERRAINAV_KEY",),
 }
 #: What the core says with a word in place of a value, and what Python says in its messages.
 BESIDES = (

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..errors import InvalidInput, SourceError
+from ..files import is_there
 from .catalogue.entry import CatalogueEntry, under_provider
 from .catalogue.listing import entry_named
 from .catalogue.user_sources import NAME, described
@@ -45,14 +46,14 @@ def is_file(name: str) -> bool:
         return True
     if name.startswith(_QGIS) or "://" in name:
         return False
-    if _TILE.search(name) and not _is_there(name):
+    if _TILE.search(name) and not is_there(name):
         # A template whose https:// was forgotten, as that says what is wrong.
         return False
     ending = Path(name).suffix.lower()
     return (
         ending in _RASTER_ENDINGS
         or ending == _MBTILES_ENDING
-        or (NAME.fullmatch(name) is None and _is_there(name))
+        or (NAME.fullmatch(name) is None and is_there(name))
     )
 
 
@@ -71,14 +72,6 @@ def _is_part(name: str) -> bool:
     from .raster.files import file_of_part
 
     return bool(file_of_part(name))
-
-
-def _is_there(name: str) -> bool:
-    try:
-        return Path(name).is_file()
-    except (OSError, ValueError):
-        # No name of a file: too long, or with what the system does not take.
-        return False
 
 
 def open_source(

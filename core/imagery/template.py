@@ -185,15 +185,19 @@ def check_address(text: str, what: str) -> None:
         raise InvalidInput(f"{what} of {parts.scheme or 'no'} scheme: must start with http:// or https://")
     if parts.username is not None or parts.password is not None:
         raise InvalidInput(f"{what} for {parts.hostname}: holds a user name; no credentials may stand in it")
-    before, _, after = text.partition("#")
+    for name in keys_in(text):
+        raise InvalidInput(
+            f"{what} for {parts.hostname}: holds a key in {name!r}, which would end up in files; "
+            f"write {name}={{key}} and set TERRAINAV_KEY"
+        )
+
+
+def keys_in(address: str) -> list[str]:
+    """Names of an address's parameters that hold keys, {key} apart."""
+    before, _, after = address.partition("#")
     # Some servers take ; between parameters, and what stands after # may have been meant for the query.
     told = f"{before.partition('?')[2]}&{after}".replace(";", "&")
-    for name, value in parse_qsl(told):
-        if is_key_name(name) and "{key}" not in value:
-            raise InvalidInput(
-                f"{what} for {parts.hostname}: holds a key in {name!r}, which would end up in files; "
-                f"write {name}={{key}} and set TERRAINAV_KEY"
-            )
+    return [name for name, value in parse_qsl(told) if is_key_name(name) and "{key}" not in value]
 
 
 def is_key_name(name: str) -> bool:

@@ -2553,13 +2553,13 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/layers/connections.py"/>
-        <source>QGIS connection “{name}”: {problem}</source>
-        <translation>Conexión de QGIS «{name}»: {problem}</translation>
+        <source>QGIS connection “{name}” holds keys in its address ({keys}), which would end up in files: take them out of it, and give it an authentication configuration in QGIS's Browser panel</source>
+        <translation>La conexión de QGIS «{name}» contiene claves en su dirección ({keys}), que acabarían en archivos: quitarlas de ella y darle una configuración de autenticación en el panel Navegador de QGIS</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/layers/connections.py"/>
-        <source>give it an authentication configuration</source>
-        <translation>darle una configuración de autenticación</translation>
+        <source>QGIS connection “{name}”: {problem}</source>
+        <translation>Conexión de QGIS «{name}»: {problem}</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/layers/connections.py"/>
@@ -2859,8 +2859,13 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/map/box_geometry.py"/>
-        <source>this place cannot be shown in the project's CRS {crs}; choose another one</source>
-        <translation>este lugar no se puede mostrar en el SRC del proyecto, {crs}; elegir otro</translation>
+        <source>(custom)</source>
+        <translation>(personalizado)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/map/box_geometry.py"/>
+        <source>this place cannot be shown in the project's CRS {crs}; choose another CRS</source>
+        <translation>este lugar no se puede mostrar en el SRC del proyecto, {crs}; elegir otro SRC</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/map/box_geometry.py"/>
@@ -7777,11 +7782,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/dock/entries.py"/>
         <source>{0}: not a widget that entries know</source>
         <translation>{0}: no es un elemento que las entradas conozcan</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/layers/connections.py"/>
-        <source>set TERRAINAV_KEY</source>
-        <translation>definir TERRAINAV_KEY</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/layers/jobs.py"/>

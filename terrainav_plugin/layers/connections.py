@@ -71,7 +71,16 @@ class Connection:
         """
         from ...core.imagery.catalogue.entry import CatalogueEntry, under_provider
         from ...core.imagery.catalogue.user_sources import described
+        from ...core.imagery.template import keys_in
 
+        keys = keys_in(self.url)
+        if keys:
+            raise InvalidInput(
+                tr(
+                    "QGIS connection “{name}” holds keys in its address ({keys}), which would end up in files: take "
+                    "them out of it, and give it an authentication configuration in QGIS's Browser panel"
+                ).format(name=self.name, keys=", ".join(keys))
+            )
         try:
             data = described(
                 self.url,
@@ -82,11 +91,8 @@ class Connection:
             )
             return under_provider(CatalogueEntry.from_dict(XYZ + self.name, data, user=True))
         except InvalidInput as wrong:
-            # There is no environment to set here.
-            instead = tr("give it an authentication configuration")
-            problem = told(wrong).replace(told("set TERRAINAV_KEY"), instead)
             raise InvalidInput(
-                tr("QGIS connection “{name}”: {problem}").format(name=self.name, problem=problem)
+                tr("QGIS connection “{name}”: {problem}").format(name=self.name, problem=told(wrong))
             ) from wrong
 
 
@@ -161,7 +167,7 @@ def without_key(url: str) -> tuple[str, str]:
         for at, piece in enumerate(pieces)
         if "=" in piece and is_key_name(piece.partition("=")[0]) and "{key}" not in piece
     ]
-    # Of several, none is known to be the key; the refusal of the address says so.
+    # Of several, none is known to be the key; `Connection.entry` refuses them.
     if len(held) != 1 or "{key}" in url:
         return url, ""
     name, _, value = pieces[held[0]].partition("=")

@@ -91,8 +91,8 @@ def canvas_rectangle(box: Box, crs: QgsCoordinateReferenceSystem, project: QgsPr
         return transform.transformBoundingBox(rectangle, Qgis.TransformDirection.Reverse)
     except QgsCsException as wrong:
         raise InvalidInput(
-            tr("this place cannot be shown in the project's CRS {crs}; choose another one").format(
-                crs=crs.authid()
+            tr("this place cannot be shown in the project's CRS {crs}; choose another CRS").format(
+                crs=_named(crs)
             )
         ) from wrong
 
@@ -125,8 +125,12 @@ def _transformed(point: QgsPointXY, transform: QgsCoordinateTransform) -> tuple[
 
 
 def _outside(transform: QgsCoordinateTransform) -> InvalidInput:
-    crs = transform.sourceCrs().authid()
+    crs = _named(transform.sourceCrs())
     return InvalidInput(tr("this place is outside the domain of the project's CRS {crs}").format(crs=crs))
+
+
+def _named(crs: QgsCoordinateReferenceSystem) -> str:
+    return crs.authid() or crs.description() or tr("(custom)")
 
 
 def _wrap(lon_deg: float) -> float:

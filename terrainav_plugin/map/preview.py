@@ -25,6 +25,8 @@ _PAUSE_MS = 60
 _OVER_RESULTS = ("footprints", "centres", "flight", "density")
 #: Features put into a layer at once: QGIS looks at each of them for some hundredths of a millisecond.
 MOST_A_STEP = 100
+#: How long styles outlive their layers. The drawing is told to stop within a hundredth of a second.
+_STYLES_KEPT_MS = 30_000
 
 
 class _Overtaken(Exception):
@@ -75,6 +77,7 @@ class Preview(QObject):
         self._turn = _timer(self, self._fill_on)
         # Emitted on the preview's thread, received on this object's.
         self._finished.connect(self._deliver)
+        project.layersWillBeRemoved["QStringList"].connect(self._keep_styles)
         project.layersRemoved.connect(self._forget)
         project.layerTreeRoot().visibilityChanged.connect(self._look_at_visibility)
         self._moves = (
@@ -135,8 +138,11 @@ class Preview(QObject):
         self._pause.stop()
         self._plan = self._scene = self._drawing = self._pieces = None
         self._held = {}
-        ids, self._ids = list(self._ids.values()), {}
-        self._project.removeMapLayers([layer_id for layer_id in ids if self._project.mapLayer(layer_id)])
+        ids = [layer_id for layer_id in self._ids.values() if self._project.mapLayer(layer_id)]
+        self._keep_styles(ids)
+        # They go by its own will, which is nothing to be noticed.
+        self._ids = {}
+        self._project.removeMapLayers(ids)
         if self._group is not None:
             self._group.remove_if_empty()
         self._group = None
@@ -150,6 +156,7 @@ class Preview(QObject):
         self._project.layersRemoved.disconnect(self._forget)
         self._project.layerTreeRoot().visibilityChanged.disconnect(self._look_at_visibility)
         self.remove()
+        self._project.layersWillBeRemoved["QStringList"].disconnect(self._keep_styles)
         self._pool.shutdown(wait=True, cancel_futures=True)
 
     # --- from a view to features
@@ -324,6 +331,21 @@ class Preview(QObject):
         if visible != self._visible:
             self._visible = visible
             self.visibility_changed.emit(visible)
+
+    def _keep_styles(self, layer_ids: list[str]) -> None:
+        """Have the styles of layers that go outlive them for a while.
+
+        A drawing that begins copies a style's expressions just after it has let go of the original, in every QGIS
+        known (`QgsExpression::detach`): if the layer goes at that moment, QGIS reads freed memory and ends. The
+        original stays while a copy of the style holds it, too.
+        """
+        styles = []
+        for layer_id in set(layer_ids) & set(self._ids.values()):
+            layer = self._project.mapLayer(layer_id)
+            styles += [style.clone() for style in (layer.renderer(), layer.labeling()) if style is not None]
+        if styles:
+            # Not of this object, which may be closed meanwhile.
+            QTimer.singleShot(_STYLES_KEPT_MS, styles.clear)
 
     def _forget(self, layer_ids: list[str]) -> None:
         """Notice layers that the user has removed; the preview ends with its footprints."""

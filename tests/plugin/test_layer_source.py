@@ -248,14 +248,14 @@ def test_address_of_tiles_is_read_once(server, monkeypatch):
 
 
 @contextmanager
-def wmts_service(tile_px=256):
-    """A service of the Web-Mercator quad, and a layer of it in the project."""
-    answered = re.compile(r"/tiles/(\d+)/(\d+)/(\d+)\.png")
+def wmts_service(tile_px=256, level="{}"):
+    """A service of the Web-Mercator quad, whose zooms go by names, and a layer of it in the project."""
+    answered = re.compile(r"/tiles/(?:.*:)?(\d+)/(\d+)/(\d+)\.png")
 
     def answer(path, _query):
         if path == "/c.xml":
             rest = f"{running.url}/tiles/{{TileMatrix}}/{{TileCol}}/{{TileRow}}.png"
-            matrices = matrix_set("quad", [matrix(str(zoom), zoom, tile_px) for zoom in range(20)])
+            matrices = matrix_set("quad", [matrix(level.format(zoom), zoom, tile_px) for zoom in range(20)])
             layer = wmts_layer("ortho", {"quad": []}, resources=[("image/png", rest)])
             return 200, "application/xml", wmts_document([layer], [matrices])
         zoom, x, y = (int(number) for number in answered.fullmatch(path).groups())

@@ -39,6 +39,7 @@ from terrainav.core.mission.area import Box, Points
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 from terrainav.core.mission.wind import Wind
+from terrainav.terrainav_plugin.map import preview
 from terrainav.terrainav_plugin.map.mission_group import MissionGroup
 from terrainav.terrainav_plugin.map.preview import MOST_A_STEP, Preview
 from terrainav.terrainav_plugin.map.preview_scene import FEW, MOST_DRAWN
@@ -730,6 +731,40 @@ def test_change_under_a_running_drawing_comes_to_the_map(map_, held_up, monkeypa
     map_.qtbot.wait(300)
     map_.canvas.waitWhileRendering()
     assert share_painted(map_.canvas) < 0.2
+
+
+@pytest.mark.parametrize("way", ["preview", "layer", "project"])
+def test_styles_outlive_their_layers(map_, iface, monkeypatch, way):
+    """QGIS ends where a drawing begins to copy the expressions of a style of which nobody holds another copy."""
+    kept = []
+    monkeypatch.setattr(
+        preview.QTimer, "singleShot", lambda wait_ms, clear: kept.append((wait_ms, clear.__self__))
+    )
+    map_.show(SMALL)
+    layer = map_.layer("footprints")
+    wanted = expressions(layer.renderer())
+    assert wanted
+    if way == "preview":
+        map_.preview.remove()
+    elif way == "layer":
+        map_.project.removeMapLayer(layer.id())
+    else:
+        iface.newProject(False)
+    assert map_.layer("footprints") is None
+    found = [
+        expressions(style)
+        for wait_ms, styles in kept
+        if wait_ms >= 10_000
+        for style in styles
+        if isinstance(style, QgsSingleSymbolRenderer)
+    ]
+    assert wanted in found
+
+
+def expressions(renderer):
+    """Data-defined expressions of a style of one symbol."""
+    properties = renderer.symbol().symbolLayer(0).dataDefinedProperties()
+    return [properties.property(key).expressionString() for key in sorted(properties.propertyKeys())]
 
 
 def test_view_left_while_it_is_filled_leaves_no_half_of_it(map_):

@@ -23,8 +23,8 @@ ROOT = Path(__file__).parents[2]
 
 #: What clauses of advice begin with.
 VERBS = frozenset(
-    "add agree allow ask capture choose clean close copy cut draw enter finish fly get give go have install leave "
-    "make mend move name overlap pip plan press put raise remove rename repair resize resume run say select set "
+    "add agree allow ask capture choose clean click close copy cut drag draw enter finish fly get give go have install "
+    "leave make mend move name overlap pip plan press put raise remove rename repair resize resume run say select set "
     "shorten show split start take tick tilt try use wait write".split()
 )
 #: What clauses of refusals begin with that say what is wrong, or what would be right.
@@ -33,9 +33,13 @@ STATEMENTS = frozenset(
 )
 _FIRST = re.compile(r"^(?:or )?([a-z]+)\b(?!.*:)")
 _CLAUSE = re.compile(r"[;:] (?:or |\{\})?([a-z]+)\b")
+#: Sentences that say what to do, and conditions that a clause to do something follows.
+_SENTENCE = re.compile(r"(?:^|\. )([A-Z][a-z]+)\b(?=.*\.$)|[;:] if [^,;]*, ([a-z]+)\b", re.DOTALL)
 _NAMED = re.compile(r"^(--[a-z-]+ \{\})|[;:] ([^;:]*?(?:--[a-z]|`?\bterrainav [a-z]))")
-#: Where an option says in its own words what it is for.
-_HELP = frozenset(["mission/options.py"])
+#: Where an option or a parameter says in its own words what it is for.
+_HELP = frozenset(["mission/options.py", "processing/mission_parameters.py"])
+#: The function that describes an algorithm.
+_DESCRIPTION = "shortHelpString"
 #: What reads like advice, and is none.
 NO_ADVICE = frozenset(
     [
@@ -44,6 +48,30 @@ NO_ADVICE = frozenset(
         "shares {}: add up to {}; must add up to 1",
         "cache %s: is damaged; set aside as %s and begun anew",
         "--plot shows what a threshold rejects: it does not go with --undo",
+        "footprints {path}: have no poses",
+        "Plan exported as {names}.",
+        # What a part of a window is for, and a question that windows ask.
+        (
+            "Drag the line: images with less entropy (bits) are rejected.\nArrow keys move it by {step}, with Shift by "
+            "{shift}, Page keys by {page} bits."
+        ),
+        (
+            "Move the area on the map: drag inside it, or drag the edges and corners of a box; arrow keys move it by "
+            "a pixel of the screen, with Shift by ten; Esc ends it. Corners of polygons are moved with QGIS's own "
+            "tools, in their layer."
+        ),
+        "{name}\n{bits} bits; press to show it on the map",
+        "Remove “{title}” from your sources? Captured images stay.",
+        # Titles of windows.
+        "TerrAInav: add source",
+        "TerrAInav: clean dataset",
+        "TerrAInav: remove source",
+        # Steps that are undone.
+        "drag an edge",
+        "draw box",
+        "make it a box",
+        "move by arrow keys",
+        "move the area",
     ]
 )
 #: What stands between two things to do, or two things that are named for one.
@@ -62,6 +90,10 @@ class Place(NamedTuple):
         clauses = [match.start(1) for match in _CLAUSE.finditer(self.message) if match[1] in VERBS]
         first = _FIRST.match(self.message)
         starts = clauses or [first.start(1)] if first is not None and first[1] in VERBS else clauses
+        said = [
+            match for match in _SENTENCE.finditer(self.message) if match[match.lastindex].lower() in VERBS
+        ]
+        starts += [match.start(match.lastindex) for match in said]
         starts = starts or [match.start(match.lastindex) for match in _NAMED.finditer(self.message)]
         return min(starts, default=-1)
 
@@ -72,8 +104,9 @@ class Place(NamedTuple):
             for part in (self.message[: self.advice_at], self.message[self.advice_at :].rstrip(", "))
         )
         # What ends with a value goes on to the end of the text, or of the line where it is a command's.
-        whole = f"({tail[:-1]})$" if tail.endswith("*?") else f"({tail})(?=$|[,;] )"
-        found = re.search(head + whole, text)
+        whole = f"({tail[:-1]})$" if tail.endswith("*?") else f"({tail})(?=$|[,;.] )"
+        # The panel begins its sentences with a capital.
+        found = re.search(head + whole, text, re.IGNORECASE)
         return found[1] if found else ""
 
 
@@ -84,11 +117,13 @@ def _words(node: ast.AST) -> str:
 
 
 def _messages(tree: ast.Module) -> Iterator[str]:
-    """Texts of a module that are neither docstrings nor the help of options."""
+    """Texts of a module that are neither docstrings nor the help of options and algorithms."""
     aside: set[ast.AST] = set()
     for node in ast.walk(tree):
         if isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant):
             aside.add(node.value)
+        elif isinstance(node, ast.FunctionDef) and node.name == _DESCRIPTION:
+            aside.update(ast.walk(node))
         elif isinstance(node, ast.JoinedStr):
             aside.update(node.values)
         elif isinstance(node, ast.keyword) and node.arg in ("help", "description", "epilog"):

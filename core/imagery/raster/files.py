@@ -8,13 +8,13 @@ import sys
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations
-from pathlib import Path
 from typing import NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import InvalidInput
+from ...files import is_there
 
 Bytes = NDArray[np.uint8]
 
@@ -33,14 +33,7 @@ def file_of_part(name: str) -> str:
     spans = combinations(range(1, len(pieces) + 1), 2)
     # The longest first: a path may hold colons.
     paths = sorted((":".join(pieces[start:end]) for start, end in spans), key=len, reverse=True)
-    return next((path for path in paths if path and _is_there(path)), "")
-
-
-def _is_there(path: str) -> bool:
-    try:
-        return Path(path).is_file()
-    except (OSError, ValueError):
-        return False
+    return next((path for path in paths if path and is_there(path)), "")
 
 
 class Box(NamedTuple):

@@ -127,7 +127,7 @@ def test_a_mission_of_nothing_else_is_told(tmp_path):
 
 
 def test_each_map_type_has_its_own(tmp_path):
-    mission = Mission(MISSION.area, 120.0, map_types=("satellite", "roadmap"))
+    mission = MISSION.with_(map_types=("satellite", "roadmap"))
     worked_out = plan(mission, PixelGrid())
 
     def blank_roads(map_type, zoom, x, y, size_px):
@@ -270,6 +270,8 @@ def test_the_command_says_it_and_does_it(server, tmp_path, monkeypatch, capsys):
         "35.16_-89.90_35.155_-89.893_120",
         "--source",
         server.url_template,
+        "--zoom",
+        "18",
         "--quiet",
     )
     first = shell(*asked, "--data-dir", "out")
@@ -296,7 +298,16 @@ def test_a_source_of_one_s_own_knows_its_placeholders(server, tmp_path, monkeypa
     added = shell("sources", "add", "town", server.url_template, "--placeholder", DIGEST, "0" * 64)
     assert added.returncode == 0, added.stderr
     assert "2 known" in shell("sources", "show", "town").stdout
-    asked = ("capture", "--coords", "35.16_-89.90_35.155_-89.893_120", "--source", "town", "--quiet")
+    asked = (
+        "capture",
+        "--coords",
+        "35.16_-89.90_35.155_-89.893_120",
+        "--source",
+        "town",
+        "--zoom",
+        "18",
+        "--quiet",
+    )
     shown = json.loads(shell(*asked, "--data-dir", "out", "--json").stdout)
     assert ({failure["name"] for failure in shown["failed"]}, shown["repeated"]) == (set(SHOWING), [])
     wrong = shell("sources", "add", "other", server.url_template, "--placeholder", "grey")

@@ -485,7 +485,7 @@ def test_the_same_mission_must_be_resumed(in_one_go):
 
 def test_a_folder_of_an_earlier_version_is_resumed(tmp_path):
     """As it was before a mission stated its image's size."""
-    mission = MISSION.with_(max_px=640)
+    mission = MISSION.with_(max_px=640, zoom=None)
     capture(planned(mission), PatternSource(), tmp_path)
     mark = tmp_path / "mission.json"
     data = json.loads(mark.read_text())
@@ -508,7 +508,8 @@ def test_another_mission_is_left_alone(in_one_go, resume):
 
 
 def test_the_same_mission_planned_at_another_zoom_is_left_alone(tmp_path):
-    capture(planned(), PatternSource(), tmp_path)
+    mission = MISSION.with_(zoom=None)
+    capture(planned(mission), PatternSource(), tmp_path)
     before = contents(tmp_path)
 
     class Coarser(PatternSource):
@@ -517,7 +518,7 @@ def test_the_same_mission_planned_at_another_zoom_is_left_alone(tmp_path):
             self.grid = PixelGrid(native_zoom=17)
 
     with pytest.raises(OutputError, match="holds this mission with other pictures"):
-        capture(planned(source=Coarser()), Coarser(), tmp_path, resume=True)
+        capture(planned(mission, Coarser()), Coarser(), tmp_path, resume=True)
     assert contents(tmp_path) == before
 
 

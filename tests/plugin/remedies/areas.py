@@ -1,0 +1,300 @@
+"""What refusals of areas advise, in the panel and on the map."""
+
+from __future__ import annotations
+
+from qgis.core import (
+    QgsCoordinateReferenceSystem,
+    QgsCoordinateTransformContext,
+    QgsFeature,
+    QgsGeometry,
+    QgsProject,
+    QgsVectorLayer,
+)
+from qgis.PyQt.QtWidgets import QApplication, QDialogButtonBox
+from terrainav.core.mission.area import Box
+from terrainav.terrainav_plugin.dock.area_dialogs import PolygonDialog
+from terrainav.terrainav_plugin.dock.area_text import area_of_text
+from terrainav.terrainav_plugin.map.area_layers import PointFields, points_of, polygon_of
+from terrainav.terrainav_plugin.map.area_reading import extent_of
+from terrainav.terrainav_plugin.map.box_geometry import canvas_rectangle
+from terrainav.terrainav_plugin.processing.areas import _polygon
+
+from tests.plugin.steps import SMALL_BOX
+from tests.plugin.test_area_layers import choose_way, dialog_of, layer_of
+from tests.plugin.test_background import follow_hint, small_pictures  # noqa: F401  (a fixture)
+from tests.support.remedies import Case, remedy
+
+CONTEXT = QgsCoordinateTransformContext()
+UTM = "EPSG:32616"
+SQUARE, FAR = "Polygon ((0 0, 9 0, 9 9, 0 9, 0 0))", "Polygon ((50 50, 59 50, 59 59, 50 50))"
+TWO_PARTS = "MultiPolygon (((0 0, 1 0, 1 1, 0 0)), ((5 5, 6 5, 6 6, 5 5)))"
+BOW_TIE = "Polygon ((0 0, 10 10, 0 10, 10 0, 0 0))"
+
+
+def feature(wkt: str | QgsGeometry) -> QgsFeature:
+    made = QgsFeature(7)
+    made.setGeometry(QgsGeometry.fromWkt(wkt) if isinstance(wkt, str) else wkt)
+    return made
+
+
+def area(*shapes, crs=UTM):
+    return polygon_of(map(feature, shapes), QgsCoordinateReferenceSystem(crs), CONTEXT)
+
+
+def points(*shapes):
+    return points_of(
+        map(feature, shapes), QgsCoordinateReferenceSystem("EPSG:4326"), CONTEXT, PointFields(120.0)
+    )
+
+
+@remedy("map/area_layers.py", "no polygon is selected: select exactly one in its layer")
+def _none_selected(case: Case) -> None:
+    case.refused(area)
+    case.follow("select exactly one in its layer", lambda: area(SQUARE))
+
+
+@remedy(
+    "map/area_layers.py",
+    "{count} polygons are selected, and an area is one: select only that one, or join them first (Vector > "
+    "Geoprocessing Tools > Dissolve)",
+)
+def _several(case: Case) -> None:
+    beside = "Polygon ((9 0, 20 0, 20 9, 9 9, 9 0))"
+    case.refused(lambda: area(SQUARE, beside))
+    case.follow("select only that one", lambda: area(SQUARE))
+    joined = QgsGeometry.unaryUnion([QgsGeometry.fromWkt(SQUARE), QgsGeometry.fromWkt(beside)])
+    case.follow("join them first (Vector > Geoprocessing Tools > Dissolve)", lambda: area(joined))
+
+
+@remedy("map/area_layers.py", "{feature} has no geometry: select one that has")
+def _empty(case: Case) -> None:
+    case.refused(lambda: area("Polygon EMPTY"))
+    case.follow("select one that has", lambda: area(SQUARE))
+
+
+@remedy("map/area_layers.py", "{feature} is no polygon: select one that is")
+def _no_polygon(case: Case) -> None:
+    case.refused(lambda: area("Point (1 1)"))
+    case.follow("select one that is", lambda: area(SQUARE))
+
+
+@remedy(
+    "map/area_layers.py",
+    "{feature} has {count} parts, and an area is one: take it apart first (Vector > Geometry Tools > Multipart to "
+    "Singleparts) and select one of them",
+)
+def _parts(case: Case) -> None:
+    case.refused(lambda: area(TWO_PARTS))
+    apart = QgsGeometry.fromWkt(TWO_PARTS).asGeometryCollection()
+    case.follow(
+        "take it apart first (Vector > Geometry Tools > Multipart to Singleparts) and select one of them",
+        lambda: area(apart[1]),
+    )
+
+
+@remedy(
+    "map/area_layers.py",
+    "{feature} is no sound polygon, {what}: repair it first (Processing: Fix geometries)",
+)
+def _unsound(case: Case) -> None:
+    spike = "Polygon ((0 0, 9 0, 9 9, 5 9, 5 15, 5 9, 0 9, 0 0))"
+    case.refused(lambda: area(spike))
+    # As the algorithm does: a part that is no area is left out.
+    repaired = [
+        part for part in QgsGeometry.fromWkt(spike).makeValid().asGeometryCollection() if part.area() > 0.0
+    ]
+    case.follow("repair it first (Processing: Fix geometries)", lambda: area(*repaired))
+
+
+@remedy("map/area_layers.py", "{feature} goes around a pole: an area's edges must close without that; cut it")
+def _around_a_pole(case: Case) -> None:
+    whole = "Polygon ((-900000 -900000, 900000 -900000, 900000 900000, -900000 900000, -900000 -900000))"
+    case.refused(lambda: area(whole, crs="EPSG:3031"))
+    half = "Polygon ((100000 -900000, 900000 -900000, 900000 900000, 100000 900000, 100000 -900000))"
+    case.follow("cut it", lambda: area(half, crs="EPSG:3031"))
+
+
+@remedy("map/area_layers.py", "{feature} has an edge through a pole or across the edge of its map: cut it")
+def _through_a_pole(case: Case) -> None:
+    # A cone that is unrolled: beyond its tip the map ends on both sides.
+    cone = QgsCoordinateReferenceSystem("PROJ:+proj=lcc +lat_1=40 +lat_2=60 +lat_0=50 +lon_0=10 +datum=WGS84")
+    across = (
+        "Polygon ((-1000000 6500000, 1000000 6500000, 1000000 7500000, -1000000 7500000, -1000000 6500000))"
+    )
+    case.refused(lambda: polygon_of([feature(across)], cone, CONTEXT))
+    half = "Polygon ((1000 6500000, 1000000 6500000, 1000000 7500000, 1000 7500000, 1000 6500000))"
+    case.follow("cut it", lambda: polygon_of([feature(half)], cone, CONTEXT))
+
+
+@remedy("map/area_layers.py", "no point is there to be taken: select some, or take all of the layer")
+def _no_points(case: Case) -> None:
+    case.refused(points)
+    case.follow("select some", lambda: points("Point (1 1)"))
+    case.follow("take all of the layer", lambda: points("Point (1 1)", "Point (2 2)"))
+
+
+@remedy("map/area_layers.py", "{feature} has no geometry: give it a point, or leave it out")
+def _no_place(case: Case) -> None:
+    case.refused(lambda: points("Point (1 1)", "Point EMPTY"))
+    case.follow("give it a point", lambda: points("Point (1 1)", "Point (2 2)"))
+    case.follow("leave it out", lambda: points("Point (1 1)"))
+
+
+@remedy("map/area_layers.py", "{feature} is no point: take a layer of points")
+def _no_point(case: Case) -> None:
+    case.refused(lambda: points(SQUARE))
+    case.follow("take a layer of points", lambda: points("Point (1 1)"))
+
+
+@remedy("map/area_reading.py", "layer “{name}” has no CRS: set it in the layer's properties")
+def _no_crs(case: Case) -> None:
+    layer = QgsVectorLayer("Point", "mine", "memory")
+    layer.dataProvider().addFeatures([feature("Point (1 1)"), feature("Point (2 2)")])
+    layer.updateExtents()
+    layer.setCrs(QgsCoordinateReferenceSystem())
+    case.refused(lambda: extent_of(layer, QgsProject.instance()))
+    layer.setCrs(QgsCoordinateReferenceSystem("EPSG:4326"))
+    case.follow("set it in the layer's properties", lambda: extent_of(layer, QgsProject.instance()))
+
+
+@remedy(
+    "processing/areas.py",
+    "area of {count} separate polygons: must be one; select one, or run it as a batch",
+)
+def _separate(case: Case) -> None:
+    both = [(feature(shape), QgsGeometry.fromWkt(shape)) for shape in (SQUARE, FAR)]
+    case.refused(lambda: _polygon(both))
+    case.follow("select one", lambda: _polygon(both[:1]))
+    # A batch runs once for each.
+    case.follow("run it as a batch", lambda: [_polygon([one]) for one in both])
+
+
+@remedy("dock/area_text.py", "give every point a yaw, or none")
+def _yaws(case: Case) -> None:
+    case.refused(lambda: area_of_text("35 10 120 5\n35 11 120", 120.0, "m"))
+    case.follow("give every point a yaw", lambda: area_of_text("35 10 120 5\n35 11 120 6", 120.0, "m"))
+    case.follow("none", lambda: area_of_text("35 10 120\n35 11 120", 120.0, "m"))
+
+
+@remedy("map/box_geometry.py", "this place cannot be shown in the project's CRS {crs}; choose another CRS")
+def _no_such_place(case: Case) -> None:
+    project, far = QgsProject.instance(), Box(1.0, 179.0, -1.0, -179.0)
+    # The Earth as it is seen from far above Greenwich.
+    globe = QgsCoordinateReferenceSystem("PROJ:+proj=geos +h=35785831")
+    assert "CRS (custom);" in case.refused(lambda: canvas_rectangle(far, globe, project))
+    mercator = QgsCoordinateReferenceSystem("EPSG:3857")
+    case.follow("choose another CRS", lambda: not canvas_rectangle(far, mercator, project).isEmpty())
+
+
+@remedy("map/area_control.py", "the clipboard holds no text; copy coordinates first")
+def _nothing_copied(case: Case) -> None:
+    desk = case.fixture("desk")
+    QApplication.clipboard().clear()
+    choose_way(desk, "paste")
+    case.says("\n".join(desk.messages()))
+
+    def copy():
+        QApplication.clipboard().setText("35.16_-89.90_35.157_-89.897")
+        choose_way(desk, "paste")
+        return desk.workflow.state().has_box
+
+    case.follow("copy coordinates first", copy)
+
+
+TWO_SQUARES = ("Polygon ((0 0, 1 0, 1 1, 0 1, 0 0))", "Polygon ((2 0, 3 0, 3 1, 2 0))")
+
+
+def asked_for_a_polygon(desk):
+    """The dialog for the polygon of a layer that has two of them and none selected."""
+    desk.look_at("EPSG:4326", (-0.5, -1.0, 3.5, 2.0))
+    desk.iface.setActiveLayer(layer_of("Polygon", "EPSG:4326", TWO_SQUARES))
+    choose_way(desk, "polygon")
+    return dialog_of(desk)
+
+
+def click_polygon(desk):
+    desk.canvas.waitWhileRendering()
+    at = desk.canvas.getCoordinateTransform().transform(0.3, 0.4)
+    desk.click_map(at.toQPointF().toPoint())
+    desk.wait(lambda: "Polygon, 4 corners" in desk.form.area.words.text())
+
+
+@remedy(
+    "dock/area_dialogs.py",
+    "Nothing is selected in it: press “Select on the map”, then click one polygon.",
+)
+def _none_selected_in_layer(case: Case) -> None:
+    desk = case.fixture("desk")
+    dialog = asked_for_a_polygon(desk)
+    case.says(dialog.words.text())
+    assert dialog.select.text().replace("&", "") in case.advice
+    case.follow("press “Select on the map”", lambda: desk.click(dialog.select))
+    case.follow("then click one polygon.", lambda: click_polygon(desk))
+
+
+@remedy("map/area_control.py", "Click one polygon of “{layer}” on the map.")
+def _waiting_for_a_click(case: Case) -> None:
+    desk = case.fixture("desk")
+    desk.click(asked_for_a_polygon(desk).select)
+    case.says("\n".join(desk.messages()))
+    case.follow("Click one polygon of “mine” on the map.", lambda: click_polygon(desk))
+
+
+@remedy("dock/area_dialogs.py", "The project has no layer of polygons: add one, or draw a box instead.")
+def _no_polygons(case: Case) -> None:
+    desk = case.fixture("desk")
+    choose_way(desk, "polygon")
+    dialog = dialog_of(desk)
+    case.says(dialog.words.text())
+    dialog.reject()
+
+    def add():
+        layer_of("Polygon", "EPSG:4326", TWO_SQUARES[:1])
+        again = PolygonDialog(desk.dock, None)
+        return again.buttons.button(QDialogButtonBox.StandardButton.Ok).isEnabled()
+
+    case.follow("add one", add)
+    case.follow("draw a box instead.", lambda: drawn(desk))
+
+
+def drawn(desk):
+    """Draw a box on a map that shows a place."""
+    desk.look_at("EPSG:4326", (-0.5, -1.0, 3.5, 2.0))
+    desk.click(desk.form.area.draw_box)
+    desk.drag(desk.at(0.4, 0.4), desk.at(0.6, 0.6))
+    return desk.workflow.state().has_box
+
+
+@remedy("workflow.py", "no area yet; draw a box or enter coordinates")
+def _no_area(case: Case) -> None:
+    desk = case.fixture("desk")
+    desk.click(desk.dock.capture)
+    case.says("\n".join(desk.messages()))
+    case.follow("draw a box", lambda: drawn(desk) and desk.wait_planned() is not None)
+    desk.workflow.missions.begin_new()
+    assert not desk.workflow.state().has_box
+
+    def enter():
+        desk.enter_box(**SMALL_BOX)
+        return desk.wait_planned() is not None
+
+    case.follow("enter coordinates", enter)
+
+
+@remedy("workflow.py", "show the imagery chosen below and draw a box")
+def _empty_map(case: Case) -> None:
+    case.fixture("small_pictures")
+    desk = case.fixture("desk")
+    case.says(desk.dock.hint.text().replace("</a>", "").replace(">", ">\n").replace(", or add", "\n"))
+    follow_hint(desk)
+    desk.wait_for_tasks()
+    case.follow(
+        "show the imagery chosen below", lambda: desk.wait(lambda: bool(QgsProject.instance().mapLayers()))
+    )
+    desk.wait(lambda: desk.canvas.mapTool() is desk.workflow.box_tool)
+
+    def draw():
+        desk.drag(desk.at(0.4, 0.4), desk.at(0.6, 0.6))
+        return desk.workflow.state().has_box
+
+    case.follow("and draw a box", draw)

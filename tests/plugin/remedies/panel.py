@@ -1,0 +1,222 @@
+"""What the panel advises: of keys, figures, cameras, folders and presses that came too early."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import replace
+
+import pytest
+from qgis.core import QgsApplication, QgsSettings
+from terrainav.core.imagery.catalogue.user_sources import add, described
+from terrainav.core.imagery.opening import entry_of
+from terrainav.core.imagery.transport import TransportError
+from terrainav.core.mission.area import Box
+from terrainav.core.mission.estimate import ONLINE, estimate
+from terrainav.core.mission.mission import Mission
+from terrainav.core.mission.plan import plan
+from terrainav.core.mission.presets import user_cameras
+from terrainav.terrainav_plugin.credentials import key_in, problem_with
+from terrainav.terrainav_plugin.dock import mission_form
+from terrainav.terrainav_plugin.dock.camera_choices import save_camera
+from terrainav.terrainav_plugin.dock.estimates import readout
+from terrainav.terrainav_plugin.dock.form_state import FormState
+from terrainav.terrainav_plugin.dock.options_page import folder_problem
+
+from tests.plugin.steps import SMALL_BOX
+from tests.plugin.transports import MASTER_PASSWORD
+from tests.support.remedies import Case, remedy
+from tests.support.tileserver import TileServer
+
+
+def has_key(authcfg):
+    return not problem_with(authcfg, is_key=True) and bool(key_in(authcfg))
+
+
+@remedy("credentials.py", "API key: choose a configuration, or press “+” and enter it as password")
+def _no_configuration(case: Case) -> None:
+    configured = case.fixture("configured")
+    case.says(problem_with("", is_key=True))
+    case.follow("choose a configuration", lambda: has_key(configured("the key")))
+    # What “+” offers first.
+    case.follow("press “+” and enter it as password", lambda: has_key(configured("the key", "new", "")))
+
+
+@remedy("credentials.py", "authentication configuration {id} is not there (any more): choose another")
+def _configuration_gone(case: Case) -> None:
+    configured = case.fixture("configured")
+    gone = configured("the key")
+    QgsApplication.authManager().removeAuthenticationConfig(gone)
+    case.says(problem_with(gone, is_key=True))
+    case.follow("choose another", lambda: has_key(configured("the key")))
+
+
+@remedy(
+    "credentials.py",
+    "authentication configuration {id} holds no key: choose a Basic one with the key as password",
+)
+def _configuration_without_key(case: Case) -> None:
+    configured = case.fixture("configured")
+    case.says(problem_with(configured(""), is_key=True))
+    case.follow("choose a Basic one with the key as password", lambda: has_key(configured("the key")))
+
+
+@remedy(
+    "credentials.py",
+    "QGIS's authentication database is locked: press Capture again and enter its master password",
+)
+def _database_is_locked(case: Case) -> None:
+    desk, authcfg = case.fixture("desk"), case.fixture("configured")("the key")
+    manager, entered = QgsApplication.authManager(), []
+
+    class Asking:
+        """The manager, where a person answers its question for the master password."""
+
+        def __getattr__(self, name):
+            return getattr(manager, name)
+
+        def setMasterPassword(self, _ask):
+            return manager.masterPasswordIsSet() or (
+                bool(entered) and manager.setMasterPassword(entered[0], True)
+            )
+
+    with TileServer() as server:
+        add("keyed", described(server.url_template + "?token={key}"))
+        desk.workflow.shelf.refresh()
+        single(desk)
+        desk.choose(desk.form.source, "keyed")
+        desk.form.key.setConfigId(authcfg)
+        desk.wait_planned()
+        manager.clearMasterPassword()
+        case.monkeypatch.setattr(QgsApplication, "authManager", Asking)
+        desk.click(desk.dock.capture)
+        case.says(desk.message("key"))
+        entered.append(MASTER_PASSWORD)
+        case.follow("press Capture again and enter its master password", lambda: captured(desk))
+    QgsSettings().remove("TerrAInav/authcfg")
+
+
+def single(desk):
+    """Enter a mission of one image."""
+    desk.form.area_editing.set_coordinates("35.14 -89.87 120")
+    return desk.wait_planned()
+
+
+def captured(desk):
+    """Press Capture; whether images come of it."""
+    desk.click(desk.dock.capture)
+    desk.wait(lambda: any(desk.folder.glob("*/meta_data.csv")))
+    desk.wait_for_run()
+    return any(desk.folder.glob("*/*.tif"))
+
+
+@remedy(
+    "network/worker.py",
+    "QGIS's authentication database is locked: enter its master password, then try again",
+)
+def _locked_under_way(case: Case) -> None:
+    server, authcfg = case.fixture("server"), case.fixture("configured")("the password")
+    transport = case.fixture("transport_of")(authcfg=authcfg)
+    QgsApplication.authManager().clearMasterPassword()
+    case.refused(lambda: transport.get(server.url + "/"), TransportError)
+    case.follow(
+        "enter its master password",
+        lambda: QgsApplication.authManager().setMasterPassword(MASTER_PASSWORD, True),
+    )
+    case.follow("then try again", lambda: transport.get(server.url + "/").status == 200)
+
+
+FIELDS = Box(35.16, -89.90, 35.115, -89.823)
+
+
+@remedy(
+    "dock/estimates.py",
+    "{count} requests, more than the {most} that the provider allows: take a smaller area, coarser pixels or another "
+    "source",
+)
+def _beyond_the_limit(case: Case) -> None:
+    def limit(box=FIELDS, source="osm", **options):
+        """The line of the limit, and whether the figures say that it is kept."""
+        entry = entry_of(source)
+        found = plan(Mission(box, 120.0, source=source, **options), entry.grid())
+        lines = dict(readout(found, estimate(found, ONLINE), policy=entry.policy).figures)
+        return lines.get("Limit", ""), not entry.policy.stops(found.requests)
+
+    text, kept = limit()
+    assert not kept
+    case.says(text)
+    case.follow("take a smaller area", lambda: limit(Box(35.16, -89.90, 35.158, -89.898))[1])
+    case.follow("coarser pixels", lambda: limit(gsd_m_per_px=8.0)[1])
+    case.follow("another source", lambda: limit(source="s2cloudless")[1])
+
+
+@remedy(
+    "dock/camera_choices.py",
+    "The values entered make no camera: put right what is marked, and save then.",
+)
+def _no_camera(case: Case) -> None:
+    case.fixture("desk")
+    state = FormState(**SMALL_BOX, aspect="wide", folder="any")
+    case.refused(lambda: save_camera("mine", state))
+    with pytest.raises(mission_form.FormError) as marked:
+        mission_form.mission(state)
+    (field,) = marked.value.messages
+    state = replace(state, **{field: "3:2"})
+    case.follow("put right what is marked", lambda: mission_form.mission(state))
+    case.follow("and save then.", lambda: save_camera("mine", state))
+    assert [preset.name for preset in user_cameras()] == ["mine"]
+
+
+@remedy("runs/before.py", "folder is empty: choose where the pictures go")
+def _no_folder(case: Case) -> None:
+    desk = case.fixture("desk")
+    single(desk)
+    desk.form.folder.setFilePath("")
+    desk.click(desk.dock.capture)
+    case.says(desk.message("folder"))
+    desk.form.folder.setFilePath(str(desk.folder))
+    case.follow("choose where the pictures go", lambda: captured(desk))
+
+
+@remedy("workflow.py", "The entries have changed before their plan was there: press the button again.")
+def _changed_meanwhile(case: Case) -> None:
+    desk = case.fixture("desk")
+    single(desk)
+    desk.form.agl.setValue(130.0)
+    desk.click(desk.dock.capture)
+    desk.form.agl.setValue(140.0)
+    case.says("\n".join(desk.messages()))
+    assert not desk.folder.exists()
+    case.follow("press the button again.", lambda: captured(desk))
+
+
+@remedy("dock/figures.py", "Put right what is marked above.")
+def _marked(case: Case) -> None:
+    desk = case.fixture("desk")
+    desk.enter_box(**{**SMALL_BOX, "north": "99"})
+    desk.wait(lambda: bool(desk.dock.figures.warnings.text()))
+    case.says(desk.dock.figures.warnings.text())
+    assert "99" in desk.message("north")
+
+    def mend():
+        desk.type_text(desk.form.edges["north"], SMALL_BOX["north"])
+        return desk.wait_planned() is not None and bool(desk.dock.estimates.text())
+
+    case.follow("Put right what is marked above.", mend)
+
+
+@remedy("dock/options_page.py", "{folder}: {file} is a file; choose a folder")
+def _file_in_place(case: Case) -> None:
+    path = case.tmp_path / "file"
+    path.write_text("")
+    case.says(folder_problem(str(path)))
+    case.follow("choose a folder", lambda: not folder_problem(str(case.tmp_path / "folder")))
+
+
+@remedy("dock/options_page.py", "{folder}: cannot be written to; choose another")
+def _not_writable(case: Case) -> None:
+    locked = case.tmp_path / "locked"
+    locked.mkdir()
+    # Who runs the tests may be allowed everything.
+    case.monkeypatch.setattr(os, "access", lambda path, _mode: str(path) != str(locked))
+    case.says(folder_problem(str(locked)))
+    case.follow("choose another", lambda: not folder_problem(str(case.tmp_path / "other")))
