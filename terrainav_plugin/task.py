@@ -10,7 +10,7 @@ from qgis.PyQt.QtCore import pyqtSignal
 from ..core.errors import Cancelled, TerrAInavError
 from .compat import TASK_FLAGS
 from .i18n import tr
-from .threads import on_python_thread
+from .threads import hold_crs, on_python_thread
 
 
 class Task(QgsTask):
@@ -33,6 +33,7 @@ class Task(QgsTask):
 
     def __init__(self, description: str) -> None:
         super().__init__(description, TASK_FLAGS)
+        hold_crs()
         self.error = ""
         self.trace = ""
 
