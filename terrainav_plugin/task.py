@@ -10,7 +10,7 @@ from qgis.PyQt.QtCore import pyqtSignal
 from ..core.errors import Cancelled, TerrAInavError
 from .compat import TASK_FLAGS
 from .i18n import tr
-from .threads import on_python_thread
+from .threads import hold_crs, on_python_thread
 
 
 class Task(QgsTask):
@@ -32,6 +32,7 @@ class Task(QgsTask):
     ended = pyqtSignal(object)
 
     def __init__(self, description: str) -> None:
+        hold_crs()
         # QGIS shows it in a tooltip, which finds out by itself whether it is HTML.
         super().__init__(description.replace("<", "‹"), TASK_FLAGS)
         self.error = ""

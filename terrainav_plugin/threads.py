@@ -1,9 +1,12 @@
-"""Threads that Python has made, for work that QGIS begins on threads of its own.
+"""What work on another thread than QGIS's main one needs: a thread that Python has made, and CRSs of the main one.
 
 pyproj (3.5 to 3.7 at least) holds PROJ's context of a thread twice: a variable of the thread points to it, and
 Python's storage for the thread owns it. On a thread that Python has not made, that storage is emptied whenever a call
 into Python returns, while the variable stays: the next call on the same thread of QGIS's pool uses a context that is
 gone, and QGIS ends with it.
+
+QGIS itself (3.22 to 3.44) shares among its threads what the first of them has read of a CRS, and the projection is lost
+with that thread: transformations from this CRS then return coordinates as they were, until QGIS is closed.
 """
 
 from __future__ import annotations
@@ -12,7 +15,12 @@ import threading
 from collections.abc import Callable
 from typing import Generic, TypeVar
 
+from qgis.core import QgsCoordinateReferenceSystem
+
 Result = TypeVar("Result")
+
+#: Of the layers that TerrAInav opens and makes.
+CRS_IDS = ("EPSG:3857", "EPSG:4326")
 
 
 class PythonThread(Generic[Result]):
@@ -46,6 +54,12 @@ class PythonThread(Generic[Result]):
             self._results.append(work())
         except BaseException as failure:  # noqa: BLE001  (raised in the thread that waits)
             self._failures.append(failure)
+
+
+def hold_crs() -> None:
+    """Read the CRSs of TerrAInav's layers on the main thread, before work on another one does."""
+    for identifier in CRS_IDS:
+        QgsCoordinateReferenceSystem(identifier)
 
 
 def is_foreign() -> bool:

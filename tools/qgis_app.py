@@ -62,6 +62,10 @@ sagaprovider=false
 [app]
 plugin_installer\\checkOnStart=false
 
+[core]
+NewsFeed\\httpsfeedqgisorg\\disabled=true
+httpsfeedqgisorg\\disabled=true
+
 [qgis]
 checkVersion=false
 """

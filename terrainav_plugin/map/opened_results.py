@@ -5,12 +5,20 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
-from qgis.core import QgsApplication, QgsBilinearRasterResampler, QgsMapLayer, QgsRasterLayer, QgsVectorLayer
+from qgis.core import (
+    QgsApplication,
+    QgsBilinearRasterResampler,
+    QgsCoordinateReferenceSystem,
+    QgsMapLayer,
+    QgsRasterLayer,
+    QgsVectorLayer,
+)
 from qgis.PyQt.QtCore import QThread
 
 from ...core.dataset.folder import FOOTPRINTS_FILE
 from ...core.errors import OutputError
 from ..i18n import tr
+from ..threads import CRS_IDS
 from .failed_images import FAILED_FILE
 from .mosaic import Mosaic
 
@@ -79,5 +87,9 @@ def open_raster(path: Path, title: str) -> QgsRasterLayer:
 def _for_main_thread(layer: QgsMapLayer) -> QgsMapLayer:
     main = QgsApplication.instance().thread()
     if QThread.currentThread() != main:
+        # The same CRS, but as the main thread has read it (see `threads`); one that is equal would not be taken.
+        held = QgsCoordinateReferenceSystem(layer.crs().authid())
+        layer.setCrs(QgsCoordinateReferenceSystem(next(other for other in CRS_IDS if other != held.authid())))
+        layer.setCrs(held)
         layer.moveToThread(main)
     return layer

@@ -19,6 +19,7 @@ from ...core.errors import Cancelled, TerrAInavError
 from ..i18n import told, tr
 from ..packages import missing_packages
 from ..paths import RESOURCES, icon
+from ..threads import hold_crs
 from .beside import Watch, beside_main
 
 Result = TypeVar("Result")
@@ -92,6 +93,7 @@ class Algorithm(QgsProcessingAlgorithm):
         self, parameters: dict[str, Any], context: QgsProcessingContext, feedback: QgsProcessingFeedback
     ) -> bool:
         """Take what belongs to the main thread, where QGIS calls this."""
+        hold_crs()
         _checked(lambda: self.prepared(parameters, context, feedback))
         return True
 

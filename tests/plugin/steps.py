@@ -75,6 +75,17 @@ class Desk:
         self.canvas.setExtent(QgsRectangle(*rectangle))
         self.canvas.waitWhileRendering()
 
+    def zoom_to(self, box):
+        """Have the plugin show an area: the map goes there once it has got its layers, and maybe another CRS."""
+
+        def is_there():
+            wanted, shown = self.workflow.background.rectangle(box), self.canvas.extent()
+            return shown.contains(wanted) and shown.width() < 3 * wanted.width()
+
+        self.workflow.zoom_to(box)
+        self.wait(is_there)
+        self.canvas.waitWhileRendering()
+
     def drag(self, start: QPoint, end: QPoint):
         """Press, move and release the left button over the map."""
         viewport = self.canvas.viewport()

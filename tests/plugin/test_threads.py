@@ -6,11 +6,19 @@ import threading
 
 import pyproj
 import pytest
-from qgis.core import QgsApplication, QgsProcessingFeedback
+from qgis.core import (
+    QgsApplication,
+    QgsCoordinateReferenceSystem,
+    QgsCoordinateTransform,
+    QgsProcessingFeedback,
+    QgsProject,
+)
 from terrainav.core.errors import InvalidInput
 from terrainav.terrainav_plugin.processing.beside import beside_main
 from terrainav.terrainav_plugin.task import Task
 from terrainav.terrainav_plugin.threads import is_foreign, on_python_thread
+
+from tests.plugin.test_capture import capture
 
 PATIENCE_MS = 60_000
 # More than the pool has threads, so that each of them is used again.
@@ -89,3 +97,14 @@ def test_algorithms_work_on_threads_of_python(qtbot):
 
     run(qtbot, [Foreign(algorithm)])
     assert seen == [False]
+
+
+def test_layers_of_a_run_are_transformed_after_its_threads_have_ended(desk):
+    """Their CRSs were lost with the thread that had opened them: QGIS took metres for degrees, or the reverse."""
+    desk.enter_coarse_mission()
+    capture(desk)
+    # A CRS that nothing else uses: QGIS keeps what it has once worked out for a pair.
+    elsewhere = QgsCoordinateReferenceSystem("EPSG:6350")
+    for title in ("Captured images", "Satellite images"):
+        crs = desk.layer(title).crs()
+        assert QgsCoordinateTransform(crs, elsewhere, QgsProject.instance()).isValid(), title

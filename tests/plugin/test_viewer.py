@@ -50,8 +50,7 @@ def captured(desk, server, viewing):
         desk.wait(lambda: seen[-1:] == [False])
         desk.workflow.running.disconnect(seen.append)
         desk.look_at("EPSG:3857", (0, 0, 1, 1))
-        desk.workflow.zoom_to(planned.mission.area.bounds)
-        desk.canvas.waitWhileRendering()
+        desk.zoom_to(planned.mission.area.bounds)
         desk.plugin.actions["view_images"].trigger()
         return planned.plan
 
@@ -163,7 +162,7 @@ def test_camera_frames_show_what_has_no_ground_as_transparent(desk, captured, vi
 
     plan = captured(tilt)
     assert plan.size_px is not None
-    desk.workflow.zoom_to(plan.mission.area.bounds)
+    desk.zoom_to(plan.mission.area.bounds)
     # Not below the camera: a tilted one does not see that.
     footprint = next(desk.layer("Captured images").getFeatures()).geometry().pointOnSurface().asPoint()
     desk.canvas.setExtent(
