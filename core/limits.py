@@ -67,6 +67,9 @@ MAX_VRT_DEPTH = 8
 MAX_QUERY_S = 5.0
 #: Characters of a line of metadata, of an MBTiles file or a raster.
 MAX_METADATA_CHARACTERS = 4096
+#: Characters of a view of an MBTiles file; programs write some hundred. What it makes of the file's values is larger
+#: than these by no more than that many times.
+MAX_VIEW_CHARACTERS = 2000
 #: Bytes of a tile in an MBTiles file.
 MAX_STORED_TILE_BYTES = 32 << 20
 #: Levels of lists and objects in a JSON text: GeoJSON has up to ten, and Python's stack has room for a thousand.
