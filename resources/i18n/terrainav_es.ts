@@ -6345,6 +6345,16 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>más de {0} atributos de un elemento</translation>
     </message>
     <message>
+        <location filename="../../core/imagery/services/parsing.py"/>
+        <source>more than {0} different names</source>
+        <translation>más de {0} nombres distintos</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/services/parsing.py"/>
+        <source>more than {0} layers and styles</source>
+        <translation>más de {0} capas y estilos</translation>
+    </message>
+    <message>
         <location filename="../../core/imagery/services/wms.py"/>
         <source>layer {0} of {1}: is offered in {2}; needs {3}</source>
         <translation>capa {0} de {1}: se ofrece en {2}; necesita {3}</translation>
