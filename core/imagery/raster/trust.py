@@ -80,8 +80,9 @@ def check_virtual(path: str) -> None:
     plain = unquote(path)
     if re.search(r"[?&](userpwd|header\.|headers?_file|bearer|.*password)", plain, re.IGNORECASE):
         raise InvalidInput("raster file /vsi…: holds credentials; no credentials may stand in it")
-    for found in re.finditer(r"https?://", plain):
-        check_address(plain[found.start() :].replace(" ", "%20"), "address of a raster file")
+    # Of whatever scheme, with however many slashes, as curl takes them; a letter alone is a drive.
+    for found in re.finditer(r"[a-z][a-z0-9+.-]+:/+", plain, re.IGNORECASE):
+        check_address(f"http://{plain[found.end() :]}".replace(" ", "%20"), "address of a raster file")
 
 
 def drivers_for(path: str) -> list[str]:

@@ -19,6 +19,7 @@ from terrainav.core.imagery.raster import open_raster  # noqa: E402
 from terrainav.core.imagery.raster import source as raster_source  # noqa: E402
 from terrainav.core.imagery.raster.by_gdal import GdalFile  # noqa: E402
 from terrainav.core.imagery.raster.by_rasterio import RasterioFile  # noqa: E402
+from terrainav.core.imagery.raster.trust import check_virtual  # noqa: E402
 from terrainav.core.imagery.source import Window  # noqa: E402
 from terrainav.core.imagery.template import check_address, is_key_name  # noqa: E402
 
@@ -260,12 +261,30 @@ def test_a_vrt_elsewhere_is_not_read(folder, outside, library):
         "/vsicurl?header.Authorization=word&url=https%3A%2F%2Fh.example%2Fx.tif",
         "/vsicurl?userpwd=me:word&url=https%3A%2F%2Fh.example%2Fx.tif",
         "/vsicurl/https://h.example/x.tif?X-Amz-Signature=word",
+        "/vsicurl/HTTP://me:word@h.example/x.tif",
+        "/vsicurl/http:/me:word@h.example/x.tif",
+        "/vsicurl/HTTPS://h.example/x.tif?token=word",
+        "/vsicurl/ftp://me:word@h.example/x.tif",
+        "/vsizip//vsicurl/sftp://me:word@h.example/x.zip/x.tif",
+        "/vsicurl?max_retry=2&url=ftp%3A%2F%2Fh.example%2Fx.tif%3Fsig%3Dword",
     ],
 )
 def test_no_credentials_in_names_of_virtual_files(name):
     with pytest.raises(InvalidInput) as raised:
         open_source(name)
     assert "word" not in str(raised.value)
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "/vsizip/C:/my maps@home/a.zip/x.tif",
+        "/vsicurl/ftp://h.example/x.tif",
+        "/vsizip//vsicurl/HTTPS://h.example/a b.zip/x.tif",
+    ],
+)
+def test_names_of_virtual_files_without_credentials(name):
+    check_virtual(name)
 
 
 @pytest.mark.parametrize(
@@ -292,6 +311,24 @@ def test_no_credentials_in_names_of_virtual_files(name):
             "bearer",
         ),
         *("key", "api_key", "sig", "token", "access_token", "auth"),
+        *(
+            "api_token",
+            "oauth-token",
+            "apitoken",
+            "secret_key",
+            "private_key",
+            "licence-key",
+            "MAP_KEY",
+            "serviceKey",
+        ),
+        *(
+            "Ocp-Apim-Subscription-Key",
+            "x-api-key",
+            "api_secret",
+            "clientSecret",
+            "credentials",
+            "accessKeyId",
+        ),
     ],
 )
 def test_names_that_keys_go_by(name):
@@ -301,7 +338,21 @@ def test_names_that_keys_go_by(name):
 
 
 @pytest.mark.parametrize(
-    "name", ["layers", "map", "format", "style", "tileset", "tokens", "keys", "bypass", "sigma"]
+    "name",
+    [
+        "layers",
+        "map",
+        "format",
+        "style",
+        "tileset",
+        "tokens",
+        "keys",
+        "bypass",
+        "sigma",
+        "monkey",
+        "layer_key",
+        "session",
+    ],
 )
 def test_names_that_are_none_of_keys(name):
     assert not is_key_name(name)
