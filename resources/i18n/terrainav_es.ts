@@ -6147,6 +6147,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/raster/trust.py"/>
+        <source>{0} holds more than {1} MB of metadata</source>
+        <translation>{0} contiene más de {1} MB de metadatos</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/trust.py"/>
         <source>{0} is of no format of pictures that a VRT may read here</source>
         <translation>{0} no es de ningún formato de imagen que un VRT pueda leer aquí</translation>
     </message>

@@ -158,9 +158,22 @@ OVERVIEW = "<Overview><SourceFilename>{}</SourceFilename></Overview></VRTRasterB
 PLACE = '<Metadata domain="GEOLOCATION"><MDI key="X_DATASET">{}</MDI></Metadata>'
 
 
+OPTION = "</SourceFilename><OpenOptions><OOI key='{}'>{}</OOI></OpenOptions>"
+CODE = "<PixelFunctionLanguage>Python</PixelFunctionLanguage><PixelFunctionType>os.system</PixelFunctionType>"
+OVERVIEWS = '<Metadata domain="OVERVIEWS"><MDI key="{}">{}</MDI></Metadata>'
+
+
 @pytest.mark.parametrize(
     "change",
     [
+        lambda text, out: text.replace(END, OVERVIEWS.format("OVERVIEW_FILE", out) + END),
+        lambda text, out: text.replace(
+            END, OVERVIEWS.format("Overview&#95;File", ":::BASE:::../" + out) + END
+        ),
+        lambda text, out: text.replace(
+            "</SourceFilename>", OPTION.format("PRELUDE_STATEMENTS", f"ATTACH '{out}' AS other")
+        ),
+        lambda text, _out: text.replace("<SimpleSource>", f"{CODE}<SimpleSource>"),
         # GDAL takes an attribute for an element, and either in any case.
         lambda text, out: text.replace("<SimpleSource>", f'<SimpleSource sourceFILENAME="{out}">'),
         lambda text, out: NAMED.sub(f"<sourcefilename>{out}</sourcefilename>", text),
@@ -241,6 +254,50 @@ def test_vrts_that_read_each_other_come_to_an_end(folder, outside, library):
     # GDAL notices that itself; whether it says so is a choice of the process.
     with contextlib.suppress(InvalidInput):
         open_raster(folder / "self.vrt").close()
+
+
+def tiff_with_overviews(path, named, **options):
+    """GeoTIFF that says of itself, in its metadata, where its overviews are."""
+    written = gdal.GetDriverByName("GTiff").CreateCopy(
+        str(path), gdal.Open(str(named)), options=[f"{name}={value}" for name, value in options.items()]
+    )
+    written.SetMetadataItem("OVERVIEW_FILE", str(named), "OVERVIEWS")
+    written.FlushCache()
+    return path
+
+
+FORMS = [{}, {"BIGTIFF": "YES"}, {"ENDIANNESS": "BIG"}]
+
+
+@pytest.mark.parametrize("form", FORMS, ids=str)
+def test_a_tiff_that_names_its_overviews_is_not_read(folder, outside, library, form):
+    path = tiff_with_overviews(folder / "own.tif", outside, **form)
+    assert str(outside) in gdal.Info(str(path), format="json")["files"]
+    assert "names another file for its overviews" in refusal(path)
+
+
+@pytest.mark.parametrize("form", FORMS, ids=str)
+def test_nor_is_one_within_a_vrt(folder, outside, library, form):
+    path = tiff_with_overviews(folder / "own.tif", outside, **form)
+    assert "for its overviews" in refusal(vrt_of(folder / "map.vrt", path))
+
+
+def test_a_tiff_with_metadata_of_any_other_kind_is_read(folder, outside, library):
+    path = folder / "own.tif"
+    written = gdal.GetDriverByName("GTiff").CreateCopy(str(path), gdal.Open(str(outside)))
+    written.SetMetadataItem("DESCRIPTION", "made of /vsizip/x.zip/MAIN_DATASET & an overview")
+    written.FlushCache()
+    del written
+    open_raster(path).close()
+    open_raster(vrt_of(folder / "map.vrt", path)).close()
+
+
+@pytest.mark.parametrize("damage", [slice(0, 6), slice(0, 60), slice(0, -40)])
+def test_a_tiff_that_is_cut_off_is_no_fault_of_the_program(folder, outside, library, damage):
+    path = tiff_with_overviews(folder / "own.tif", outside)
+    path.write_bytes(path.read_bytes()[damage])
+    with contextlib.suppress(InvalidInput):
+        open_raster(path).close()
 
 
 def test_a_vrt_elsewhere_is_not_read(folder, outside, library):
