@@ -73,8 +73,8 @@ NAMES_OVERVIEWS = "names another file for its overviews, which is not read"
 #: What names other files in metadata that GDAL writes beside and into rasters.
 _NAMED_BESIDE = re.compile(f"{OVERVIEW_FILE}|/vsi|_DATASET", re.IGNORECASE)
 _NAMED_WITHIN = re.compile(OVERVIEW_FILE, re.IGNORECASE)
-#: Elements of a VRT that have Python compute its pixels.
-_CODE = frozenset({"pixelfunctionlanguage", "pixelfunctioncode"})
+#: Elements of a VRT that have Python compute its pixels, and one that stands for an attribute by which others are told.
+_REFUSED = frozenset({"pixelfunctionlanguage", "pixelfunctioncode", "key"})
 #: Options of formats that a VRT may set: those of others are names of files, and statements of SQL.
 _OPTIONS = frozenset({"overview_level", "num_threads", "numthreads"})
 #: TIFF's tag of GDAL's metadata, and how a directory is written: in classic files, and in those of 64 bits.
@@ -263,7 +263,7 @@ class _Reader:
             self.refuse()
         self._open.append((name, given))
         key = given.get("key", "").lower()
-        if name in _CODE or key == OVERVIEW_FILE.lower() or (name == "ooi" and key not in _OPTIONS):
+        if name in _REFUSED or key == OVERVIEW_FILE.lower() or (name == "ooi" and key not in _OPTIONS):
             self.refuse()
         for one, value in given.items():
             if one in _NAMING:

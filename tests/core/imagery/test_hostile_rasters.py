@@ -168,6 +168,9 @@ OVERVIEWS = '<Metadata domain="OVERVIEWS"><MDI key="{}">{}</MDI></Metadata>'
     [
         lambda text, out: text.replace(END, OVERVIEWS.format("OVERVIEW_FILE", out) + END),
         lambda text, out: text.replace(
+            END, f"<Metadata domain='GEOLOCATION'><MDI><key>X_DATASET</key>{out}</MDI></Metadata>{END}"
+        ),
+        lambda text, out: text.replace(
             END, OVERVIEWS.format("Overview&#95;File", ":::BASE:::../" + out) + END
         ),
         lambda text, out: text.replace(
