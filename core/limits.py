@@ -57,6 +57,10 @@ MAX_XML_ELEMENTS = 1_000_000
 MAX_XML_DEPTH = 100
 #: Attributes of one of them; services write up to a dozen.
 MAX_XML_ATTRIBUTES = 1_000
+#: Different names of elements and attributes; services use some hundred.
+MAX_XML_NAMES = 10_000
+#: Layers of a service and styles of layers: OWSLib takes 0.1 ms and 7 kB for each. The largest services have thousands.
+MAX_SERVICE_LAYERS = 50_000
 #: Properties that layers of a service inherit, over all layers: 6,000 coordinate systems for 1,000 layers are 12 M.
 MAX_XML_INHERITED = 40_000_000
 #: Largest VRT, of some 50,000 files.
@@ -67,6 +71,9 @@ MAX_VRT_DEPTH = 8
 MAX_QUERY_S = 5.0
 #: Characters of a line of metadata, of an MBTiles file or a raster.
 MAX_METADATA_CHARACTERS = 4096
+#: Characters of a view of an MBTiles file; programs write some hundred. What it makes of the file's values is larger
+#: than these by no more than that many times.
+MAX_VIEW_CHARACTERS = 2000
 #: Bytes of a tile in an MBTiles file.
 MAX_STORED_TILE_BYTES = 32 << 20
 #: Levels of lists and objects in a JSON text: GeoJSON has up to ten, and Python's stack has room for a thousand.

@@ -128,9 +128,11 @@ def _fault(error: Exception) -> int:
 def _fail(error: object, code: int) -> int:
     import contextlib
 
-    from ..text import printable
+    from ..limits import MAX_TEXT_CHARACTERS
+    from ..text import printable, shortened
 
-    # Names of files and words of servers may hold line ends and the terminal's control characters.
+    # Names of files and words of servers may hold line ends and the terminal's control characters, without end.
+    said = shortened(printable(str(error)), MAX_TEXT_CHARACTERS)
     with contextlib.suppress(OSError):
-        print(f"terrainav: {printable(str(error))}", file=sys.stderr)
+        print(f"terrainav: {said}", file=sys.stderr)
     return code

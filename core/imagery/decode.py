@@ -24,6 +24,11 @@ from .source import Pixels
 _JPEG_MARKER = re.compile(rb"\xff[^\x00\xff\xd0-\xd7]", re.DOTALL)
 _JPEG_FILL = re.compile(rb"\xff*")
 _JPEG_END, _JPEG_SCAN = 0xD9, 0xDA
+#: Segments of a JPEG that do not say what its pixels are: comments, and all of applications but JFIF's and Adobe's.
+_JPEG_NOTES = frozenset({*range(0xE1, 0xEE), 0xEF, 0xFE})
+#: What begins an extension, a picture and the end of a GIF, and the extension that tells which colour is transparent.
+_GIF_BLOCK = re.compile(rb"[!,;]")
+_GIF_CONTROL = 0xF9
 #: First libwebp without the hole by which a picture may run any code (CVE-2023-4863).
 _SOUND_LIBWEBP = (1, 3, 2)
 #: Bytes of a pixel with four channels of 16 bits.
@@ -66,7 +71,7 @@ def decode(
             f"{len(body):,} bytes, more than the {most_bytes:,} of {width_px}x{height_px} px at most"
         )
     try:
-        image = _open(body, content_type)
+        image = _open(body, content_type, whole=True)
         if image.size != (width_px, height_px):
             raise PartError(
                 f"a picture of {image.size[0]}x{image.size[1]} px instead of {width_px}x{height_px}"
@@ -75,22 +80,38 @@ def decode(
         return _rgb(image, alpha)
     except PartError:
         raise
-    except Exception as broken:  # Pillow's readers let through whatever they stumble over
-        raise BrokenPictureError(
-            f"broken picture ({one_line(str(broken)) or type(broken).__name__})"
-        ) from broken
+    except Exception as broken:
+        raise _broken(broken) from broken
 
 
-def _open(body: bytes, content_type: str) -> ImageFile.ImageFile:
-    """Picture with its header read, by the reader its first bytes ask for, its integrity checked."""
+def size_of(body: bytes) -> tuple[int, int]:
+    """Width and height of a picture, px, from its header; raises PartError where it has none."""
+    try:
+        return _open(body, "", whole=False).size
+    except PartError:
+        raise
+    except Exception as broken:
+        raise _broken(broken) from broken
+
+
+def _broken(why: Exception) -> BrokenPictureError:
+    """Failure of what one of Pillow's readers has stumbled over: they let through whatever that is."""
+    return BrokenPictureError(f"broken picture ({one_line(str(why)) or type(why).__name__})")
+
+
+def _open(body: bytes, content_type: str, *, whole: bool) -> ImageFile.ImageFile:
+    """Picture with its header read, by the reader its first bytes ask for; its integrity checked where it is ``whole``.
+
+    Comments and other notes of a JPEG or GIF are left out: the time and memory they take Pillow has no bounds.
+    """
     # Straight to the readers: Image.open warns of large pictures before their size can be refused here.
     if body.startswith(b"\x89PNG\r\n\x1a\n"):
-        # Pillow skips the checksums of the pixels' chunks when it decodes.
-        PngImagePlugin.PngImageFile(io.BytesIO(body)).verify()
+        if whole:
+            # Pillow skips the checksums of the pixels' chunks when it decodes.
+            PngImagePlugin.PngImageFile(io.BytesIO(body)).verify()
         return PngImagePlugin.PngImageFile(io.BytesIO(body))
     if body.startswith(b"\xff\xd8\xff"):
-        _check_jpeg(body)
-        return JpegImagePlugin.JpegImageFile(io.BytesIO(body))
+        return JpegImagePlugin.JpegImageFile(io.BytesIO(_plain_jpeg(body, whole=whole)))
     if body[:4] == b"RIFF" and body[8:12] == b"WEBP":
         if not features.check("webp"):  # type: ignore[no-untyped-call]
             raise PartError("a WebP picture, which this installation of Pillow cannot read")
@@ -98,7 +119,7 @@ def _open(body: bytes, content_type: str) -> ImageFile.ImageFile:
             raise PartError(problem)
         return WebPImagePlugin.WebPImageFile(io.BytesIO(body))
     if body[:6] in (b"GIF87a", b"GIF89a"):
-        return GifImagePlugin.GifImageFile(io.BytesIO(body))
+        return GifImagePlugin.GifImageFile(io.BytesIO(_plain_gif(body)))
     if not body:
         raise BrokenPictureError("an empty answer instead of a picture")
     words = first_words(body, content_type)
@@ -130,9 +151,13 @@ def _brings_libraries() -> bool:
     return sys.platform == "win32" or any(folder.is_dir() for folder in beside)
 
 
-def _check_jpeg(body: bytes) -> None:
-    """Refuse a JPEG whose segments or scans are broken: libjpeg would fill what is missing with grey."""
+def _plain_jpeg(body: bytes, *, whole: bool) -> bytes:
+    """JPEG without its notes; refused where its segments are broken or, as a whole, its scans are.
+
+    Of scans that break off libjpeg would fill what is missing with grey.
+    """
     at, segments, scans = 2, 0, 0
+    kept = [body[:at]]
     while True:
         if body[at : at + 1] != b"\xff":
             raise OSError("JPEG segments out of step")
@@ -141,19 +166,43 @@ def _check_jpeg(body: bytes) -> None:
             raise OSError("JPEG broken off")
         marker = body[at]
         at += 1
+        if marker == _JPEG_SCAN and not scans:
+            kept.append(body[begin:])
+            if not whole:
+                break
         if marker == _JPEG_END:
-            return
+            break
         # Pillow reads the head byte by byte.
         segments += 1 if scans else at - begin - 1
         scans += marker == _JPEG_SCAN
         if segments > MAX_JPEG_SEGMENTS or scans > MAX_JPEG_SCANS:
             raise OSError(f"JPEG of more than {MAX_JPEG_SCANS} scans or {MAX_JPEG_SEGMENTS} segments")
         at += int.from_bytes(body[at : at + 2], "big")
+        if not scans and marker not in _JPEG_NOTES:
+            kept.append(body[begin:at])
         if marker == _JPEG_SCAN:
             found = _JPEG_MARKER.search(body, at)
             if found is None:
                 raise OSError("JPEG broken off")
             at = found.start()
+    return b"".join(kept)
+
+
+def _plain_gif(body: bytes) -> bytes:
+    """GIF without the notes before its picture."""
+    at = 13 + (3 << (body[10] & 7) + 1 if body[10] & 0x80 else 0)
+    kept = [body[:at]]
+    while found := _GIF_BLOCK.search(body, at):
+        begin = at = found.start()
+        if found.group() != b"!":
+            break
+        at += 2
+        while size := body[at]:
+            at += 1 + size
+        at += 1
+        if body[begin + 1] == _GIF_CONTROL:
+            kept.append(body[begin:at])
+    return b"".join([*kept, body[at:]])
 
 
 def _rgb(image: ImageFile.ImageFile, alpha: bool) -> Pixels:

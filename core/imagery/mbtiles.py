@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 import os
 import re
 import sqlite3
@@ -13,14 +12,18 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from PIL import Image
-
 from ..errors import Cancelled, InvalidInput, PartError
 from ..geodesy.mercator import PixelGrid, extent_of_box
-from ..limits import MAX_METADATA_CHARACTERS, MAX_QUERY_S, MAX_STORED_TILE_BYTES, MAX_TILE_PX
+from ..limits import (
+    MAX_METADATA_CHARACTERS,
+    MAX_QUERY_S,
+    MAX_STORED_TILE_BYTES,
+    MAX_TILE_PX,
+    MAX_VIEW_CHARACTERS,
+)
 from ..text import one_line, whole_number
 from .cache.tilefile import connect, fault
-from .decode import decode
+from .decode import decode, size_of
 from .policy import Policy
 from .source import Part, Pixels, Window, tile_parts
 from .tiles import Tile, tile_address
@@ -32,13 +35,20 @@ _WAIT_S = 0.25
 _LONGEST_WAIT_S = 10.0
 _HIGHEST_ZOOM = 30
 _GZIP = b"\x1f\x8b"
-#: Steps of SQLite between two looks at the time.
-_STEPS = 10_000
+#: Steps of SQLite between two looks at the time: each may copy a whole tile.
+_STEPS = 100
 #: What views of a file may do: read and compute. Functions that make something large of nothing, and those whose
 #: one call may take for ever (LIKE, GLOB), are none of them, nor is recursion.
 _FUNCTIONS = frozenset(
     "abs coalesce count ifnull iif length lower max min nullif round substr substring sum total typeof upper".split()
 )
+#: Tables that are read here.
+_READ = ("metadata", "tiles")
+_DEFINED = "SELECT type, name, substr(sql, 1, ?) FROM sqlite_master WHERE type IN ('table', 'view')"
+#: What is no word of SQL: text and names in quotes, and comments.
+_QUOTED = re.compile(r"'[^']*'|\"[^\"]*\"|`[^`]*`|\[[^\]]*\]|--[^\n]*|/\*.*?(?:\*/|\Z)", re.DOTALL)
+#: Tables with columns that are computed, or whose module computes all of them.
+_COMPUTED = re.compile(r"\bas\b\s*(?:\(|/\*|--)|\bvirtual\b", re.IGNORECASE)
 #: Metadata that are of use here, a tile by its place, and any tile.
 _METADATA = (
     "SELECT name, substr(value, 1, ?) FROM metadata WHERE name IN "
@@ -169,14 +179,15 @@ def open_mbtiles(path: str | os.PathLike[str]) -> MBTilesSource:
     connection, clock = None, _Clock()
     try:
         connection = _opened(file, clock)
+        _check_defined(connection)
         rows, sample = _first_look(connection)
-        source = MBTilesSource(file, connection, clock, rows, _grid(file, connection, rows, sample))
+        source = MBTilesSource(file, connection, clock, rows, _grid(connection, rows, sample))
     except sqlite3.Error as wrong:
         failure = InvalidInput(f"MBTiles {file}: is no MBTiles file, or is damaged ({wrong})")
         if clock.is_over():
             failure = InvalidInput(str(_too_slow(f"MBTiles {file}")))
     except InvalidInput as wrong:
-        failure = wrong
+        failure = InvalidInput(f"MBTiles {file}: {wrong}")
     else:
         return source
     if connection is not None:
@@ -248,6 +259,45 @@ def _allowed(action: int, _first: str | None, second: str | None, *_others: str 
     return sqlite3.SQLITE_OK if right else sqlite3.SQLITE_DENY
 
 
+def _check_defined(connection: sqlite3.Connection) -> None:
+    """Refuse tables of `_READ` that are computed of what is computed itself.
+
+    SQLite writes what a name stands for in its place, before it looks at any limit: a chain of thirty views, each of
+    which names the one before it twice, takes all memory there is.
+    """
+    defined = [
+        (str(kind), str(name), str(sql or ""))
+        for kind, name, sql in connection.execute(_DEFINED, (MAX_VIEW_CHARACTERS + 1,))
+    ]
+    computed = {
+        name
+        for kind, name, sql in defined
+        if kind == "view" or len(sql) > MAX_VIEW_CHARACTERS or _COMPUTED.search(sql)
+    }
+    for kind, name, sql in defined:
+        if name.lower() not in _READ or name not in computed:
+            continue
+        words = _QUOTED.sub(" ", sql).lower()
+        selects, unions = (len(re.findall(rf"\b{word}\b", words)) for word in ("select", "union"))
+        if (
+            kind != "view"
+            or len(sql) > MAX_VIEW_CHARACTERS
+            or selects != unions + 1
+            or any(_may_name(sql, other) for other in computed - {name})
+        ):
+            raise InvalidInput(
+                f"{name} is computed; must be a table, or a view that reads tables alone, of "
+                f"{MAX_VIEW_CHARACTERS:,} characters at most"
+            )
+
+
+def _may_name(sql: str, name: str) -> bool:
+    """Whether a definition may name a table; one with other signs than words have may be written in several ways."""
+    if re.fullmatch(r"\w+", name) is None:
+        return True
+    return re.search(rf"(?<!\w){name}(?!\w)", sql, re.IGNORECASE) is not None
+
+
 def _first_look(connection: sqlite3.Connection) -> tuple[dict[str, str], bytes]:
     """Metadata, and a tile; empty where there is none."""
     found = connection.execute(_METADATA, (MAX_METADATA_CHARACTERS,))
@@ -272,16 +322,13 @@ def _extent(bounds: str) -> tuple[tuple[float, float], ...] | None:
     return extent_of_box(west, south, east, north) if sound else None
 
 
-def _grid(file: Path, connection: sqlite3.Connection, rows: Mapping[str, str], sample: bytes) -> PixelGrid:
+def _grid(connection: sqlite3.Connection, rows: Mapping[str, str], sample: bytes) -> PixelGrid:
     if not sample:
-        raise InvalidInput(f"MBTiles {file}: holds no tiles")
+        raise InvalidInput("holds no tiles")
     if rows.get("format") == "pbf" or sample.startswith(_GZIP):
-        raise InvalidInput(f"MBTiles {file}: holds vector tiles (pbf); must hold pictures (png, jpg or webp)")
-    try:
-        lowest, highest = _zooms(connection, rows)
-        return PixelGrid(_tile_px(sample), lowest, highest, highest, extent=_extent(rows.get("bounds", "")))
-    except InvalidInput as wrong:
-        raise InvalidInput(f"MBTiles {file}: {wrong}") from wrong
+        raise InvalidInput("holds vector tiles (pbf); must hold pictures (png, jpg or webp)")
+    lowest, highest = _zooms(connection, rows)
+    return PixelGrid(_tile_px(sample), lowest, highest, highest, extent=_extent(rows.get("bounds", "")))
 
 
 def _zooms(connection: sqlite3.Connection, rows: Mapping[str, str]) -> tuple[int, int]:
@@ -301,12 +348,11 @@ def _zooms(connection: sqlite3.Connection, rows: Mapping[str, str]) -> tuple[int
 def _tile_px(sample: bytes) -> int:
     """Width of a picture, from its header."""
     try:
-        with Image.open(io.BytesIO(sample), formats=("PNG", "JPEG", "WEBP", "GIF")) as image:
-            width_px, height_px = image.size
-    except (OSError, SyntaxError, ValueError, Image.DecompressionBombError, Image.DecompressionBombWarning):
-        raise InvalidInput("its tiles are no pictures; must be png, jpg or webp") from None
+        width_px, height_px = size_of(sample)
+    except PartError as reason:
+        raise InvalidInput(f"its tiles are no pictures ({reason}); must be png, jpg or webp") from None
     if width_px != height_px or width_px > MAX_TILE_PX:
         raise InvalidInput(
             f"its tiles are of {width_px}x{height_px} px; must be square, of {MAX_TILE_PX} px at most"
         )
-    return int(width_px)
+    return width_px

@@ -33,14 +33,18 @@ _BRACES = re.compile(r"\{([^{}]*)\}")
 #: Names and numbers of hosts, once they are written plainly.
 _HOST = re.compile(r"[a-z0-9._-]+|[0-9a-f:.]+")
 _LONGEST_HOST = 253
+#: Letters that older and newer rules of names (IDNA 2003 and 2008) lead to different hosts.
+_OF_TWO_HOSTS = re.compile("[\u00df\u1e9e\u03c2\u200c\u200d]")
 #: Subdomains written into the host: {a-c} and {1-4} as in OpenLayers, [1-4], {switch:a,b,c} as in JOSM.
 _RANGE = re.compile(r"\{(\w)-(\w)\}|\[(\w)-(\w)\]|\{switch:([\w,-]+)\}")
 #: Names that keys go by in queries.
 _KEY_NAMES = re.compile(
-    r"access[-_]?(key([-_]?id)?|token)|ak|awsaccesskeyid|(x[-_])?api[-_]?key|app[-_]?(id|code|key)"
-    r"|auth([-_]?(key|token))?|authorization|bearer|client[-_]?secret|jwt|key|pass([-_]?(phrase|w(or)?d))?|pwd|secret"
-    r"|(x-(amz|goog)-)?(signature|credential|security-token)|sig|subscription[-_]?key|tk"
-    r"|((id|refresh|session|bearer|user)[-_]?)?token|user[-_]?key",
+    r"([\w-]*[-_])?(credentials?|password|secret|signature|token)|(api|client)secret"
+    r"|(access|api|id|o?auth|bearer|refresh|security|session|user)token"
+    r"|([\w-]*[-_])?(api|subscription)[-_]?key"
+    r"|((access|app|auth|consumer|dev(eloper)?|licen[cs]e|map|private|secret|service|user)[-_]?)?key"
+    r"|access[-_]?key[-_]?id|ak|app[-_]?(id|code)|auth|authorization|awsaccesskeyid|bearer|googleaccessid|jwt"
+    r"|pass([-_]?(code|phrase|w(or)?d))?|pwd|sig|tk",
     re.IGNORECASE,
 )
 
@@ -147,11 +151,14 @@ class Template:
 def host_of(url: str) -> str:
     """Host of a URL as it is looked up, in whatever way the URL writes it; empty where it names none.
 
-    Upper case, percent-encoding, other forms of letters and dots (IDNA) and the dot of the root make no other host.
+    Upper case, percent-encoding, other forms of letters and dots (IDNA) and the dot of the root make no other host. One
+    that programs take for different hosts, such as ``straße.example``, is none: xn--… says which is meant.
     """
     try:
         host = unquote(urlsplit(url).hostname or "").rstrip(".")
-        plain = host.encode("idna").decode("ascii").lower() if len(host) <= _LONGEST_HOST else ""
+        if len(host) > _LONGEST_HOST or _OF_TWO_HOSTS.search(host):
+            return ""
+        plain = host.encode("idna").decode("ascii").lower()
     except ValueError:
         return ""
     # Programs differ in where a host ends that has other signs in it.

@@ -5785,16 +5785,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/mbtiles.py"/>
-        <source>MBTiles {0}: holds no tiles</source>
-        <translation>MBTiles {0}: no contiene teselas</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/mbtiles.py"/>
-        <source>MBTiles {0}: holds vector tiles (pbf); must hold pictures (png, jpg or webp)</source>
-        <translation>MBTiles {0}: contiene teselas vectoriales (pbf); debe contener imágenes (png, jpg o webp)</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/mbtiles.py"/>
         <source>MBTiles {0}: is no MBTiles file, or is damaged ({1})</source>
         <translation>MBTiles {0}: no es un archivo MBTiles, o está dañado ({1})</translation>
     </message>
@@ -5815,8 +5805,18 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/mbtiles.py"/>
-        <source>its tiles are no pictures; must be png, jpg or webp</source>
-        <translation>sus teselas no son imágenes; deben ser png, jpg o webp</translation>
+        <source>holds no tiles</source>
+        <translation>no contiene teselas</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/mbtiles.py"/>
+        <source>holds vector tiles (pbf); must hold pictures (png, jpg or webp)</source>
+        <translation>contiene teselas vectoriales (pbf); debe contener imágenes (png, jpg o webp)</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/mbtiles.py"/>
+        <source>its tiles are no pictures ({0}); must be png, jpg or webp</source>
+        <translation>sus teselas no son imágenes ({0}); deben ser png, jpg o webp</translation>
     </message>
     <message>
         <location filename="../../core/imagery/mbtiles.py"/>
@@ -5832,6 +5832,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/imagery/mbtiles.py"/>
         <source>the source was closed</source>
         <translation>la fuente se cerró</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/mbtiles.py"/>
+        <source>{0} is computed; must be a table, or a view that reads tables alone, of {1} characters at most</source>
+        <translation>{0} se calcula; debe ser una tabla, o una vista que solo lea tablas, de {1} caracteres como máximo</translation>
     </message>
     <message>
         <location filename="../../core/imagery/mbtiles.py"/>
@@ -6142,6 +6147,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/raster/trust.py"/>
+        <source>{0} holds more than {1} MB of metadata</source>
+        <translation>{0} contiene más de {1} MB de metadatos</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/trust.py"/>
         <source>{0} is of no format of pictures that a VRT may read here</source>
         <translation>{0} no es de ningún formato de imagen que un VRT pueda leer aquí</translation>
     </message>
@@ -6338,6 +6348,16 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/imagery/services/parsing.py"/>
         <source>more than {0} attributes of one element</source>
         <translation>más de {0} atributos de un elemento</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/services/parsing.py"/>
+        <source>more than {0} different names</source>
+        <translation>más de {0} nombres distintos</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/services/parsing.py"/>
+        <source>more than {0} layers and styles</source>
+        <translation>más de {0} capas y estilos</translation>
     </message>
     <message>
         <location filename="../../core/imagery/services/wms.py"/>

@@ -271,6 +271,13 @@ sys.exit(main(['capture', '--coords', '35_-89_120', '--data-dir', {str(locked / 
     assert not list(Path(locked).iterdir())
 
 
+def test_a_message_that_quotes_a_whole_file_is_cut_short(run, tmp_path):
+    (tmp_path / "places.txt").write_text("x" * 100_000)
+    said = run("plan", "--coords", str(tmp_path / "places.txt"))
+    assert one_line(said, 2).startswith("terrainav: file ")
+    assert len(said.stderr) < 20_000
+
+
 def test_what_cannot_be_printed_does_not_break_the_line_of_an_error(run):
     said = run("plan", "--coords", "35_-89_120", "--source", "a\nb\x1b[31m.tif")
     assert (said.returncode, said.stderr) == (2, "terrainav: a b [31m.tif: there is no such file\n")

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from .files import STRICT_JPEG, Band, Box, Bytes, Facts, ReadError
-from .trust import DRIVERS
+from .trust import DRIVERS, NAMES_OVERVIEWS, OVERVIEW_DOMAIN, OVERVIEW_FILE
 
 
 @contextmanager
@@ -62,6 +62,8 @@ class GdalFile:
         """Read what the file says of itself."""
         with _heard():
             dataset = self._dataset
+            if dataset.GetMetadataItem(OVERVIEW_FILE, OVERVIEW_DOMAIN):
+                raise ReadError(NAMES_OVERVIEWS)
             reference = dataset.GetSpatialRef()
             bands = [dataset.GetRasterBand(1 + i) for i in range(dataset.RasterCount)]
             overviews = [bands[0].GetOverview(i) for i in range(bands[0].GetOverviewCount())] if bands else []

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from .files import STRICT_JPEG, Band, Box, Bytes, Facts, ReadError
-from .trust import DRIVERS
+from .trust import DRIVERS, NAMES_OVERVIEWS, OVERVIEW_DOMAIN, OVERVIEW_FILE
 
 #: What GDAL gives as the geotransform of a raster that has none.
 _NO_GEOTRANSFORM = (0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
@@ -56,6 +56,8 @@ class RasterioFile:
         """Read what the file says of itself."""
         with _refused():
             dataset = self._dataset
+            if any(name.upper() == OVERVIEW_FILE for name in dataset.tags(ns=OVERVIEW_DOMAIN)):
+                raise ReadError(NAMES_OVERVIEWS)
             geotransform = tuple(dataset.transform.to_gdal())
             return Facts(
                 bands=tuple(self._band(index) for index in dataset.indexes),

@@ -6,9 +6,11 @@ requests that keep to no terms. Inside them no list of formats holds; so they ar
 
 from __future__ import annotations
 
+import html
 import importlib
 import os
 import re
+import struct
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -65,6 +67,21 @@ _NAMING = frozenset(
 #: Those whose text is no name, whatever it looks like.
 _TEXTS = frozenset("srs mdi description copyright targetsrs sourcesrs category".split())
 _ELSEWHERE = re.compile(r"/vsi|://|<|\bvrt:|^[a-z][a-z0-9_]+:", re.IGNORECASE)
+#: Metadata by which a raster of any format names a file that GDAL then reads as its overviews.
+OVERVIEW_FILE, OVERVIEW_DOMAIN = "OVERVIEW_FILE", "OVERVIEWS"
+NAMES_OVERVIEWS = "names another file for its overviews, which is not read"
+#: What names other files in metadata that GDAL writes beside and into rasters.
+_NAMED_BESIDE = re.compile(f"{OVERVIEW_FILE}|/vsi|_DATASET", re.IGNORECASE)
+_NAMED_WITHIN = re.compile(OVERVIEW_FILE, re.IGNORECASE)
+#: Elements of a VRT that have Python compute its pixels, and one that stands for an attribute by which others are told.
+_REFUSED = frozenset({"pixelfunctionlanguage", "pixelfunctioncode", "key"})
+#: Options of formats that a VRT may set: those of others are names of files, and statements of SQL.
+_OPTIONS = frozenset({"overview_level", "num_threads", "numthreads"})
+#: TIFF's tag of GDAL's metadata, and how a directory is written: in classic files, and in those of 64 bits.
+_TIFF_METADATA = 42112
+_TIFF_FORMS = {42: ("I", 4, "H", "HHI4s", 12), 43: ("Q", 8, "Q", "HHQ8s", 20)}
+#: Entries of a directory; libtiff refuses those with more.
+_TIFF_ENTRIES = 4096
 #: Files beside a raster that GDAL opens with it.
 _BESIDE = (".ovr", ".msk")
 
@@ -80,8 +97,9 @@ def check_virtual(path: str) -> None:
     plain = unquote(path)
     if re.search(r"[?&](userpwd|header\.|headers?_file|bearer|.*password)", plain, re.IGNORECASE):
         raise InvalidInput("raster file /vsi…: holds credentials; no credentials may stand in it")
-    for found in re.finditer(r"https?://", plain):
-        check_address(plain[found.start() :].replace(" ", "%20"), "address of a raster file")
+    # Of whatever scheme, with however many slashes, as curl takes them; a letter alone is a drive.
+    for found in re.finditer(r"[a-z][a-z0-9+.-]+:/+", plain, re.IGNORECASE):
+        check_address(f"http://{plain[found.end() :]}".replace(" ", "%20"), "address of a raster file")
 
 
 def drivers_for(path: str) -> list[str]:
@@ -133,8 +151,44 @@ def _check(file: Path, folders: tuple[Path, ...], depth: int, seen: set[Path]) -
         if beside.is_file():
             _check(beside, folders, depth + 1, seen)
     aux = file.with_name(file.name + ".aux.xml")
-    if aux.is_file() and re.search(rb"OVERVIEW_FILE|/vsi|_DATASET", _head(aux, MAX_VRT_BYTES)):
+    if _names(_NAMED_BESIDE, _head(aux, MAX_VRT_BYTES) if aux.is_file() else b""):
         raise InvalidInput(f"{aux.name} names other files, which are not read")
+    if _names(_NAMED_WITHIN, _tiff_metadata(file, head)):
+        raise InvalidInput(f"{file.name} {NAMES_OVERVIEWS}")
+
+
+def _names(what: re.Pattern[str], metadata: bytes) -> bool:
+    """Whether metadata in XML name something, whichever way its letters are written."""
+    return what.search(html.unescape(metadata.decode("latin-1"))) is not None
+
+
+def _tiff_metadata(file: Path, head: bytes) -> bytes:
+    """What GDAL has noted in the first directory of a TIFF; empty of any other file."""
+    order = {b"II": "<", b"MM": ">"}.get(head[:2], "")
+    try:
+        form = _TIFF_FORMS.get(struct.unpack_from(f"{order}H", head, 2)[0]) if order else None
+        if form is None:
+            return b""
+        offset_kind, offset_at, count_kind, entry_kind, entry_bytes = form
+        with file.open("rb") as opened:
+            opened.seek(struct.unpack_from(order + offset_kind, head, offset_at)[0])
+            (count,) = struct.unpack(order + count_kind, opened.read(struct.calcsize(count_kind)))
+            entries = opened.read(min(count, _TIFF_ENTRIES) * entry_bytes)
+            for tag, _, length, value in struct.iter_unpack(order + entry_kind, entries):
+                if tag == _TIFF_METADATA and length > len(value):
+                    opened.seek(struct.unpack(order + offset_kind, value)[0])
+                    if length > MAX_VRT_BYTES:
+                        raise InvalidInput(
+                            f"{file.name} holds more than {MAX_VRT_BYTES >> 20} MB of metadata"
+                        )
+                    metadata: bytes = opened.read(length)
+                    return metadata
+    except InvalidInput:
+        raise
+    except (OSError, OverflowError, ValueError, struct.error):
+        # GDAL says what is wrong with such a file.
+        return b""
+    return b""
 
 
 def _check_source(vrt: Path, source: Path, folders: tuple[Path, ...], depth: int, seen: set[Path]) -> None:
@@ -208,6 +262,9 @@ class _Reader:
         if self._is_name(self._open[-1]) if self._open else False:
             self.refuse()
         self._open.append((name, given))
+        key = given.get("key", "").lower()
+        if name in _REFUSED or key == OVERVIEW_FILE.lower() or (name == "ooi" and key not in _OPTIONS):
+            self.refuse()
         for one, value in given.items():
             if one in _NAMING:
                 self.found.append((value, None))

@@ -13,10 +13,12 @@ from typing import Any
 
 from ...limits import (
     MAX_CAPABILITIES_BYTES,
+    MAX_SERVICE_LAYERS,
     MAX_XML_ATTRIBUTES,
     MAX_XML_DEPTH,
     MAX_XML_ELEMENTS,
     MAX_XML_INHERITED,
+    MAX_XML_NAMES,
 )
 from ...text import one_line
 
@@ -43,6 +45,8 @@ _WMS_TYPE = re.compile(
     r"(?:\[(?:\s|<!(?:ELEMENT|ATTLIST)\s[^<>%&\[\]]*>)*\]\s*)?>"
 )
 _REFUSED = re.compile(r"<!(?:DOCTYPE|ENTITY)", re.IGNORECASE)
+#: Names of elements and attributes.
+_NAME = re.compile(r"<[^\s/<>]+|\s[^\s=<>\"'/]+\s*=")
 #: Children of a layer of a WMS that the layers within it have as well.
 _INHERITED = frozenset({"CRS", "SRS", "Style", "BoundingBox"})
 
@@ -93,6 +97,8 @@ def root_of(body: bytes) -> Any:
     _check_size(text)
     etree = importlib.import_module("lxml.etree")
     parser = etree.XMLParser(
+        # Whatever a second declaration says, which may stand behind the first.
+        encoding="utf-8",
         resolve_entities=False,
         no_network=True,
         load_dtd=False,
@@ -108,7 +114,7 @@ def root_of(body: bytes) -> Any:
         raise UnreadableXMLError(one_line(str(broken))) from None
     if root.xpath(f"boolean({'/*' * (MAX_XML_DEPTH + 1)})"):
         raise UnreadableXMLError(f"elements within each other, more than {MAX_XML_DEPTH} deep")
-    _check_inherited(root)
+    _check_layers(root)
     return root
 
 
@@ -138,10 +144,18 @@ def _check_size(text: str) -> None:
         # Parsers compare each attribute of an element with all others. None is shorter than `a=""` with its space.
         if len(piece) > 5 * MAX_XML_ATTRIBUTES and piece.count("=") > MAX_XML_ATTRIBUTES:
             raise UnreadableXMLError(f"more than {MAX_XML_ATTRIBUTES:,} attributes of one element")
+    names = set()
+    for found in _NAME.finditer(text):
+        names.add(found.group())
+        # Parsers keep each of them, in a table that does not grow with them.
+        if len(names) > MAX_XML_NAMES:
+            raise UnreadableXMLError(f"more than {MAX_XML_NAMES:,} different names")
 
 
-def _check_inherited(root: Any) -> None:
-    """Refuse layers within layers that pass on more than memory and time are for: OWSLib copies it for each."""
+def _check_layers(root: Any) -> None:
+    """Refuse more layers than memory and time are for, or what they pass on to those within: OWSLib copies it."""
+    if sum(1 for _ in root.iter("{*}Layer", "{*}Style")) > MAX_SERVICE_LAYERS:
+        raise UnreadableXMLError(f"more than {MAX_SERVICE_LAYERS:,} layers and styles")
     total = 0
     # Of each layer, after those around it: how deep it is, and how much it passes on.
     known: dict[Any, tuple[int, int]] = {}

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import io
+import struct
 import time
+import tracemalloc
 import warnings
 
 import numpy as np
@@ -256,6 +258,70 @@ def test_a_picture_of_more_scans_or_bytes_than_any_is_refused():
         decode(whole[:second] + scan * 100 + whole[second:], 64, 48)
     with pytest.raises(PartError, match=r"^4,218,881 bytes, more than the 4,218,880 of 64x48 px at most$"):
         decode(whole.ljust(4_218_881, b"\0"), 64, 48)
+
+
+def gif_with(notes):
+    """A GIF with a transparent colour, and with something before its picture."""
+    image = Image.new("P", (64, 48), 1)
+    image.putpalette([9, 99, 199, 10, 20, 30])
+    image.paste(0, (0, 0, 32, 48))
+    gif = encoded(image, "gif", transparency=0)
+    colours_end = 13 + (3 << (gif[10] & 7) + 1)
+    return gif[:colours_end] + notes + gif[colours_end:]
+
+
+COMMENT = b"!\xfe" + b"\x01x" * 500_000 + b"\0"
+
+
+@pytest.mark.parametrize(
+    "notes",
+    [
+        COMMENT,
+        b"\0" + COMMENT,
+        b"!\xff\x0bXMP DataXMP" + b"\xffa" * 128 + b"\0" + COMMENT,
+        b"!\xfe\x01x\0" * 9,
+    ],
+)
+def test_a_gif_is_read_without_its_notes(notes):
+    """Pillow 9 adds each piece of a comment to a copy of what was there before: 4 MB took it 50 s."""
+    began_s = time.thread_time()
+    pixels = decode(gif_with(notes), 64, 48)
+    assert time.thread_time() - began_s < 1.0
+    assert np.array_equal(pixels, decode(gif_with(b""), 64, 48))
+    assert pixels[0, 0, 3] == 0
+    assert pixels[0, 40].tolist() == [10, 20, 30, 255]
+
+
+@pytest.mark.parametrize("cut", [11, 20, -30])
+def test_a_gif_that_is_cut_off_is_a_broken_picture(cut):
+    with pytest.raises(BrokenPictureError):
+        decode(gif_with(b"!\xfe\x7f" + b"x" * 127 + b"\0")[:cut], 64, 48)
+
+
+def exif_of_overlapping_values():
+    """An Exif segment of 2,600 values, each of which is all that comes behind them: 86 MB for 64 kB."""
+    count, length = 2600, 33_000
+    data = 14 + 12 * count
+    entries = b"".join(struct.pack("<HHII", tag, 7, length, data) for tag in range(count))
+    text = b"Exif\0\0II*\0\x08\0\0\0" + struct.pack("<H", count) + entries + bytes(4 + length)
+    return b"\xff\xe1" + struct.pack(">H", len(text) + 2) + text
+
+
+def test_a_jpeg_is_read_without_its_notes():
+    """Its colours are said by what is left: Adobe's segment, and none of others."""
+    cmyk = encoded(Image.fromarray(PICTURE).convert("CMYK"), "jpeg")
+    for whole in (to_bytes(SMOOTH, "jpg"), to_bytes(SMOOTH, "jpg", progressive=True), cmyk):
+        at = 4 + int.from_bytes(whole[4:6], "big")
+        notes = exif_of_overlapping_values() + b"\xff\xfe\0\x05abc" + b"\xff\xec\0\x05abc"
+        with warnings.catch_warnings():
+            # Pillow warns of each value that is cut off: as many lines for a tile.
+            warnings.simplefilter("error")
+            tracemalloc.start()
+            pixels = decode(whole[:at] + notes + whole[at:], 64, 48)
+            peak = tracemalloc.get_traced_memory()[1]
+            tracemalloc.stop()
+        assert peak < 5_000_000
+        assert np.array_equal(pixels, decode(whole, 64, 48))
 
 
 @pytest.mark.parametrize(

@@ -148,6 +148,20 @@ def test_encodings_that_services_have_are_read(stated, encoding):
     assert read("wmts", text.encode(encoding)).title == "Überflug"
 
 
+@pytest.mark.parametrize(
+    "before",
+    [
+        '<?xml version="1.0" encoding="UTF-8"?><?xml version="1.0" encoding="UTF-7"?>',
+        f'<?xml version="1.0"{" " * 2000}encoding="UTF-7"?>',
+    ],
+    ids=["second", "long"],
+)
+def test_no_other_declaration_states_another_encoding(before, secret):
+    """Neither one behind the first nor one that ends far behind the beginning is what a parser goes by."""
+    hostile = utf_7(with_entity(wmts("TITLE"), secret))
+    assert "Start tag expected" in refusal("wmts", before.encode() + hostile)
+
+
 def test_another_encoding_is_named_with_those_that_are_right():
     text = wmts().replace(b"UTF-8", b"UTF-7")
     assert "encoding UTF-7: must be UTF-8, UTF-16 or Latin-1" in refusal("wmts", text)
@@ -159,8 +173,12 @@ def test_another_encoding_is_named_with_those_that_are_right():
         ("<a>" * (MAX_XML_DEPTH + 1) + "</a>" * (MAX_XML_DEPTH + 1), f"more than {MAX_XML_DEPTH} deep"),
         ("<a/>" * (2 * MAX_XML_ELEMENTS), "1,000,000 elements"),
         (f"<a {' '.join(f'b{i}=%s' for i in range(300_000))}/>" % (("''",) * 300_000), "attributes of one"),
+        ("".join(f"<a{i}/>" for i in range(900_000)), "10,000 different names"),
+        ("".join(f"<a b{i} = '' xmlns:c{i}=''/>" for i in range(400_000)), "10,000 different names"),
+        ("<Layer><Name>a</Name></Layer>" * 300_000, "50,000 layers and styles"),
+        (f"<Layer>{'<Style><Name>a</Name></Style>' * 300_000}</Layer>", "50,000 layers and styles"),
     ],
-    ids=["depth", "elements", "attributes"],
+    ids=["depth", "elements", "attributes", "names", "names of attributes", "layers", "styles"],
 )
 @pytest.mark.parametrize("kind", ["wmts", "wms"])
 def test_documents_beyond_measure_are_given_up_before_they_take_time(kind, grown, says):
@@ -169,7 +187,8 @@ def test_documents_beyond_measure_are_given_up_before_they_take_time(kind, grown
     end = b"</Contents>" if kind == "wmts" else b"</Capability>"
     begun_s = time.thread_time()
     assert says in refusal(kind, body.replace(end, grown.encode() + end))
-    # Seconds where lxml compares 300,000 attributes with each other: minutes.
+    # Where they are read, it is half a minute at least: lxml compares each attribute of an element with all others, and
+    # each name with many, and OWSLib makes 7 kB of a layer.
     assert time.thread_time() - begun_s < 5.0
 
 

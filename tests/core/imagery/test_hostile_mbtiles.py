@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import sqlite3
 import struct
 import sys
@@ -11,6 +12,7 @@ import zlib
 from contextlib import closing
 
 import pytest
+from PIL import Image
 from terrainav.core.errors import Cancelled, InvalidInput, PartError
 from terrainav.core.imagery import mbtiles
 from terrainav.core.imagery.mbtiles import open_mbtiles
@@ -51,6 +53,12 @@ def view(data, of="one"):
     )
 
 
+def gif_of(pixels):
+    out = io.BytesIO()
+    Image.fromarray(pixels).save(out, "gif")
+    return out.getvalue()
+
+
 def header_only(width_px):
     """PNG of any size in a few bytes: its header is all that is looked at."""
     header = b"IHDR" + struct.pack(">IIBBBBB", width_px, width_px, 8, 2, 0, 0, 0)
@@ -60,22 +68,101 @@ def header_only(width_px):
     )
 
 
-@pytest.mark.parametrize(
-    "statements",
-    [
-        (*METADATA, *view(f"({LOOPS})")),
-        (f"CREATE VIEW metadata AS SELECT 'name' AS name, ({LOOPS}) AS value", *PLAIN),
-        # Patterns that take for ever within one step of SQLite, which asks nobody meanwhile.
-        (*METADATA, *view(f"('{'a' * 40_000}' LIKE '{'%a' * 200}b')")),
-    ],
-    ids=["tiles", "metadata", "pattern"],
+COMPUTED = "is computed; must be a table, or a view that reads tables alone"
+
+
+def chain(name, links, link, last):
+    """Views of which each names the one before it several times: all of it is written out before anything is read."""
+    first = "CREATE VIEW link0 AS SELECT tile_data AS x FROM one"
+    return (
+        *view("tile_data")[:2],
+        first,
+        *(f"CREATE VIEW link{at} AS {link.format(f'link{at - 1}')}" for at in range(1, links)),
+        f"CREATE VIEW {name} AS {last.format(f'link{links - 1}')}",
+    )
+
+
+PLACE = "6 AS zoom_level, 20 AS tile_column, 33 AS tile_row"
+COLUMNS = ", ".join(f"c{at} AS (c{at - 1} || c{at - 1})" for at in range(1, 26))
+
+
+WORDS = (
+    f"CREATE VIEW tiles AS SELECT {PLACE}, x AS tile_data, ' union' AS \"union\" "
+    "FROM (SELECT x || x AS x FROM (SELECT tile_data AS x FROM one)) -- union"
 )
-def test_a_view_that_loops_is_refused_at_once(tmp_path, statements):
+
+
+@pytest.mark.parametrize(
+    ("statements", "says"),
+    [
+        ((*METADATA, *view(f"({LOOPS})")), COMPUTED),
+        ((f"CREATE VIEW metadata AS SELECT 'name' AS name, ({LOOPS}) AS value", *PLAIN), COMPUTED),
+        # Patterns that take for ever within one step of SQLite, which asks nobody meanwhile.
+        ((*METADATA, *view(f"('{'a' * 900}' LIKE '{'%a' * 200}b')")), "not authorized"),
+        (
+            (
+                *METADATA,
+                *chain(
+                    "tiles", 27, "SELECT x || x AS x FROM {}", f"SELECT {PLACE}, x AS tile_data FROM {{}}"
+                ),
+            ),
+            COMPUTED,
+        ),
+        (
+            (
+                *PLAIN,
+                *chain(
+                    "metadata",
+                    15,
+                    "SELECT a.x FROM {0} AS a, {0} AS b, {0} AS c",
+                    "SELECT 'name' AS name, x AS value FROM {}",
+                ),
+            ),
+            COMPUTED,
+        ),
+        (
+            (
+                *METADATA,
+                f"CREATE TABLE tiles (zoom_level, tile_column, tile_row, c0, {COLUMNS}, tile_data AS (c25))",
+                "INSERT INTO tiles (zoom_level, tile_column, tile_row, c0) VALUES (6, 20, 33, 'x')",
+            ),
+            COMPUTED,
+        ),
+        (
+            # Words within quotes and comments are none.
+            (
+                *METADATA,
+                *view("tile_data")[:2],
+                WORDS,
+            ),
+            COMPUTED,
+        ),
+        ((*METADATA, *view("tile_data" + " || 'x'" * 400)), COMPUTED),
+    ],
+    ids=["tiles", "metadata", "pattern", "chain", "joins", "columns", "words", "length"],
+)
+def test_a_view_that_loops_or_grows_is_refused_at_once(tmp_path, statements, says):
     path = made(tmp_path / "own.mbtiles", *statements)
     begun_s = time.thread_time()
-    with pytest.raises(InvalidInput, match="not authorized"):
+    with pytest.raises(InvalidInput, match=says):
         open_mbtiles(path)
     assert time.thread_time() - begun_s < 1.0
+
+
+def test_a_step_that_copies_much_is_counted_as_such(tmp_path, monkeypatch):
+    """SQLite asks whether to stop between its steps, and each of these takes some 20 ms."""
+    path = made(
+        tmp_path / "own.mbtiles",
+        *METADATA,
+        *view("tile_data", of="one, large, n AS a, n AS b WHERE upper(x || a.i) = lower(x || b.i) || 1"),
+        "CREATE TABLE large AS SELECT hex(zeroblob(8000000)) AS x",
+        "CREATE TABLE n AS WITH RECURSIVE n(i) AS (SELECT 1 UNION ALL SELECT i + 1 FROM n LIMIT 2000) SELECT i FROM n",
+    )
+    monkeypatch.setattr(mbtiles, "MAX_QUERY_S", 0.2)
+    begun_s = time.thread_time()
+    with pytest.raises(InvalidInput, match="takes more than"):
+        open_mbtiles(path)
+    assert time.thread_time() - begun_s < 4.0
 
 
 def test_a_view_without_end_is_given_up_in_time(tmp_path, monkeypatch):
@@ -150,6 +237,57 @@ def test_a_view_as_programs_make_it_is_read(tmp_path):
     source = open_mbtiles(path)
     assert (source.fetch("", WINDOW) == positions("", 6, 20, 30, 256)).all()
     source.close()
+
+
+@pytest.mark.parametrize("quote", ["{}", '"{}"', "[{}]", "`{}`"])
+def test_views_that_nothing_of_ours_reads_do_no_harm(tmp_path, quote):
+    """Of utility grids, say, or of programs that keep their own notes in the file."""
+    other = "CREATE VIEW grids AS SELECT * FROM (SELECT * FROM (SELECT tile_data AS grid FROM one))"
+    path = made(
+        tmp_path / "own.mbtiles",
+        *METADATA,
+        view("tile_data")[0],
+        ("INSERT INTO one VALUES (?, ?, ?, ?)", (*ROW, TILE)),
+        other,
+        f"CREATE VIEW {quote.format('tiles')} AS SELECT * FROM {quote.format('one')} /* of each zoom */ "
+        "UNION ALL SELECT * FROM one WHERE zoom_level < 0",
+    )
+    source = open_mbtiles(path)
+    assert (source.fetch("", WINDOW) == positions("", 6, 20, 30, 256)).all()
+    source.close()
+
+
+def gif_with_notes():
+    """A picture whose comment comes a letter at a time, each of which Pillow has added to a copy of what was there."""
+    gif = gif_of(positions("", 6, 20, 30, 256))
+    colours_end = 13 + (3 << (gif[10] & 7) + 1)
+    return gif[:colours_end] + b"!\xfe" + b"\x01x" * 500_000 + b"\0" + gif[colours_end:]
+
+
+def test_a_file_whose_first_tile_has_endless_notes_is_opened_at_once(tmp_path):
+    path = made(
+        tmp_path / "own.mbtiles",
+        *METADATA,
+        TABLE,
+        ("INSERT INTO tiles VALUES (?, ?, ?, ?)", (*ROW, gif_with_notes())),
+    )
+    begun_s = time.thread_time()
+    open_mbtiles(path).close()
+    assert time.thread_time() - begun_s < 1.0
+
+
+@pytest.mark.parametrize(
+    "tile", [TILE, to_bytes(positions("", 6, 0, 0, 256), "jpg"), gif_of(positions("", 6, 0, 0, 256))]
+)
+def test_a_file_whose_first_tile_is_cut_off_is_opened(tmp_path, tile):
+    """That is this tile's failure."""
+    path = made(
+        tmp_path / "own.mbtiles",
+        *METADATA,
+        TABLE,
+        ("INSERT INTO tiles VALUES (6, 0, 0, ?)", (tile[:-200],)),
+    )
+    open_mbtiles(path).close()
 
 
 def test_metadata_without_end_are_not_read(tmp_path):

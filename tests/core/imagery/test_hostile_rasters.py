@@ -19,6 +19,7 @@ from terrainav.core.imagery.raster import open_raster  # noqa: E402
 from terrainav.core.imagery.raster import source as raster_source  # noqa: E402
 from terrainav.core.imagery.raster.by_gdal import GdalFile  # noqa: E402
 from terrainav.core.imagery.raster.by_rasterio import RasterioFile  # noqa: E402
+from terrainav.core.imagery.raster.trust import check_virtual  # noqa: E402
 from terrainav.core.imagery.source import Window  # noqa: E402
 from terrainav.core.imagery.template import check_address, is_key_name  # noqa: E402
 
@@ -157,9 +158,25 @@ OVERVIEW = "<Overview><SourceFilename>{}</SourceFilename></Overview></VRTRasterB
 PLACE = '<Metadata domain="GEOLOCATION"><MDI key="X_DATASET">{}</MDI></Metadata>'
 
 
+OPTION = "</SourceFilename><OpenOptions><OOI key='{}'>{}</OOI></OpenOptions>"
+CODE = "<PixelFunctionLanguage>Python</PixelFunctionLanguage><PixelFunctionType>os.system</PixelFunctionType>"
+OVERVIEWS = '<Metadata domain="OVERVIEWS"><MDI key="{}">{}</MDI></Metadata>'
+
+
 @pytest.mark.parametrize(
     "change",
     [
+        lambda text, out: text.replace(END, OVERVIEWS.format("OVERVIEW_FILE", out) + END),
+        lambda text, out: text.replace(
+            END, f"<Metadata domain='GEOLOCATION'><MDI><key>X_DATASET</key>{out}</MDI></Metadata>{END}"
+        ),
+        lambda text, out: text.replace(
+            END, OVERVIEWS.format("Overview&#95;File", ":::BASE:::../" + out) + END
+        ),
+        lambda text, out: text.replace(
+            "</SourceFilename>", OPTION.format("PRELUDE_STATEMENTS", f"ATTACH '{out}' AS other")
+        ),
+        lambda text, _out: text.replace("<SimpleSource>", f"{CODE}<SimpleSource>"),
         # GDAL takes an attribute for an element, and either in any case.
         lambda text, out: text.replace("<SimpleSource>", f'<SimpleSource sourceFILENAME="{out}">'),
         lambda text, out: NAMED.sub(f"<sourcefilename>{out}</sourcefilename>", text),
@@ -242,6 +259,50 @@ def test_vrts_that_read_each_other_come_to_an_end(folder, outside, library):
         open_raster(folder / "self.vrt").close()
 
 
+def tiff_with_overviews(path, named, **options):
+    """GeoTIFF that says of itself, in its metadata, where its overviews are."""
+    written = gdal.GetDriverByName("GTiff").CreateCopy(
+        str(path), gdal.Open(str(named)), options=[f"{name}={value}" for name, value in options.items()]
+    )
+    written.SetMetadataItem("OVERVIEW_FILE", str(named), "OVERVIEWS")
+    written.FlushCache()
+    return path
+
+
+FORMS = [{}, {"BIGTIFF": "YES"}, {"ENDIANNESS": "BIG"}]
+
+
+@pytest.mark.parametrize("form", FORMS, ids=str)
+def test_a_tiff_that_names_its_overviews_is_not_read(folder, outside, library, form):
+    path = tiff_with_overviews(folder / "own.tif", outside, **form)
+    assert str(outside) in gdal.Info(str(path), format="json")["files"]
+    assert "names another file for its overviews" in refusal(path)
+
+
+@pytest.mark.parametrize("form", FORMS, ids=str)
+def test_nor_is_one_within_a_vrt(folder, outside, library, form):
+    path = tiff_with_overviews(folder / "own.tif", outside, **form)
+    assert "for its overviews" in refusal(vrt_of(folder / "map.vrt", path))
+
+
+def test_a_tiff_with_metadata_of_any_other_kind_is_read(folder, outside, library):
+    path = folder / "own.tif"
+    written = gdal.GetDriverByName("GTiff").CreateCopy(str(path), gdal.Open(str(outside)))
+    written.SetMetadataItem("DESCRIPTION", "made of /vsizip/x.zip/MAIN_DATASET & an overview")
+    written.FlushCache()
+    del written
+    open_raster(path).close()
+    open_raster(vrt_of(folder / "map.vrt", path)).close()
+
+
+@pytest.mark.parametrize("damage", [slice(0, 6), slice(0, 60), slice(0, -40)])
+def test_a_tiff_that_is_cut_off_is_no_fault_of_the_program(folder, outside, library, damage):
+    path = tiff_with_overviews(folder / "own.tif", outside)
+    path.write_bytes(path.read_bytes()[damage])
+    with contextlib.suppress(InvalidInput):
+        open_raster(path).close()
+
+
 def test_a_vrt_elsewhere_is_not_read(folder, outside, library):
     path = vrt_of(folder / "map.vrt", outside)
     refusal(f"/vsisubfile/0_{path.stat().st_size},{path}")
@@ -260,12 +321,30 @@ def test_a_vrt_elsewhere_is_not_read(folder, outside, library):
         "/vsicurl?header.Authorization=word&url=https%3A%2F%2Fh.example%2Fx.tif",
         "/vsicurl?userpwd=me:word&url=https%3A%2F%2Fh.example%2Fx.tif",
         "/vsicurl/https://h.example/x.tif?X-Amz-Signature=word",
+        "/vsicurl/HTTP://me:word@h.example/x.tif",
+        "/vsicurl/http:/me:word@h.example/x.tif",
+        "/vsicurl/HTTPS://h.example/x.tif?token=word",
+        "/vsicurl/ftp://me:word@h.example/x.tif",
+        "/vsizip//vsicurl/sftp://me:word@h.example/x.zip/x.tif",
+        "/vsicurl?max_retry=2&url=ftp%3A%2F%2Fh.example%2Fx.tif%3Fsig%3Dword",
     ],
 )
 def test_no_credentials_in_names_of_virtual_files(name):
     with pytest.raises(InvalidInput) as raised:
         open_source(name)
     assert "word" not in str(raised.value)
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "/vsizip/C:/my maps@home/a.zip/x.tif",
+        "/vsicurl/ftp://h.example/x.tif",
+        "/vsizip//vsicurl/HTTPS://h.example/a b.zip/x.tif",
+    ],
+)
+def test_names_of_virtual_files_without_credentials(name):
+    check_virtual(name)
 
 
 @pytest.mark.parametrize(
@@ -292,6 +371,24 @@ def test_no_credentials_in_names_of_virtual_files(name):
             "bearer",
         ),
         *("key", "api_key", "sig", "token", "access_token", "auth"),
+        *(
+            "api_token",
+            "oauth-token",
+            "apitoken",
+            "secret_key",
+            "private_key",
+            "licence-key",
+            "MAP_KEY",
+            "serviceKey",
+        ),
+        *(
+            "Ocp-Apim-Subscription-Key",
+            "x-api-key",
+            "api_secret",
+            "clientSecret",
+            "credentials",
+            "accessKeyId",
+        ),
     ],
 )
 def test_names_that_keys_go_by(name):
@@ -301,7 +398,21 @@ def test_names_that_keys_go_by(name):
 
 
 @pytest.mark.parametrize(
-    "name", ["layers", "map", "format", "style", "tileset", "tokens", "keys", "bypass", "sigma"]
+    "name",
+    [
+        "layers",
+        "map",
+        "format",
+        "style",
+        "tileset",
+        "tokens",
+        "keys",
+        "bypass",
+        "sigma",
+        "monkey",
+        "layer_key",
+        "session",
+    ],
 )
 def test_names_that_are_none_of_keys(name):
     assert not is_key_name(name)

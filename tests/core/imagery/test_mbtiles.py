@@ -235,7 +235,10 @@ def zooms_that_are_none(path):
         (without_tiles, "holds no tiles"),
         (vector_by_name, r"holds vector tiles \(pbf\); must hold pictures"),
         (vector_by_content, r"holds vector tiles \(pbf\); must hold pictures"),
-        (something_else, "its tiles are no pictures; must be png, jpg or webp"),
+        (
+            something_else,
+            r"its tiles are no pictures \(something instead of a picture: something else\); must be png",
+        ),
         (not_square, "its tiles are of 512x256 px; must be square"),
         (zooms_that_are_none, "its tiles are of zooms None to None; must be whole numbers"),
         (an_odd_size, "tile size 300 px: must be a multiple of 256"),

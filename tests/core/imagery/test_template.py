@@ -104,6 +104,11 @@ def test_a_key_in_a_template_is_refused_without_being_told(name):
         ("http://[::1]:8000/1", "::1"),
         ("http://127.0.0.1:8000/1", "127.0.0.1"),
         ("http://under_scored.example/1", "under_scored.example"),
+        # Older programs ask strasse.example, requests asks xn--strae-oqa.example.
+        ("https://stra\N{LATIN SMALL LETTER SHARP S}e.example/1", ""),
+        ("https://stra%C3%9Fe.example/1", ""),
+        ("https://a\N{GREEK SMALL LETTER FINAL SIGMA}.example/1", ""),
+        ("https://tile\N{ZERO WIDTH JOINER}.example/1", ""),
         # Where it ends is another place to every program.
         ("https://tile.example\\.other.example/1", ""),
         ("https://tile.example%2F.other.example/1", ""),
