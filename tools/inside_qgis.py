@@ -17,9 +17,10 @@ from typing import Any
 
 import qgis.utils
 from qgis.core import QgsApplication, QgsProject
-from qgis.PyQt.QtCore import PYQT_VERSION_STR, QTimer
+from qgis.PyQt.QtCore import PYQT_VERSION_STR, QThreadPool, QTimer
 
 POLL_MS = 50
+TASKS_END_MS = 10_000
 
 # Errors that QGIS would have shown in a dialog, which here would wait for ever for somebody to close it.
 shown_errors: list[str] = []
@@ -116,11 +117,14 @@ def _run_pytest(job: dict[str, Any]) -> int:
 def _finish(job: dict[str, Any], code: int) -> None:
     """Hand over the exit code and end the application, without its question whether to save the project.
 
-    The project is closed beforehand: QGIS may crash where it has to close one with layers while it ends.
+    The project is closed beforehand: QGIS may crash where it has to close one with layers while it ends. QGIS 3.40 does
+    where a thread of its tasks has opened the database of authentication (as that of the news does) and still waits.
     """
     sys.stdout.flush()
     sys.stderr.flush()
     Path(job["result"]).write_text(str(code), encoding="utf-8")
     QgsProject.instance().setDirty(False)
     qgis.utils.iface.newProject(False)
+    # Tasks of older versions have the application's pool.
+    getattr(QgsApplication.taskManager(), "threadPool", QThreadPool.globalInstance)().waitForDone(TASKS_END_MS)
     QgsApplication.exit(code)

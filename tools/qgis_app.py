@@ -62,10 +62,6 @@ sagaprovider=false
 [app]
 plugin_installer\\checkOnStart=false
 
-[core]
-NewsFeed\\httpsfeedqgisorg\\disabled=true
-httpsfeedqgisorg\\disabled=true
-
 [qgis]
 checkVersion=false
 """
