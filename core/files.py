@@ -18,11 +18,8 @@ PARTIAL_ENDING = ".part"
 
 
 def is_there(path: str | os.PathLike[str]) -> bool:
-    """Whether there is such a file; not for a name that no file can have."""
-    try:
-        return Path(path).is_file()
-    except (OSError, ValueError):
-        return False
+    """Whether there is such a file; not for a name that no file can have, where `Path.is_file` raises."""
+    return os.path.isfile(path)  # noqa: PTH113
 
 
 def make_folder(folder: str | os.PathLike[str]) -> None:
@@ -69,11 +66,6 @@ def _open_own(path: str, flags: int) -> int:
         os.close(descriptor)
         raise OSError(errno.EINVAL, "it is no regular file; remove it")
     return descriptor
-
-
-def is_file(text: str) -> bool:
-    """Whether a text that may be anything names a file; `Path.is_file` raises where no name can be so long."""
-    return os.path.isfile(text)  # noqa: PTH113
 
 
 def read_limited(path: str | os.PathLike[str], most_bytes: int) -> bytes:

@@ -8,7 +8,7 @@ import sys
 from typing import TYPE_CHECKING, Any
 
 from ..errors import InvalidInput
-from ..files import is_file
+from ..files import is_there
 from ..mission.options import OPTIONS, Option
 from .caching import opened_cache
 from .exits import DONE, INCOMPLETE, exit_code
@@ -235,7 +235,7 @@ def _places(arguments: argparse.Namespace, settings: PairSettings) -> tuple[Plac
     from ..pairs.planning import places_in_box
 
     text = arguments.places
-    if is_file(text):
+    if is_there(text):
         if arguments.count is not None or arguments.spacing is not None:
             option = "count" if arguments.count is not None else "spacing"
             raise InvalidInput(f"--{option} and the file {text}: it is for places of a box")

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import InvalidInput
-from ..files import is_file, read_limited
+from ..files import is_there, read_limited
 from ..limits import MAX_MISSION_BYTES
 from ..safe_json import decoded, parse_json
 from .area import Area, Box, Points, Polygon
@@ -57,7 +57,7 @@ def parse_coords(text: str, kind: str | None = None, agl_unit: str = "m") -> tup
         raise InvalidInput(f"mission {kind!r}: must be one of {', '.join(KINDS)}")
     if not text.strip():
         raise InvalidInput(f"coordinates are empty: expected {_FORMATS}")
-    if is_file(text):
+    if is_there(text):
         return _from_file(Path(text), kind, agl_unit)
     values = _numbers(text, "coordinates")
     if len(values) not in (3, 5):

@@ -17,6 +17,7 @@ from typing import Any
 from urllib.parse import unquote
 
 from ...errors import InvalidInput
+from ...files import is_there
 from ...limits import MAX_VRT_BYTES, MAX_VRT_DEPTH
 from ..template import check_address
 from .files import file_of_part
@@ -116,7 +117,7 @@ def drivers_for(path: str) -> list[str]:
     part = file_of_part(path)
     file = Path(part or path)
     # A link leads to what the user has named by it; GDAL takes names in a VRT from there.
-    _check(file, (file.parent, file.resolve().parent, *_folders()), 0, set())
+    _check(file, (file.parent, _real(file).parent, *_folders()), 0, set())
     return [name for name in DRIVERS if name != "VRT"] if part else list(DRIVERS)
 
 
@@ -128,7 +129,7 @@ def _folders() -> Iterator[Path]:
 
 def _check(file: Path, folders: tuple[Path, ...], depth: int, seen: set[Path]) -> None:
     """Look through a file and those that GDAL opens with it; ``depth`` is 0 for what the user has named."""
-    whole = file.resolve()
+    whole = _real(file)
     if whole in seen:
         return
     seen.add(whole)
@@ -148,10 +149,10 @@ def _check(file: Path, folders: tuple[Path, ...], depth: int, seen: set[Path]) -
         raise InvalidInput(f"{file.name} is of no format of pictures that a VRT may read here")
     for ending in _BESIDE:
         beside = file.with_name(file.name + ending)
-        if beside.is_file():
+        if is_there(beside):
             _check(beside, folders, depth + 1, seen)
     aux = file.with_name(file.name + ".aux.xml")
-    if _names(_NAMED_BESIDE, _head(aux, MAX_VRT_BYTES) if aux.is_file() else b""):
+    if _names(_NAMED_BESIDE, _head(aux, MAX_VRT_BYTES) if is_there(aux) else b""):
         raise InvalidInput(f"{aux.name} names other files, which are not read")
     if _names(_NAMED_WITHIN, _tiff_metadata(file, head)):
         raise InvalidInput(f"{file.name} {NAMES_OVERVIEWS}")
@@ -192,13 +193,18 @@ def _tiff_metadata(file: Path, head: bytes) -> bytes:
 
 
 def _check_source(vrt: Path, source: Path, folders: tuple[Path, ...], depth: int, seen: set[Path]) -> None:
-    within = source.resolve()
-    if not any(_is_within(within, folder.resolve()) for folder in folders):
+    within = _real(source)
+    if not any(_is_within(within, _real(folder)) for folder in folders):
         raise InvalidInput(
             f"{vrt.name} reads {source}, which is not beside it; set {FOLDERS_ENV}={source.parent} if that is right"
         )
-    if source.is_file():
+    if is_there(source):
         _check(source, folders, depth + 1, seen)
+
+
+def _real(path: Path) -> Path:
+    """Where links lead to; `Path.resolve` raises where they lead in a circle."""
+    return Path(os.path.realpath(path))
 
 
 def _is_within(path: Path, folder: Path) -> bool:
@@ -215,7 +221,7 @@ def _places(vrt: Path, name: str, relative: str | None) -> Iterator[Path]:
         yield Path.cwd() / name
     if relative != "0":
         yield vrt.parent / name
-        yield vrt.resolve().parent / name
+        yield _real(vrt).parent / name
 
 
 def _head(file: Path, size: int = _HEAD_BYTES) -> bytes:

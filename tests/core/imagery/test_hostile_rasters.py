@@ -19,7 +19,7 @@ from terrainav.core.imagery.raster import open_raster  # noqa: E402
 from terrainav.core.imagery.raster import source as raster_source  # noqa: E402
 from terrainav.core.imagery.raster.by_gdal import GdalFile  # noqa: E402
 from terrainav.core.imagery.raster.by_rasterio import RasterioFile  # noqa: E402
-from terrainav.core.imagery.raster.trust import check_virtual  # noqa: E402
+from terrainav.core.imagery.raster.trust import check_virtual, drivers_for  # noqa: E402
 from terrainav.core.imagery.source import Window  # noqa: E402
 from terrainav.core.imagery.template import check_address, is_key_name  # noqa: E402
 
@@ -210,6 +210,14 @@ def test_a_link_to_a_vrt_reads_what_is_beside_that(folder, outside, library):
     source = open_raster(folder / "map.vrt")
     assert (source.fetch("", TILE) == 77).all()
     source.close()
+
+
+@pytest.mark.skipif(os.name == "nt", reason="links need rights there")
+@pytest.mark.parametrize("name", ["9" * 300 + ".tif", "circle.tif"])
+def test_files_that_cannot_be_there_are_left_to_gdal(folder, outside, name):
+    """`pathlib` raises for names that are too long and for links that lead in a circle."""
+    (folder / "circle.tif").symlink_to("circle.tif")
+    assert "VRT" in drivers_for(str(naming(folder / "map.vrt", outside, name, "1")))
 
 
 def test_no_folder_of_the_user_opens_the_network(folder, outside, server, library, monkeypatch):
