@@ -9,6 +9,7 @@ many bytes its picture has, and a picture that has others when the capture is re
 from __future__ import annotations
 
 import json
+import math
 import os
 from dataclasses import dataclass
 from pathlib import Path
@@ -83,14 +84,17 @@ class Outcome:
         """Outcome of a line, or None where the line is torn."""
         try:
             fields = parse_json(line)
+            sky, unmapped = (float(fields.get(f"{what}_share", 0.0)) for what in ("sky", "unmapped"))
             entropy = float(fields["entropy"]) if fields["status"] == DONE else None
+            if not all(map(math.isfinite, (sky, unmapped, entropy or 0.0))):
+                return None
             return cls(
                 str(fields["map_type"]),
                 str(fields["name"]),
                 entropy,
                 str(fields["reason"]),
-                float(fields.get("sky_share", 0.0)),
-                float(fields.get("unmapped_share", 0.0)),
+                sky,
+                unmapped,
                 int(fields.get("size_bytes", 0)),
                 tuple(map(str, fields.get("repeated", ()))),
             )

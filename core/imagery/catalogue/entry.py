@@ -142,6 +142,8 @@ class CatalogueEntry:
         west, south, east, north = self.bounds_deg
         if not (-180.0 <= west < east <= 180.0 and -90.0 <= south < north <= 90.0):
             raise InvalidInput(f"bounds {self.bounds_deg}: must be west, south, east, north in degrees")
+        if not self.tile_px:
+            raise InvalidInput("tile_px []: needs the width of its tiles, such as [256]")
         for size in self.tile_px:
             if size > MAX_TILE_PX:
                 raise InvalidInput(f"tile size {size} px: must be {MAX_TILE_PX} or less")

@@ -74,17 +74,20 @@ NUMBER = DONE.to_line().rstrip().replace(b"7.123456789012345", b"%s")
         DONE.to_line().rstrip()[:-1] + b', "size_bytes": 1e999}',
         DONE.to_line().rstrip()[:-1] + b', "size_bytes": Infinity}',
         DONE.to_line().rstrip()[:-1] + b', "sky_share": ' + b"9" * 400 + b"}",
+        NUMBER % b'"nan"',
+        DONE.to_line().rstrip()[:-1] + b', "unmapped_share": "nan"}',
         DONE.to_line().rstrip()[:-1] + b', "repeated": 5}',
         DONE.to_line().replace(b"0_0_a", b"\\ud800").rstrip(),
     ],
-    ids=range(14),
+    ids=range(16),
 )
 def test_rubbish_between_lines_is_passed_over(tmp_path, rubbish):
     path = tmp_path / "journal.jsonl"
-    path.write_bytes(rubbish + b"\n" + DONE.to_line() + b"torn\r")
+    lines = rubbish + b"\n" + DONE.to_line() + rubbish + b"\n"
+    path.write_bytes(lines + b"torn\r")
     assert list(Journal(path).outcomes.values()) == [DONE]
     write(path, FAILED)
-    assert path.read_bytes() == rubbish + b"\n" + DONE.to_line() + FAILED.to_line()
+    assert path.read_bytes() == lines + FAILED.to_line()
 
 
 def test_the_length_of_a_picture_is_noted_where_it_is_known(tmp_path):

@@ -205,6 +205,7 @@ def test_a_folder_that_cannot_be_made_is_named(tmp_path, monkeypatch):
         ({"cache_allowed": "no"}, "cache_allowed 'no': must be true or false"),
         ({"tile_px": "256"}, "tile_px '256': must be a list"),
         ({"tile_px": [256.0]}, "tile_px with 256.0: must be whole numbers"),
+        ({"tile_px": []}, r"tile_px \[\]: needs the width of its tiles"),
         ({"tile_px": [1 << 20]}, "tile size 1048576 px: must be 4096 or less"),
         ({"urls": {"": 7}}, "urls with 7: must be text"),
         ({"key_env": "FOO BAR"}, "environment variable 'FOO BAR': must be letters"),
