@@ -13,7 +13,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 
-from terrainav.core.mission.rungs import bound_text  # noqa: E402
+from terrainav.core.mission.methods import bound_text  # noqa: E402
 
 from tests.core.mission.extremes import Outcome, cases, planned_as, run  # noqa: E402
 

@@ -44,8 +44,8 @@ def _time_text(seconds: float) -> str:
 def timed_cost(plan: Plan) -> Cost:
     """Time the chosen methods on captures of the plan: some ten pictures' worth of work."""
     few = plan.poses.take(np.arange(min(len(plan), _FOOTPRINTS_TIMED)))
-    camera, ground, rung = plan.mission.camera, ground_of(plan.mission), plan.accuracy.footprint.rung.name
-    footprints_s = _own_s(lambda: ground_corners(camera, few, ground, rung)) * len(plan) / len(few.lat_deg)
+    camera, ground = plan.mission.camera, ground_of(plan.mission)
+    footprints_s = _own_s(lambda: ground_corners(camera, few, ground)) * len(plan) / len(few.lat_deg)
     index = len(plan) // 2
     if plan.size_px is None:
         window = window_of(plan, index)

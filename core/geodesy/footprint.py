@@ -1,13 +1,13 @@
-"""Where the corners of a camera's image meet the ground: the rungs from flat ground to the exact camera."""
+"""Where points of a camera's image meet the ground."""
 
 from __future__ import annotations
 
-from typing import Callable, NamedTuple
+from collections.abc import Callable
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import InvalidInput
 from .camera import CORNERS, Camera
 from .ellipsoid import WGS84, Ellipsoid, limb, sight_lines, trace
 from .poses import Poses
@@ -47,68 +47,20 @@ def exact(camera: Camera, poses: Poses, points: ImagePoints, ground: Ellipsoid =
     return Corners(seen.lat_deg, poses.lon_deg[:, np.newaxis] + seen.dlon_deg, seen.hit)
 
 
-def _flat_offsets(camera: Camera, poses: Poses, points: ImagePoints) -> tuple[Floats, Floats]:
-    """Metres east and north of level cameras at which flat ground is seen, (n, k) each."""
-    rays = camera.rays_enu(points, poses.yaw_deg)
-    agl = poses.agl_m[:, np.newaxis]
-    return rays[..., 0] * agl, rays[..., 1] * agl
+#: A way to work out where image points see the ground.
+Footprint = Callable[[Camera, Poses, ImagePoints, Ellipsoid], Corners]
 
 
-def loc1(camera: Camera, poses: Poses, points: ImagePoints, ground: Ellipsoid = WGS84) -> Corners:
-    """Flat ground laid along the radii of curvature at the camera; for cameras that look straight down."""
-    east_m, north_m = _flat_offsets(camera, poses, points)
-    lat = poses.lat_deg[:, np.newaxis]
-    normal, meridional = ground.normal_radius_m(lat), ground.meridional_radius_m(lat)
-    return _around(poses, north_m / meridional, east_m / (normal * np.cos(np.radians(lat))))
-
-
-def loc2(camera: Camera, poses: Poses, points: ImagePoints, ground: Ellipsoid = WGS84) -> Corners:
-    """Flat ground laid on the ellipsoid to the second order of its size; for cameras that look straight down.
-
-    The geodesic series about the camera: latitude y/M - x²T/(2MN) - 3ηy²/(2M²), longitude x/(N cos φ)·(1 + yT/N)
-    with η = e² sin φ cos φ / (1 - e² sin² φ).
-    """
-    x, y = _flat_offsets(camera, poses, points)
-    lat = poses.lat_deg[:, np.newaxis]
-    sin, cos = np.sin(np.radians(lat)), np.cos(np.radians(lat))
-    normal, meridional = ground.normal_radius_m(lat), ground.meridional_radius_m(lat)
-    tangent = sin / cos
-    eta = ground.e2 * sin * cos / (1.0 - ground.e2 * sin * sin)
-    dlat = y / meridional - x * x * tangent / (2.0 * meridional * normal) - 1.5 * eta * (y / meridional) ** 2
-    return _around(poses, dlat, x / (normal * cos) * (1.0 + y * tangent / normal))
-
-
-def _around(poses: Poses, dlat: Floats, dlon: Floats) -> Corners:
-    lat = poses.lat_deg[:, np.newaxis] + np.degrees(dlat)
-    return Corners(lat, poses.lon_deg[:, np.newaxis] + np.degrees(dlon), np.ones(lat.shape, bool))
-
-
-#: The rungs of the stage, from cheap to exact.
-FOOTPRINT_RUNGS: dict[str, Callable[[Camera, Poses, ImagePoints, Ellipsoid], Corners]] = {
-    "loc1": loc1,
-    "loc2": loc2,
-    "exact": exact,
-}
-
-
-def ground_corners(camera: Camera, poses: Poses, ground: Ellipsoid = WGS84, rung: str = "exact") -> Corners:
+def ground_corners(
+    camera: Camera, poses: Poses, ground: Ellipsoid = WGS84, footprint: Footprint = exact
+) -> Corners:
     """Ground corners of each pose's image, worked out once for each run of poses that share them.
 
-    Parameters
-    ----------
-    rung : str
-        loc1, loc2 or exact; the first two only within the domain that `accuracy` gives them.
-
-    Raises
-    ------
-    InvalidInput
-        An unknown rung.
+    ``footprint`` is only another than `exact` where that is compared with others.
     """
-    if rung not in FOOTPRINT_RUNGS:
-        raise InvalidInput(f"footprint rung {rung!r}: must be one of {', '.join(FOOTPRINT_RUNGS)}")
     first, run = poses.runs()
     at_zero = poses.take(first)._replace(lon_deg=np.zeros(len(first)))
-    corners = FOOTPRINT_RUNGS[rung](camera, at_zero, CORNERS, ground)
+    corners = footprint(camera, at_zero, CORNERS, ground)
     return Corners(
         corners.lat_deg[run], poses.lon_deg[:, np.newaxis] + corners.lon_deg[run], corners.hit[run]
     )

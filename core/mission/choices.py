@@ -15,12 +15,11 @@ SERPENTINE, ONE_WAY = ORDERS = ("serpentine", "one-way")
 FORMATS = ("tif", "jpg", "png")
 #: How a camera frame takes its pixels from the source's.
 RESAMPLINGS = ("nearest", "bilinear", "bicubic", "lanczos")
-#: The stages' methods, from cheap to exact. The mesh is a stage of camera frames only.
-FOOTPRINTS = ("loc1", "loc2", "exact")
-FRAMES = ("map", "camera")
-MESH_TOLERANCES_PX = (1.0, 0.3, 0.1, 0.03, 0.01, 0.003, 0.001)
-MESHES = (*(f"mesh-{tolerance:g}px" for tolerance in MESH_TOLERANCES_PX), "rays")
 AUTO = "auto"
+#: Kinds of pictures, from cheap to exact.
+FRAMES = ("map", "camera")
+#: A ray for every pixel of a camera frame, in place of a mesh that is as coarse as the error budget allows.
+RAYS = "rays"
 #: What the sum of the stages' errors may be where nothing else is said, px.
 DEFAULT_BUDGET_PX = 0.1
 #: Pixels along the longer side of a camera's image where nothing else is known of the camera.

@@ -25,6 +25,8 @@ from .mission import Mission
 from .turned import Pass, is_turned, lay_out_turned
 
 Floats = NDArray[np.float64]
+#: Places and nominal poses to the poses that are flown.
+Disturbed = Callable[[Layout, Poses], Poses]
 
 #: Ratio down to which a wanted distance counts as the source's own, which are people's figures of three digits.
 _SAME_SIZE = 0.995
@@ -75,15 +77,8 @@ def ground_of(mission: Mission) -> Ellipsoid:
     return WGS84.raised(mission.ground_height_m) if mission.ground_height_m else WGS84
 
 
-def framed(
-    mission: Mission, grid: PixelGrid, framing: Framing, disturbed: Callable[[Layout, Poses], Poses]
-) -> Framed:
+def framed(mission: Mission, grid: PixelGrid, framing: Framing, disturbed: Disturbed) -> Framed:
     """Lay a mission out in frames of one kind.
-
-    Parameters
-    ----------
-    disturbed : callable
-        Places and nominal poses to the poses that are flown.
 
     Raises
     ------

@@ -12,14 +12,13 @@ from .choices import (
     DEFAULT_BUDGET_PX,
     DEFAULT_MAX_IMAGES,
     DEFAULT_START,
-    FOOTPRINTS,
     FORMATS,
     FRAMES,
     KINDS,
     LAYOUTS,
     MAP_TYPES,
-    MESHES,
     ORDERS,
+    RAYS,
     RESAMPLINGS,
     UNITS,
 )
@@ -191,7 +190,6 @@ OPTIONS: tuple[Option, ...] = (
         "most pixels the errors of all stages may sum to, by their bounds",
     ),
     Option("accept_error", str, False, "go on where no methods fit the error budget", flag=True),
-    Option("footprint", str, AUTO, "method of the footprints' corners", choices=(AUTO, *FOOTPRINTS)),
     Option(
         "frame",
         str,
@@ -200,7 +198,11 @@ OPTIONS: tuple[Option, ...] = (
         choices=(AUTO, *FRAMES),
     ),
     Option(
-        "mesh", str, AUTO, "how the ground under a camera's picture is worked out", choices=(AUTO, *MESHES)
+        "mesh",
+        str,
+        AUTO,
+        "ground under a camera's picture: auto is a mesh as coarse as the error budget allows, rays one ray a pixel",
+        choices=(AUTO, RAYS),
     ),
     Option("resampling", str, "bilinear", "of pictures as the camera sees them", choices=RESAMPLINGS),
     Option(

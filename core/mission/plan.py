@@ -19,14 +19,13 @@ from ..geodesy.mercator import MAX_LAT_DEG, PixelGrid, lat_to_v
 from ..geodesy.poses import Poses
 from ..geodesy.view import View, view
 from .area import Points
-from .choosing import choose_methods
 from .coverage import Coverage, Overlap, Rectangles, coverage, overlap, unique_tiles
 from .flight import Legs, intervals_s, legs
 from .framing import ground_of, nominal_poses, sampled_zooms
 from .imagery_extent import Imagery, imagery_of
 from .layout import Layout
+from .methods import Accuracy, choose_methods
 from .mission import Mission
-from .rungs import Accuracy
 from .turned import Pass, turned_coverage, turned_overlap, turned_rectangles
 from .wind import fly
 
@@ -350,7 +349,7 @@ def plan(mission: Mission, grid: PixelGrid) -> Plan:
     """
     flown, chosen = choose_methods(mission, grid, partial(_disturbed, mission))
     layout, ground = flown.layout, ground_of(mission)
-    corners = ground_corners(mission.camera, flown.poses, ground, chosen.footprint.rung.name)
+    corners = ground_corners(mission.camera, flown.poses, ground)
     nominal = None
     if mission.wind is not None:
         nominal = nominal_poses(mission, layout)

@@ -151,7 +151,6 @@ def mission_from(values: Mapping[str, Any]) -> Mission:
         ground_height_m=values["ground_height"],
         error_budget_px=values["error_budget"],
         accept_error=values["accept_error"],
-        footprint=values["footprint"],
         frame=values["frame"],
         mesh=values["mesh"],
         resampling=values["resampling"],

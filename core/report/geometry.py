@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from ..errors import InvalidInput
 from ..geodesy.accuracy import Scene
 from ..geodesy.camera import CORNERS
-from ..geodesy.footprint import FOOTPRINT_RUNGS
+from ..geodesy.footprint import Footprint
 from ..geodesy.frames import map_frame_edges
 from ..geodesy.horizon import outline
 from ..geodesy.mesh import Cells, ImageRays, mesh
@@ -65,13 +65,13 @@ def captures(plan: Plan) -> NDArray[np.intp]:
     return spread(len(plan), _CAPTURES)
 
 
-def footprint_error_px(plan: Plan, name: str) -> Error:
+def footprint_error_px(plan: Plan, footprint: Footprint) -> Error:
     """Greatest error of a method's corners, and of the exact outline where corners look past the Earth.
 
     Longitudes are those of the plan, so that the rounding of a position in degrees is in the error.
     """
     scene = scene_of(plan, captures(plan))
-    found = FOOTPRINT_RUNGS[name](scene.camera, scene.poses, CORNERS, scene.ground)
+    found = footprint(scene.camera, scene.poses, CORNERS, scene.ground)
     x, y = (np.broadcast_to(np.array(CORNERS)[:, axis], found.lat_deg.shape) for axis in (0, 1))
     dlon = found.lon_deg - scene.poses.lon_deg[:, np.newaxis]
     errors = errors_px(scene, found.lat_deg, dlon, x, y)[found.hit]

@@ -8,7 +8,6 @@ import math
 from collections.abc import Sequence
 from typing import Union
 
-from .flight import Flight
 from .greys import BANDS, Resampling
 from .measure import Kernel, Measured, Measurement, compared_with
 from .timing import Seconds
@@ -28,17 +27,17 @@ def csv_files(measurement: Measurement) -> dict[str, bytes]:
             ).split(),
             [
                 (
-                    one.rung.stage,
-                    one.rung.name,
-                    _finite(one.rung.bound_px),
-                    _finite(one.rung.bound_m),
+                    one.method.stage,
+                    one.method.name,
+                    _finite(one.method.bound_px),
+                    _finite(one.method.bound_m),
                     one.error_px,
                     *_quartiles(one.seconds),
                     len(one.seconds.rounds) if one.seconds else None,
                     *_compared(one, compared_with(stage)),
                     one.size_bytes,
                     int(one.chosen),
-                    one.rung.outside,
+                    one.method.outside,
                 )
                 for stage in measurement.stages.values()
                 for one in stage
@@ -74,8 +73,6 @@ def csv_files(measurement: Measurement) -> dict[str, bytes]:
                     for one in measurement.wind.displacements
                 ],
             )
-    if measurement.flight is not None:
-        files["wind.csv"] = flight_csv(measurement.flight)
     return files
 
 
@@ -96,7 +93,7 @@ def _compared(one: Measured, other: Measured | None) -> tuple[Cell, ...]:
     if other is None or one is other or one.seconds is None or other.seconds is None:
         return (None, *NOTHING, None)
     low, median, high = one.seconds.ratio(other.seconds)
-    return other.rung.name, median, low, high, int(one.seconds.told_from(other.seconds))
+    return other.method.name, median, low, high, int(one.seconds.told_from(other.seconds))
 
 
 def _resampling_csv(resampling: Resampling, kernels: Sequence[Kernel]) -> bytes:
@@ -110,22 +107,6 @@ def _resampling_csv(resampling: Resampling, kernels: Sequence[Kernel]) -> bytes:
             rows.append((name, low, high, value, rms, *_quartiles(seconds.get(name))))
     header = "kernel from_cycles_per_px to_cycles_per_px rms_grey_levels rms_of_all_bands"
     return _csv(f"{header} {_timed('seconds_per_picture')}".split(), rows)
-
-
-def flight_csv(flight: Flight) -> bytes:
-    """Points of both plots of the integrators."""
-    rows: list[tuple[Cell, ...]] = [
-        (
-            "covariance at the next exposure",
-            one.method,
-            one.step_s,
-            one.error,
-            *_quartiles(flight.step * one.count),
-        )
-        for one in flight.integrated
-    ]
-    rows += [("covariance settled at", one.method, one.step_s, one.error, *NOTHING) for one in flight.settled]
-    return _csv(f"what method step_s relative_error {_timed('seconds_per_exposure')}".split(), rows)
 
 
 def _csv(header: Sequence[str], rows: Sequence[Sequence[Cell]]) -> bytes:

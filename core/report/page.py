@@ -10,7 +10,6 @@ from ..files import make_folder, write_whole
 from ..imagery.source import Source
 from ..mission.plan import Plan
 from . import plots, words
-from .flight import Flight
 from .html import Content, Markup, element, figure, page, pairs, table
 from .machine import machine, versions
 from .measure import Measurement, Progress, measure
@@ -20,7 +19,6 @@ from .tables import (
     choices_table,
     displacement_table,
     encodings_table,
-    flight_table,
     kernels_table,
     methods_table,
     savings_table,
@@ -28,7 +26,7 @@ from .tables import (
 from .wind import WindEffect
 
 PAGE = "index.html"
-WORK_PRECISION, RESAMPLING, WIND = "work-precision.png", "resampling.png", "wind.png"
+WORK_PRECISION, RESAMPLING = "work-precision.png", "resampling.png"
 
 
 def write_report(
@@ -91,8 +89,6 @@ def drawings(plan: Plan, found: Measurement) -> dict[str, bytes]:
     }
     if found.resampling is not None:
         drawn[RESAMPLING] = plots.resampling(found.resampling)
-    if found.flight is not None:
-        drawn[WIND] = plots.flight(found.flight)
     return drawn
 
 
@@ -119,8 +115,6 @@ def _page(plan: Plan, source: Source, found: Measurement, csv_names: list[str]) 
         _section("What is not in the bounds", *_conditioning(plan)),
         _section("Grey levels", *_greys(plan, found)),
     ]
-    if found.flight is not None:
-        sections.append(_section("How flight in wind is worked out", *_integrators(found.flight)))
     sections += [
         _section(
             "How it was measured",
@@ -218,21 +212,6 @@ def _wind(effect: WindEffect) -> list[Markup]:
         *([table(displacement_table(effect))] if effect.displacements else []),
         table(air_table(effect)),
         *(element("p", note, class_="note") for note in words.wind_notes(effect)),
-    ]
-
-
-def _integrators(flight: Flight) -> list[Markup]:
-    return [
-        element("p", words.integrators_text(flight)),
-        figure(
-            WIND,
-            "Two diagrams: error against seconds an exposure, and error against the step, of four integrators",
-            "Left: error of the covariance of the state at the next exposure against the time an exposure "
-            "takes. Right: error of the covariance that a long flight settles at against the step; a line "
-            "ends where its method is unstable. The trapezoid settles at the right covariance at any step, "
-            "but not at the right memory of it: the left diagram shows that.",
-        ),
-        table(flight_table(flight)),
     ]
 
 

@@ -8,7 +8,6 @@ from typing import Any, NamedTuple
 
 from ..mission.estimate import area_text, duration_text, percent, size_text
 from ..mission.plan import Plan
-from .flight import Flight
 from .greys import BANDS, Encoding, Resampling
 from .measure import Kernel, Measured, Measurement, Saving, compared_with
 from .timing import Seconds
@@ -21,7 +20,7 @@ _GLUE = "\u00a0"
 #: Sizes between which numbers are written without a power of ten.
 _PLAIN_FROM, _PLAIN_TO = 1e-4, 100.0
 _SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
-STAGES = {"footprint": "footprint", "picture": "picture", "mesh": "camera-frame mesh"}
+STAGES = {"footprint": "footprint", "picture": "picture", "pixels": "camera frame's pixels"}
 FRAME_NAMES = {"map": "map frame", "camera": "camera frame"}
 
 
@@ -101,7 +100,7 @@ def bytes_text(count: int | None) -> str:
 
 def name_of(one: Measured) -> str:
     """Name of a method in words."""
-    return FRAME_NAMES.get(one.rung.name, one.rung.name)
+    return FRAME_NAMES.get(one.method.name, one.method.name)
 
 
 def methods_table(measurement: Measurement) -> Table:
@@ -117,7 +116,7 @@ def methods_table(measurement: Measurement) -> Table:
                 (
                     STAGES[stage],
                     name_of(one),
-                    "no bound" if one.rung.outside else px_text(one.rung.bound_px),
+                    "no bound" if one.method.outside else px_text(one.method.bound_px),
                     _error_text(one, measurement.floor_px),
                     seconds_text(one.seconds),
                     _beside(one, other),
@@ -132,8 +131,8 @@ def methods_table(measurement: Measurement) -> Table:
 
 def _beside(one: Measured, other: Measured | None) -> str:
     """What there is to say of a method beside the one that its time is compared with."""
-    if one.rung.outside:
-        return f"not usable here: {one.rung.outside}"
+    if one.method.outside:
+        return f"not usable here: {one.method.outside}"
     if one.chosen:
         return "chosen"
     return compared_text(one, other)
@@ -164,9 +163,9 @@ def _error_text(one: Measured, floor_px: float) -> str:
 def choices_table(plan: Plan, measurement: Measurement) -> Table:
     """What the plan chose at each stage, and why not something cheaper."""
     rows = []
-    measured = {one.rung.stage: one for one in measurement.chosen}
+    measured = {one.method.stage: one for one in measurement.chosen}
     for choice in plan.accuracy.choices:
-        rung, one = choice.rung, measured.get(choice.rung.stage)
+        method, one = choice.method, measured.get(choice.method.stage)
         if choice.rejected is None:
             why = "the cheapest there is"
         else:
@@ -175,9 +174,9 @@ def choices_table(plan: Plan, measurement: Measurement) -> Table:
             )
         rows.append(
             (
-                STAGES[rung.stage],
-                FRAME_NAMES.get(rung.name, rung.name),
-                f"{px_text(rung.bound_px)}, {metres_text(rung.bound_m)} on the ground",
+                STAGES[method.stage],
+                FRAME_NAMES.get(method.name, method.name),
+                f"{px_text(method.bound_px)}, {metres_text(method.bound_m)} on the ground",
                 NOTHING if one is None else _error_text(one, measurement.floor_px),
                 NOTHING if one is None else seconds_text(one.seconds),
                 why,
@@ -246,37 +245,6 @@ def encodings_table(encodings: Sequence[Encoding]) -> Table:
     ]
     chosen = frozenset(index for index, one in enumerate(encodings) if one.chosen)
     return Table(("file", "RMS error, grey levels", "size of a picture", "time to encode"), rows, chosen)
-
-
-def flight_table(flight: Flight) -> Table:
-    """Integrators of flight in wind: what each needs for one per cent, and where it is stable."""
-    rows = []
-    for method, limit_s in flight.limits_s.items():
-        own = [one for one in flight.integrated if one.method == method]
-        fitting = [one for one in own if one.error is not None and one.error <= _PER_CENT]
-        best = min(fitting, key=lambda one: one.count) if fitting else None
-        rows.append(
-            (
-                method,
-                "any step" if math.isinf(limit_s) else f"up to {seconds_text(limit_s)}",
-                NOTHING if best is None else seconds_text(best.step_s),
-                "not reached" if best is None else f"{best.count:,}",
-                NOTHING if best is None else seconds_text(flight.step * best.count),
-                NOTHING if best is None or best.error is None else number_text(best.error),
-            )
-        )
-    header = (
-        "method",
-        "stable for steps of",
-        "longest step for 1 %",
-        "steps an exposure",
-        "time an exposure then",
-        "relative error then",
-    )
-    return Table(header, rows, frozenset({0}))
-
-
-_PER_CENT = 0.01
 
 
 def displacement_table(effect: WindEffect) -> Table:

@@ -10,9 +10,8 @@ from ..mission.estimate import area_text, length_text, percent
 from ..mission.mission import Mission
 from ..mission.plan import Plan
 from ..mission.wind import Wind
-from .flight import Flight
 from .measure import Measurement
-from .tables import displaced_text, metres_text, px_text, seconds_text, share_text
+from .tables import displaced_text, metres_text, px_text, share_text
 from .wind import MOVED, TOGETHER, TURNED, Spread, WindEffect
 
 #: Condition numbers up to which a scene is benign, and up to which it is only sensitive.
@@ -123,7 +122,7 @@ def verdict(plan: Plan, found: Measurement) -> tuple[bool, str]:
         sums = f"The methods' bounds sum to {px_text(accuracy.bound_px)}, more than the {budget}: that was accepted."
     error = f"Measured on this mission's own captures their errors sum to {px_text(found.error_px)}"
     broken = [
-        f"{one.rung.name} by {px_text(one.error_px)} where {px_text(one.rung.bound_px)} were its bound"
+        f"{one.method.name} by {px_text(one.error_px)} where {px_text(one.method.bound_px)} were its bound"
         for one in found.chosen
         if not one.within and one.error_px is not None
     ]
@@ -258,17 +257,6 @@ def _spread_text(found: Spread | None, unit: str = "px") -> str:
         return "an amount that no corner tells, as none shows ground"
     rms, usual, most = (displaced_text(size, unit) for size in found)
     return f"{rms} (rms; {usual} for 95 % of the captures, {most} at most)"
-
-
-def integrators_text(flight: Flight) -> str:
-    """Why flight in wind is discretised exactly."""
-    return (
-        "Gusts and the aircraft that holds its place in them have time constants from "
-        f"{flight.fastest_s * 1e3:.2g} ms to {flight.slowest_s:.3g} s, {flight.slowest_s / flight.fastest_s:,.0f} "
-        "times as long: a stiff system. TerrAInav discretises it exactly, with one step from each exposure to the next "
-        f"({flight.interval_s:.3g} s); the usual integrators are shown beside it. A step is the same work for all, "
-        f"{seconds_text(flight.step)}."
-    )
 
 
 def wind_notes(effect: WindEffect) -> list[str]:

@@ -5359,11 +5359,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>campo de visión {0} de {1} grados: debe estar entre 0 y 180, ambos excluidos</translation>
     </message>
     <message>
-        <location filename="../../core/geodesy/footprint.py"/>
-        <source>footprint rung {0}: must be one of {1}</source>
-        <translation>método de huella {0}: debe ser uno de {1}</translation>
-    </message>
-    <message>
         <location filename="../../core/geodesy/frames.py"/>
         <source>height {0} m with a field of view of {1} deg: the picture reaches past the Earth's horizon; fly lower or narrow the field of view</source>
         <translation>altura de {0} m con un campo de visión de {1} grados: la imagen rebasa el horizonte de la Tierra; volar más bajo o estrechar el campo de visión</translation>
@@ -6660,88 +6655,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>{0}: dar uno de {1}</translation>
     </message>
     <message>
-        <location filename="../../core/mission/choosing.py"/>
-        <source>a map frame shows the source's own pixels</source>
-        <translation>un encuadre de mapa muestra los propios píxeles de la fuente</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/choosing.py"/>
-        <source>air without gusts was asked for</source>
-        <translation>se pidió aire sin ráfagas</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/choosing.py"/>
-        <source>error budget {0} px: no methods fit; the closest are {1} with {2} px, {3} times as much; raise --error-budget, or go on with --accept-error</source>
-        <translation>error admisible de {0} px: ningún método cabe; los más próximos son {1} con {2} px, {3} veces más; subir --error-budget, o seguir con --accept-error</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/choosing.py"/>
-        <source>exact footprints</source>
-        <translation>huellas exactas</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/choosing.py"/>
-        <source>picture 'map' was asked for, but has no bound here: {0}</source>
-        <translation>se pidió la imagen 'map', pero aquí no tiene cota: {0}</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/choosing.py"/>
-        <source>picture as the camera sees it: {0}; choose a source of tiles</source>
-        <translation>imagen como la ve la cámara: {0}; elegir una fuente de teselas</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/choosing.py"/>
-        <source>pixels of {0} m on the ground: degrees in float64 resolve {1} m; fly higher or widen the field of view</source>
-        <translation>píxeles de {0} m sobre el terreno: los grados en float64 distinguen {1} m; volar más alto o ampliar el campo de visión</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/choosing.py"/>
-        <source>rays for every pixel</source>
-        <translation>rayos para cada píxel</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/choosing.py"/>
-        <location filename="../../core/report/measure.py"/>
-        <source>resampling</source>
-        <translation>remuestreo</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/choosing.py"/>
-        <source>still air was asked for</source>
-        <translation>se pidió aire en calma</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/choosing.py"/>
-        <source>the bound of {0}, {1} px, fits</source>
-        <translation>la cota de {0}, {1} px, cabe</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/choosing.py"/>
-        <source>the mesh's bound of {0} px fits</source>
-        <translation>la cota de la malla, {0} px, cabe</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/choosing.py"/>
-        <source>the rows are turned from east, and the camera with them</source>
-        <translation>las pasadas están giradas respecto al este, y la cámara con ellas</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/choosing.py"/>
-        <source>the source gives pictures by their centre, not tiles that others can be made from</source>
-        <translation>la fuente da imágenes por su centro, no teselas con las que se puedan hacer otras</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/choosing.py"/>
-        <location filename="../../core/report/measure.py"/>
-        <source>wind</source>
-        <translation>viento</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/choosing.py"/>
-        <source>wind turns the camera</source>
-        <translation>el viento gira la cámara</translation>
-    </message>
-    <message>
         <location filename="../../core/mission/coords.py"/>
         <source>"lat_lon_agl", "latTL_lonTL_latBR_lonBR_agl", or a text file of "lat lon agl [yaw]" lines</source>
         <translation>"lat_lon_agl", "latTL_lonTL_latBR_lonBR_agl", o un archivo de texto con líneas "lat lon agl [guiñada]"</translation>
@@ -6933,7 +6846,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
-        <location filename="../../core/mission/rungs.py"/>
+        <location filename="../../core/mission/methods.py"/>
         <source>picture</source>
         <translation>imagen</translation>
     </message>
@@ -7213,6 +7126,163 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>no se pueden situar pasadas desde {0} m de modo que sus imágenes cubran este área; inclinar menos la cámara, volar más bajo o tomar un área menor</translation>
     </message>
     <message>
+        <location filename="../../core/mission/methods.py"/>
+        <source>a map frame shows the source's own pixels</source>
+        <translation>un encuadre de mapa muestra los propios píxeles de la fuente</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/methods.py"/>
+        <source>air without gusts was asked for</source>
+        <translation>se pidió aire sin ráfagas</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/methods.py"/>
+        <source>condition number</source>
+        <translation>número de condición</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/methods.py"/>
+        <source>error</source>
+        <translation>error</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/methods.py"/>
+        <source>error budget {0} px: no methods fit; the closest are {1} with {2} px, {3} times as much; raise --error-budget, or go on with --accept-error</source>
+        <translation>error admisible de {0} px: ningún método cabe; los más próximos son {1} con {2} px, {3} veces más; subir --error-budget, o seguir con --accept-error</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/methods.py"/>
+        <source>footprint</source>
+        <translation>huella</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/methods.py"/>
+        <source>infinite (horizon)</source>
+        <translation>infinito (horizonte)</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/methods.py"/>
+        <source>its bound of {0} px and {1} px of the other stages exceed the budget of {2} px</source>
+        <translation>su cota de {0} px y los {1} px de los demás pasos superan los {2} px admisibles</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/methods.py"/>
+        <source>left out</source>
+        <translation>se omite</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/methods.py"/>
+        <source>method of {0}</source>
+        <translation>método: {0}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/methods.py"/>
+        <source>nothing</source>
+        <translation>nada</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/methods.py"/>
+        <source>picture 'map' was asked for, but has no bound here: {0}</source>
+        <translation>se pidió la imagen 'map', pero aquí no tiene cota: {0}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/methods.py"/>
+        <source>picture as the camera sees it: {0}; choose a source of tiles</source>
+        <translation>imagen como la ve la cámara: {0}; elegir una fuente de teselas</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/methods.py"/>
+        <source>pixels</source>
+        <translation>píxeles</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/methods.py"/>
+        <source>pixels of {0} m on the ground: degrees in float64 resolve {1} m; fly higher or widen the field of view</source>
+        <translation>píxeles de {0} m sobre el terreno: los grados en float64 distinguen {1} m; volar más alto o ampliar el campo de visión</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/methods.py"/>
+        <source>rays for every pixel</source>
+        <translation>rayos para cada píxel</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/methods.py"/>
+        <location filename="../../core/report/measure.py"/>
+        <source>resampling</source>
+        <translation>remuestreo</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/methods.py"/>
+        <source>still air was asked for</source>
+        <translation>se pidió aire en calma</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/methods.py"/>
+        <source>terrain</source>
+        <translation>relieve</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/methods.py"/>
+        <source>terrain: not bounded, up to {0} px per metre of relief</source>
+        <translation>relieve: sin cota, hasta {0} px por metro de relieve</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/methods.py"/>
+        <source>terrain: not bounded, without limit at the horizon</source>
+        <translation>relieve: sin cota, sin límite en el horizonte</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/methods.py"/>
+        <source>the mesh's bound of {0} px fits</source>
+        <translation>la cota de la malla, {0} px, cabe</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/methods.py"/>
+        <source>the rows are turned from east, and the camera with them</source>
+        <translation>las pasadas están giradas respecto al este, y la cámara con ellas</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/methods.py"/>
+        <source>the source gives pictures by their centre, not tiles that others can be made from</source>
+        <translation>la fuente da imágenes por su centro, no teselas con las que se puedan hacer otras</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/methods.py"/>
+        <location filename="../../core/report/measure.py"/>
+        <source>wind</source>
+        <translation>viento</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/methods.py"/>
+        <source>wind turns the camera</source>
+        <translation>el viento gira la cámara</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/methods.py"/>
+        <source>{0}, ≤ {1} px</source>
+        <translation>{0}, ≤ {1} px</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/methods.py"/>
+        <source>{0}, ≤ {1} px (not {2}: {3})</source>
+        <translation>{0}, ≤ {1} px (no {2}: {3})</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/methods.py"/>
+        <source>{0}: {1}, ≤ {2} px</source>
+        <translation>{0}: {1}, ≤ {2} px</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/methods.py"/>
+        <source>{0}; left out: {1}; {2}</source>
+        <translation>{0}; se omite: {1}; {2}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/methods.py"/>
+        <source>≤ {0} px of a budget of {1} px</source>
+        <translation>≤ {0} px de {1} px admisibles</translation>
+    </message>
+    <message>
         <location filename="../../core/mission/mission.py"/>
         <source>area type {0}: must be box, polygon or points</source>
         <translation>tipo de área {0}: debe ser box, polygon o points</translation>
@@ -7226,6 +7296,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/mission.py"/>
         <source>error budget {0} px: must be a number above 0</source>
         <translation>error admisible de {0} px: debe ser un número mayor que 0</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/mission.py"/>
+        <source>footprint {0} of the mission file is ignored: footprints are always exact, as cheaper ones save no time</source>
+        <translation>se pasa por alto la huella {0} del archivo de misión: las huellas son siempre exactas, pues otras más baratas no ahorran tiempo</translation>
     </message>
     <message>
         <location filename="../../core/mission/mission.py"/>
@@ -7281,6 +7356,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/mission.py"/>
         <source>map types {0}: each may be named once</source>
         <translation>tipos de mapa {0}: cada uno se puede nombrar una vez</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/mission.py"/>
+        <source>mesh {0} of the mission file is ignored: the mesh is as coarse as the error budget allows</source>
+        <translation>se pasa por alto la malla {0} del archivo de misión: la malla es tan gruesa como permite el error admisible</translation>
     </message>
     <message>
         <location filename="../../core/mission/mission.py"/>
@@ -7437,106 +7517,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/presets.py"/>
         <source>camera {0} is unknown: {1}`terrainav cameras` lists the names</source>
         <translation>cámara {0} desconocida: {1}`terrainav cameras` enumera los nombres</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/rungs.py"/>
-        <source>condition number</source>
-        <translation>número de condición</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/rungs.py"/>
-        <source>error</source>
-        <translation>error</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/rungs.py"/>
-        <source>footprint</source>
-        <translation>huella</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/rungs.py"/>
-        <source>infinite (horizon)</source>
-        <translation>infinito (horizonte)</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/rungs.py"/>
-        <source>its bound of {0} px and {1} px of the other stages exceed the budget of {2} px</source>
-        <translation>su cota de {0} px y los {1} px de los demás pasos superan los {2} px admisibles</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/rungs.py"/>
-        <source>its cells' own noise is {0} px</source>
-        <translation>el propio ruido de sus celdas es de {0} px</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/rungs.py"/>
-        <source>left out</source>
-        <translation>se omite</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/rungs.py"/>
-        <source>mesh</source>
-        <translation>malla</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/rungs.py"/>
-        <source>method of {0}</source>
-        <translation>método: {0}</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/rungs.py"/>
-        <source>method {0}: must be {1} or one of {2}</source>
-        <translation>método {0}: debe ser {1} o uno de {2}</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/rungs.py"/>
-        <source>nothing</source>
-        <translation>nada</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/rungs.py"/>
-        <source>terrain</source>
-        <translation>relieve</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/rungs.py"/>
-        <source>terrain: not bounded, up to {0} px per metre of relief</source>
-        <translation>relieve: sin cota, hasta {0} px por metro de relieve</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/rungs.py"/>
-        <source>terrain: not bounded, without limit at the horizon</source>
-        <translation>relieve: sin cota, sin límite en el horizonte</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/rungs.py"/>
-        <source>{0} {1} was asked for, but has no bound here: {2}</source>
-        <translation>se pidió {0} {1}, pero aquí no tiene cota: {2}</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/rungs.py"/>
-        <source>{0}, ≤ {1} px</source>
-        <translation>{0}, ≤ {1} px</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/rungs.py"/>
-        <source>{0}, ≤ {1} px (not {2}: {3})</source>
-        <translation>{0}, ≤ {1} px (no {2}: {3})</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/rungs.py"/>
-        <source>{0}: {1}, ≤ {2} px</source>
-        <translation>{0}: {1}, ≤ {2} px</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/rungs.py"/>
-        <source>{0}; left out: {1}; {2}</source>
-        <translation>{0}; se omite: {1}; {2}</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/rungs.py"/>
-        <source>≤ {0} px of a budget of {1} px</source>
-        <translation>≤ {0} px de {1} px admisibles</translation>
     </message>
     <message>
         <location filename="../../core/mission/sde.py"/>
@@ -7727,21 +7707,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/report/page.py"/>
         <source>page</source>
         <translation>página</translation>
-    </message>
-    <message>
-        <location filename="../../core/report/wind_methods.py"/>
-        <source>horizon {0} s: must be 0 or more</source>
-        <translation>horizonte de {0} s: debe ser 0 o más</translation>
-    </message>
-    <message>
-        <location filename="../../core/report/wind_methods.py"/>
-        <source>method {0}: must be one of {1}</source>
-        <translation>método {0}: debe ser uno de {1}</translation>
-    </message>
-    <message>
-        <location filename="../../core/report/wind_methods.py"/>
-        <source>step {0} s: must be above 0</source>
-        <translation>paso de {0} s: debe ser mayor que 0</translation>
     </message>
     <message>
         <location filename="../../core/safe_json.py"/>

@@ -162,7 +162,7 @@ def run(case: Case) -> Outcome:
         case.mission.layout != "cover" or len(made) > MOST or made.coverage is None or made.coverage.complete
     )
     chosen = made.accuracy
-    methods = ", ".join(choice.rung.name for choice in chosen.choices)
+    methods = ", ".join(choice.method.name for choice in chosen.choices)
     return Outcome(case, "", methods, chosen.bound_px, measured_px(made), chosen.condition, seconds, covered)
 
 

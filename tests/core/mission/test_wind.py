@@ -10,7 +10,7 @@ import math
 import mpmath
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from terrainav.core.errors import InvalidInput
 from terrainav.core.geodesy.camera import Camera
@@ -19,7 +19,6 @@ from terrainav.core.mission.area import Points
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.sde import LinearSystem, factor
 from terrainav.core.mission.wind import Wind, fly
-from terrainav.core.report import wind_methods
 
 SIGMA, AIRSPEED, AGL_M = 1.4, 15.0, 120.0
 SYSTEM = gusts.flight_system(SIGMA, AIRSPEED, AGL_M)
@@ -511,69 +510,3 @@ def test_a_flight_that_cannot_be(flight, place, value, says):
     given_values[place] = value
     with pytest.raises(InvalidInput, match=says):
         fly(flight, AIRSPEED, *given_values)
-
-
-# ----------------------------------------------------------------------------------------------- methods
-
-
-@pytest.mark.parametrize(
-    ("method", "order"),
-    [
-        (wind_methods.EULER_MARUYAMA, 1),
-        (wind_methods.IMPLICIT_EULER, 1),
-        (wind_methods.TRAPEZOID, 2),
-    ],
-)
-def test_methods_converge_at_their_order(method, order):
-    _, right = stepped(0.5)
-    coarse, fine = (
-        in_sigmas(wind_methods.moments(method, SYSTEM, 0.5, step_s) - right, right) for step_s in (1e-3, 5e-4)
-    )
-    assert 0.0 < fine < 2e-2
-    assert math.log2(coarse / fine) == pytest.approx(order, abs=0.1)
-
-
-@pytest.mark.parametrize("method", wind_methods.METHODS)
-def test_only_euler_maruyama_has_a_longest_step(method):
-    limit_s = wind_methods.stability_limit_s(method, SYSTEM)
-    assert limit_s == math.inf or (method == wind_methods.EULER_MARUYAMA and 8e-3 < limit_s < 10e-3)
-    stationary = SYSTEM.stationary_covariance()
-    for step_s in (1e-3, 0.02, 5.0):
-        after = wind_methods.moments(method, SYSTEM, 1000.0 * step_s, step_s, stationary)
-        assert not np.isnan(after).any()
-        growth = float((np.diag(after) / np.diag(stationary)).max())
-        if step_s > limit_s:
-            assert growth == math.inf
-        elif method == wind_methods.EXACT:
-            assert growth == pytest.approx(1.0, abs=1e-6)
-        else:
-            assert growth < 1e6
-
-
-def test_the_stability_limit_is_where_growth_begins():
-    limit_s = wind_methods.stability_limit_s(wind_methods.EULER_MARUYAMA, SYSTEM)
-    for share, grows in ((0.999, False), (1.001, True)):
-        mean, _ = wind_methods.one_step(wind_methods.EULER_MARUYAMA, SYSTEM, share * limit_s)
-        assert (np.abs(np.linalg.eigvals(mean)).max() > 1.0) == grows
-
-
-@settings(max_examples=20)
-@given(steps)
-def test_the_exact_method_does_not_care_for_the_step(step_s):
-    # Through a hundred steps at most: rounding grows with their number.
-    horizon_s = step_s * 100.0
-    _, right = stepped(horizon_s)
-    picked = gusts.outputs()
-    many = wind_methods.moments(wind_methods.EXACT, SYSTEM, horizon_s, step_s)
-    assert np.diag(picked @ many @ picked.T) == pytest.approx(np.diag(picked @ right @ picked.T), rel=1e-11)
-
-
-def test_methods_start_at_rest_and_refuse_what_they_cannot_step():
-    assert not wind_methods.moments(wind_methods.EXACT, SYSTEM, 0.0, 1.0).any()
-    for arguments, says in (
-        (("Heun", SYSTEM, 1.0, 1.0), "method 'Heun'"),
-        ((wind_methods.EXACT, SYSTEM, 1.0, 0.0), "step 0.0 s"),
-        ((wind_methods.EXACT, SYSTEM, math.nan, 1.0), "horizon nan s"),
-    ):
-        with pytest.raises(InvalidInput, match=says):
-            wind_methods.moments(*arguments)

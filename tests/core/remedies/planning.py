@@ -58,13 +58,13 @@ def planned(module, message, mission, ways, grid=GRID):
 
 
 planned(
-    "choosing.py",
+    "methods.py",
     "pixels of {} m on the ground: degrees in float64 resolve {} m; fly higher or widen the field of view",
     at(35.0, 0.01, camera=Camera(0.01, 1.0), frame="camera", upsample=True),
     {"fly higher": moved(35.0, 10.0), "widen the field of view": {"camera": Camera(60.0, 1.0)}},
 )
 planned(
-    "choosing.py",
+    "methods.py",
     "error budget {} px: no methods fit; the closest are {} with {} px, {} times as much; raise "
     "--error-budget, or go on "
     "with --accept-error",
@@ -72,7 +72,7 @@ planned(
     {"raise --error-budget": {"error_budget_px": NAMED}, "go on with --accept-error": {"accept_error": True}},
 )
 planned(
-    "choosing.py",
+    "methods.py",
     "picture as the camera sees it: {}; choose a source of tiles",
     Mission(AREA, 120.0, tilt_deg=9.0),
     {"choose a source of tiles": GRID},

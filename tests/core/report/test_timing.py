@@ -6,7 +6,7 @@ import math
 import time
 
 import pytest
-from terrainav.core.mission.rungs import Rung
+from terrainav.core.mission.methods import Method
 from terrainav.core.report.measure import Measured, Saving, compared_with
 from terrainav.core.report.tables import compared_text, savings_table
 from terrainav.core.report.timing import Effort, Quartiles, Seconds, timed, timed_together
@@ -41,7 +41,7 @@ def measured(clock, *works):
 
 
 def method(name, seconds, chosen=False):
-    return Measured(Rung("mesh", name, 0.1, 0.1), 0.01, seconds, chosen)
+    return Measured(Method("pixels", name, 0.1, 0.1), 0.01, seconds, chosen)
 
 
 def test_a_work_beside_itself_is_not_told_apart():
@@ -52,8 +52,8 @@ def test_a_work_beside_itself_is_not_told_apart():
     assert low < 1.0 < high
     assert not one.told_from(other)
     assert not other.told_from(one)
-    text = compared_text(method("rays", one), method("mesh-1px", other, chosen=True))
-    assert text == "cannot be told from mesh-1px in time"
+    text = compared_text(method("rays", one), method("mesh", other, chosen=True))
+    assert text == "cannot be told from mesh in time"
     saved = savings_table([Saving("rays", "the mesh fits", one - other, one.told_from(other), 0)]).rows[0]
     assert saved[2] == "too little to be told"
 
@@ -64,8 +64,8 @@ def test_a_longer_work_is_told_apart_and_by_how_much():
     assert one.told_from(other)
     assert other.told_from(one)
     assert one.ratio(other).median == pytest.approx(3.0, rel=0.11)
-    text = compared_text(method("rays", one), method("mesh-1px", other, chosen=True))
-    assert text == "2.86 times mesh-1px (2.85 to 3.32)"
+    text = compared_text(method("rays", one), method("mesh", other, chosen=True))
+    assert text == "2.86 times mesh (2.85 to 3.32)"
     saved = savings_table([Saving("rays", "the mesh fits", one - other, one.told_from(other), 0)]).rows[0]
     assert saved[2] == "19.5\u00a0ms (18.5 to 22)"
 
@@ -146,7 +146,7 @@ def test_a_few_rounds_tell_apart_only_where_all_agree():
 def test_one_round_tells_nothing():
     one, other = Seconds((1.0,)), Seconds((5.0,))
     assert not one.told_from(other)
-    assert compared_text(method("rays", other), method("mesh-1px", one)) == "–"
+    assert compared_text(method("rays", other), method("mesh", one)) == "–"
 
 
 def test_times_add_up_round_by_round():
@@ -158,8 +158,8 @@ def test_times_add_up_round_by_round():
 
 
 def test_times_are_compared_with_the_chosen_method_or_else_the_cheapest():
-    outside = Measured(Rung("mesh", "none", 1.0, 1.0, "not here"))
-    first, second = method("mesh-1px", Seconds((1.0,))), method("rays", Seconds((2.0,)))
+    outside = Measured(Method("pixels", "none", 1.0, 1.0, "not here"))
+    first, second = method("mesh", Seconds((1.0,))), method("rays", Seconds((2.0,)))
     assert compared_with([outside, first, second]) is first
     taken = method("rays", Seconds((2.0,)), chosen=True)
     assert compared_with([outside, first, taken]) is taken

@@ -2,53 +2,47 @@
 
 from __future__ import annotations
 
-import itertools
 import math
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from terrainav.core.errors import InvalidInput
 from terrainav.core.geodesy.mercator import PixelGrid
 from terrainav.core.mission.area import Box, Points
+from terrainav.core.mission.methods import bound_text
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
-from terrainav.core.mission.rungs import Rung, bound_text, choose
 from terrainav.core.mission.wind import Wind
 
 AGRICENTER = Box(35.16, -89.90, 35.115, -89.823)
-bounds = st.one_of(st.just(math.inf), st.floats(1e-9, 10.0))
-ladders = st.lists(st.lists(bounds, min_size=1, max_size=4), min_size=1, max_size=3)
 
 
-def rungs(stage, bounds_px):
-    return [
-        Rung(stage, str(i), px, px, "" if math.isfinite(px) else "no bound") for i, px in enumerate(bounds_px)
-    ]
-
-
-@given(ladders, st.floats(1e-6, 20.0))
-def test_the_choice_is_the_first_of_all_combinations_that_fits(bounds_px, budget):
-    made = [rungs(f"stage {index}", ladder) for index, ladder in enumerate(bounds_px)]
-    found = choose(budget, made, ["auto"] * len(made))
-    # Cheapest first: in the order of the products, a step on an earlier ladder costs more than all later ones.
-    fitting = [
-        combination
-        for combination in itertools.product(*made)
-        if sum(r.bound_px for r in combination) <= budget
-    ]
-    near = any(abs(sum(r.bound_px for r in c) - budget) <= 1e-9 * budget for c in itertools.product(*made))
-    if near:
+@settings(max_examples=60)
+@given(st.floats(-5.0, 1.0).map(lambda power: 10.0**power), st.sampled_from(["auto", "camera"]))
+def test_a_budget_buys_the_cheapest_picture_and_the_coarsest_mesh_that_fit(budget, frame):
+    mission = Mission(Points(((35.14, -89.86, 120.0),)), 120.0, frame=frame)
+    on_map = plan(mission.with_(frame="map", error_budget_px=1.0), PixelGrid()).accuracy
+    chosen = plan(mission.with_(error_budget_px=budget), PixelGrid()).accuracy
+    assert chosen.bound_px <= budget
+    assert chosen.footprint.method.name == "exact"
+    if frame == "auto" and on_map.bound_px <= budget:
+        assert (chosen.picture.method.name, chosen.picture.rejected) == ("map", None)
+        assert chosen.pixels is None
         return
-    if not fitting:
-        assert found is None
-        return
-    choices, total = found
-    assert tuple(choice.rung for choice in choices) == fitting[0]
-    assert total <= budget
-    for choice, ladder in zip(choices, made):
-        assert (choice.rejected is None) == (choice.rung is ladder[0])
-        assert bool(choice.reason) == (choice.rejected is not None)
+    assert chosen.picture.method.name == "camera"
+    assert (chosen.picture.rejected is None) == (frame == "camera")
+    pixels = chosen.pixels
+    if pixels.method.name == "mesh":
+        # All that the other stages leave is the mesh's, up to a pixel.
+        assert chosen.mesh_tolerance_px == pytest.approx(
+            min(budget - (chosen.bound_px - pixels.method.bound_px), 1.0), rel=1e-6
+        )
+        assert pixels.rejected is None
+    else:
+        assert chosen.mesh_tolerance_px == 0.0
+        assert chosen.bound_px + pixels.rejected.bound_px > budget
+        assert "exceed the budget" in pixels.reason
 
 
 @given(st.floats(1e-12, 1e12))
@@ -58,33 +52,33 @@ def test_bounds_in_words_are_never_less_than_they_are(bound):
 
 
 @pytest.mark.parametrize(
-    ("changes", "footprint", "picture", "mesh"),
+    ("changes", "picture", "pixels", "tolerance_px"),
     [
-        ({}, "loc1", "map", None),
-        ({"error_budget_px": 0.016}, "loc2", "map", None),
-        ({"error_budget_px": 0.009}, "exact", "map", None),
-        ({"error_budget_px": 0.004}, "exact", "camera", "mesh-0.003px"),
-        ({"error_budget_px": 1e-6}, "exact", "camera", "rays"),
-        ({"error_budget_px": 3.0, "yaw_deg": 1e-4}, "loc1", "map", None),
-        ({"error_budget_px": 3.0, "yaw_deg": 90.0}, "loc1", "camera", "mesh-1px"),
-        ({"tilt_deg": 85.0}, "exact", "camera", "mesh-0.03px"),
-        ({"wind": Wind(5.0, 0.0, 0.2)}, "exact", "camera", "mesh-0.03px"),
-        ({"wind": Wind(5.0, 0.0, 0.0)}, "loc1", "map", None),
-        ({"frame": "camera", "mesh": "rays", "footprint": "loc2"}, "loc2", "camera", "rays"),
+        ({}, "map", None, 0.0),
+        ({"error_budget_px": 0.009}, "map", None, 0.0),
+        ({"error_budget_px": 0.004}, "camera", "mesh", 0.004),
+        ({"error_budget_px": 1e-6}, "camera", "rays", 0.0),
+        ({"error_budget_px": 3.0, "yaw_deg": 1e-4}, "map", None, 0.0),
+        ({"error_budget_px": 3.0, "yaw_deg": 90.0}, "camera", "mesh", 1.0),
+        ({"tilt_deg": 85.0}, "camera", "mesh", 0.1),
+        ({"wind": Wind(5.0, 0.0, 0.2)}, "camera", "mesh", 0.1),
+        ({"wind": Wind(5.0, 0.0, 0.0)}, "map", None, 0.0),
+        ({"frame": "camera", "mesh": "rays"}, "camera", "rays", 0.0),
     ],
 )
-def test_the_agricenter_takes_what_it_needs(changes, footprint, picture, mesh):
+def test_the_agricenter_takes_what_it_needs(changes, picture, pixels, tolerance_px):
     chosen = plan(Mission(AGRICENTER, 120.0, **changes), PixelGrid()).accuracy
-    assert chosen.footprint.rung.name == footprint
-    assert chosen.picture.rung.name == picture
-    assert (chosen.mesh and chosen.mesh.rung.name) == mesh
+    assert chosen.picture.method.name == picture
+    assert (chosen.pixels and chosen.pixels.method.name) == pixels
+    # No fixed steps: the mesh has what the budget leaves.
+    assert chosen.mesh_tolerance_px == pytest.approx(tolerance_px, rel=1e-3)
     assert chosen.bound_px <= chosen.budget_px
 
 
 def test_what_was_chosen_and_left_out_in_words():
     chosen = plan(Mission(AGRICENTER, 120.0), PixelGrid()).accuracy
     assert chosen.text() == (
-        "footprint: loc1, ≤ 0.0082 px; picture: map, ≤ 0.0083 px; left out: resampling, exact footprints, wind; "
+        "footprint: exact, ≤ 8.3e-09 px; picture: map, ≤ 0.0083 px; left out: resampling, wind; "
         "terrain: not bounded, up to 3.4 px per metre of relief"
     )
     tilted = plan(Mission(AGRICENTER, 120.0, tilt_deg=85.0), PixelGrid()).accuracy
