@@ -154,10 +154,6 @@ class Camera:
         """Vertical field of view in degrees."""
         return _fov_deg(self.half_tangents[1])
 
-    def focal_length_px(self, width_px: float) -> float:
-        """Focal length in px of an image ``width_px`` wide."""
-        return width_px / (2.0 * self.half_tangents[0])
-
     def ground_size_m(self, agl_m: float) -> tuple[float, float]:
         """Width and height in metres of flat ground seen from ``agl_m`` straight above (equations 1, 2)."""
         tan_x, tan_y = self.half_tangents

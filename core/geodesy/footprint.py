@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .camera import CORNERS, Camera
-from .ellipsoid import WGS84, Ellipsoid, limb, sight_lines, trace
+from .ellipsoid import WGS84, Ellipsoid, limb, trace
 from .poses import Poses
 
 Floats = NDArray[np.float64]
@@ -64,21 +64,3 @@ def ground_corners(
     return Corners(
         corners.lat_deg[run], poses.lon_deg[:, np.newaxis] + corners.lon_deg[run], corners.hit[run]
     )
-
-
-def image_points(
-    camera: Camera, poses: Poses, lat_deg: Floats, lon_deg: Floats, ground: Ellipsoid = WGS84
-) -> Floats:
-    """Image points, (n, k, 2), at which exact cameras see ground points (n, k); the inverse of `exact`.
-
-    Points behind a camera give NaN; whether the Earth hides a point is not asked.
-    """
-    vectors = sight_lines(
-        poses.lat_deg[:, np.newaxis],
-        poses.agl_m[:, np.newaxis],
-        lat_deg,
-        lon_deg - poses.lon_deg[:, np.newaxis],
-        ground,
-    )
-    points, in_front = camera.image_xy(vectors, *poses.attitude)
-    return np.where(in_front[..., np.newaxis], points, np.nan)

@@ -52,11 +52,6 @@ class LinearSystem:
     drift_per_s: Floats
     noise_per_s: Floats
 
-    @property
-    def time_constants_s(self) -> Floats:
-        """One over the magnitude of each eigenvalue of A, fastest first (d,)."""
-        return np.sort(1.0 / np.abs(np.linalg.eigvals(self.drift_per_s)))
-
     def discretise(self, step_s: Floats) -> tuple[Floats, Floats]:
         """Exact discretisation for each of many steps.
 

@@ -137,7 +137,7 @@ def test_sky_is_black_and_its_share_is_counted():
     # The horizon lies below the horizontal by the dip, arccos(R/(R + h)).
     rows = np.flatnonzero(~view.sky[:, view.width_px // 2])
     dip = np.degrees(np.arccos(1 / (1 + 120.0 / 6.371e6)))
-    focal = worked_out.mission.camera.focal_length_px(view.width_px)
+    focal = view.width_px / (2.0 * worked_out.mission.camera.half_tangents[0])
     horizon = view.height_px / 2 - focal * np.tan(np.radians(5.0 - dip))
     assert abs(rows[0] - horizon) <= 1.0
 

@@ -11,9 +11,10 @@ from hypothesis import strategies as st
 from pyproj import Geod
 from terrainav.core.geodesy.aligned import common_sides, own_sides
 from terrainav.core.geodesy.camera import Camera
-from terrainav.core.geodesy.footprint import image_points
 from terrainav.core.geodesy.plane import NOISE_M, LocalPlane
 from terrainav.core.geodesy.poses import Poses
+
+from tests.core.geodesy.inverse import image_points
 
 GEOD = Geod(ellps="WGS84")
 RADIUS_M = 6.371e6

@@ -93,3 +93,10 @@ def test_the_exact_discretisation_is_the_only_exact_one_and_euler_maruyama_ends(
     table = integrators.flight_table(flight)
     assert [row[0] for row in table.rows] == list(integrators.METHODS)
     assert table.rows[0][1] == "any step"
+
+
+def test_time_constants_span_milliseconds_to_twenty_seconds():
+    constants_s = integrators.time_constants_s(SYSTEM)
+    assert 4e-3 < constants_s[0] < 5e-3
+    assert 18.0 < constants_s[-1] < 20.0
+    assert constants_s[-1] / constants_s[0] > 4e3

@@ -66,8 +66,8 @@ def test_pixels_are_square(facts):
     assert [preset.width_px, preset.height_px] == facts["size_px"]
     assert preset.image_px == max(facts["size_px"])
     assert preset.camera.aspect_ratio == facts["size_px"][0] / facts["size_px"][1]
-    # The focal length in px that the camera derives is that of the lens, but for the sensor's own rounding.
-    assert preset.camera.focal_length_px(preset.width_px) == pytest.approx(
+    # The focal length in px is that of the lens, but for the sensor's own rounding.
+    assert preset.width_px / (2.0 * preset.camera.half_tangents[0]) == pytest.approx(
         1000.0 * facts["focal_length_mm"] / pitch_um[0], rel=0.03
     )
 
