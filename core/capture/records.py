@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 
 from ..dataset.entropy import entropy
 from ..dataset.table import Table
+from ..geodesy.camera import Poses
 from ..geodesy.mercator import wrap_lon_deg
-from ..geodesy.poses import Poses
 from ..geodesy.view import View
 from ..imagery.source import Part, Source, Window
 from ..mission.framing import sampled_zooms

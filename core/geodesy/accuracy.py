@@ -13,9 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from .camera import CORNERS, Camera
+from .camera import CORNERS, Camera, Poses
 from .ellipsoid import WGS84, Ellipsoid
-from .poses import Poses
 
 Floats = NDArray[np.float64]
 
@@ -133,10 +132,10 @@ def map_frame_px(scene: Scene) -> Floats:
     )
     second = scene.half_diagonal_px * (np.maximum(width_m, height_m) / radius) ** 2 * (1.0 + bend**2)
     on_map = _MAP_NOISE_M / scene.nadir_px_m
-    return with_noise(scene, flat_bending_px(scene) + converging + second) + on_map + attitude_px(scene)
+    return with_noise(scene, flat_bending_px(scene) + converging + second) + on_map + _attitude_px(scene)
 
 
-def attitude_px(scene: Scene) -> Floats:
+def _attitude_px(scene: Scene) -> Floats:
     """How far a level, north-up picture is from the turned one at most, (n,); for small angles."""
     yaw, tilt, roll = (
         np.abs(np.radians(np.mod(angle + 180.0, 360.0) - 180.0)) for angle in scene.poses.attitude

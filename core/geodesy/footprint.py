@@ -1,22 +1,38 @@
-"""Where points of a camera's image meet the ground."""
+"""The ground that the exact camera sees: its corners, and its outline where the horizon cuts it."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .camera import CORNERS, Camera
-from .ellipsoid import WGS84, Ellipsoid, limb, trace
-from .poses import Poses
+from ..errors import InvalidInput
+from .camera import CORNERS, Camera, Poses
+from .ellipsoid import (
+    WGS84,
+    Ellipsoid,
+    above_tangent_plane_m,
+    clearance,
+    limb,
+    limb_azimuth,
+    sight_lines,
+    trace,
+)
 
 Floats = NDArray[np.float64]
 #: Image points as `CORNERS` has them.
 ImagePoints = tuple[tuple[float, float], ...]
 #: Length of a direction's horizontal part, as a share of the whole, below which its azimuth is only noise.
 _VERTICAL = 1e-15
+Flags = NDArray[np.bool_]
+#: Pieces an edge of the image is divided into, and each arc of the horizon: an arc of a full circle is then
+#: within 0.1 % of its radius.
+_EDGE_PIECES, _ARC_PIECES = 16, 72
+#: Image points this close are one.
+_SAME_POINT = 1e-12
 
 
 class Corners(NamedTuple):
@@ -64,3 +80,181 @@ def ground_corners(
     return Corners(
         corners.lat_deg[run], poses.lon_deg[:, np.newaxis] + corners.lon_deg[run], corners.hit[run]
     )
+
+
+@dataclass(frozen=True, eq=False)
+class Outline:
+    """The ring of ground a camera sees, counter-clockwise seen from above.
+
+    Attributes
+    ----------
+    lat_deg, dlon_deg : array (k,)
+        Vertices; the last is joined to the first. Longitudes count from the camera's and are continuous, also
+        around a pole, where the last vertex is a turn away from the first.
+    horizon : array (k,) of bool
+        Whether the edge from a vertex to the next one is a piece of the horizon.
+    image_xy : array (k, 2)
+        Image points of the vertices.
+    pole : int
+        1 or -1 where the north or south pole is seen inside the ring, else 0.
+    """
+
+    lat_deg: Floats
+    dlon_deg: Floats
+    horizon: Flags
+    image_xy: Floats
+    pole: int
+
+
+def poles_seen(camera: Camera, poses: Poses, ground: Ellipsoid = WGS84) -> NDArray[np.int64]:
+    """For each pose 1 or -1 where the north or south pole is in its image, else 0; (n,).
+
+    A pole is above the horizon of whatever stands above the plane that touches the ellipsoid there.
+    """
+    found = np.zeros(len(poses.lat_deg), np.int64)
+    for pole in (1, -1):
+        at_pole = np.full((len(found), 1), 90.0 * pole)
+        lat, agl = poses.lat_deg[:, np.newaxis], poses.agl_m[:, np.newaxis]
+        vectors = sight_lines(lat, agl, at_pole, np.zeros_like(at_pole), ground)
+        points, in_front = camera.image_xy(vectors, *poses.attitude)
+        inside = in_front[:, 0] & (np.abs(points[:, 0]) <= 1.0).all(axis=-1)
+        above_m = above_tangent_plane_m(lat, vectors, at_pole, np.zeros_like(at_pole))[:, 0]
+        found[inside & (above_m > 0.0)] = pole
+    return found
+
+
+def outline(
+    camera: Camera,
+    lat_deg: float,
+    agl_m: float,
+    attitude: tuple[float, float, float] = (0.0, 0.0, 0.0),
+    ground: Ellipsoid = WGS84,
+) -> Outline:
+    """Outline of the ground that one camera sees.
+
+    What a camera sees of the Earth is convex in its image (a rectangle cut by a cone), so that the vertices
+    follow each other by their angle about a point inside.
+
+    Parameters
+    ----------
+    attitude : tuple
+        Yaw, tilt, roll in degrees.
+
+    Raises
+    ------
+    InvalidInput
+        Where no ray of the image meets the Earth.
+    """
+    view = _View(camera, lat_deg, agl_m, attitude, ground)
+    edge = view.frame_points()
+    lat, dlon, hit = view.seen(edge)
+    arc = view.limb_points()
+    points = np.concatenate([edge[hit], arc.image_xy])
+    on_limb = np.concatenate([np.zeros(int(hit.sum()), bool), np.ones(len(arc.lat_deg), bool)])
+    if len(points) < 3:
+        raise InvalidInput(
+            f"camera at height {agl_m:g} m, yaw {attitude[0]:g}, tilt {attitude[1]:g}, roll {attitude[2]:g} deg: no "
+            "ray of its image meets the Earth; tilt it down",
+            "tilt_deg",
+        )
+    lat, dlon = np.concatenate([lat[hit], arc.lat_deg]), np.concatenate([dlon[hit], arc.dlon_deg])
+    centre = points.mean(axis=0)
+    order = np.argsort(np.arctan2(points[:, 1] - centre[1], points[:, 0] - centre[0]))
+    order = order[_distinct(points[order])]
+    lat, dlon, points, on_limb = lat[order], dlon[order], points[order], on_limb[order]
+    steps = np.diff(dlon, append=dlon[:1])
+    steps -= 360.0 * np.round(steps / 360.0)
+    turns = round(float(steps.sum()) / 360.0)
+    dlon = dlon[0] + np.concatenate([[0.0], np.cumsum(steps[:-1])])
+    return Outline(lat, dlon, on_limb & np.roll(on_limb, -1), points, turns)
+
+
+def _distinct(points: Floats) -> Flags:
+    gap = np.abs(points - np.roll(points, 1, axis=0)).max(axis=1)
+    return np.asarray(gap > _SAME_POINT)
+
+
+@dataclass(frozen=True, eq=False)
+class _Arc:
+    """Points of the horizon inside the image."""
+
+    lat_deg: Floats
+    dlon_deg: Floats
+    image_xy: Floats
+
+
+@dataclass(frozen=True)
+class _View:
+    """One camera, and questions about points of its image and of the horizon."""
+
+    camera: Camera
+    lat_deg: float
+    agl_m: float
+    attitude: tuple[float, float, float]
+    ground: Ellipsoid
+
+    @property
+    def _where(self) -> tuple[Floats, Floats]:
+        return np.asarray(self.lat_deg), np.asarray(self.agl_m)
+
+    def seen(self, points: Floats) -> tuple[Floats, Floats, Flags]:
+        """Latitude, longitude from the camera's, and whether the ray hits, of image points (k, 2)."""
+        return trace(*self._where, self.camera.rays_enu(points, *self.attitude), self.ground)
+
+    def clearance_at(self, points: Floats) -> Floats:
+        """The first number of `clearance` at image points (k, 2)."""
+        return clearance(*self._where, self.camera.rays_enu(points, *self.attitude), self.ground)[0]
+
+    def frame_points(self) -> Floats:
+        """Points along the edges of the image, corners included, (4·pieces, 2)."""
+        corners = np.array(CORNERS)
+        shares = np.arange(_EDGE_PIECES) / _EDGE_PIECES
+        start, way = corners, np.roll(corners, -1, axis=0) - corners
+        points = start[:, np.newaxis] + shares[:, np.newaxis] * way[:, np.newaxis]
+        return np.asarray(points.reshape(-1, 2), np.float64)
+
+    def limb_points(self) -> _Arc:
+        """Points of the horizon inside the image: where it enters, along each arc, and where it leaves."""
+        cuts = np.sort(self._crossing_azimuths())
+        if len(cuts) == 0:
+            cuts = np.array([0.0])
+        ends = np.append(cuts[1:], cuts[0] + 2.0 * np.pi)
+        middle_inside = self._on_limb((cuts + ends) / 2.0)[3]
+        shares = np.linspace(0.0, 1.0, _ARC_PIECES + 1)
+        azimuths = [
+            start + shares * (end - start) for start, end in zip(cuts[middle_inside], ends[middle_inside])
+        ]
+        if not azimuths:
+            return _Arc(np.empty(0), np.empty(0), np.empty((0, 2)))
+        lat, dlon, points, _ = self._on_limb(np.concatenate(azimuths))
+        return _Arc(lat, dlon, np.clip(points, -1.0, 1.0))
+
+    def _on_limb(self, azimuth: Floats) -> tuple[Floats, Floats, Floats, Flags]:
+        """Horizon below azimuths (radians from north): ground, image points, and which are in the image."""
+        towards = np.stack([np.sin(azimuth), np.cos(azimuth), np.zeros_like(azimuth)], axis=-1)
+        ground = limb(*self._where, towards, self.ground)
+        vectors = sight_lines(*self._where, ground.lat_deg, ground.dlon_deg, self.ground)
+        points, in_front = self.camera.image_xy(vectors, *self.attitude)
+        inside = in_front & (np.abs(points) <= 1.0).all(axis=-1)
+        return ground.lat_deg, ground.dlon_deg, points, inside
+
+    def _crossing_azimuths(self) -> Floats:
+        """Azimuths, radians from north, at which the horizon crosses the edges of the image."""
+        corners = np.array(CORNERS)
+        start, way = corners, np.roll(corners, -1, axis=0) - corners
+        first, middle, last = (self.clearance_at(start + share * way) for share in (0.0, 0.5, 1.0))
+        square = 2.0 * (first - 2.0 * middle + last)
+        slope = 4.0 * middle - 3.0 * first - last
+        shares, edges = [], []
+        for index in range(4):
+            roots = np.roots([square[index], slope[index], first[index]])
+            for root in roots[np.abs(np.imag(roots)) == 0.0].real:
+                if 0.0 <= root <= 1.0:
+                    shares.append(root)
+                    edges.append(index)
+        if not shares:
+            return np.empty(0)
+        points = start[edges] + np.array(shares)[:, np.newaxis] * way[edges]
+        rays = self.camera.rays_enu(points, *self.attitude)
+        ahead = clearance(*self._where, rays, self.ground)[1] < 0.0
+        return limb_azimuth(*self._where, rays[ahead], self.ground)

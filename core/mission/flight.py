@@ -10,7 +10,7 @@ from pyproj import Geod
 
 from ..geodesy.ellipsoid import WGS84
 from ..geodesy.mercator import wrap_lon_deg
-from ..geodesy.proj_arrays import through_proj
+from ..geodesy.projections import through_proj
 from .wind import Wind
 
 Floats = NDArray[np.float64]

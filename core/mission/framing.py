@@ -12,11 +12,11 @@ from numpy.typing import NDArray
 
 from ..errors import InvalidInput
 from ..geodesy.accuracy import Scene
+from ..geodesy.camera import Poses
 from ..geodesy.ellipsoid import WGS84, Ellipsoid, trace
 from ..geodesy.frames import FrameEdges, Windows, map_frame_edges, windows_of
-from ..geodesy.inscribed import inscribed_edges
 from ..geodesy.mercator import MAX_LAT_DEG, PixelGrid, fitting_zoom, lat_to_v
-from ..geodesy.poses import Poses
+from ..geodesy.rectangles import inscribed_edges
 from ..geodesy.view import fitting_detail
 from ..limits import MAX_PICTURE_PX, MAX_PICTURE_SIDE_PX
 from .area import Points

@@ -13,7 +13,7 @@ from ..errors import InvalidInput
 from ..geodesy.ellipsoid import gauss_legendre
 from ..geodesy.frames import FrameEdges
 from ..geodesy.mercator import MAX_LAT_DEG, lat_to_v, lon_to_u, u_to_lon, v_to_lat
-from ..geodesy.utm import utm_zone
+from ..geodesy.projections import utm_zone
 from .area import Box, Points, Polygon
 from .choices import ONE_WAY
 from .mission import Mission

@@ -11,8 +11,8 @@ import numpy as np
 from ..errors import InvalidInput
 from ..geodesy import accuracy
 from ..geodesy.accuracy import Scene
+from ..geodesy.camera import Poses
 from ..geodesy.mercator import PixelGrid
-from ..geodesy.poses import Poses
 from .area import Points
 from .choices import RAYS
 from .framing import (

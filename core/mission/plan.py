@@ -12,11 +12,10 @@ from numpy.typing import NDArray
 
 from ..errors import InvalidInput
 from ..geodesy.accuracy import Scene
-from ..geodesy.footprint import Corners, ground_corners
+from ..geodesy.camera import Poses
+from ..geodesy.footprint import Corners, Outline, ground_corners, outline, poles_seen
 from ..geodesy.frames import Windows, window_centres
-from ..geodesy.horizon import Outline, outline, poles_seen
 from ..geodesy.mercator import MAX_LAT_DEG, PixelGrid, lat_to_v
-from ..geodesy.poses import Poses
 from ..geodesy.view import View, view
 from .area import Points
 from .coverage import Coverage, Overlap, Rectangles, coverage, overlap, unique_tiles

@@ -9,11 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InvalidInput
-from ..geodesy.aligned import Sides, common_sides, image_rings, own_sides
+from ..geodesy.camera import Poses
 from ..geodesy.ellipsoid import Ellipsoid
 from ..geodesy.mercator import wrap_lon_deg
-from ..geodesy.plane import NOISE_M, LocalPlane
-from ..geodesy.poses import Poses
+from ..geodesy.projections import NOISE_M, LocalPlane
+from ..geodesy.rectangles import Sides, common_sides, image_rings, own_sides
 from .area import Box, Points, Polygon
 from .coverage import Coverage, Overlap, Rectangles, gaps, joined, overlap_of, shares
 from .layout import Layout, in_order, refuse_beyond_mercator, refuse_no_step, refuse_too_many

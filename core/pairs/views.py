@@ -10,10 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InvalidInput
-from ..geodesy.camera import Camera
+from ..geodesy.camera import Camera, Poses
 from ..geodesy.ellipsoid import WGS84, Ellipsoid, trace
 from ..geodesy.footprint import ground_corners
-from ..geodesy.poses import Poses
 from ..mission.area import check_agl, check_yaw
 from .places import cartesian_m
 

@@ -11,10 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..geodesy.accuracy import Scene, flat_bending_px, outside_flat_domain, with_noise
-from ..geodesy.camera import Camera
+from ..geodesy.camera import Camera, Poses
 from ..geodesy.ellipsoid import WGS84, Ellipsoid
 from ..geodesy.footprint import Corners, Footprint, ImagePoints, exact
-from ..geodesy.poses import Poses
 from ..mission.methods import Method, exact_footprint
 
 Floats = NDArray[np.float64]

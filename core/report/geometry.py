@@ -9,12 +9,10 @@ from numpy.typing import NDArray
 
 from ..errors import InvalidInput
 from ..geodesy.accuracy import Scene
-from ..geodesy.camera import CORNERS
-from ..geodesy.footprint import Footprint
+from ..geodesy.camera import CORNERS, Poses
+from ..geodesy.footprint import Footprint, outline
 from ..geodesy.frames import map_frame_edges
-from ..geodesy.horizon import outline
-from ..geodesy.mesh import Cells, ImageRays, mesh
-from ..geodesy.poses import Poses
+from ..geodesy.view import Cells, ImageRays, mesh
 from ..mission.framing import ground_of
 from ..mission.plan import Plan
 from .reference import errors_px, map_errors_px

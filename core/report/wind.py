@@ -9,9 +9,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..geodesy.camera import CORNERS, Camera
+from ..geodesy.camera import CORNERS, Camera, Poses
 from ..geodesy.footprint import exact
-from ..geodesy.poses import Poses
 from ..mission.flight import legs
 from ..mission.framing import ground_of
 from ..mission.plan import Plan, plan

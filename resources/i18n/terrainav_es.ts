@@ -5359,6 +5359,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>campo de visión {0} de {1} grados: debe estar entre 0 y 180, ambos excluidos</translation>
     </message>
     <message>
+        <location filename="../../core/geodesy/footprint.py"/>
+        <source>camera at height {0} m, yaw {1}, tilt {2}, roll {3} deg: no ray of its image meets the Earth; tilt it down</source>
+        <translation>cámara a {0} m de altura, guiñada {1}, inclinación {2}, alabeo {3} grados: ningún rayo de su imagen alcanza la Tierra; inclinarla hacia abajo</translation>
+    </message>
+    <message>
         <location filename="../../core/geodesy/frames.py"/>
         <source>height {0} m with a field of view of {1} deg: the picture reaches past the Earth's horizon; fly lower or narrow the field of view</source>
         <translation>altura de {0} m con un campo de visión de {1} grados: la imagen rebasa el horizonte de la Tierra; volar más bajo o estrechar el campo de visión</translation>
@@ -5367,11 +5372,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/geodesy/frames.py"/>
         <source>picture at latitude {0} from {1} m: it holds a pole, which Web Mercator does not; fly lower or farther from the pole</source>
         <translation>imagen en la latitud {0} desde {1} m: contiene un polo, que Web Mercator no tiene; volar más bajo o más lejos del polo</translation>
-    </message>
-    <message>
-        <location filename="../../core/geodesy/horizon.py"/>
-        <source>camera at height {0} m, yaw {1}, tilt {2}, roll {3} deg: no ray of its image meets the Earth; tilt it down</source>
-        <translation>cámara a {0} m de altura, guiñada {1}, inclinación {2}, alabeo {3} grados: ningún rayo de su imagen alcanza la Tierra; inclinarla hacia abajo</translation>
     </message>
     <message>
         <location filename="../../core/geodesy/mercator.py"/>

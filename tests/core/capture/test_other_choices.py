@@ -10,7 +10,7 @@ from terrainav.core.capture.runner import capture
 from terrainav.core.geodesy.accuracy import Scene
 from terrainav.core.geodesy.camera import CORNERS
 from terrainav.core.geodesy.mercator import v_to_lat
-from terrainav.core.geodesy.mesh import ImageRays, mesh
+from terrainav.core.geodesy.view import ImageRays, mesh
 from terrainav.core.imagery.world import WorldSource
 from terrainav.core.mission.area import Box
 from terrainav.core.mission.mission import Mission

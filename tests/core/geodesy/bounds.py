@@ -11,14 +11,13 @@ import numpy as np
 from terrainav.core.errors import InvalidInput
 from terrainav.core.geodesy import accuracy
 from terrainav.core.geodesy.accuracy import Scene
-from terrainav.core.geodesy.camera import CORNERS, Camera
+from terrainav.core.geodesy.camera import CORNERS, Camera, Poses
 from terrainav.core.geodesy.ellipsoid import WGS84
 from terrainav.core.geodesy.footprint import exact
 from terrainav.core.geodesy.frames import FrameEdges, map_frame_edges
-from terrainav.core.geodesy.inscribed import inscribed_edges
 from terrainav.core.geodesy.mercator import lon_to_u
-from terrainav.core.geodesy.mesh import ImageRays, mesh
-from terrainav.core.geodesy.poses import Poses
+from terrainav.core.geodesy.rectangles import inscribed_edges
+from terrainav.core.geodesy.view import ImageRays, mesh
 from terrainav.core.report.footprints import FOOTPRINTS, loc1_px, loc2_px
 
 from tests.core.geodesy import longdouble

@@ -8,12 +8,10 @@ import numpy as np
 import pytest
 from terrainav.core.geodesy import accuracy
 from terrainav.core.geodesy.accuracy import Scene
-from terrainav.core.geodesy.camera import Camera
-from terrainav.core.geodesy.inscribed import inscribed_edges
+from terrainav.core.geodesy.camera import Camera, Poses
 from terrainav.core.geodesy.mercator import PixelGrid, v_to_lat
-from terrainav.core.geodesy.mesh import ImageRays, mesh
-from terrainav.core.geodesy.poses import Poses
-from terrainav.core.geodesy.view import view
+from terrainav.core.geodesy.rectangles import inscribed_edges
+from terrainav.core.geodesy.view import ImageRays, mesh, view
 
 from tests.core.geodesy import bounds, longdouble
 from tests.core.geodesy.reference import look, see

@@ -19,7 +19,7 @@ from terrainav.core.geodesy.mercator import (
     v_to_lat,
     wrap_lon_deg,
 )
-from terrainav.core.geodesy.utm import UTMZone, utm_zone
+from terrainav.core.geodesy.projections import UTMZone, utm_zone
 
 from tests.core.geodesy import reference
 

@@ -13,7 +13,7 @@ from terrainav.core.errors import InvalidInput
 from terrainav.core.geodesy.accuracy import Scene
 from terrainav.core.geodesy.camera import CORNERS, Camera
 from terrainav.core.geodesy.mercator import PixelGrid
-from terrainav.core.geodesy.mesh import ImageRays, mesh
+from terrainav.core.geodesy.view import ImageRays, mesh
 from terrainav.core.mission.area import Box, Points
 from terrainav.core.mission.export import footprint_ring
 from terrainav.core.mission.framing import ground_of

@@ -10,12 +10,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from terrainav.core.errors import InvalidInput
-from terrainav.core.geodesy.camera import Camera
+from terrainav.core.geodesy.camera import Camera, Poses
 from terrainav.core.geodesy.ellipsoid import WGS84
 from terrainav.core.geodesy.frames import map_frame_edges
 from terrainav.core.geodesy.mercator import PixelGrid, lat_to_v
-from terrainav.core.geodesy.plane import LocalPlane
-from terrainav.core.geodesy.poses import Poses
+from terrainav.core.geodesy.projections import LocalPlane
 from terrainav.core.mission import coverage, layout
 from terrainav.core.mission.area import Box, Polygon
 from terrainav.core.mission.coverage import Rectangles, gaps

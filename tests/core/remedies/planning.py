@@ -6,11 +6,10 @@ import re
 from functools import partial
 
 import numpy as np
-from terrainav.core.geodesy.camera import Camera
+from terrainav.core.geodesy.camera import Camera, Poses
+from terrainav.core.geodesy.footprint import outline
 from terrainav.core.geodesy.frames import map_windows
-from terrainav.core.geodesy.horizon import outline
 from terrainav.core.geodesy.mercator import PixelGrid
-from terrainav.core.geodesy.poses import Poses
 from terrainav.core.mission.area import Box, Points
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
@@ -318,7 +317,7 @@ def _holds_a_pole(case: Case) -> None:
 
 
 @remedy(
-    "geodesy/horizon.py",
+    "geodesy/footprint.py",
     "camera at height {} m, yaw {}, tilt {}, roll {} deg: no ray of its image meets the Earth; tilt it down",
 )
 def _sees_the_sky(case: Case) -> None:

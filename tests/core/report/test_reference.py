@@ -5,9 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from terrainav.core.geodesy.accuracy import Scene
-from terrainav.core.geodesy.camera import Camera
+from terrainav.core.geodesy.camera import Camera, Poses
 from terrainav.core.geodesy.ellipsoid import WGS84
-from terrainav.core.geodesy.poses import Poses
 from terrainav.core.report.reference import errors_px, floor_px
 
 from tests.core.geodesy.reference import see

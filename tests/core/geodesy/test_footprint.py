@@ -9,11 +9,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from terrainav.core.errors import InvalidInput
-from terrainav.core.geodesy.camera import Camera
+from terrainav.core.geodesy.camera import Camera, Poses
 from terrainav.core.geodesy.ellipsoid import WGS84
-from terrainav.core.geodesy.footprint import exact, ground_corners
-from terrainav.core.geodesy.horizon import outline, poles_seen
-from terrainav.core.geodesy.poses import Poses
+from terrainav.core.geodesy.footprint import exact, ground_corners, outline, poles_seen
 
 from tests.core.geodesy.inverse import image_points
 from tests.core.geodesy.reference import look
