@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ..geodesy.footprint import exact
 from ..geodesy.mercator import wrap_lon_deg
-from ..mission.framing import ground_of
+from ..mission.layout.framing import ground_of
 from ..mission.plan import Plan
 from .digits import degrees
 from .georeference import WGS84_WKT, geo_keys, pam_text, xml_text

@@ -10,7 +10,7 @@ import numpy as np
 
 from ..geodesy.footprint import ground_corners
 from ..imagery.source import Part, Window, tile_parts
-from ..mission.framing import ground_of
+from ..mission.layout.framing import ground_of
 from ..mission.plan import Plan
 from .perspective import camera_parts, render
 from .picture import assemble, window_of

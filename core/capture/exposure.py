@@ -19,10 +19,10 @@ from numpy.typing import NDArray
 
 from ..geodesy.camera import Camera
 from ..geodesy.mercator import lat_to_v, lon_to_u
-from ..mission.framing import ground_of
+from ..mission.cameras import shipped_cameras
+from ..mission.layout.framing import ground_of
 from ..mission.mission import utc_time
 from ..mission.plan import Plan
-from ..mission.presets import shipped_cameras
 
 Floats = NDArray[np.float64]
 

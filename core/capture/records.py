@@ -16,7 +16,7 @@ from ..geodesy.camera import Poses
 from ..geodesy.mercator import wrap_lon_deg
 from ..geodesy.view import View
 from ..imagery.source import Part, Source, Window
-from ..mission.framing import sampled_zooms
+from ..mission.layout.framing import sampled_zooms
 from ..mission.plan import Plan
 from .control_points import ControlPoints
 from .description import Description

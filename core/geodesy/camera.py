@@ -285,10 +285,10 @@ class Poses(NamedTuple):
     @classmethod
     def level(cls, lat_deg: Floats, lon_deg: Floats, agl_m: Floats) -> Poses:
         """North-up poses that look straight down."""
-        return cls.turned(lat_deg, lon_deg, agl_m, 0.0, 0.0, 0.0)
+        return cls.of_attitude(lat_deg, lon_deg, agl_m, 0.0, 0.0, 0.0)
 
     @classmethod
-    def turned(
+    def of_attitude(
         cls, lat_deg: Floats, lon_deg: Floats, agl_m: Floats, yaw_deg: float, tilt_deg: float, roll_deg: float
     ) -> Poses:
         """Poses of one attitude; it takes no memory, however many they are."""

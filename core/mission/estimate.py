@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from .framing import sampled_zooms
+from .layout.framing import sampled_zooms
 from .methods import Accuracy
 from .plan import Plan
 

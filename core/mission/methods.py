@@ -14,8 +14,7 @@ from ..geodesy.accuracy import Scene
 from ..geodesy.camera import Poses
 from ..geodesy.mercator import PixelGrid
 from .area import Points
-from .choices import RAYS
-from .framing import (
+from .layout.framing import (
     CameraFraming,
     Disturbed,
     Framed,
@@ -25,8 +24,9 @@ from .framing import (
     framed,
     ground_of,
 )
+from .layout.rotated import is_rotated
 from .mission import Mission
-from .turned import is_turned
+from .options import RAYS
 
 #: Coarsest mesh, px: larger cells save nothing, and kernels have one pixel to spare (`view.KERNEL_REACH_PX`).
 COARSEST_MESH_PX = 1.0
@@ -37,7 +37,7 @@ _ABOVE_NOISE = 2.0
 
 _NO_CAMERA_FRAME = "the source gives pictures by their centre, not tiles that others can be made from"
 _WIND = "wind turns the camera"
-_TURNED = "the rows are turned from east, and the camera with them"
+_ROTATED = "the rows are turned from east, and the camera with them"
 
 
 @dataclass(frozen=True)
@@ -279,8 +279,8 @@ def choose_methods(mission: Mission, grid: PixelGrid, disturbed: Disturbed) -> t
 
 def _no_map_frame(mission: Mission) -> str:
     """Why a mission has no map frames whatever its budget; empty where it may have some."""
-    if is_turned(mission):
-        return _TURNED
+    if is_rotated(mission):
+        return _ROTATED
     if mission.wind is not None and mission.wind.sigma_m_per_s > 0.0:
         return _WIND
     return accuracy.outside_flat_domain(_ends(mission))
@@ -337,7 +337,11 @@ def _ends(mission: Mission) -> Scene:
         agl = np.full(2, mission.agl_m)
     attitude = (mission.yaw_deg, mission.tilt_deg, mission.roll_deg)
     return Scene(
-        mission.camera, 1.0, 1.0, Poses.turned(lat, np.zeros_like(lat), agl, *attitude), ground_of(mission)
+        mission.camera,
+        1.0,
+        1.0,
+        Poses.of_attitude(lat, np.zeros_like(lat), agl, *attitude),
+        ground_of(mission),
     )
 
 

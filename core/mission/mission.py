@@ -16,7 +16,7 @@ from ..geodesy.camera import Camera
 from ..limits import MAX_MISSION_BYTES, MAX_PICTURE_PX, MAX_PICTURE_SIDE_PX, MAX_WHOLE_NUMBER
 from ..safe_json import decoded, parse_json
 from .area import Area, Box, Points, Polygon, check_agl
-from .choices import (
+from .options import (
     AUTO,
     DEFAULT_AIRSPEED_M_PER_S,
     DEFAULT_BUDGET_PX,

@@ -18,15 +18,22 @@ from ..geodesy.frames import Windows, window_centres
 from ..geodesy.mercator import MAX_LAT_DEG, PixelGrid, lat_to_v
 from ..geodesy.view import View, view
 from .area import Points
-from .coverage import Coverage, Overlap, Rectangles, coverage, overlap, unique_tiles
-from .flight import Legs, intervals_s, legs
-from .framing import ground_of, nominal_poses, sampled_zooms
-from .imagery_extent import Imagery, imagery_of
-from .layout import Layout
+from .flight import Legs, fly, intervals_s, legs
+from .layout.coverage import (
+    Coverage,
+    Imagery,
+    Overlap,
+    Rectangles,
+    coverage,
+    imagery_of,
+    overlap,
+    unique_tiles,
+)
+from .layout.framing import ground_of, nominal_poses, sampled_zooms
+from .layout.rotated import Pass, rotated_coverage, rotated_overlap, rotated_rectangles
+from .layout.rows import Layout
 from .methods import Accuracy, choose_methods
 from .mission import Mission
-from .turned import Pass, turned_coverage, turned_overlap, turned_rectangles
-from .wind import fly
 
 Floats = NDArray[np.float64]
 Numbers = NDArray[np.int64]
@@ -38,7 +45,7 @@ _KEPT = 16
 #: Views from which tiles are counted, at most: a plan of more distinct ones moves some of them to where the others are.
 _VIEWS_COUNTED = 500
 #: The same of turned rows in still air, whose views differ by the plane's convergence and by latitude alone.
-_TURNED_VIEWS_COUNTED = 60
+_ROTATED_VIEWS_COUNTED = 60
 
 
 @dataclass(frozen=True, eq=False)
@@ -203,7 +210,7 @@ class Plan:
         if isinstance(self.mission.area, Points):
             return None
         if self.passes:
-            return turned_coverage(self.mission, self.passes, self._rectangles)
+            return rotated_coverage(self.mission, self.passes, self._rectangles)
         return coverage(self.mission.area, self.windows, self.grid, self.zoom)
 
     @cached_property
@@ -217,7 +224,7 @@ class Plan:
         if isinstance(self.mission.area, Points):
             return Overlap(None, None, None, None)
         if self.passes:
-            return turned_overlap(self.column, self.row, self.passes, self._rectangles)
+            return rotated_overlap(self.column, self.row, self.passes, self._rectangles)
         return overlap(self.column, self.row, self.windows, rows_are_level=self.mission.layout == "cover")
 
     @cached_property
@@ -227,7 +234,9 @@ class Plan:
         mission, moved = self.mission, self.nominal is not None
         slices = [slice(part.first, end) for part, end in zip(self.passes, ends)]
         return tuple(
-            turned_rectangles(mission, part, self.poses.take(at), self.row[at], ground_of(mission), own=moved)
+            rotated_rectangles(
+                mission, part, self.poses.take(at), self.row[at], ground_of(mission), own=moved
+            )
             for part, at in zip(self.passes, slices)
         )
 
@@ -247,7 +256,7 @@ class Plan:
         view of its own, and there are more than a few hundred.
         """
         first, _ = self._runs
-        most = _TURNED_VIEWS_COUNTED if self.passes and self.mission.wind is None else _VIEWS_COUNTED
+        most = _ROTATED_VIEWS_COUNTED if self.passes and self.mission.wind is None else _VIEWS_COUNTED
         starts = first
         if len(first) > most:
             starts = np.arange(0, len(self), -(-len(self) // most))

@@ -18,7 +18,7 @@ from ..geodesy.accuracy import Scene
 from ..geodesy.frames import map_windows
 from ..geodesy.view import view
 from ..imagery.source import Window
-from ..mission.framing import ground_of, sampled_zooms
+from ..mission.layout.framing import ground_of, sampled_zooms
 from ..mission.plan import Plan
 from .geometry import scene_of, spread
 from .greys import file_bytes

@@ -13,7 +13,7 @@ from ..geodesy.camera import CORNERS, Poses
 from ..geodesy.footprint import Footprint, outline
 from ..geodesy.frames import map_frame_edges
 from ..geodesy.view import Cells, ImageRays, mesh
-from ..mission.framing import ground_of
+from ..mission.layout.framing import ground_of
 from ..mission.plan import Plan
 from .reference import errors_px, map_errors_px
 

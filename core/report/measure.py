@@ -15,12 +15,12 @@ from ..capture.resample import KERNELS
 from ..geodesy.accuracy import Scene, outside_flat_domain
 from ..geodesy.footprint import ground_corners
 from ..imagery.source import Source
-from ..mission.choices import DEFAULT_AIRSPEED_M_PER_S
-from ..mission.flight import intervals_s, legs
-from ..mission.framing import ground_of
+from ..mission.flight import fly, intervals_s, legs
+from ..mission.layout.framing import ground_of
 from ..mission.methods import TRACED, Method, camera_frame, choose_pixels, map_frame, mesh
+from ..mission.options import DEFAULT_AIRSPEED_M_PER_S
 from ..mission.plan import Plan
-from ..mission.wind import Wind, fly
+from ..mission.wind import Wind
 from . import geometry
 from .bench import BY_RAYS, Bench, Way
 from .footprints import FOOTPRINTS, footprint_methods

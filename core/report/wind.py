@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from ..geodesy.camera import CORNERS, Camera, Poses
 from ..geodesy.footprint import exact
 from ..mission.flight import legs
-from ..mission.framing import ground_of
+from ..mission.layout.framing import ground_of
 from ..mission.plan import Plan, plan
 from .geometry import scene_of, spread
 from .reference import errors_px

@@ -5621,7 +5621,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/catalogue/listing.py"/>
-        <location filename="../../core/mission/presets.py"/>
+        <location filename="../../core/mission/cameras.py"/>
         <source>did you mean {0}? </source>
         <translation>¿se quería decir {0}? </translation>
     </message>
@@ -6595,62 +6595,92 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>{0} guiñadas de {1} puntos: dar una para cada uno, o ninguna</translation>
     </message>
     <message>
-        <location filename="../../core/mission/camera_preset.py"/>
+        <location filename="../../core/mission/cameras.py"/>
+        <source>camera name {0}: must be 1 to {1} characters of one line, with single spaces inside</source>
+        <translation>nombre de cámara {0}: debe tener de 1 a {1} caracteres en una línea, con espacios sencillos en su interior</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/cameras.py"/>
+        <source>camera name {0}: {1} is taken; choose another</source>
+        <translation>nombre de cámara {0}: {1} ya está en uso; elegir otro</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/cameras.py"/>
+        <source>camera {0} is unknown: {1}`terrainav cameras` lists the names</source>
+        <translation>cámara {0} desconocida: {1}`terrainav cameras` enumera los nombres</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/cameras.py"/>
+        <source>camera {0}: comes with TerrAInav, and stays as it is</source>
+        <translation>cámara {0}: viene con TerrAInav, y se queda como está</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/cameras.py"/>
+        <source>camera {0}: is none of your own, which are {1}</source>
+        <translation>cámara {0}: no es ninguna de las propias, que son {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/cameras.py"/>
+        <source>camera {0}: must be an object</source>
+        <translation>cámara {0}: debe ser un objeto</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/cameras.py"/>
         <source>camera {0}: {1}</source>
         <translation>cámara {0}: {1}</translation>
     </message>
     <message>
-        <location filename="../../core/mission/camera_preset.py"/>
+        <location filename="../../core/mission/cameras.py"/>
         <source>image_px {0}: must be a whole number</source>
         <translation>image_px {0}: debe ser un número entero</translation>
     </message>
     <message>
-        <location filename="../../core/mission/camera_preset.py"/>
+        <location filename="../../core/mission/cameras.py"/>
         <source>no field of view</source>
         <translation>no hay campo de visión</translation>
     </message>
     <message>
-        <location filename="../../core/mission/camera_preset.py"/>
+        <location filename="../../core/mission/cameras.py"/>
         <source>sensor_mm and focal_length_mm: one needs the other</source>
         <translation>sensor_mm y focal_length_mm: el uno necesita al otro</translation>
     </message>
     <message>
-        <location filename="../../core/mission/camera_preset.py"/>
+        <location filename="../../core/mission/cameras.py"/>
         <source>size_px and {0}: give one of the two</source>
         <translation>size_px y {0}: dar uno de los dos</translation>
     </message>
     <message>
-        <location filename="../../core/mission/camera_preset.py"/>
+        <location filename="../../core/mission/cameras.py"/>
         <source>size_px {0}: must be whole numbers</source>
         <translation>size_px {0}: deben ser números enteros</translation>
     </message>
     <message>
-        <location filename="../../core/mission/camera_preset.py"/>
+        <location filename="../../core/mission/cameras.py"/>
         <source>source {0}: must be text of one line</source>
         <translation>fuente {0}: debe ser texto de una línea</translation>
     </message>
     <message>
-        <location filename="../../core/mission/camera_preset.py"/>
+        <location filename="../../core/mission/cameras.py"/>
         <source>{0} is unknown; known are {1}</source>
         <translation>{0} es desconocido; se conocen {1}</translation>
     </message>
     <message>
-        <location filename="../../core/mission/camera_preset.py"/>
+        <location filename="../../core/mission/cameras.py"/>
         <source>{0} {1}: must be a list of width and height, each above 0</source>
         <translation>{0} {1}: debe ser una lista de anchura y altura, ambas mayores que 0</translation>
     </message>
     <message>
-        <location filename="../../core/mission/camera_preset.py"/>
+        <location filename="../../core/mission/cameras.py"/>
         <source>{0} {1}: must be a number above 0</source>
         <translation>{0} {1}: debe ser un número mayor que 0</translation>
     </message>
     <message>
-        <location filename="../../core/mission/camera_preset.py"/>
+        <location filename="../../core/mission/cameras.py"/>
         <source>{0} {1}: needs aspect_ratio or size_px beside it</source>
         <translation>{0} {1}: necesita al lado aspect_ratio o size_px</translation>
     </message>
     <message>
-        <location filename="../../core/mission/camera_preset.py"/>
+        <location filename="../../core/mission/cameras.py"/>
         <source>{0}: give one of {1}</source>
         <translation>{0}: dar uno de {1}</translation>
     </message>
@@ -6981,147 +7011,202 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>{0} partes de un vuelo, de {1} a {2}</translation>
     </message>
     <message>
-        <location filename="../../core/mission/framing.py"/>
+        <location filename="../../core/mission/flight.py"/>
+        <source>yaws of shape {0}: must be one, or one for each of {1} exposures</source>
+        <translation>guiñadas de forma {0}: debe ser una, o una para cada una de {1} exposiciones</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/flight.py"/>
+        <source>{0} of shape {1}: must be {2} for {3} exposures</source>
+        <translation>{0} de forma {1}: debe ser {2} para {3} exposiciones</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/gusts.py"/>
+        <source>steps of {0} to {1} s: must be 0 or more, and finite</source>
+        <translation>pasos de {0} a {1} s: deben ser 0 o más, y finitos</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/gusts.py"/>
+        <source>system without a stationary covariance: it must be stable</source>
+        <translation>sistema sin covarianza estacionaria: debe ser estable</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/layout/framing.py"/>
         <source>choose a larger ground sample distance</source>
         <translation>elegir una distancia de muestreo del terreno mayor</translation>
     </message>
     <message>
-        <location filename="../../core/mission/framing.py"/>
+        <location filename="../../core/mission/layout/framing.py"/>
         <source>choose a lower zoom</source>
         <translation>elegir un zoom menor</translation>
     </message>
     <message>
-        <location filename="../../core/mission/framing.py"/>
+        <location filename="../../core/mission/layout/framing.py"/>
         <source>fly lower</source>
         <translation>volar más bajo</translation>
     </message>
     <message>
-        <location filename="../../core/mission/framing.py"/>
+        <location filename="../../core/mission/layout/framing.py"/>
         <source>ground sample distance {0} m: the source's own pixels are {1} m here; ask for that or more, or allow enlarged pixels (--upsample)</source>
         <translation>distancia de muestreo del terreno de {0} m: los píxeles propios de la fuente son aquí de {1} m; pedir eso o más, o permitir píxeles ampliados (--upsample)</translation>
     </message>
     <message>
-        <location filename="../../core/mission/framing.py"/>
+        <location filename="../../core/mission/layout/framing.py"/>
         <source>or allow larger pictures (--max-px)</source>
         <translation>o permitir imágenes mayores (--max-px)</translation>
     </message>
     <message>
-        <location filename="../../core/mission/framing.py"/>
+        <location filename="../../core/mission/layout/framing.py"/>
         <source>or make them smaller (--max-px)</source>
         <translation>o hacerlas más pequeñas (--max-px)</translation>
     </message>
     <message>
-        <location filename="../../core/mission/framing.py"/>
+        <location filename="../../core/mission/layout/framing.py"/>
         <source>picture at latitude {0} from {1} m</source>
         <translation>imagen en la latitud {0} desde {1} m</translation>
     </message>
     <message>
-        <location filename="../../core/mission/framing.py"/>
+        <location filename="../../core/mission/layout/framing.py"/>
         <source>picture from {0} m at zoom {1}: under one pixel; fly higher or choose a higher zoom</source>
         <translation>imagen desde {0} m con zoom {1}: menos de un píxel; volar más alto o elegir un zoom mayor</translation>
     </message>
     <message>
-        <location filename="../../core/mission/framing.py"/>
+        <location filename="../../core/mission/layout/framing.py"/>
         <source>picture of {0} x {1} px: under one pixel</source>
         <translation>imagen de {0} x {1} px: menos de un píxel</translation>
     </message>
     <message>
-        <location filename="../../core/mission/framing.py"/>
+        <location filename="../../core/mission/layout/framing.py"/>
         <source>pictures of {0} px: the longest side allowed here is {1} px; {2}</source>
         <translation>imágenes de {0} px: el lado mayor permitido aquí es de {1} px; {2}</translation>
     </message>
     <message>
-        <location filename="../../core/mission/framing.py"/>
+        <location filename="../../core/mission/layout/framing.py"/>
         <source>pictures of {0} x {1} px: {2} px in all are allowed; {3}</source>
         <translation>imágenes de {0} x {1} px: se permiten {2} px en total; {3}</translation>
     </message>
     <message>
-        <location filename="../../core/mission/framing.py"/>
+        <location filename="../../core/mission/layout/framing.py"/>
         <source>zoom {0}: the source has {1} to {2}</source>
         <translation>zoom {0}: la fuente tiene de {1} a {2}</translation>
     </message>
     <message>
-        <location filename="../../core/mission/framing.py"/>
+        <location filename="../../core/mission/layout/framing.py"/>
         <source>zoom {0}: the source's own pixels end at zoom {1}; ask for that, or allow enlarged pixels (--upsample)</source>
         <translation>zoom {0}: los píxeles propios de la fuente terminan en el zoom {1}; pedir ese, o permitir píxeles ampliados (--upsample)</translation>
     </message>
     <message>
-        <location filename="../../core/mission/framing.py"/>
+        <location filename="../../core/mission/layout/framing.py"/>
         <source>{0}: lies beyond the map, which ends at ±{1}; fly higher or nearer to the equator</source>
         <translation>{0}: queda fuera del mapa, que termina en ±{1}; volar más alto o más cerca del ecuador</translation>
     </message>
     <message>
-        <location filename="../../core/mission/framing.py"/>
+        <location filename="../../core/mission/layout/framing.py"/>
         <source>{0}: reaches beyond the map, which ends at ±{1}; fly lower or nearer to the equator</source>
         <translation>{0}: sobrepasa el mapa, que termina en ±{1}; volar más bajo o más cerca del ecuador</translation>
     </message>
     <message>
-        <location filename="../../core/mission/framing.py"/>
+        <location filename="../../core/mission/layout/framing.py"/>
         <source>{0}; choose a less extreme aspect ratio or a larger image (--image-px)</source>
         <translation>{0}; elegir una relación de aspecto menos extrema o una imagen mayor (--image-px)</translation>
     </message>
     <message>
-        <location filename="../../core/mission/framing.py"/>
+        <location filename="../../core/mission/layout/framing.py"/>
         <source>{0}; choose a less extreme aspect ratio or larger pictures (--max-px)</source>
         <translation>{0}; elegir una relación de aspecto menos extrema o permitir imágenes mayores (--max-px)</translation>
     </message>
     <message>
-        <location filename="../../core/mission/framing.py"/>
+        <location filename="../../core/mission/layout/framing.py"/>
         <source>{0}; fly higher or choose a higher zoom</source>
         <translation>{0}; volar más alto o elegir un zoom mayor</translation>
     </message>
     <message>
-        <location filename="../../core/mission/framing.py"/>
+        <location filename="../../core/mission/layout/framing.py"/>
         <source>{0}; fly higher or choose a smaller ground sample distance</source>
         <translation>{0}; volar más alto o elegir una distancia de muestreo del terreno menor</translation>
     </message>
     <message>
-        <location filename="../../core/mission/layout.py"/>
+        <location filename="../../core/mission/layout/rotated.py"/>
+        <source>camera from {0} m: sees past the horizon, where turned rows have no frames; fly lower or fly north-up rows</source>
+        <translation>cámara desde {0} m: ve más allá del horizonte, donde las pasadas giradas no tienen encuadres; volar más bajo o volar pasadas con el norte arriba</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/layout/rotated.py"/>
+        <source>camera with tilt {0}, roll {1} deg from {2} m: sees past the horizon, where turned rows have no frames; tilt it less, fly lower or fly north-up rows</source>
+        <translation>cámara con inclinación {0}, alabeo {1} grados desde {2} m: ve más allá del horizonte, donde las pasadas giradas no tienen encuadres; inclinarla menos, volar más bajo o volar pasadas con el norte arriba</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/layout/rotated.py"/>
+        <source>grid angle {0} deg</source>
+        <translation>ángulo de cuadrícula de {0} grados</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/layout/rotated.py"/>
+        <source>grid angle {0} deg: turned rows hold to {1} km from the area's middle, and the area or its images reach {2} km; take a smaller area or north-up rows</source>
+        <translation>ángulo de cuadrícula de {0} grados: las pasadas giradas valen hasta {1} km del centro del área, y el área o sus imágenes llegan a {2} km; tomar un área menor o pasadas con el norte arriba</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/layout/rotated.py"/>
+        <source>points cover no area</source>
+        <translation>los puntos no cubren ningún área</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/layout/rotated.py"/>
+        <source>points have no rows that could be turned</source>
+        <translation>los puntos no tienen pasadas que se puedan girar</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/layout/rotated.py"/>
+        <source>{0}: the layout {1} is north-up; use --layout cover</source>
+        <translation>{0}: la disposición {1} tiene el norte arriba; usar --layout cover</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/layout/rows.py"/>
         <source>area reaches latitude {0}: pictures end at ±{1} (Web Mercator)</source>
         <translation>el área llega a la latitud {0}: las imágenes terminan en ±{1} (Web Mercator)</translation>
     </message>
     <message>
-        <location filename="../../core/mission/layout.py"/>
+        <location filename="../../core/mission/layout/rows.py"/>
         <source>camera at {0} m, tilted so: from nowhere on the map does it see this area; tilt it less or fly lower</source>
         <translation>cámara a {0} m, con esta inclinación: desde ningún lugar del mapa ve este área; inclinarla menos o volar más bajo</translation>
     </message>
     <message>
-        <location filename="../../core/mission/layout.py"/>
+        <location filename="../../core/mission/layout/rows.py"/>
         <source>images without a thousandth of a pixel of ground to count on: the camera looks past the map or the Earth; fly lower</source>
         <translation>imágenes sin una milésima de píxel de terreno con la que contar: la cámara mira más allá del mapa o de la Tierra; volar más bajo</translation>
     </message>
     <message>
-        <location filename="../../core/mission/layout.py"/>
+        <location filename="../../core/mission/layout/rows.py"/>
         <source>images without a thousandth of a pixel of ground to count on: the camera looks past the map or the Earth; tilt it less or fly lower</source>
         <translation>imágenes sin una milésima de píxel de terreno con la que contar: la cámara mira más allá del mapa o de la Tierra; inclinarla menos o volar más bajo</translation>
     </message>
     <message>
-        <location filename="../../core/mission/layout.py"/>
+        <location filename="../../core/mission/layout/rows.py"/>
         <source>mission of {0} images: the limit is {1}; fly higher, draw a smaller area, or raise it (--max-images)</source>
         <translation>misión de {0} imágenes: el límite es {1}; volar más alto, dibujar un área menor, o subirlo (--max-images)</translation>
     </message>
     <message>
-        <location filename="../../core/mission/layout.py"/>
+        <location filename="../../core/mission/layout/rows.py"/>
         <source>overlap {0}: leaves under a thousandth of a pixel between captures; overlap less</source>
         <translation>solape {0}: deja menos de una milésima de píxel entre capturas; solapar menos</translation>
     </message>
     <message>
-        <location filename="../../core/mission/layout.py"/>
+        <location filename="../../core/mission/layout/rows.py"/>
         <source>paper layout over {0} deg of longitude: its UTM grid holds to {1} deg from the zone's meridian; use --layout cover</source>
         <translation>disposición paper en {0} grados de longitud: su cuadrícula UTM vale hasta {1} grados del meridiano del huso; usar --layout cover</translation>
     </message>
     <message>
-        <location filename="../../core/mission/layout.py"/>
+        <location filename="../../core/mission/layout/rows.py"/>
         <source>rows from {0} m cannot be placed so near to a pole; fly lower or farther from it</source>
         <translation>no se pueden situar pasadas desde {0} m tan cerca de un polo; volar más bajo o más lejos de él</translation>
     </message>
     <message>
-        <location filename="../../core/mission/layout.py"/>
+        <location filename="../../core/mission/layout/rows.py"/>
         <source>rows from {0} m cannot be placed so that their images cover this area; fly lower or take a smaller area</source>
         <translation>no se pueden situar pasadas desde {0} m de modo que sus imágenes cubran este área; volar más bajo o tomar un área menor</translation>
     </message>
     <message>
-        <location filename="../../core/mission/layout.py"/>
+        <location filename="../../core/mission/layout/rows.py"/>
         <source>rows from {0} m cannot be placed so that their images cover this area; tilt the camera less, fly lower or take a smaller area</source>
         <translation>no se pueden situar pasadas desde {0} m de modo que sus imágenes cubran este área; inclinar menos la cámara, volar más bajo o tomar un área menor</translation>
     </message>
@@ -7514,21 +7599,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>viento de {0} m/s a {1} m: las ráfagas tiran la cámara al suelo; volar más alto o con menos turbulencia</translation>
     </message>
     <message>
-        <location filename="../../core/mission/presets.py"/>
-        <source>camera {0} is unknown: {1}`terrainav cameras` lists the names</source>
-        <translation>cámara {0} desconocida: {1}`terrainav cameras` enumera los nombres</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/sde.py"/>
-        <source>steps of {0} to {1} s: must be 0 or more, and finite</source>
-        <translation>pasos de {0} a {1} s: deben ser 0 o más, y finitos</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/sde.py"/>
-        <source>system without a stationary covariance: it must be stable</source>
-        <translation>sistema sin covarianza estacionaria: debe ser estable</translation>
-    </message>
-    <message>
         <location filename="../../core/mission/settings.py"/>
         <source>area {0} and coords {1}: give one of the two</source>
         <translation>área {0} y coords {1}: dar uno de los dos</translation>
@@ -7574,66 +7644,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>{0} {1}: necesita también {2}</translation>
     </message>
     <message>
-        <location filename="../../core/mission/turned.py"/>
-        <source>camera from {0} m: sees past the horizon, where turned rows have no frames; fly lower or fly north-up rows</source>
-        <translation>cámara desde {0} m: ve más allá del horizonte, donde las pasadas giradas no tienen encuadres; volar más bajo o volar pasadas con el norte arriba</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/turned.py"/>
-        <source>camera with tilt {0}, roll {1} deg from {2} m: sees past the horizon, where turned rows have no frames; tilt it less, fly lower or fly north-up rows</source>
-        <translation>cámara con inclinación {0}, alabeo {1} grados desde {2} m: ve más allá del horizonte, donde las pasadas giradas no tienen encuadres; inclinarla menos, volar más bajo o volar pasadas con el norte arriba</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/turned.py"/>
-        <source>grid angle {0} deg</source>
-        <translation>ángulo de cuadrícula de {0} grados</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/turned.py"/>
-        <source>grid angle {0} deg: turned rows hold to {1} km from the area's middle, and the area or its images reach {2} km; take a smaller area or north-up rows</source>
-        <translation>ángulo de cuadrícula de {0} grados: las pasadas giradas valen hasta {1} km del centro del área, y el área o sus imágenes llegan a {2} km; tomar un área menor o pasadas con el norte arriba</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/turned.py"/>
-        <source>points cover no area</source>
-        <translation>los puntos no cubren ningún área</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/turned.py"/>
-        <source>points have no rows that could be turned</source>
-        <translation>los puntos no tienen pasadas que se puedan girar</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/turned.py"/>
-        <source>{0}: the layout {1} is north-up; use --layout cover</source>
-        <translation>{0}: la disposición {1} tiene el norte arriba; usar --layout cover</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/user_cameras.py"/>
-        <source>camera name {0}: must be 1 to {1} characters of one line, with single spaces inside</source>
-        <translation>nombre de cámara {0}: debe tener de 1 a {1} caracteres en una línea, con espacios sencillos en su interior</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/user_cameras.py"/>
-        <source>camera name {0}: {1} is taken; choose another</source>
-        <translation>nombre de cámara {0}: {1} ya está en uso; elegir otro</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/user_cameras.py"/>
-        <source>camera {0}: comes with TerrAInav, and stays as it is</source>
-        <translation>cámara {0}: viene con TerrAInav, y se queda como está</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/user_cameras.py"/>
-        <source>camera {0}: is none of your own, which are {1}</source>
-        <translation>cámara {0}: no es ninguna de las propias, que son {1}</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/user_cameras.py"/>
-        <source>camera {0}: must be an object</source>
-        <translation>cámara {0}: debe ser un objeto</translation>
-    </message>
-    <message>
         <location filename="../../core/mission/wind.py"/>
         <source>airspeed {0} m/s: must be {1} to {2}</source>
         <translation>velocidad aérea de {0} m/s: debe estar entre {1} y {2}</translation>
@@ -7667,16 +7677,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/wind.py"/>
         <source>wind speed {0} m/s: must be below the airspeed, {1} m/s, to fly against it</source>
         <translation>velocidad del viento de {0} m/s: debe ser menor que la velocidad aérea, {1} m/s, para volar contra él</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/wind.py"/>
-        <source>yaws of shape {0}: must be one, or one for each of {1} exposures</source>
-        <translation>guiñadas de forma {0}: debe ser una, o una para cada una de {1} exposiciones</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/wind.py"/>
-        <source>{0} of shape {1}: must be {2} for {3} exposures</source>
-        <translation>{0} de forma {1}: debe ser {2} para {3} exposiciones</translation>
     </message>
     <message>
         <location filename="../../core/report/measure.py"/>

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import re
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -50,6 +51,9 @@ ARROWS = {
 CIRCLES_LEFT = {
     f"terrainav.core.imagery.raster.{name}" for name in ("by_gdal", "by_rasterio", "files", "trust")
 }
+
+# Rooms whose docstring leads through their modules.
+TOLD_IN_ORDER = [CORE / name for name in ("geodesy", "mission", "mission/layout", "mission/export")]
 
 MODULES = sorted(CORE.rglob("*.py"))
 PLUGIN_MODULES = sorted(PLUGIN.rglob("*.py"))
@@ -99,6 +103,17 @@ def in_fresh_interpreter(code: str) -> list[str]:
 
 def test_every_room_is_there():
     assert {path.name for path in CORE.iterdir() if (path / "__init__.py").exists()} >= set(ROOMS)
+
+
+@pytest.mark.parametrize("folder", TOLD_IN_ORDER, ids=identify)
+def test_a_room_names_its_modules_in_reading_order(folder):
+    text = ast.get_docstring(ast.parse((folder / "__init__.py").read_text(encoding="utf-8")))
+    lists = [line.partition(":")[0] for line in text.splitlines() if line.startswith("- ")]
+    named = [name for line in lists for name in re.findall(r"`(\w+)`", line)]
+    inside = {path.stem for path in folder.glob("*.py")} - {"__init__", "__main__"}
+    inside |= {path.parent.name for path in folder.glob("*/__init__.py")}
+    assert len(named) == len(set(named))
+    assert set(named) == inside
 
 
 @pytest.mark.parametrize("path", MODULES, ids=identify)

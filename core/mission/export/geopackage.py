@@ -13,8 +13,7 @@ from typing import Any
 from ...errors import OutputError
 from ...files import partial_file
 from ..plan import Plan
-from .rings import Ring, closed_rings
-from .rows import POSE_COLUMNS, batches, clock, parts
+from .rows import POSE_COLUMNS, Corners, batches, clock, closed_rings, parts
 from .waypoints import flight_line
 
 #: Ending of the file while it is written: GDAL wants its own at the very end.
@@ -173,7 +172,7 @@ def _footprints(plan: Plan) -> Iterator[bytes]:
     return map(_multi_polygon, chain.from_iterable(closed_rings(plan, part) for part in parts(len(plan))))
 
 
-def _multi_polygon(rings: list[Ring]) -> bytes:
+def _multi_polygon(rings: list[Corners]) -> bytes:
     polygons = (
         struct.pack("<BIII", _LITTLE, _POLYGON, 1, len(ring))
         + struct.pack(f"<{2 * len(ring)}d", *chain.from_iterable(ring))

@@ -20,9 +20,9 @@ from terrainav.core.errors import InvalidInput
 from terrainav.core.geodesy.camera import Camera
 from terrainav.core.geodesy.mercator import u_to_lon, v_to_lat
 from terrainav.core.mission.area import Box, Points
+from terrainav.core.mission.cameras import add_camera, camera_named
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
-from terrainav.core.mission.presets import add_camera, camera_named
 
 from tests.support.photos import SIXTH_DIGIT, exiftool, focal_ratio, ground_seen, position
 from tests.support.sources import PatternSource

@@ -15,9 +15,9 @@ from terrainav.core.geodesy.camera import CORNERS, Camera
 from terrainav.core.geodesy.mercator import PixelGrid
 from terrainav.core.geodesy.view import ImageRays, mesh
 from terrainav.core.mission.area import Box, Points
-from terrainav.core.mission.export import footprint_ring
-from terrainav.core.mission.framing import ground_of
+from terrainav.core.mission.layout.framing import ground_of
 from terrainav.core.mission.mission import Mission
+from terrainav.core.mission.outlines import footprint_ring
 from terrainav.core.mission.plan import Plan, plan
 
 from tests.core.geodesy import longdouble

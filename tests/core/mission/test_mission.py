@@ -12,9 +12,9 @@ from terrainav.core.errors import InvalidInput
 from terrainav.core.geodesy.camera import Camera
 from terrainav.core.geodesy.mercator import PixelGrid
 from terrainav.core.mission.area import Box, Points, Polygon
-from terrainav.core.mission.choices import MAP_TYPES
 from terrainav.core.mission.estimate import estimate
 from terrainav.core.mission.mission import Mission, utc_time
+from terrainav.core.mission.options import MAP_TYPES
 from terrainav.core.mission.plan import plan
 from terrainav.core.mission.wind import Wind
 

@@ -15,9 +15,9 @@ from terrainav.core.geodesy.ellipsoid import WGS84
 from terrainav.core.geodesy.mercator import PixelGrid, u_to_lon, v_to_lat
 from terrainav.core.mission.area import Box, Points, Polygon
 from terrainav.core.mission.estimate import estimate
+from terrainav.core.mission.layout.rotated import rotated_rectangles
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
-from terrainav.core.mission.turned import turned_rectangles
 from terrainav.core.mission.wind import Wind
 
 GRID = PixelGrid(max_zoom=22, native_zoom=22)
@@ -405,7 +405,7 @@ def test_what_is_counted_in_wind_is_in_each_picture_and_on_a_lattice():
     made = plan(SCENES["turned crosshatch"].with_(wind=Wind(6.0, 250.0, 0.3)), GRID)
     for part, captures in zip(made.passes, passes_of(made)):
         poses = made.poses.take(captures)
-        own = turned_rectangles(made.mission, part, poses, made.row[captures], WGS84, own=True)
+        own = rotated_rectangles(made.mission, part, poses, made.row[captures], WGS84, own=True)
         for first, second in ((own.x0, own.y0), (own.x0, own.y1), (own.x1, own.y0), (own.x1, own.y1)):
             lat, lon = part.plane.inverse(first, second)
             seen = image_positions(made, captures, lon[:, np.newaxis], lat[:, np.newaxis])

@@ -1,4 +1,4 @@
-"""Rows that are turned from east, and rows across them: laid out, and counted, in a plane about the area."""
+"""Rows that are turned from east, or crossed: an area in the plane of its rows, flown to and fro."""
 
 from __future__ import annotations
 
@@ -8,17 +8,16 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import InvalidInput
-from ..geodesy.camera import Poses
-from ..geodesy.ellipsoid import Ellipsoid
-from ..geodesy.mercator import wrap_lon_deg
-from ..geodesy.projections import NOISE_M, LocalPlane
-from ..geodesy.rectangles import Sides, common_sides, image_rings, own_sides
-from .area import Box, Points, Polygon
+from ...errors import InvalidInput
+from ...geodesy.camera import Poses
+from ...geodesy.ellipsoid import Ellipsoid
+from ...geodesy.mercator import wrap_lon_deg
+from ...geodesy.projections import NOISE_M, LocalPlane
+from ...geodesy.rectangles import Sides, common_sides, image_rings, own_sides
+from ..area import Box, Points, Polygon, crossed_and_held, ground_m2, in_band, sides_of, touching
+from ..mission import Mission
 from .coverage import Coverage, Overlap, Rectangles, gaps, joined, overlap_of, shares
-from .layout import Layout, in_order, refuse_beyond_mercator, refuse_no_step, refuse_too_many
-from .mission import Mission
-from .shape import crossed_and_held, ground_m2, in_band, sides_of, touching
+from .rows import Layout, in_order, refuse_beyond_mercator, refuse_no_step, refuse_too_many
 
 Floats = NDArray[np.float64]
 Numbers = NDArray[np.int64]
@@ -73,12 +72,12 @@ class Shape(NamedTuple):
         return list(self.rings)
 
 
-def is_turned(mission: Mission) -> bool:
+def is_rotated(mission: Mission) -> bool:
     """Whether the rows of a mission are turned, or crossed."""
     return not isinstance(mission.area, Points) and (mission.grid_angle_deg != 0.0 or mission.crosshatch)
 
 
-def lay_out_turned(mission: Mission, ground: Ellipsoid) -> tuple[Layout, tuple[Pass, ...]]:
+def lay_out_rotated(mission: Mission, ground: Ellipsoid) -> tuple[Layout, tuple[Pass, ...]]:
     """Places of the captures of a mission whose rows are turned or crossed.
 
     Raises
@@ -245,7 +244,7 @@ def _cut(lon_deg: Floats, lat_deg: Floats, plane: LocalPlane, bend_m: float) -> 
 # --- what the images show
 
 
-def turned_rectangles(
+def rotated_rectangles(
     mission: Mission, part: Pass, poses: Poses, row: Numbers, ground: Ellipsoid, own: bool
 ) -> Rectangles:
     """Rectangles that the images of a pass show, in its plane; the images' own where wind has moved them."""
@@ -268,7 +267,7 @@ def _rounded(own: Sides, size_m: tuple[Floats, Floats]) -> Rectangles:
     return Rectangles(left, bottom, np.maximum(right, left), np.maximum(top, bottom))
 
 
-def turned_coverage(
+def rotated_coverage(
     mission: Mission, passes: tuple[Pass, ...], rectangles: tuple[Rectangles, ...]
 ) -> Coverage:
     """What rectangles show of the mission's area, in the plane of the first pass; what is missing in true m²."""
@@ -301,7 +300,7 @@ def _near(shape: Shape, found: Rectangles) -> Rectangles:
     return Rectangles(*(side[crossed | held] for side in found))
 
 
-def turned_overlap(
+def rotated_overlap(
     column: Numbers, row: Numbers, passes: tuple[Pass, ...], rectangles: tuple[Rectangles, ...]
 ) -> Overlap:
     """What neighbours of the same pass share: along its rows, and from one of its rows to the next."""

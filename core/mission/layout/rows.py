@@ -9,15 +9,14 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import InvalidInput
-from ..geodesy.ellipsoid import gauss_legendre
-from ..geodesy.frames import FrameEdges
-from ..geodesy.mercator import MAX_LAT_DEG, lat_to_v, lon_to_u, u_to_lon, v_to_lat
-from ..geodesy.projections import utm_zone
-from .area import Box, Points, Polygon
-from .choices import ONE_WAY
-from .mission import Mission
-from .shape import row_spans, touching
+from ...errors import InvalidInput
+from ...geodesy.ellipsoid import gauss_legendre
+from ...geodesy.frames import FrameEdges
+from ...geodesy.mercator import MAX_LAT_DEG, lat_to_v, lon_to_u, u_to_lon, v_to_lat
+from ...geodesy.projections import utm_zone
+from ..area import Box, Points, Polygon, row_spans, touching
+from ..mission import Mission
+from ..options import ONE_WAY
 
 Floats = NDArray[np.float64]
 Numbers = NDArray[np.int64]

@@ -7,7 +7,7 @@ import math
 import pytest
 from terrainav.core.errors import InvalidInput
 from terrainav.core.geodesy.camera import Camera
-from terrainav.core.mission.presets import CameraPreset, camera_named, cameras, shipped_cameras
+from terrainav.core.mission.cameras import CameraPreset, camera_named, cameras, shipped_cameras
 from terrainav.core.resources import read_json
 
 # Diagonal fields of view in degrees, to a tenth, as published beside the facts.

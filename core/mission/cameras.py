@@ -1,12 +1,15 @@
-"""A camera by name, from the facts of its data sheet."""
+"""Cameras by name: those that ship, with the source of their facts, and the user's own."""
 
 from __future__ import annotations
 
+import difflib
+import os
 import sys
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
+from ..config import config_file, read_named, write_named
 from ..errors import InvalidInput
 from ..geodesy.camera import Camera
 from ..resources import read_json
@@ -16,6 +19,9 @@ _VIEWS = ("fov_deg", "horizontal_fov_deg", "vertical_fov_deg", "sensor_mm")
 #: JSON has whole numbers of any length.
 _LARGEST = sys.float_info.max
 _KNOWN = (*_VIEWS, "focal_length_mm", "aspect_ratio", "size_px", "image_px", "source")
+_FILE = "cameras.json"
+#: Longest name, in characters, that a list of cameras has room for.
+_LONGEST_NAME = 64
 
 
 @dataclass(frozen=True)
@@ -145,3 +151,171 @@ def shipped_cameras() -> tuple[CameraPreset, ...]:
         CameraPreset.from_dict(name, {fact: value for fact, value in data.items() if fact != "name"})
         for data, name in facts
     )
+
+
+def cameras() -> tuple[CameraPreset, ...]:
+    """Return the cameras that ship, the paper's first, then the user's own (``user`` is True).
+
+    Raises
+    ------
+    InvalidInput
+        The user's file cannot be read; names it.
+    """
+    return (*shipped_cameras(), *user_cameras())
+
+
+def camera_named(name: str) -> CameraPreset:
+    """Preset of a name, in any case; the maker's name may be left out.
+
+    Raises
+    ------
+    InvalidInput
+        Naming those that are close.
+    """
+    shipped, wanted = shipped_cameras(), key(name)
+    found = _named(wanted, shipped, full=True)
+    if found is not None:
+        return found
+    # The user's file, which may be broken, is read only for what does not ship under its full name.
+    own = camera_shelf()
+    for other, problem in own.problems.items():
+        if key(other) == wanted:
+            raise InvalidInput(problem)
+    presets = (*own.presets, *shipped)
+    found = _named(wanted, own.presets, full=True) or _named(wanted, presets, full=False)
+    if found is not None:
+        return found
+    names = {key(preset.name): preset.name for preset in presets}
+    close = [names[near] for near in difflib.get_close_matches(wanted, names, n=3, cutoff=0.5)]
+    close = close or [known for near, known in names.items() if wanted and wanted in near][:3]
+    hint = f"did you mean {' or '.join(close)}? " if close else ""
+    raise InvalidInput(f"camera {name!r} is unknown: {hint}`terrainav cameras` lists the names")
+
+
+def _named(wanted: str, presets: tuple[CameraPreset, ...], *, full: bool) -> CameraPreset | None:
+    for preset in presets:
+        own = key(preset.name)
+        if wanted and wanted == (own if full else own.partition(" ")[2]):
+            return preset
+    return None
+
+
+class Shelf(NamedTuple):
+    """A user's own cameras, and what is wrong with those that are left out.
+
+    Parameters
+    ----------
+    presets : tuple of CameraPreset
+    problems : mapping of str to str
+        Name of a camera to what is wrong with it; names the file.
+    """
+
+    presets: tuple[CameraPreset, ...]
+    problems: Mapping[str, str]
+
+
+def camera_shelf(folder: str | os.PathLike[str] | None = None) -> Shelf:
+    """Return the user's cameras that are right, and what is wrong with the others: one does not hide another.
+
+    Raises
+    ------
+    InvalidInput
+        The file cannot be read; names it.
+    """
+    path = config_file(_FILE, folder)
+    taken = {key(preset.name): preset.name for preset in shipped_cameras()}
+    presets: list[CameraPreset] = []
+    problems: dict[str, str] = {}
+    for name, data in read_named(path, "cameras").items():
+        preset = _preset_or_problem(name, data, taken)
+        if isinstance(preset, CameraPreset):
+            presets.append(preset)
+            taken[key(name)] = name
+        else:
+            problems[name] = f"{path}: {preset}"
+    return Shelf(tuple(presets), problems)
+
+
+def user_cameras(folder: str | os.PathLike[str] | None = None) -> tuple[CameraPreset, ...]:
+    """Return the user's cameras that are right; raises as `camera_shelf`, which tells of the others."""
+    return camera_shelf(folder).presets
+
+
+def add_camera(
+    name: str, data: Mapping[str, Any], folder: str | os.PathLike[str] | None = None
+) -> CameraPreset:
+    """Keep a camera under a name.
+
+    Parameters
+    ----------
+    name : str
+        Of one line, without spaces around it; none that is taken, in any case.
+    data : mapping
+        Facts as `CameraPreset.from_dict` takes them.
+
+    Raises
+    ------
+    InvalidInput
+        The name or the facts are not right.
+    OutputError
+        The file cannot be written.
+    """
+    path = config_file(_FILE, folder)
+    known = read_named(path, "cameras")
+    taken = {key(other): other for other in (*(preset.name for preset in shipped_cameras()), *known)}
+    _check_name(name, taken)
+    preset = _preset(name, data)
+    write_named(path, {**known, name: dict(data)})
+    return preset
+
+
+def remove_camera(name: str, folder: str | os.PathLike[str] | None = None) -> str:
+    """Forget a camera of the user; its name may be in any case.
+
+    Returns
+    -------
+    str
+        Its name as it was kept.
+
+    Raises
+    ------
+    InvalidInput
+        There is no such camera, or it is one that ships.
+    """
+    path = config_file(_FILE, folder)
+    known = read_named(path, "cameras")
+    found = name if name in known else next((own for own in known if key(own) == key(name)), None)
+    if found is None:
+        if any(key(preset.name) == key(name) for preset in shipped_cameras()):
+            raise InvalidInput(f"camera {name!r}: comes with TerrAInav, and stays as it is")
+        raise InvalidInput(f"camera {name!r}: is none of your own, which are {', '.join(known) or 'none'}")
+    write_named(path, {other: data for other, data in known.items() if other != found})
+    return found
+
+
+def key(name: str) -> str:
+    """What two names of one camera have in common: case and spaces do not matter."""
+    return " ".join(name.casefold().split())
+
+
+def _check_name(name: str, taken: Mapping[str, str]) -> None:
+    if not (0 < len(name) <= _LONGEST_NAME and name.isprintable() and name == " ".join(name.split())):
+        raise InvalidInput(
+            f"camera name {name!r}: must be 1 to {_LONGEST_NAME} characters of one line, with single spaces inside"
+        )
+    if key(name) in taken:
+        raise InvalidInput(f"camera name {name!r}: {taken[key(name)]} is taken; choose another")
+
+
+def _preset(name: str, data: Any) -> CameraPreset:
+    if not isinstance(data, Mapping):
+        raise InvalidInput(f"camera {name}: must be an object")
+    return CameraPreset.from_dict(name, data, user=True)
+
+
+def _preset_or_problem(name: str, data: Any, taken: Mapping[str, str]) -> CameraPreset | str:
+    try:
+        _check_name(name, taken)
+        return _preset(name, data)
+    except InvalidInput as wrong:
+        return str(wrong)

@@ -10,19 +10,19 @@ from typing import NamedTuple, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import InvalidInput
-from ..geodesy.accuracy import Scene
-from ..geodesy.camera import Poses
-from ..geodesy.ellipsoid import WGS84, Ellipsoid, trace
-from ..geodesy.frames import FrameEdges, Windows, map_frame_edges, windows_of
-from ..geodesy.mercator import MAX_LAT_DEG, PixelGrid, fitting_zoom, lat_to_v
-from ..geodesy.rectangles import inscribed_edges
-from ..geodesy.view import fitting_detail
-from ..limits import MAX_PICTURE_PX, MAX_PICTURE_SIDE_PX
-from .area import Points
-from .layout import Layout, lay_out
-from .mission import Mission
-from .turned import Pass, is_turned, lay_out_turned
+from ...errors import InvalidInput
+from ...geodesy.accuracy import Scene
+from ...geodesy.camera import Poses
+from ...geodesy.ellipsoid import WGS84, Ellipsoid, trace
+from ...geodesy.frames import FrameEdges, Windows, map_frame_edges, windows_of
+from ...geodesy.mercator import MAX_LAT_DEG, PixelGrid, fitting_zoom, lat_to_v
+from ...geodesy.rectangles import inscribed_edges
+from ...geodesy.view import fitting_detail
+from ...limits import MAX_PICTURE_PX, MAX_PICTURE_SIDE_PX
+from ..area import Points
+from ..mission import Mission
+from .rotated import Pass, is_rotated, lay_out_rotated
+from .rows import Layout, lay_out
 
 Floats = NDArray[np.float64]
 #: Places and nominal poses to the poses that are flown.
@@ -90,13 +90,13 @@ def framed(mission: Mission, grid: PixelGrid, framing: Framing, disturbed: Distu
         def frames(lat_deg: Floats) -> FrameEdges:
             attitude = (mission.yaw_deg, mission.tilt_deg, mission.roll_deg)
             height = np.broadcast_to(np.float64(mission.agl_m), lat_deg.shape)
-            return framing.edges(Poses.turned(lat_deg, np.zeros_like(lat_deg), height, *attitude), pixel)
+            return framing.edges(Poses.of_attitude(lat_deg, np.zeros_like(lat_deg), height, *attitude), pixel)
 
         return lay_out(mission, frames, pixel)
 
     passes: tuple[Pass, ...] = ()
-    if is_turned(mission):
-        layout, passes = lay_out_turned(mission, ground_of(mission))
+    if is_rotated(mission):
+        layout, passes = lay_out_rotated(mission, ground_of(mission))
     else:
         layout = laid_out(0.0)
     zoom = framing.zoom(layout)
