@@ -19,7 +19,7 @@ from terrainav.core.mission.plan import Plan
 from terrainav.core.mission.wind import Wind
 from terrainav.core.report.plots import Look, logarithmic, whisker
 from terrainav.core.report.tables import NOTHING, Table, number_text, seconds_text
-from terrainav.core.report.timing import QUICK, Effort, Seconds, timed
+from terrainav.core.timing import QUICK, Effort, Seconds, timed
 
 Floats = NDArray[np.float64]
 

@@ -37,7 +37,7 @@ from terrainav.core.report.tables import (
     savings_table,
     seconds_text,
 )
-from terrainav.core.report.timing import QUICK, THOROUGH
+from terrainav.core.timing import QUICK, THOROUGH
 
 ROOT = Path(__file__).resolve().parents[1]
 AGRICENTER = Box(35.16, -89.90, 35.115, -89.823)

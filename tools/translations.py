@@ -44,6 +44,7 @@ TOLD = (
     "core/geodesy",
     "core/imagery",
     "core/mission",
+    "core/picture",
     "core/report",
     "core/safe_json.py",
     "core/unexpected.py",
@@ -60,7 +61,7 @@ UNTOLD = (
 )
 #: Modules whose texts are all for users: the parts of messages and figures, and reasons that others put into theirs.
 WORDS = (
-    "core/capture/cost.py",
+    "core/picture/cost.py",
     "core/capture/pipeline.py",
     "core/dataset/clean.py",
     "core/dataset/deciding.py",

@@ -92,8 +92,8 @@ def _check_terms(worked_out: Plan, source: Source, requests: int, accept_terms: 
 
 
 def _print_summary(worked_out: Plan, source: Source, values: dict[str, Any], as_json: bool) -> None:
-    from ..capture.cost import timed_cost
     from ..mission.estimate import OFFLINE, ONLINE, estimate
+    from ..picture.cost import timed_cost
 
     policy = source.policy
     costs = replace(OFFLINE if source.name == "world" else ONLINE, requests_per_s=policy.requests_per_s)

@@ -11,8 +11,6 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..capture.perspective import camera_parts, render
-from ..capture.picture import assemble, resized, window_of
 from ..errors import PartError
 from ..geodesy.accuracy import Scene
 from ..geodesy.frames import map_windows
@@ -20,10 +18,12 @@ from ..geodesy.view import view
 from ..imagery.source import Window
 from ..mission.layout.framing import ground_of, sampled_zooms
 from ..mission.plan import Plan
+from ..picture.camera_frame import camera_parts, render
+from ..picture.map_frame import assemble, resized, window_of
+from ..timing import Effort, Seconds, timed_together
 from .geometry import scene_of, spread
 from .greys import file_bytes
 from .tiles import Tiles
-from .timing import Effort, Seconds, timed_together
 
 Pixels = NDArray[np.uint8]
 

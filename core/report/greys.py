@@ -12,17 +12,16 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from ..capture.description import Description
-from ..capture.jpeg import JPEG_QUALITY, jpeg
-from ..capture.picture import assemble
+from ..capture.metadata import Description
 from ..capture.records import job_of
-from ..capture.resample import KERNELS, sample
-from ..capture.writers import Place, geotiff, png
+from ..capture.writers import JPEG_QUALITY, Place, geotiff, jpeg, png
 from ..imagery.source import Source, Window, tile_parts
 from ..imagery.world import World, WorldSource
 from ..mission.plan import Plan
+from ..picture.map_frame import assemble
+from ..picture.resampling import KERNELS, sample
+from ..timing import Effort, Seconds, timed_together
 from .tiles import Tiles
-from .timing import Effort, Seconds, timed_together
 
 Floats = NDArray[np.float64]
 Pixels = NDArray[np.uint8]

@@ -11,7 +11,6 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..capture.resample import KERNELS
 from ..geodesy.accuracy import Scene, outside_flat_domain
 from ..geodesy.footprint import ground_corners
 from ..imagery.source import Source
@@ -21,13 +20,14 @@ from ..mission.methods import TRACED, Method, camera_frame, choose_pixels, map_f
 from ..mission.options import DEFAULT_AIRSPEED_M_PER_S
 from ..mission.plan import Plan
 from ..mission.wind import Wind
+from ..picture.resampling import KERNELS
+from ..timing import QUICK, THOROUGH, Effort, Seconds, timed, timed_together
 from . import geometry
 from .bench import BY_RAYS, Bench, Way
 from .footprints import FOOTPRINTS, footprint_methods
 from .greys import Encoding, Resampling, encodings, resampling
 from .reference import floor_px
 from .tiles import Tiles
-from .timing import QUICK, THOROUGH, Effort, Seconds, timed, timed_together
 from .wind import WindEffect, wind_effect
 
 Pixels = NDArray[np.uint8]

@@ -8,9 +8,9 @@ import math
 from collections.abc import Sequence
 from typing import Union
 
+from ..timing import Seconds
 from .greys import BANDS, Resampling
 from .measure import Kernel, Measured, Measurement, compared_with
-from .timing import Seconds
 
 Cell = Union[str, float, int, None]
 #: Cells of what was not measured: three figures.

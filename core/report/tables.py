@@ -8,9 +8,9 @@ from typing import Any, NamedTuple
 
 from ..mission.estimate import area_text, duration_text, percent, size_text
 from ..mission.plan import Plan
+from ..timing import Seconds
 from .greys import BANDS, Encoding, Resampling
 from .measure import Kernel, Measured, Measurement, Saving, compared_with
-from .timing import Seconds
 from .wind import WindEffect
 
 #: What stands where there is nothing.

@@ -4809,16 +4809,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
 <context>
     <name>TerrAInav core</name>
     <message>
-        <location filename="../../core/capture/cost.py"/>
-        <source>footprints {0}, pictures {1} each, {2} of one core in all (timed here)</source>
-        <translation>huellas {0}, imágenes {1} cada una, {2} de un núcleo en total (medido aquí)</translation>
-    </message>
-    <message>
-        <location filename="../../core/capture/cost.py"/>
-        <source>{0} ms</source>
-        <translation>{0} ms</translation>
-    </message>
-    <message>
         <location filename="../../core/capture/folder.py"/>
         <source>file {0}: cannot be removed ({1}); close what shows it</source>
         <translation>archivo {0}: no se puede eliminar ({1}); cerrar lo que lo muestra</translation>
@@ -4877,29 +4867,24 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>diario {0}: no está abierto</translation>
     </message>
     <message>
-        <location filename="../../core/capture/jpeg.py"/>
-        <source>description of a picture in {0} bytes: a JPEG has room for {1}; choose tif or png, or shorten the source's attribution</source>
-        <translation>descripción de una imagen en {0} bytes: un JPEG tiene sitio para {1}; elija tif o png, o abrevie la atribución de la fuente</translation>
-    </message>
-    <message>
-        <location filename="../../core/capture/perspective.py"/>
-        <source>no imagery at {0} of the samples that the picture is made of</source>
-        <translation>no hay imágenes en {0} de las muestras de las que se hace la imagen</translation>
-    </message>
-    <message>
-        <location filename="../../core/capture/picture.py"/>
-        <source>no imagery at {0} of the picture's {1} pixels</source>
-        <translation>no hay imágenes en {0} de los {1} píxeles de la imagen</translation>
-    </message>
-    <message>
-        <location filename="../../core/capture/picture.py"/>
-        <source>part at {0}, {1} px has shape {2} of {3}: {4} of uint8 was asked for</source>
-        <translation>la parte en {0}, {1} px tiene forma {2} de {3}: se pidió {4} de uint8</translation>
-    </message>
-    <message>
         <location filename="../../core/capture/pipeline.py"/>
         <source>not begun: the run was stopped</source>
         <translation>no se ha empezado: se detuvo la ejecución</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/pipeline.py"/>
+        <source>the disk gave only a part of an array back</source>
+        <translation>el disco devolvió solo una parte de una matriz</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/pipeline.py"/>
+        <source>the disk took only a part of an array</source>
+        <translation>el disco aceptó solo una parte de una matriz</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/pipeline.py"/>
+        <source>this spool has no file: the slot is of another one</source>
+        <translation>este almacén no tiene archivo: el lugar es de otro</translation>
     </message>
     <message>
         <location filename="../../core/capture/runner.py"/>
@@ -4930,19 +4915,9 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>{0} {1}: debe ser 1 o más</translation>
     </message>
     <message>
-        <location filename="../../core/capture/spool.py"/>
-        <source>the disk gave only a part of an array back</source>
-        <translation>el disco devolvió solo una parte de una matriz</translation>
-    </message>
-    <message>
-        <location filename="../../core/capture/spool.py"/>
-        <source>the disk took only a part of an array</source>
-        <translation>el disco aceptó solo una parte de una matriz</translation>
-    </message>
-    <message>
-        <location filename="../../core/capture/spool.py"/>
-        <source>this spool has no file: the slot is of another one</source>
-        <translation>este almacén no tiene archivo: el lugar es de otro</translation>
+        <location filename="../../core/capture/writers.py"/>
+        <source>description of a picture in {0} bytes: a JPEG has room for {1}; choose tif or png, or shorten the source's attribution</source>
+        <translation>descripción de una imagen en {0} bytes: un JPEG tiene sitio para {1}; elija tif o png, o abrevie la atribución de la fuente</translation>
     </message>
     <message>
         <location filename="../../core/dataset/clean.py"/>
@@ -7677,6 +7652,31 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/wind.py"/>
         <source>wind speed {0} m/s: must be below the airspeed, {1} m/s, to fly against it</source>
         <translation>velocidad del viento de {0} m/s: debe ser menor que la velocidad aérea, {1} m/s, para volar contra él</translation>
+    </message>
+    <message>
+        <location filename="../../core/picture/camera_frame.py"/>
+        <source>no imagery at {0} of the samples that the picture is made of</source>
+        <translation>no hay imágenes en {0} de las muestras de las que se hace la imagen</translation>
+    </message>
+    <message>
+        <location filename="../../core/picture/cost.py"/>
+        <source>footprints {0}, pictures {1} each, {2} of one core in all (timed here)</source>
+        <translation>huellas {0}, imágenes {1} cada una, {2} de un núcleo en total (medido aquí)</translation>
+    </message>
+    <message>
+        <location filename="../../core/picture/cost.py"/>
+        <source>{0} ms</source>
+        <translation>{0} ms</translation>
+    </message>
+    <message>
+        <location filename="../../core/picture/map_frame.py"/>
+        <source>no imagery at {0} of the picture's {1} pixels</source>
+        <translation>no hay imágenes en {0} de los {1} píxeles de la imagen</translation>
+    </message>
+    <message>
+        <location filename="../../core/picture/map_frame.py"/>
+        <source>part at {0}, {1} px has shape {2} of {3}: {4} of uint8 was asked for</source>
+        <translation>la parte en {0}, {1} px tiene forma {2} de {3}: se pidió {4} de uint8</translation>
     </message>
     <message>
         <location filename="../../core/report/measure.py"/>

@@ -31,7 +31,7 @@ ON_DEMAND = {
     "owslib",
 }
 
-ROOMS = ("geodesy", "mission", "imagery", "dataset", "capture", "report", "pairs")
+ROOMS = ("geodesy", "mission", "imagery", "dataset", "picture", "capture", "report", "pairs")
 
 # Room -> rooms it may import. What lies in `core` itself (errors, the shipped tables) knows no room and is
 # open to all.
@@ -41,9 +41,10 @@ ARROWS = {
     "mission": {"core", "geodesy"},
     "imagery": {"core", "geodesy"},
     "dataset": {"core", "geodesy"},
-    "capture": {"core", "geodesy", "mission", "imagery", "dataset"},
-    "report": {"core", "geodesy", "mission", "imagery", "dataset", "capture"},
-    "pairs": {"core", "geodesy", "mission", "imagery", "dataset", "capture"},
+    "picture": {"core", "geodesy", "mission", "imagery"},
+    "capture": {"core", "geodesy", "mission", "imagery", "dataset", "picture"},
+    "report": {"core", "geodesy", "mission", "imagery", "dataset", "picture", "capture"},
+    "pairs": {"core", "geodesy", "mission", "imagery", "dataset", "picture", "capture"},
     "cli": {"core", *ROOMS},
 }
 
@@ -53,7 +54,9 @@ CIRCLES_LEFT = {
 }
 
 # Rooms whose docstring leads through their modules.
-TOLD_IN_ORDER = [CORE / name for name in ("geodesy", "mission", "mission/layout", "mission/export")]
+TOLD_IN_ORDER = [
+    CORE / name for name in ("geodesy", "mission", "mission/layout", "mission/export", "picture", "capture")
+]
 
 MODULES = sorted(CORE.rglob("*.py"))
 PLUGIN_MODULES = sorted(PLUGIN.rglob("*.py"))

@@ -11,10 +11,9 @@ import pytest
 from PIL import Image
 from pyproj import Geod
 from terrainav.core.capture import tiff
-from terrainav.core.capture.exposure import body_of
-from terrainav.core.capture.jpeg import jpeg
 from terrainav.core.capture.records import exposures_of, job_of
 from terrainav.core.capture.runner import capture
+from terrainav.core.capture.writers import jpeg
 from terrainav.core.config import FOLDER_ENV
 from terrainav.core.errors import InvalidInput
 from terrainav.core.geodesy.camera import Camera
@@ -23,6 +22,7 @@ from terrainav.core.mission.area import Box, Points
 from terrainav.core.mission.cameras import add_camera, camera_named
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
+from terrainav.core.picture.optics import body_of
 
 from tests.support.photos import SIXTH_DIGIT, exiftool, focal_ratio, ground_seen, position
 from tests.support.sources import PatternSource

@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from terrainav.core.errors import InvalidInput
 from terrainav.core.mission import gusts
 from terrainav.core.mission.wind import Wind
-from terrainav.core.report.timing import QUICK
+from terrainav.core.timing import QUICK
 
 from benchmarks import integrators
 from tests.core.mission.test_wind import SYSTEM, in_sigmas, stepped, steps

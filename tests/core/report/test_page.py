@@ -29,8 +29,8 @@ from terrainav.core.report.measure import measure
 from terrainav.core.report.numbers import csv_files
 from terrainav.core.report.page import PAGE, write_report
 from terrainav.core.report.tables import Table, methods_table, px_text
-from terrainav.core.report.timing import Seconds
 from terrainav.core.report.words import verdict
+from terrainav.core.timing import Seconds
 
 pytest.importorskip("matplotlib", reason="matplotlib, which draws the report's diagrams, is not installed")
 

@@ -12,8 +12,8 @@ from ..errors import PartError
 from ..geodesy.mercator import PixelGrid, lon_to_u
 from ..geodesy.view import Patches, Samples, View
 from ..imagery.source import Part, Window
-from .picture import checked
-from .resample import sample
+from .map_frame import checked
+from .resampling import sample
 
 Floats = NDArray[np.float64]
 Pixels = NDArray[np.uint8]

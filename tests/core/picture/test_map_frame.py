@@ -5,10 +5,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from PIL import Image
-from terrainav.core.capture.picture import assemble, resized
 from terrainav.core.errors import PartError
 from terrainav.core.geodesy.mercator import PixelGrid
 from terrainav.core.imagery.source import Part, Window, tile_parts
+from terrainav.core.picture.map_frame import assemble, resized
 
 from tests.support.patterns import MODULUS, decode_position
 from tests.support.sources import PatternSource

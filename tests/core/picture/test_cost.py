@@ -5,12 +5,12 @@ from __future__ import annotations
 import time
 
 import pytest
-from terrainav.core.capture import cost
-from terrainav.core.capture.cost import timed_cost
 from terrainav.core.geodesy.mercator import PixelGrid
 from terrainav.core.mission.area import Box
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
+from terrainav.core.picture import cost
+from terrainav.core.picture.cost import timed_cost
 
 MISSION = Mission(Box(35.16, -89.90, 35.155, -89.893), 120.0, zoom=17)
 SLEEP_S = 0.2

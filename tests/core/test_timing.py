@@ -9,7 +9,7 @@ import pytest
 from terrainav.core.mission.methods import Method
 from terrainav.core.report.measure import Measured, Saving, compared_with
 from terrainav.core.report.tables import compared_text, savings_table
-from terrainav.core.report.timing import Effort, Quartiles, Seconds, timed, timed_together
+from terrainav.core.timing import Effort, Quartiles, Seconds, timed, timed_together
 
 ROUNDS = Effort(9, 9, 0.0)
 

@@ -12,8 +12,9 @@ from ..geodesy.footprint import ground_corners
 from ..imagery.source import Part, Window, tile_parts
 from ..mission.layout.framing import ground_of
 from ..mission.plan import Plan
-from .perspective import camera_parts, render
-from .picture import assemble, window_of
+from ..timing import clock_step_s
+from .camera_frame import camera_parts, render
+from .map_frame import assemble, window_of
 
 #: Captures whose footprints are timed; a million cost no more per capture.
 _FOOTPRINTS_TIMED = 10_000
@@ -69,16 +70,9 @@ def _blank(parts: list[Part]) -> dict[Window, np.ndarray[tuple[int, ...], np.dty
 def _own_s(work: Callable[[], object]) -> float:
     """Seconds that work takes of the processor, without what else the machine does meanwhile."""
     work()  # what is only made once
-    least_s = _LEAST_STEPS * _clock_step_s()
+    least_s = _LEAST_STEPS * clock_step_s()
     runs, start = 0, time.thread_time()
     while runs < _RUNS or time.thread_time() - start < least_s:
         work()
         runs += 1
     return (time.thread_time() - start) / runs
-
-
-def _clock_step_s() -> float:
-    start = now = time.thread_time()
-    while now == start:
-        now = time.thread_time()
-    return now - start

@@ -1,4 +1,4 @@
-"""Pictures out of parts: assembled on the source's pixel grid, whole or not at all."""
+"""Map frames out of parts: put together on the source's pixel grid, whole or not at all."""
 
 from __future__ import annotations
 

@@ -122,7 +122,7 @@ def timed_together(
         Of seconds, however coarse. The default counts what the calling thread computes, and neither its waiting nor
         other threads and processes: work that is shared with those needs another.
     """
-    least_s = _TICKS * _tick_s(clock)
+    least_s = _TICKS * clock_step_s(clock)
     results, counts = [], []
     for work in works:
         start = clock()
@@ -151,7 +151,7 @@ def _run(work: Callable[[], object], count: int, clock: Clock) -> float:
     return clock() - start
 
 
-def _tick_s(clock: Clock) -> float:
+def clock_step_s(clock: Clock = time.thread_time) -> float:
     """Seconds between the values that a clock takes: what it says of itself is too fine on some systems."""
     steps = []
     for _ in range(_TICKS_SEEN):
