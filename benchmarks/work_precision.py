@@ -22,7 +22,7 @@ from terrainav.core.mission.area import Area, Box, Points
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import Plan, plan
 from terrainav.core.mission.wind import Wind
-from terrainav.core.report import plots, words
+from terrainav.core.report import plots, sentences
 from terrainav.core.report.machine import machine, versions
 from terrainav.core.report.measure import Measurement, measure
 from terrainav.core.report.tables import (
@@ -161,8 +161,8 @@ def document(results: list[Result], flight: Flight) -> str:
                     "budget of 0.1 px; bounds are worked out before anything is computed."
                 ),
                 markdown(summary(results)),
-                f"{words.TIMES} Relief is not in the bounds: the last column says what it may add.",
-                words.DIAGRAM,
+                f"{sentences.TIMES} Relief is not in the bounds: the last column says what it may add.",
+                sentences.DIAGRAM,
                 *(_scene_text(result) for result in results),
                 *_grey_text(results),
                 *_integrators_text(flight),
@@ -176,10 +176,10 @@ def document(results: list[Result], flight: Flight) -> str:
 
 def _scene_text(result: Result) -> str:
     scene, worked_out, found = result
-    _, verdict = words.verdict(worked_out, found)
+    _, verdict = sentences.verdict(worked_out, found)
     parts = [
         f"## {scene.title}",
-        f"{words.mission_title(worked_out)}. {verdict}",
+        f"{sentences.mission_title(worked_out)}. {verdict}",
         f"![Error in px against seconds a capture of every method](images/accuracy-{scene.name}.png)",
         markdown(methods_table(found)),
     ]
@@ -195,12 +195,12 @@ def _scene_text(result: Result) -> str:
         ]
     if found.wind is not None:
         parts += [
-            *words.wind_effect_text(found.wind),
+            *sentences.wind_effect_text(found.wind),
             markdown(displacement_table(found.wind)),
             markdown(air_table(found.wind)),
-            *words.wind_notes(found.wind),
+            *sentences.wind_notes(found.wind),
         ]
-    parts.append(words.condition_text(worked_out.accuracy.condition))
+    parts.append(sentences.condition_text(worked_out.accuracy.condition))
     return "\n\n".join(parts)
 
 

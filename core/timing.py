@@ -91,7 +91,7 @@ class Seconds:
         """How many times as long as other work this one takes: quartiles of the ratios within each round."""
         return Quartiles.of([own / its for own, its in zip(self.rounds, other.rounds)])
 
-    def told_from(self, other: Seconds) -> bool:
+    def differs_from(self, other: Seconds) -> bool:
         """Whether one can be said to take longer than the other.
 
         It cannot where the quartiles of their ratio lie on either side of 1, nor where equal works would agree in as

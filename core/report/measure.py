@@ -22,12 +22,10 @@ from ..mission.plan import Plan
 from ..mission.wind import Wind
 from ..picture.resampling import KERNELS
 from ..timing import QUICK, THOROUGH, Effort, Seconds, timed, timed_together
-from . import geometry
-from .bench import BY_RAYS, Bench, Way
+from . import positions
 from .footprints import FOOTPRINTS, footprint_methods
-from .greys import Encoding, Resampling, encodings, resampling
-from .reference import floor_px
-from .tiles import Tiles
+from .pictures import BY_RAYS, Bench, Encoding, Resampling, Tiles, Way, encodings, resampling
+from .positions import floor_px
 from .wind import WindEffect, wind_effect
 
 Pixels = NDArray[np.uint8]
@@ -102,7 +100,7 @@ class Saving:
     what, why : str
     seconds : Seconds
         By how much more it takes than what was chosen, round by round.
-    told : bool
+    differs : bool
         Whether the two can be told apart in time.
     size_bytes : int
     """
@@ -110,7 +108,7 @@ class Saving:
     what: str
     why: str
     seconds: Seconds
-    told: bool
+    differs: bool
     size_bytes: int
 
 
@@ -215,7 +213,7 @@ def measure(
         say("wind")
         effect = wind_effect(plan)
     say("what was left out")
-    floor = floor_px(geometry.bounds_scene(plan))
+    floor = floor_px(positions.bounds_scene(plan))
     return Measurement(
         map_type=map_type,
         stages={
@@ -236,7 +234,7 @@ def measure(
 def _footprints(plan: Plan, effort: Effort) -> tuple[Measured, ...]:
     few = plan.poses.take(np.arange(min(len(plan), _FOOTPRINTS_TIMED)))
     camera, ground = plan.mission.camera, ground_of(plan.mission)
-    methods = footprint_methods(geometry.bounds_scene(plan))
+    methods = footprint_methods(positions.bounds_scene(plan))
     usable = [method.name for method in methods if not method.outside]
     works = [partial(ground_corners, camera, few, ground, FOOTPRINTS[name]) for name in usable]
     seconds = {name: taken for name, (_, taken) in zip(usable, timed_together(works, effort))}
@@ -246,7 +244,7 @@ def _footprints(plan: Plan, effort: Effort) -> tuple[Measured, ...]:
         if method.outside
         else Measured(
             method,
-            geometry.footprint_error_px(plan, FOOTPRINTS[method.name]),
+            positions.footprint_error_px(plan, FOOTPRINTS[method.name]),
             seconds[method.name] * (1.0 / len(few.lat_deg)),
             method.name == chosen,
         )
@@ -258,9 +256,9 @@ def _pictures(
     bench: Bench, *, by_tiles: bool
 ) -> tuple[tuple[Measured, ...], tuple[Measured, ...], tuple[Kernel, ...]]:
     """Map frame and camera frame, the camera frame's meshes, and its kernels: all timed in the same rounds."""
-    plan, scene = bench.plan, geometry.bounds_scene(bench.plan)
+    plan, scene = bench.plan, positions.bounds_scene(bench.plan)
     own = plan.accuracy.picture
-    outside = outside_flat_domain(scene) or geometry.map_frame_problem(plan)
+    outside = outside_flat_domain(scene) or positions.map_frame_problem(plan)
     if not outside and own.rejected is not None and own.rejected.outside:
         outside = own.rejected.outside
     on_map, by_camera = map_frame(scene, outside), camera_frame(scene, "" if by_tiles else _BY_CENTRE)
@@ -275,12 +273,12 @@ def _pictures(
     made = dict(zip(ways, frames))
     pictures = [Measured(on_map)]
     if on_map_made is not None:
-        error, is_own = geometry.map_frame_error_px(plan), own.method.name == "map"
+        error, is_own = positions.map_frame_error_px(plan), own.method.name == "map"
         pictures = [Measured(on_map, error, on_map_made.seconds, is_own, on_map_made.size_bytes)]
     if usual is None:
         return (*pictures, Measured(by_camera)), (), ()
     frame = made[Way(usual, plan.mission.resampling)]
-    traced = geometry.mesh_error_px(plan, 0.0)
+    traced = positions.mesh_error_px(plan, 0.0)
     pictures.append(Measured(by_camera, traced, frame.seconds, own.method.name == "camera", frame.size_bytes))
     return (
         tuple(pictures),
@@ -290,7 +288,7 @@ def _pictures(
             else Measured(
                 one.method,
                 # Rays are the camera frame's own positions, whose error is that of the picture.
-                geometry.mesh_error_px(plan, one.tolerance_px) if one.tolerance_px else 0.0,
+                positions.mesh_error_px(plan, one.tolerance_px) if one.tolerance_px else 0.0,
                 made[Way(one.tolerance_px, kernel)].seconds,
                 one.own and plan.accuracy.pixels is not None,
                 made[Way(one.tolerance_px, kernel)].size_bytes,
@@ -348,7 +346,9 @@ def _left_out(bench: Bench, stages: dict[str, tuple[Measured, ...]]) -> list[Sav
         if chosen.seconds is not None and other.seconds is not None:
             seconds = (other.seconds - chosen.seconds) * pictures
             size = (other.size_bytes or 0) - (chosen.size_bytes or 0)
-            found.append(Saving(what, why, seconds, other.seconds.told_from(chosen.seconds), size * pictures))
+            found.append(
+                Saving(what, why, seconds, other.seconds.differs_from(chosen.seconds), size * pictures)
+            )
     return found
 
 

@@ -10,8 +10,8 @@ from typing import Any, NamedTuple
 
 from ..drawing import BLACK, BLUE, FONT, GREEN, ORANGE, PURPLE, VERMILION, dress, new_figure, png
 from ..timing import Seconds
-from .greys import BANDS, Resampling
 from .measure import Measured
+from .pictures import BANDS, Resampling
 
 _GREY = "#777777"
 #: Letters in a line of a title.

@@ -14,8 +14,7 @@ from ..geodesy.footprint import exact
 from ..mission.flight import legs
 from ..mission.layout.framing import ground_of
 from ..mission.plan import Plan, plan
-from .geometry import scene_of, spread
-from .reference import errors_px
+from .positions import errors_px, scene_of, spread
 
 Floats = NDArray[np.float64]
 

@@ -55,7 +55,8 @@ CIRCLES_LEFT = {
 
 # Rooms whose docstring leads through their modules.
 TOLD_IN_ORDER = [
-    CORE / name for name in ("geodesy", "mission", "mission/layout", "mission/export", "picture", "capture")
+    CORE / name
+    for name in ("geodesy", "mission", "mission/layout", "mission/export", "picture", "capture", "report")
 ]
 
 MODULES = sorted(CORE.rglob("*.py"))

@@ -23,13 +23,11 @@ from terrainav.core.mission.area import Box, Points
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 from terrainav.core.mission.wind import Wind
-from terrainav.core.report import bench, plots
-from terrainav.core.report.html import element, page, table
+from terrainav.core.report import pictures, plots
 from terrainav.core.report.measure import measure
-from terrainav.core.report.numbers import csv_files
-from terrainav.core.report.page import PAGE, write_report
-from terrainav.core.report.tables import Table, methods_table, px_text
-from terrainav.core.report.words import verdict
+from terrainav.core.report.page import PAGE, document, element, table, write_report
+from terrainav.core.report.sentences import verdict
+from terrainav.core.report.tables import Table, csv_files, methods_table, px_text
 from terrainav.core.timing import Seconds
 
 pytest.importorskip("matplotlib", reason="matplotlib, which draws the report's diagrams, is not installed")
@@ -304,7 +302,7 @@ def test_traced_pixels_are_within_their_bound_which_counts_their_place_on_the_ma
 
 @pytest.mark.parametrize("frame", ["map", "camera"])
 def test_large_pictures_are_timed_on_a_part(monkeypatch, frame):
-    monkeypatch.setattr(bench, "_MOST_PX", 2_000)
+    monkeypatch.setattr(pictures, "_MOST_PX", 2_000)
     worked_out = plan(MISSIONS["map frames"].with_(frame=frame), WORLD.grid)
     found = measure(worked_out, WORLD, quick=True)
     wide, high = found.planned_px
@@ -317,7 +315,7 @@ def test_large_pictures_are_timed_on_a_part(monkeypatch, frame):
 
 def test_text_is_escaped_wherever_it_stands():
     nasty = "<script>'\"&"
-    made = page(
+    made = document(
         nasty, "p { color: red }", element("p", nasty, title=nasty), table(Table((nasty,), [(nasty,)]))
     )
     assert "<script>" not in made

@@ -18,9 +18,9 @@ from terrainav.core.mission.plan import plan
 from terrainav.core.mission.wind import Wind
 from terrainav.core.report import wind as wind_module
 from terrainav.core.report.page import PAGE, write_report
+from terrainav.core.report.sentences import mission_facts, mission_title, wind_effect_text, wind_notes
 from terrainav.core.report.tables import air_table, displaced_text, displacement_table, share_text
 from terrainav.core.report.wind import MOVED, TOGETHER, TURNED, Spread, wind_effect
-from terrainav.core.report.words import mission_facts, mission_title, wind_effect_text, wind_notes
 
 from tests.core.geodesy.inverse import image_points
 

@@ -7,7 +7,7 @@ import pytest
 from terrainav.core.geodesy.accuracy import Scene
 from terrainav.core.geodesy.camera import Camera, Poses
 from terrainav.core.geodesy.ellipsoid import WGS84
-from terrainav.core.report.reference import errors_px, floor_px
+from terrainav.core.report.positions import errors_px, floor_px
 
 from tests.core.geodesy.reference import see
 

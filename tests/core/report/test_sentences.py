@@ -10,8 +10,8 @@ from terrainav.core.mission.area import Box, Points
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 from terrainav.core.report.machine import machine, versions
+from terrainav.core.report.sentences import condition_text, mission_facts, mission_title, terrain_text
 from terrainav.core.report.tables import bytes_text, metres_text, number_text, px_text, seconds_text
-from terrainav.core.report.words import condition_text, mission_facts, mission_title, terrain_text
 from terrainav.core.timing import Seconds
 
 SOURCE = WorldSource()
