@@ -87,7 +87,7 @@ def inscribed_edges(
         return FrameEdges(*(np.concatenate(columns) for columns in zip(*parts)))
     at_zero = poses._replace(lon_deg=np.zeros(len(poses.lat_deg)))
     seen = exact(camera, at_zero, tuple((x, y) for x, y in _image_frame().tolist()), ground)
-    ring = _on_map(seen)
+    ring = _map_positions(seen)
     whole = seen.hit.all(axis=1)
     level = whole & (np.abs(seen.lon_deg) < _SAME_SIDE_DEG).all(axis=1)
     for angle in poses.attitude:
@@ -208,7 +208,7 @@ def _level_edges(ring: Floats) -> FrameEdges:
     )
 
 
-def _on_map(seen: Corners) -> Floats:
+def _map_positions(seen: Corners) -> Floats:
     """World fractions of ground points from the camera's meridian and from the map's north, (n, k, 2).
 
     Points follow each other without a jump where the camera's far meridian lies between them.
@@ -220,12 +220,12 @@ def _on_map(seen: Corners) -> Floats:
 def _centres(camera: Camera, poses: Poses, ground: Ellipsoid) -> Floats:
     """Points of the map about which the rectangles lie, (n, 2)."""
     seen = exact(camera, poses, ((0.0, 0.0),), ground)
-    centre = _on_map(seen)[:, 0]
+    centre = _map_positions(seen)[:, 0]
     for at in np.flatnonzero(~seen.hit[:, 0]).tolist():
         yaw, tilt, roll = (float(angle[at]) for angle in poses.attitude)
         shown = outline(camera, float(poses.lat_deg[at]), float(poses.agl_m[at]), (yaw, tilt, roll), ground)
         x, y = shown.image_xy.mean(axis=0).tolist()
-        centre[at] = _on_map(exact(camera, poses.take(np.array([at])), ((x, y),), ground))[0, 0]
+        centre[at] = _map_positions(exact(camera, poses.take(np.array([at])), ((x, y),), ground))[0, 0]
     return centre
 
 

@@ -107,9 +107,9 @@ class Polygon:
             raise InvalidInput("polygon without a ring: needs at least one of three corners")
         outer, *holes = (_tidy_ring(ring) for ring in self.rings)
         west = min(lon for lon, _ in outer)
-        outer = _turned(outer, -math.floor((west + 180.0) / 360.0))
+        outer = _shifted(outer, -math.floor((west + 180.0) / 360.0))
         middle = sum(lon for lon, _ in outer) / len(outer)
-        near = (_turned(hole, round((middle - hole[0][0]) / 360.0)) for hole in holes)
+        near = (_shifted(hole, round((middle - hole[0][0]) / 360.0)) for hole in holes)
         object.__setattr__(self, "rings", (outer, *near))
 
     def arrays(self) -> list[tuple[Floats, Floats]]:
@@ -196,7 +196,7 @@ def _sound(poses: tuple[tuple[float, float, float], ...]) -> bool:
     return bool(sound.all())
 
 
-def _turned(ring: tuple[Position, ...], turns: int) -> tuple[Position, ...]:
+def _shifted(ring: tuple[Position, ...], turns: int) -> tuple[Position, ...]:
     return tuple((lon + 360.0 * turns, lat) for lon, lat in ring) if turns else ring
 
 

@@ -196,15 +196,15 @@ def _sampled(wind: Wind, airspeed_m_per_s: float, interval_s: Floats, agl_m: Flo
     picked = outputs()
     bits = np.random.PCG64(np.random.SeedSequence(int(wind.seed)))
     sampled = np.empty((len(picked), which.size))
-    beside = np.zeros((min(CHUNK, which.size) + 1, 2 * size))
+    states = np.zeros((min(CHUNK, which.size) + 1, 2 * size))
     for start in range(0, which.size, CHUNK):
         count = min(CHUNK, which.size - start)
-        beside[:count, size:] = _normal(bits, count, size)
+        states[:count, size:] = _normal(bits, count, size)
         products = [steps[step] for step in which[start : start + count].tolist()]
-        for product, before, after in zip(products, beside[:count], beside[1 : count + 1, :size]):
+        for product, before, after in zip(products, states[:count], states[1 : count + 1, :size]):
             product.dot(before, after)
-        sampled[:, start : start + count] = picked @ beside[1 : count + 1, :size].T
-        beside[0, :size] = beside[count, :size]
+        sampled[:, start : start + count] = picked @ states[1 : count + 1, :size].T
+        states[0, :size] = states[count, :size]
     return sampled
 
 

@@ -63,7 +63,7 @@ def pictures_m(plan: Plan, part: slice = _ALL) -> Iterator[list[Ring]]:
             yield [(east[index], north[index])]
         else:
             ring = _footprint(plan, at, straight=bool(straight[index]))
-            yield [metres(*inside) for inside in cut_at_antimeridian(*_on_map(*ring))]
+            yield [metres(*inside) for inside in cut_at_antimeridian(*_clipped_to_map(*ring))]
 
 
 def footprints_deg(plan: Plan, part: slice = _ALL) -> Iterator[list[Ring]]:
@@ -171,7 +171,7 @@ def _rectangles(west: float, south: float, east: float, north: float) -> list[Ri
     ]
 
 
-def _on_map(lon_deg: Floats, lat_deg: Floats) -> Ring:
+def _clipped_to_map(lon_deg: Floats, lat_deg: Floats) -> Ring:
     """What a ring has within the latitudes of the map; nothing where it lies beyond."""
     lon, lat = cut_half_plane(lon_deg, lat_deg, 1, MAX_LAT_DEG, -1.0)
     return cut_half_plane(lon, lat, 1, -MAX_LAT_DEG, 1.0)

@@ -50,22 +50,26 @@ def write_geopackage(plan: Plan, path: Path) -> None:
             ".geojson"
         ) from missing
     try:
-        with partial_file(path, PARTIAL_ENDING) as partial, _clear_beside(partial), _heard(path) as failed:
+        with (
+            partial_file(path, PARTIAL_ENDING) as partial,
+            _without_side_files(partial),
+            _heard(path) as failed,
+        ):
             _write(ogr, plan, partial, failed)
     except OSError as wrong:
         raise OutputError(f"folder {path.parent}: cannot write {path.name} ({wrong.strerror})") from wrong
 
 
 @contextmanager
-def _clear_beside(partial: Path) -> Iterator[None]:
+def _without_side_files(partial: Path) -> Iterator[None]:
     """Remove what SQLite has beside a file while it writes it, before and afterwards."""
-    beside = [partial.with_name(partial.name + ending) for ending in ("-journal", "-wal", "-shm")]
-    for path in beside:
+    side_files = [partial.with_name(partial.name + ending) for ending in ("-journal", "-wal", "-shm")]
+    for path in side_files:
         path.unlink(missing_ok=True)
     try:
         yield
     finally:
-        for path in beside:
+        for path in side_files:
             with contextlib.suppress(OSError):
                 path.unlink(missing_ok=True)
 

@@ -74,14 +74,14 @@ class Rectangles(NamedTuple):
 def joined(rectangles: Rectangles) -> Rectangles:
     """Rectangles (n,), n >= 1, those made one that touch side by side in sequence."""
     left, top, right, bottom = rectangles
-    beside = np.zeros(len(left), bool)
-    beside[1:] = (
+    neighbours = np.zeros(len(left), bool)
+    neighbours[1:] = (
         (top[1:] == top[:-1])
         & (bottom[1:] == bottom[:-1])
         & (left[1:] <= right[:-1])
         & (left[:-1] <= right[1:])
     )
-    first = np.flatnonzero(~beside)
+    first = np.flatnonzero(~neighbours)
     return Rectangles(
         np.minimum.reduceat(left, first), top[first], np.maximum.reduceat(right, first), bottom[first]
     )
@@ -358,9 +358,11 @@ def shares(
     """
     left, top, right, bottom = rectangles
     width, height = right - left, bottom - top
-    beside = np.flatnonzero((row[1:] == row[:-1]) & (np.abs(np.diff(column)) == 1))
-    shared = np.minimum(right[beside], right[beside + 1]) - np.maximum(left[beside], left[beside + 1])
-    along = shared / np.maximum(width[beside], width[beside + 1])
+    neighbours = np.flatnonzero((row[1:] == row[:-1]) & (np.abs(np.diff(column)) == 1))
+    shared = np.minimum(right[neighbours], right[neighbours + 1]) - np.maximum(
+        left[neighbours], left[neighbours + 1]
+    )
+    along = shared / np.maximum(width[neighbours], width[neighbours + 1])
 
     columns = int(column.max()) + 1
     keys = row * columns + column
