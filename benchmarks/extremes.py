@@ -30,7 +30,7 @@ def number(value: float) -> str:
 
 def row(outcome: Outcome) -> str:
     """One line of the table."""
-    name, mission = outcome.case
+    name, mission, _ = outcome.case
     if outcome.refusal:
         return (
             f"| {name} | refused: {outcome.refusal.replace('|', '/')} | | | | {outcome.seconds * 1e3:.0f} |"
