@@ -274,7 +274,8 @@ def choose_methods(mission: Mission, grid: PixelGrid, disturbed: Disturbed) -> t
     scene = _resolved(scene_of(mission, flown))
     found, footprint = camera_frame(scene), exact_footprint(scene)
     picture = Choice(found) if picture is None else Choice(found, picture.rejected, picture.reason)
-    return flown, _accuracy(mission, scene, Choice(footprint), picture, choose_pixels(mission, scene))
+    pixels = choose_pixels(mission, scene, found.bound_px + footprint.bound_px)
+    return flown, _accuracy(mission, scene, Choice(footprint), picture, pixels)
 
 
 def _no_map_frame(mission: Mission) -> str:
@@ -286,11 +287,10 @@ def _no_map_frame(mission: Mission) -> str:
     return accuracy.outside_flat_domain(_ends(mission))
 
 
-def choose_pixels(mission: Mission, scene: Scene) -> Choice:
-    """Mesh or rays of a mission's camera frames: a mesh as coarse as the other stages leave of the budget."""
+def choose_pixels(mission: Mission, scene: Scene, others_px: float) -> Choice:
+    """Mesh or rays of a mission's camera frames: a mesh as coarse as the other stages' bounds leave of the budget."""
     if mission.mesh == RAYS:
         return Choice(TRACED)
-    others_px = camera_frame(scene).bound_px + exact_footprint(scene).bound_px
     left_px = mission.error_budget_px * (1.0 - _ROUNDING) - others_px
     found = mesh(scene, left_px)
     if found.bound_px <= left_px:

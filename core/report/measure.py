@@ -16,7 +16,7 @@ from ..geodesy.footprint import ground_corners
 from ..imagery.source import Source
 from ..mission.flight import fly, intervals_s, legs
 from ..mission.layout.framing import ground_of
-from ..mission.methods import TRACED, Method, camera_frame, choose_pixels, map_frame, mesh
+from ..mission.methods import TRACED, Method, camera_frame, choose_pixels, exact_footprint, map_frame, mesh
 from ..mission.options import DEFAULT_AIRSPEED_M_PER_S
 from ..mission.plan import Plan
 from ..mission.wind import Wind
@@ -309,7 +309,8 @@ class PixelMethod(NamedTuple):
 
 def pixel_methods(plan: Plan, scene: Scene) -> list[PixelMethod]:
     """Meshes from coarse to fine, and rays: the one that the plan has, or would have, and others to compare it with."""
-    choice = plan.accuracy.pixels or choose_pixels(plan.mission, scene)
+    others_px = camera_frame(scene).bound_px + exact_footprint(scene).bound_px
+    choice = plan.accuracy.pixels or choose_pixels(plan.mission, scene, others_px)
     own_px = 0.0 if choice.method.name == TRACED.name else choice.method.bound_px
     meshes = []
     for tolerance_px in _TOLERANCES_PX:
