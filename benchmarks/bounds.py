@@ -38,9 +38,9 @@ def tallies(share: float = 1.0) -> dict[str, tuple[bounds.Tally, str]]:
     found["exact"] = bounds.exact_footprints(2025, draws, EACH), "scenes"
     found["camera by rays"] = bounds.camera_frames(2029, frames, FRAMES_EACH)[1], "frames"
     for tolerance in TOLERANCES_PX:
-        found[f"mesh-{tolerance:g}px"] = bounds.meshes(2026, meshes, tolerance)[1], "meshes"
+        found[f"mesh, {tolerance:g} px"] = bounds.meshes(2026, meshes, tolerance)[1], "meshes"
         some = bounds.meshes(2028, wide, tolerance, narrowest=20.0, widest=150.0)[1]
-        found[f"mesh-{tolerance:g}px, 20° to 150°"] = some, "meshes"
+        found[f"mesh, {tolerance:g} px, 20° to 150°"] = some, "meshes"
     return found
 
 

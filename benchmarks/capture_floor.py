@@ -17,8 +17,8 @@ import numpy as np
 from capture_contenders import JPEG_QUALITY, TILE_PX, ZOOM, Window, paste, tiles_of
 from loopback_server import BLOB_BYTES, LoopbackServer, detailed_tiles
 from PIL import Image
-from terrainav.core.capture.description import Description
 from terrainav.core.capture.georeference import Georeference
+from terrainav.core.capture.metadata import Description
 from terrainav.core.capture.writers import geotiff
 
 #: Requests in a row that processor times are the mean of, and repeats whose median counts.

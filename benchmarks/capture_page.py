@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 from capture_floor import Terms
-from terrainav.core.capture.spool import MEMORY_BYTES
+from terrainav.core.capture.pipeline import MEMORY_BYTES
 from terrainav.core.files import make_folder
 from terrainav.core.report.machine import machine
 

@@ -13,7 +13,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 
-from terrainav.core.mission.rungs import bound_text  # noqa: E402
+from terrainav.core.mission.methods import bound_text  # noqa: E402
 
 from tests.core.mission.extremes import Outcome, cases, planned_as, run  # noqa: E402
 
@@ -30,7 +30,7 @@ def number(value: float) -> str:
 
 def row(outcome: Outcome) -> str:
     """One line of the table."""
-    name, mission = outcome.case
+    name, mission, _ = outcome.case
     if outcome.refusal:
         return (
             f"| {name} | refused: {outcome.refusal.replace('|', '/')} | | | | {outcome.seconds * 1e3:.0f} |"

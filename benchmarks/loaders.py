@@ -31,7 +31,7 @@ from terrainav.core.mission.area import Box
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 from terrainav.core.report.machine import machine, versions
-from terrainav.core.report.timing import Effort, timed_together
+from terrainav.core.timing import Effort, timed_together
 
 ROOT = Path(__file__).resolve().parents[1]
 BOX, AGL_M, ZOOM = Box(35.160, -89.900, 35.150, -89.888), 120.0, 18

@@ -51,8 +51,8 @@ def mission_of(captures: int) -> Mission:
 
 
 def worked_out(mission: Mission) -> Plan:
-    """Plan with every figure that is worked out when first asked for, and exact corners."""
-    made = plan(mission.with_(footprint="exact"), PixelGrid())
+    """Plan with every figure that is worked out when first asked for."""
+    made = plan(mission, PixelGrid())
     if not (made.requests and made.coverage and made.overlap and made.accuracy.bound_px):
         raise SystemExit("a figure of the plan is missing")
     return made

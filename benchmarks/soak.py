@@ -31,7 +31,6 @@ from typing import Any
 
 import numpy as np
 from PIL import Image
-from terrainav.core.capture.records import window_of
 from terrainav.core.capture.runner import capture
 from terrainav.core.dataset.table import Table
 from terrainav.core.errors import SourceError
@@ -46,6 +45,7 @@ from terrainav.core.imagery.xyz import XYZSource
 from terrainav.core.mission.area import Box
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import Plan, plan
+from terrainav.core.picture.map_frame import window_of
 
 from tests.support.faults import flat_placeholder
 from tests.support.patterns import MODULUS, decode_position

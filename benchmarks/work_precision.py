@@ -14,6 +14,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from integrators import Flight, flight_diagram, flight_of, flight_table, integrators_text
 from terrainav.core.drawing import check_matplotlib
 from terrainav.core.files import make_folder, write_whole
 from terrainav.core.imagery.world import WorldSource
@@ -21,8 +22,7 @@ from terrainav.core.mission.area import Area, Box, Points
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import Plan, plan
 from terrainav.core.mission.wind import Wind
-from terrainav.core.report import plots, words
-from terrainav.core.report.flight import Flight
+from terrainav.core.report import plots, sentences
 from terrainav.core.report.machine import machine, versions
 from terrainav.core.report.measure import Measurement, measure
 from terrainav.core.report.tables import (
@@ -30,7 +30,6 @@ from terrainav.core.report.tables import (
     air_table,
     displacement_table,
     encodings_table,
-    flight_table,
     kernels_table,
     methods_table,
     number_text,
@@ -38,6 +37,7 @@ from terrainav.core.report.tables import (
     savings_table,
     seconds_text,
 )
+from terrainav.core.timing import QUICK, THOROUGH
 
 ROOT = Path(__file__).resolve().parents[1]
 AGRICENTER = Box(35.16, -89.90, 35.115, -89.823)
@@ -95,8 +95,8 @@ def summary(results: list[Result]) -> Table:
     rows = []
     for scene, worked_out, found in results:
         accuracy = worked_out.accuracy
-        methods = ", ".join(choice.rung.name for choice in accuracy.choices)
-        seconds = next(one.seconds for one in found.chosen if one.rung.stage == "picture")
+        methods = ", ".join(choice.method.name for choice in accuracy.choices)
+        seconds = next(one.seconds for one in found.chosen if one.method.stage == "picture")
         kept = "" if all(one.within for one in found.chosen) else " (above its bound)"
         rows.append(
             (
@@ -117,7 +117,7 @@ def summary(results: list[Result]) -> Table:
     header = (
         "scene",
         "captures",
-        "chosen: footprint, picture, mesh",
+        "chosen: footprint, picture, pixels",
         "bound",
         "measured error",
         "time a picture",
@@ -144,7 +144,7 @@ def markdown(found: Table) -> str:
     return "\n".join(f"| {line} |" for line in lines)
 
 
-def document(results: list[Result]) -> str:
+def document(results: list[Result], flight: Flight) -> str:
     """Text of docs/accuracy.md."""
     return (
         "\n\n".join(
@@ -161,11 +161,11 @@ def document(results: list[Result]) -> str:
                     "budget of 0.1 px; bounds are worked out before anything is computed."
                 ),
                 markdown(summary(results)),
-                f"{words.TIMES} Relief is not in the bounds: the last column says what it may add.",
-                words.DIAGRAM,
+                f"{sentences.TIMES} Relief is not in the bounds: the last column says what it may add.",
+                sentences.DIAGRAM,
                 *(_scene_text(result) for result in results),
                 *_grey_text(results),
-                *_integrators_text(results[-1].found.flight),
+                *_integrators_text(flight),
                 "## Machine and versions",
                 markdown(Table(("", ""), [*machine(), *versions()])),
             ]
@@ -176,15 +176,15 @@ def document(results: list[Result]) -> str:
 
 def _scene_text(result: Result) -> str:
     scene, worked_out, found = result
-    _, verdict = words.verdict(worked_out, found)
+    _, verdict = sentences.verdict(worked_out, found)
     parts = [
         f"## {scene.title}",
-        f"{words.mission_title(worked_out)}. {verdict}",
+        f"{sentences.mission_title(worked_out)}. {verdict}",
         f"![Error in px against seconds a capture of every method](images/accuracy-{scene.name}.png)",
         markdown(methods_table(found)),
     ]
     parts += [
-        f"{choice.rung.stage.capitalize()}: {choice.rejected.name} was rejected: {choice.reason}."
+        f"{choice.method.stage.capitalize()}: {choice.rejected.name} was rejected: {choice.reason}."
         for choice in worked_out.accuracy.choices
         if choice.rejected is not None
     ]
@@ -195,12 +195,12 @@ def _scene_text(result: Result) -> str:
         ]
     if found.wind is not None:
         parts += [
-            *words.wind_effect_text(found.wind),
+            *sentences.wind_effect_text(found.wind),
             markdown(displacement_table(found.wind)),
             markdown(air_table(found.wind)),
-            *words.wind_notes(found.wind),
+            *sentences.wind_notes(found.wind),
         ]
-    parts.append(words.condition_text(worked_out.accuracy.condition))
+    parts.append(sentences.condition_text(worked_out.accuracy.condition))
     return "\n\n".join(parts)
 
 
@@ -221,12 +221,10 @@ def _grey_text(results: list[Result]) -> Iterator[str]:
     yield markdown(encodings_table(found.encodings))
 
 
-def _integrators_text(flight: Flight | None) -> Iterator[str]:
-    if flight is None:
-        return
+def _integrators_text(flight: Flight) -> Iterator[str]:
     yield "## How flight in wind is worked out"
     yield (
-        f"{words.integrators_text(flight)} In the last scene, by the covariance of the state at the next exposure:"
+        f"{integrators_text(flight)} In the last scene, by the covariance of the state at the next exposure:"
     )
     yield "![Error against run time and against the step of four integrators](images/accuracy-integrators.png)"
     yield markdown(flight_table(flight))
@@ -257,11 +255,11 @@ def main() -> int:
     }
     if results[0].found.resampling is not None:
         drawn["resampling"] = plots.resampling(results[0].found.resampling)
-    if results[-1].found.flight is not None:
-        drawn["integrators"] = plots.flight(results[-1].found.flight)
+    flight = flight_of(results[-1].plan, QUICK if arguments.quick else THOROUGH)
+    drawn["integrators"] = flight_diagram(flight)
     for name, data in drawn.items():
         write_whole(images / f"accuracy-{name}.png", data)
-    write_whole(arguments.docs / "accuracy.md", document(results).encode("utf-8"))
+    write_whole(arguments.docs / "accuracy.md", document(results, flight).encode("utf-8"))
     return 0
 
 

@@ -114,7 +114,7 @@ class Planner(QObject):
 
     def _time(self, number: int, planned: Planned) -> tuple[Planned, str]:
         """Time the methods of a plan, last of all. Runs on the planner's thread."""
-        from ..core.capture.cost import timed_cost
+        from ..core.picture.cost import timed_cost
 
         self._check(number)
         plan = planned.plan

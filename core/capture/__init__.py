@@ -1,1 +1,15 @@
-"""The run that turns a plan into georeferenced images; resumable."""
+"""The run: a plan becomes a folder of pictures with their poses.
+
+In reading order:
+
+- `runner`: the run, and what it tells
+- `folder`: the dataset's folder, and what it must not hold before
+- `journal`: what is done, for the next run
+- `pipeline`: fetching, assembling and writing at the same time
+- `records`: each picture's job, and its row of the table
+- `writers`: pictures in files
+- `georeference`: where a picture lies
+- `metadata`: what a picture's file says of it
+- `tiff`: tags as bytes
+- `odm`: files for OpenDroneMap
+"""

@@ -1,14 +1,20 @@
-"""Where a map frame lies, as values and as the texts that GIS software reads beside pictures."""
+"""Where a picture lies: the edges of a map frame, and the ground control points of a camera frame."""
 
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Mapping
 from dataclasses import dataclass
-from html import escape
+
+import numpy as np
+from numpy.typing import NDArray
 
 from ..errors import InvalidInput
+from ..geodesy.footprint import exact
+from ..geodesy.mercator import wrap_lon_deg
+from ..mission.layout.framing import ground_of
+from ..mission.plan import Plan
+from .metadata import degrees, xml_text
 from .tiff import Kind, Tag
 
 EPSG = 3857
@@ -25,18 +31,12 @@ WEB_MERCATOR_WKT = (
     'EXTENSION["PROJ4","+proj=merc +a=6378137 +b=6378137 +lat_ts=0 +lon_0=0 +x_0=0 +y_0=0 +k=1 +units=m '
     '+nadgrids=@null +wktext +no_defs"],AUTHORITY["EPSG","3857"]]'
 )
-#: What XML 1.0 excludes, however it is written.
-_NOT_TEXT = re.compile("[^\t\n\r -\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
-
-
-def plain_text(text: str) -> str:
-    """Text without the characters that files have no form for (control characters, halves of pairs)."""
-    return _NOT_TEXT.sub("\N{REPLACEMENT CHARACTER}", text)
-
-
-def xml_text(text: str) -> str:
-    """Text as it may stand in XML 1.0."""
-    return escape(plain_text(text), quote=True)
+Floats = NDArray[np.float64]
+_GEOGRAPHIC_EPSG = 4326
+#: Points along the longer and the shorter side, and how often both are doubled where the horizon leaves too few.
+_LONG_SIDE, _SHORT_SIDE, _DOUBLINGS = 9, 7, 4
+#: What the least surface through control points, a plane's perspective, needs.
+_FEWEST = 4
 
 
 @dataclass(frozen=True)
@@ -87,7 +87,7 @@ class Georeference:
 
     def aux_xml(self, metadata: Mapping[str, str]) -> str:
         """Text of GDAL's auxiliary file (PAM): CRS, geotransform and metadata, for formats that hold no CRS."""
-        return pam_text(
+        return _pam_text(
             f'  <SRS dataAxisToSRSAxisMapping="1,2">{xml_text(WEB_MERCATOR_WKT)}</SRS>\n'
             f"  <GeoTransform>{', '.join(map(repr, self.geotransform))}</GeoTransform>\n",
             metadata,
@@ -100,17 +100,86 @@ class Georeference:
             Tag(33550, Kind.DOUBLE, [width_m, height_m, 0.0]),  # ModelPixelScale
             Tag(33922, Kind.DOUBLE, [0.0, 0.0, 0.0, self.west_m, self.north_m, 0.0]),  # ModelTiepoint
             Tag(
-                34735, Kind.SHORT, geo_keys([(1024, 1), (1025, 1), (3072, EPSG)])
+                34735, Kind.SHORT, _geo_keys([(1024, 1), (1025, 1), (3072, EPSG)])
             ),  # projected, areas, the CRS
         ]
 
 
-def geo_keys(keys: list[tuple[int, int]]) -> list[int]:
+@dataclass(frozen=True, eq=False)
+class ControlPoints:
+    """Points of a picture and the ground that the exact camera sees there.
+
+    Parameters
+    ----------
+    points : array (k, 5)
+        Column and row in px from the upper left corner, longitude and latitude in degrees, height over the
+        ellipsoid in metres. Longitudes are continuous with the camera's.
+    """
+
+    points: Floats
+
+    @classmethod
+    def of(cls, plan: Plan, index: int, width_px: int, height_px: int) -> ControlPoints:
+        """Points of one capture, evenly spread over the part of its picture that sees the ground.
+
+        Parameters
+        ----------
+        width_px, height_px : int
+            Of the picture as written.
+        """
+        pose = plan.poses.take(np.array([index]))
+        pose = pose._replace(lon_deg=wrap_lon_deg(pose.lon_deg))
+        mission = plan.mission
+        across, down = (_LONG_SIDE, _SHORT_SIDE) if width_px >= height_px else (_SHORT_SIDE, _LONG_SIDE)
+        found = np.empty((0, 5))
+        for doubling in range(_DOUBLINGS + 1):
+            x, y = (
+                values.ravel()
+                for values in np.meshgrid(
+                    np.linspace(-1.0, 1.0, (across << doubling) + 1),
+                    np.linspace(1.0, -1.0, (down << doubling) + 1),
+                )
+            )
+            seen = exact(mission.camera, pose, tuple(zip(x.tolist(), y.tolist())), ground_of(mission))
+            hit = seen.hit[0]
+            lon, lat = ([degrees(angle) for angle in angles[0]] for angles in (seen.lon_deg, seen.lat_deg))
+            columns = (
+                (x + 1.0) / 2.0 * width_px,
+                (1.0 - y) / 2.0 * height_px,
+                np.array(lon),
+                np.array(lat),
+                np.full(len(x), mission.ground_height_m),
+            )
+            found = np.stack(columns, axis=1)[hit]
+            if len(found) >= _FEWEST:
+                break
+        return cls(found)
+
+    def aux_xml(self, metadata: Mapping[str, str]) -> str:
+        """Text of GDAL's auxiliary file (PAM): the points, their CRS, and metadata."""
+        points = "".join(
+            f'    <GCP Id="{number}" Pixel="{column!r}" Line="{row!r}" X="{lon!r}" Y="{lat!r}" Z="{height!r}" />\n'
+            for number, (column, row, lon, lat, height) in enumerate(self.points.tolist(), 1)
+        )
+        crs = xml_text(WGS84_WKT)
+        place = f'  <GCPList Projection="{crs}" dataAxisToSRSAxisMapping="2,1">\n{points}  </GCPList>\n'
+        return _pam_text(place, metadata)
+
+    def tags(self) -> list[Tag]:
+        """GeoTIFF's tags: tie points, and a geographic CRS by its code."""
+        ties = np.insert(self.points, 2, 0.0, axis=1).ravel().tolist()
+        return [
+            Tag(33922, Kind.DOUBLE, ties),  # ModelTiepoint
+            Tag(34735, Kind.SHORT, _geo_keys([(1024, 2), (1025, 1), (2048, _GEOGRAPHIC_EPSG)])),
+        ]
+
+
+def _geo_keys(keys: list[tuple[int, int]]) -> list[int]:
     """GeoKey directory of keys that each have one number."""
     return [1, 1, 0, len(keys), *(number for key, value in keys for number in (key, 0, 1, value))]
 
 
-def pam_text(place: str, metadata: Mapping[str, str]) -> str:
+def _pam_text(place: str, metadata: Mapping[str, str]) -> str:
     """GDAL's auxiliary file around the elements that say where the picture lies."""
     items = "".join(
         f'    <MDI key="{xml_text(key)}">{xml_text(value)}</MDI>\n' for key, value in metadata.items()

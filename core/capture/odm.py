@@ -19,9 +19,8 @@ from numpy.typing import NDArray
 from ..files import write_whole
 from ..geodesy.mercator import wrap_lon_deg
 from ..mission.plan import Plan
-from .digits import DECIMALS_OF_DEGREES, accuracy, degrees, figure
-from .exif import MAKE, FocalTags
-from .exposure import Optics, body_of, optics_of
+from ..picture.optics import Optics, body_of, optics_of
+from .metadata import DECIMALS_OF_DEGREES, MAKE, FocalTags, accuracy, degrees, figure
 
 GEO_FILE = "geo.txt"
 CAMERAS_FILE = "cameras.json"

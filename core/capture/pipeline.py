@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import io
+import tempfile
 import threading
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -10,7 +12,7 @@ from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import partial
 from queue import Empty, SimpleQueue
-from typing import Generic, TypeVar
+from typing import IO, Generic, NamedTuple, TypeVar, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,13 +21,11 @@ from ..errors import Cancelled, PartError, TerrAInavError
 from ..geodesy.frames import Windows
 from ..imagery.source import Part, Window
 from ..unexpected import UnexpectedErrors
-from .spool import Slot, Spool
 
 Pixels = NDArray[np.uint8]
 Job = TypeVar("Job")
 Result = TypeVar("Result")
 Outcome = TypeVar("Outcome")
-
 #: Longest wait until the caller is asked again whether to go on, seconds.
 _POLL_S = 0.05
 #: Requests handed to the connections ahead of need, for each: one under way and one that is ready to follow.
@@ -35,6 +35,9 @@ _FETCHES_PER_CONNECTION = 2
 _READY_PER_WORKER = 8
 #: Pictures on the way in all: they may wait for a part that is slow to come while others go on.
 _MOST_ON_THE_WAY = 256
+#: Pixels in memory, bytes: a hundred tiles of 256 px, which is what missions of fifty pictures across share from one
+#: strip to the next.
+MEMORY_BYTES = 20 << 20
 
 
 def sweep(windows: Windows, chosen: NDArray[np.int64]) -> NDArray[np.int64]:
@@ -83,7 +86,7 @@ class _PartOnTheWay(Generic[Job]):
     """
 
     waiting: list[_Picture[Job]] = field(default_factory=list)
-    content: Pixels | Slot | PartError | None = None
+    content: Pixels | _Slot | PartError | None = None
     needed: int = 0
 
 
@@ -294,7 +297,7 @@ class Pipeline(Generic[Job, Result]):
 
     def _bring_back(self, window: Window, part: _PartOnTheWay[Job]) -> None:
         """Have a part at hand that a picture needs again."""
-        if isinstance(part.content, Slot):
+        if isinstance(part.content, _Slot):
             try:
                 part.content = self._spool.take(part.content)
             except OSError:
@@ -333,3 +336,89 @@ class Pipeline(Generic[Job, Result]):
         except PartError as wrong:
             result = wrong
         self._finished(job, result)
+
+
+class _Slot(NamedTuple):
+    """Where a spool has an array: the array itself, or its place in the file and what it was."""
+
+    held: Pixels | None
+    at: int
+    shape: tuple[int, ...]
+    dtype: str
+
+
+class Spool:
+    """Arrays that wait: the first in memory, those for which there is no room in an anonymous file.
+
+    The file is in the folder for temporary files (TMPDIR, TEMP), made when it is needed, and goes with the process,
+    however that ends. The room of an array that was taken is used again for one of the same size, so that the file is
+    as large as what it held at most. For one thread at a time.
+
+    Parameters
+    ----------
+    memory_bytes : int
+    """
+
+    def __init__(self, memory_bytes: int = MEMORY_BYTES) -> None:
+        self._room_bytes = memory_bytes
+        self._file: io.FileIO | None = None
+        self._end = 0
+        self._free: dict[int, list[int]] = {}
+
+    def put(self, pixels: Pixels) -> _Slot:
+        """Keep an array, which must not be changed any more.
+
+        Raises
+        ------
+        OSError
+            Where the disk does not take it; nothing is kept then.
+        """
+        size = pixels.nbytes
+        if size <= self._room_bytes:
+            self._room_bytes -= size
+            return _Slot(pixels, 0, pixels.shape, pixels.dtype.str)
+        free = self._free.get(size)
+        at = free[-1] if free else self._end
+        self._write(at, np.ascontiguousarray(pixels))
+        if free:
+            free.pop()
+        else:
+            self._end += size
+        return _Slot(None, at, pixels.shape, pixels.dtype.str)
+
+    def take(self, slot: _Slot) -> Pixels:
+        """Return an array and free its room.
+
+        Raises
+        ------
+        OSError
+            Where the disk does not give it back.
+        """
+        if slot.held is not None:
+            self._room_bytes += slot.held.nbytes
+            return slot.held
+        pixels = np.empty(slot.shape, slot.dtype)
+        self._free.setdefault(pixels.nbytes, []).append(slot.at)
+        self._read(slot.at, pixels)
+        return pixels
+
+    def close(self) -> None:
+        """Give the file up, and what it holds."""
+        if self._file is not None:
+            self._file.close()
+
+    def _write(self, at: int, content: Pixels) -> None:
+        if self._file is None:
+            # Unbuffered: arrays are large, and what a full disk does not take is known at once.
+            file: IO[bytes] = tempfile.TemporaryFile(prefix="terrainav-", buffering=0)  # noqa: SIM115 (see close)
+            self._file = cast(io.FileIO, file)
+        self._file.seek(at)
+        if self._file.write(content.data) != content.nbytes:
+            raise OSError("the disk took only a part of an array")
+
+    def _read(self, at: int, pixels: Pixels) -> None:
+        if self._file is None:
+            raise ValueError("this spool has no file: the slot is of another one")
+        self._file.seek(at)
+        if self._file.readinto(pixels.data) != pixels.nbytes:
+            raise OSError("the disk gave only a part of an array back")

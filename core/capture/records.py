@@ -12,20 +12,17 @@ from numpy.typing import NDArray
 
 from ..dataset.entropy import entropy
 from ..dataset.table import Table
+from ..geodesy.camera import Poses
 from ..geodesy.mercator import wrap_lon_deg
-from ..geodesy.poses import Poses
-from ..geodesy.view import View
 from ..imagery.source import Part, Source, Window
-from ..mission.framing import sampled_zooms
+from ..mission.layout.framing import sampled_zooms
 from ..mission.plan import Plan
-from .control_points import ControlPoints
-from .description import Description
-from .digits import degrees, figure
-from .exposure import Exposures
-from .georeference import Georeference
+from ..picture.map_frame import resized
+from ..picture.optics import Exposures
+from ..picture.shot import Shot, draw, shot_of
+from .georeference import ControlPoints, Georeference
 from .journal import Outcome
-from .perspective import camera_parts, render
-from .picture import assemble, resized, window_of
+from .metadata import Description, degrees, figure
 from .writers import Place, write_picture
 
 Floats = NDArray[np.float64]
@@ -62,14 +59,6 @@ class PictureJob:
     description: Description
 
 
-class Shot(NamedTuple):
-    """A camera frame: its view, the longitude of the camera, and the kernel it is resampled with."""
-
-    view: View
-    lon_deg: float
-    kernel: str
-
-
 class Made(NamedTuple):
     """What is known of a picture once it is made.
 
@@ -92,30 +81,11 @@ def make_picture(job: PictureJob, parts: Sequence[Part], pixels: Mapping[Window,
     OutputError
         Where it cannot be written.
     """
-    if isinstance(job.shot, Shot):
-        view = job.shot.view
-        picture = render(view, job.shot.lon_deg, parts, pixels, job.shot.kernel)
-        made = Made(0.0, view.sky_share, view.unmapped_share)
-        if job.masked:
-            shown = (
-                np.full(picture.shape[:2], 255, np.uint8)
-                if view.hidden is None
-                else (~view.hidden) * np.uint8(255)
-            )
-            picture = np.dstack([picture, shown])
-    else:
-        picture, made = assemble(job.shot, parts, pixels), Made(0.0)
+    picture, sky_share, unmapped_share = draw(job.shot, parts, pixels, masked=job.masked)
     picture = resized(picture, job.img_size)
     size_bytes = write_picture(job.folder, job.image_format, picture, job.place, job.description)
     bits = entropy(picture[..., :3] if picture.ndim > 2 else picture)
-    return made._replace(entropy=bits, size_bytes=size_bytes)
-
-
-def parts_of(plan: Plan, source: Source, index: int) -> list[Part]:
-    """Parts that the picture of one capture is made of."""
-    if plan.size_px is None:
-        return source.parts(window_of(plan, index))
-    return camera_parts(plan.view(index), float(plan.lon_deg[index]))
+    return Made(bits, sky_share, unmapped_share, size_bytes)
 
 
 def exposures_of(plan: Plan) -> Exposures | None:
@@ -136,13 +106,12 @@ def job_of(
     width, height = int(plan.width_px[index]), int(plan.height_px[index])
     if mission.img_size:
         width, height = mission.img_size[:2]
-    shot: Window | Shot
+    shot = shot_of(plan, index)
     place: Place
     if plan.size_px is None:
         west, south, east, north = (float(edges[index]) for edges in plan.edges_m)
-        shot, place = window_of(plan, index), Georeference(west, south, east, north, width, height)
+        place = Georeference(west, south, east, north, width, height)
     else:
-        shot = Shot(plan.view(index), float(plan.lon_deg[index]), mission.resampling)
         place = ControlPoints.of(plan, index, width, height)
     pose = {name: float(values[index]) for name, values in zip(plan.poses._fields, plan.poses)}
     return PictureJob(

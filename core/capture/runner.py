@@ -1,4 +1,4 @@
-"""The run that turns a plan into a dataset: folder, journal, pictures, tables."""
+"""The run that turns a plan into a dataset: folder, journal, pictures, tables, and what it tells meanwhile."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import time
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 
@@ -23,18 +23,16 @@ from ..imagery.repeats import Repeats, corner
 from ..imagery.source import Part, Provided, Received, Source, Window
 from ..limits import MAX_PICTURES_AT_ONCE_PX
 from ..mission.plan import Plan
+from ..picture.shot import parts_of
 from .folder import check_captured, complete_pictures, open_folder, remove_picture, write_plan_files
 from .journal import FAILED, Journal, Outcome
 from .odm import write_odm_files
 from .pipeline import Pipeline, sweep
-from .records import Made, PictureJob, exposures_of, job_of, make_picture, parts_of, table_of
-from .result import CaptureResult, Failure, Progress, Repeat
+from .records import Made, PictureJob, exposures_of, job_of, make_picture, table_of
 from .writers import file_endings
 
 __all__ = ["CaptureResult", "Failure", "Progress", "Repeat", "capture"]
-
 Numbers = NDArray[np.int64]
-
 #: Connections where nothing else is said: what browsers open to a server is 6, tile servers bear a few more.
 DEFAULT_CONNECTIONS = 8
 #: Shortest time between two reports of progress, seconds.
@@ -117,6 +115,100 @@ def capture(
             for map_type in plan.mission.map_types
         )
     return run.result(listener.active_s(), cancelled=not complete)
+
+
+@dataclass(frozen=True)
+class Progress:
+    """How far a capture is, over all its map types.
+
+    Parameters
+    ----------
+    total : int
+        Pictures asked for.
+    done, failed, skipped : int
+        Written by this run; failed in it; there already.
+    requests : int
+        Parts asked of the source so far.
+    map_type : str
+        The one being captured.
+    active_s : float
+        Seconds that the run has worked: pauses are left out, so that rates can be had from it.
+    paused : bool
+        Whether it is held.
+    """
+
+    total: int
+    done: int
+    failed: int
+    skipped: int
+    requests: int
+    map_type: str
+    active_s: float = 0.0
+    paused: bool = False
+
+
+@dataclass(frozen=True)
+class Failure:
+    """A picture that could not be made, and why."""
+
+    map_type: str
+    name: str
+    reason: str
+
+
+@dataclass(frozen=True)
+class Repeat:
+    """A file that the provider sent for several places far apart: open water, snow, or a placeholder.
+
+    Parameters
+    ----------
+    map_type : str
+    sha256 : str
+        First digits of its SHA-256, as `open_source` takes them for a placeholder.
+    places : int
+        Tiles it came for; with Static Maps, pictures.
+    images : tuple of str
+        Names of the pictures that show it, in the plan's order.
+    """
+
+    map_type: str
+    sha256: str
+    places: int
+    images: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class CaptureResult:
+    """What a capture did.
+
+    Parameters
+    ----------
+    folder : Path
+    total, written, skipped : int
+        Pictures asked for; written by this run; there already.
+    failed : tuple of Failure
+        By map type, in the plan's order.
+    requests, unique_parts : int
+        Parts asked of the source, and different parts that the pictures to be made needed; equal, but for a run
+        that was stopped.
+    seconds : float
+        Wall time, without pauses.
+    cancelled : bool
+        Whether it was stopped; it can be resumed.
+    repeated : tuple of Repeat
+        What came for several places far apart in this run, by map type, that of the most places first.
+    """
+
+    folder: Path
+    total: int
+    written: int
+    failed: tuple[Failure, ...]
+    skipped: int
+    requests: int
+    unique_parts: int
+    seconds: float
+    cancelled: bool
+    repeated: tuple[Repeat, ...] = ()
 
 
 def _check(plan: Plan, source: Source, connections: int, workers: int | None) -> None:

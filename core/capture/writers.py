@@ -1,25 +1,25 @@
-"""Pictures as files: GeoTIFF, or JPEG and PNG with a world file and GDAL's auxiliary file beside them."""
+"""Pictures in files: GeoTIFF, JPEG, and PNG with world file and .aux.xml, whole or not at all."""
 
 from __future__ import annotations
 
 import io
+import os
 import zlib
+from contextlib import suppress
 from pathlib import Path
-from typing import Union
+from typing import BinaryIO, Union
 
 import numpy as np
 from numpy.typing import NDArray
 from PIL import Image, PngImagePlugin
 
+from ..errors import InvalidInput
 from ..files import write_whole
-from .control_points import ControlPoints
-from .description import SOFTWARE, Description
-from .georeference import Georeference, xml_text
-from .jpeg import jpeg
+from .georeference import ControlPoints, Georeference
+from .metadata import SOFTWARE, Description, exif, xml_text, xmp
 from .tiff import HEADER_BYTES, Kind, Tag, directory, header
 
 Pixels = NDArray[np.uint8]
-
 #: Only runs are searched for: on photographs that is four times as fast as zlib's default level and smaller too,
 #: as the predictor has left little else to find; drawn maps are small either way.
 _ZLIB_STRATEGY = zlib.Z_RLE
@@ -27,10 +27,18 @@ _ZLIB_LEVEL = 6
 #: Bytes of pixels in a TIFF strip, so that readers of a large picture need not unpack all of it.
 _STRIP_BYTES = 1 << 18
 _WITH_ALPHA = 4
-
 #: Where a picture lies: a map frame by its edges, a camera frame by points.
 Place = Union[Georeference, ControlPoints]
 _WORLD_FILES = {"jpg": ".jgw", "png": ".pgw"}
+#: JPEG at this quality, without halving the colours' resolution, is within about a grey level of the source.
+JPEG_QUALITY = 95
+#: What every JPEG ends with (ITU-T T.81, B.1.1.3).
+_END = b"\xff\xd9"
+#: Where Pillow's first segment, JFIF's, begins: its marker, and a length that counts itself.
+_JFIF, _MARKER_BYTES, _LENGTH_BYTES = b"\xff\xd8\xff\xe0", 2, 2
+_APP1 = b"\xff\xe1"
+_EXIF, _XMP = b"Exif\0\0", b"http://ns.adobe.com/xap/1.0/\0"
+_LONGEST_SEGMENT = (1 << 16) - 1
 
 
 def file_endings(image_format: str, *, on_map: bool = True) -> tuple[str, ...]:
@@ -114,6 +122,40 @@ def geotiff(pixels: Pixels, place: Place, description: Description) -> bytes:
     return _with_strips(tags, strips)
 
 
+def png(pixels: Pixels, description: Description) -> bytes:
+    """A PNG with its title, software, copyright and the metadata as text chunks."""
+    info = PngImagePlugin.PngInfo()
+    texts = {"Title": description.title, "Software": SOFTWARE, "Copyright": description.attribution}
+    for key, value in {**texts, **description.metadata()}.items():
+        info.add_text(key, value)
+    buffer = io.BytesIO()
+    Image.fromarray(pixels).save(
+        buffer, "PNG", pnginfo=info, compress_level=_ZLIB_LEVEL, compress_type=_ZLIB_STRATEGY
+    )
+    return buffer.getvalue()
+
+
+def jpeg(pixels: NDArray[np.uint8], description: Description) -> bytes:
+    """A JPEG with EXIF, and with XMP where the exposure is known.
+
+    Raises
+    ------
+    InvalidInput
+        Texts that EXIF has no room for.
+    """
+    image = Image.fromarray(np.ascontiguousarray(pixels[..., :3]) if pixels.ndim > 2 else pixels)
+    segments = [_segment(_EXIF, exif(description))]
+    if description.exposure is not None:
+        segments.append(_segment(_XMP, xmp(description, description.exposure)))
+    data = _encoded(image)
+    # Pillow writes XMP since its version 11; the order here is the one it gives to EXIF.
+    start = len(_JFIF) - _MARKER_BYTES
+    if data.startswith(_JFIF):
+        start = len(_JFIF) + int.from_bytes(data[len(_JFIF) : len(_JFIF) + _LENGTH_BYTES], "big")
+    view = memoryview(data)
+    return b"".join([view[:start], *segments, view[start:]])
+
+
 def _packed_strips(pixels: Pixels, rows: int) -> list[bytes]:
     """Strips one after the other, in one piece of memory that fits the processor's cache."""
     strips = []
@@ -154,14 +196,37 @@ def _gdal_metadata(description: Description) -> str:
     return "<GDALMetadata>\n" + "".join(items) + "</GDALMetadata>\n"
 
 
-def png(pixels: Pixels, description: Description) -> bytes:
-    """A PNG with its title, software, copyright and the metadata as text chunks."""
-    info = PngImagePlugin.PngInfo()
-    texts = {"Title": description.title, "Software": SOFTWARE, "Copyright": description.attribution}
-    for key, value in {**texts, **description.metadata()}.items():
-        info.add_text(key, value)
-    buffer = io.BytesIO()
-    Image.fromarray(pixels).save(
-        buffer, "PNG", pnginfo=info, compress_level=_ZLIB_LEVEL, compress_type=_ZLIB_STRATEGY
-    )
-    return buffer.getvalue()
+def _segment(mark: bytes, data: bytes) -> bytes:
+    length = _LENGTH_BYTES + len(mark) + len(data)
+    if length > _LONGEST_SEGMENT:
+        raise InvalidInput(
+            f"description of a picture in {len(data)} bytes: a JPEG has room for {_LONGEST_SEGMENT - len(mark)}; "
+            "choose tif or png, or shorten the source's attribution"
+        )
+    return b"".join([_APP1, length.to_bytes(_LENGTH_BYTES, "big"), mark, data])
+
+
+def _encoded(image: Image.Image) -> bytes:
+    with suppress(OSError):
+        data = _saved(image, _encoders_file())
+        # Pillow does not look whether all that it writes is taken: a file that may not grow is cut short.
+        if data.endswith(_END):
+            return data
+    return _saved(image, io.BytesIO())
+
+
+def _saved(image: Image.Image, file: BinaryIO) -> bytes:
+    with file:
+        image.save(file, "JPEG", quality=JPEG_QUALITY, subsampling=0)
+        file.seek(0)
+        return file.read()
+
+
+def _encoders_file() -> BinaryIO:
+    """A file in memory, one of the operating system's where it has such.
+
+    Pillow lets go of Python's lock only while it encodes into a file that the operating system knows.
+    """
+    if hasattr(os, "memfd_create"):
+        return os.fdopen(os.memfd_create("terrainav"), "w+b")
+    return io.BytesIO()

@@ -30,7 +30,7 @@ def run_cameras(arguments: argparse.Namespace) -> int:
 
 
 def _list(arguments: argparse.Namespace) -> int:
-    from ..mission.presets import camera_shelf, shipped_cameras
+    from ..mission.cameras import camera_shelf, shipped_cameras
 
     own = camera_shelf()
     presets = (*shipped_cameras(), *own.presets)
@@ -62,7 +62,7 @@ def _list(arguments: argparse.Namespace) -> int:
 
 
 def _add(arguments: argparse.Namespace) -> int:
-    from ..mission.presets import add_camera
+    from ..mission.cameras import add_camera
 
     facts: dict[str, Any] = {
         fact: getattr(arguments, option)
@@ -78,7 +78,7 @@ def _add(arguments: argparse.Namespace) -> int:
 
 
 def _remove(arguments: argparse.Namespace) -> int:
-    from ..mission.presets import remove_camera
+    from ..mission.cameras import remove_camera
 
     print(f"{remove_camera(arguments.name)} removed")
     return DONE

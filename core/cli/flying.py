@@ -92,8 +92,8 @@ def _check_terms(worked_out: Plan, source: Source, requests: int, accept_terms: 
 
 
 def _print_summary(worked_out: Plan, source: Source, values: dict[str, Any], as_json: bool) -> None:
-    from ..capture.cost import timed_cost
     from ..mission.estimate import OFFLINE, ONLINE, estimate
+    from ..picture.cost import timed_cost
 
     policy = source.policy
     costs = replace(OFFLINE if source.name == "world" else ONLINE, requests_per_s=policy.requests_per_s)
@@ -134,6 +134,12 @@ def run_plan(arguments: argparse.Namespace) -> int:
     return DONE
 
 
+def _print_notes(mission: Mission) -> None:
+    """Say what of a mission file is ignored, where no summary of the plan does."""
+    for note in mission.notes:
+        print(printable(f"note: {note}"), file=sys.stderr)
+
+
 class Bar:
     """Progress on one line of the error output, where that is a terminal; a line a map type elsewhere."""
 
@@ -171,6 +177,7 @@ def run_capture(arguments: argparse.Namespace) -> int:
     if not values["data_dir"]:
         # As from a variable that is not set: the current folder, which it would stand for, is not meant.
         raise InvalidInput("data folder '': must be the name of a folder, such as . for the current one")
+    _print_notes(mission)
     bar = Bar(arguments.quiet)
     with _opened(mission, values, plan_only=False) as source, collected() as signals:
         result = _run(mission, source, values, arguments, bar, lambda: bool(signals))
@@ -282,6 +289,7 @@ def run_report(arguments: argparse.Namespace) -> int:
     from ..report.page import write_report
 
     mission, values = _settings(arguments)
+    _print_notes(mission)
     with _opened(mission, values, plan_only=False) as source:
         worked_out = plan(mission, source.grid)
         _check_terms(worked_out, source, _REPORT_REQUESTS, arguments.accept_terms)

@@ -187,7 +187,7 @@ def run_pairs(arguments: argparse.Namespace) -> int:
 
 def _settings(arguments: argparse.Namespace, values: dict[str, Any]) -> PairSettings:
     from ..geodesy.camera import Camera
-    from ..mission.presets import camera_named
+    from ..mission.cameras import camera_named
     from ..pairs.planning import DEFAULT_SIZE_PX, PairSettings
 
     (map_type,) = values["map_type"] if len(values["map_type"]) == 1 else (None,)

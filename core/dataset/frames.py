@@ -13,8 +13,7 @@ from pyproj.exceptions import CRSError
 
 from ..errors import InvalidInput
 from ..geodesy.mercator import HALF_WORLD_M, lat_to_v, lon_to_u, u_to_lon, v_to_lat, wrap_lon_deg
-from ..geodesy.proj_arrays import through_proj
-from ..geodesy.utm import utm_zone
+from ..geodesy.projections import through_proj, utm_zone
 from .choices import FRAMES
 
 Floats = NDArray[np.float64]

@@ -1,1 +1,14 @@
-"""Geometry of a camera over the WGS84 ellipsoid and of Web-Mercator pixels: arrays in, arrays out, no I/O."""
+"""Geometry of a camera over the WGS84 ellipsoid and of Web-Mercator pixels: arrays in, arrays out, no I/O.
+
+In reading order:
+
+- `ellipsoid`: radii, areas, and where rays meet the ground
+- `camera`: cameras by their field of view, and poses
+- `footprint`: the ground that the exact camera sees, its corners and its outline
+- `mercator`: Web Mercator, and the grid of a source's pixels
+- `projections`: UTM, and a conformal plane about any place
+- `frames`: map frames, rectangles of whole source pixels
+- `rectangles`: the largest rectangles inside what cameras see
+- `accuracy`: what each method may be wrong by, in closed form
+- `view`: camera frames, from which pixels of which zooms each part is made
+"""

@@ -13,9 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from .camera import CORNERS, Camera
+from .camera import CORNERS, Camera, Poses
 from .ellipsoid import WGS84, Ellipsoid
-from .poses import Poses
 
 Floats = NDArray[np.float64]
 
@@ -94,6 +93,11 @@ class Scene:
         return self.poses.agl_m / self.radius_m
 
     @property
+    def size_share(self) -> Floats:
+        """κ, (n,)."""
+        return self.height_share * self.diagonal_tangent
+
+    @property
     def lat_tangent(self) -> Floats:
         """T, (n,); finite, as no float64 is π/2."""
         return np.asarray(np.abs(np.tan(np.radians(self.poses.lat_deg))), np.float64)
@@ -104,30 +108,14 @@ class Scene:
         return self.poses.agl_m / self.focal_px
 
 
+def with_noise(scene: Scene, series: Floats) -> Floats:
+    """A truncated series with what is behind it, and with the noise of float64, (n,)."""
+    return _BEYOND_THE_SERIES * series + _NOISE_PX + _NOISE_M / scene.nadir_px_m
+
+
 def flat_bending_px(scene: Scene) -> Floats:
     """ρεt²/2: the Earth's bend under a flat picture, (n,)."""
     return scene.half_diagonal_px * scene.height_share * scene.diagonal_tangent**2 / 2.0
-
-
-def loc1_px(scene: Scene) -> Floats:
-    """Bound of `footprint.loc1`: that of loc2 and ρκ(T + e²), (n,)."""
-    first = scene.half_diagonal_px * _size_share(scene) * (scene.lat_tangent + scene.ground.e2)
-    return _with_noise(scene, first + _second_order_px(scene))
-
-
-def loc2_px(scene: Scene) -> Floats:
-    """Bound of `footprint.loc2`: ρ[εt²/2 + κ²(½ + T²)], (n,)."""
-    return _with_noise(scene, _second_order_px(scene))
-
-
-def _size_share(scene: Scene) -> Floats:
-    """κ, (n,)."""
-    return scene.height_share * scene.diagonal_tangent
-
-
-def _second_order_px(scene: Scene) -> Floats:
-    laid_out = _size_share(scene) ** 2 * (0.5 + scene.lat_tangent**2)
-    return flat_bending_px(scene) + scene.half_diagonal_px * laid_out
 
 
 def map_frame_px(scene: Scene) -> Floats:
@@ -144,10 +132,10 @@ def map_frame_px(scene: Scene) -> Floats:
     )
     second = scene.half_diagonal_px * (np.maximum(width_m, height_m) / radius) ** 2 * (1.0 + bend**2)
     on_map = _MAP_NOISE_M / scene.nadir_px_m
-    return _with_noise(scene, flat_bending_px(scene) + converging + second) + on_map + attitude_px(scene)
+    return with_noise(scene, flat_bending_px(scene) + converging + second) + on_map + _attitude_px(scene)
 
 
-def attitude_px(scene: Scene) -> Floats:
+def _attitude_px(scene: Scene) -> Floats:
     """How far a level, north-up picture is from the turned one at most, (n,); for small angles."""
     yaw, tilt, roll = (
         np.abs(np.radians(np.mod(angle + 180.0, 360.0) - 180.0)) for angle in scene.poses.attitude
@@ -190,14 +178,10 @@ def mesh_noise_px(scene: Scene) -> Floats:
     return _NOISE_PX + 4.0 * _MAP_NOISE_M / scene.nadir_px_m
 
 
-def _with_noise(scene: Scene, series: Floats) -> Floats:
-    return _BEYOND_THE_SERIES * series + _NOISE_PX + _NOISE_M / scene.nadir_px_m
-
-
 def outside_flat_domain(scene: Scene) -> str:
-    """Why the flat rungs have no bound here, with the value and the limit; empty where they have one."""
+    """Why the methods of flat ground have no bound here, with the value and the limit; empty where they have one."""
     stretch = float(np.max(scene.height_share)) * scene.diagonal_tangent**2
-    size = float(np.max(_size_share(scene) * np.maximum(scene.lat_tangent, 1.0)))
+    size = float(np.max(scene.size_share * np.maximum(scene.lat_tangent, 1.0)))
     tilted = float(max(np.max(np.abs(scene.poses.tilt_deg)), np.max(np.abs(scene.poses.roll_deg))))
     if tilted > 0.0:
         return f"tilt or roll of {tilted:g} deg: holds for cameras that look straight down"

@@ -1,18 +1,18 @@
-"""The camera: intrinsics, and the directions its pixels look in."""
+"""Cameras by their field of view, and their poses: where they are and which way they look."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InvalidInput
-from .angles import sin_cos
+from .ellipsoid import sin_cos
 
 Floats = NDArray[np.float64]
-
 #: Image coordinates (right, up), each -1..1, of the corners north-west, north-east, south-east,
 #: south-west and of the edge midpoints north, east, south, west of a north-up camera.
 CORNERS = ((-1.0, 1.0), (1.0, 1.0), (1.0, -1.0), (-1.0, -1.0))
@@ -20,18 +20,6 @@ EDGE_MIDPOINTS = ((0.0, 1.0), (1.0, 0.0), (0.0, -1.0), (-1.0, 0.0))
 #: Width to height of a sensor may differ from that of its pixels by this share, which is what data sheets round
 #: away; beyond, the numbers do not belong together or the pixels are not square.
 SQUARE_PIXELS = 0.03
-
-
-def _half_tangent(fov_deg: float) -> float:
-    """tan(fov/2), through the complement above 90° where the argument itself loses digits."""
-    if fov_deg <= 90.0:
-        return math.tan(math.radians(fov_deg) / 2.0)
-    return 1.0 / math.tan(math.radians(180.0 - fov_deg) / 2.0)
-
-
-def _fov_deg(half_tangent: float) -> float:
-    """Field of view of the tangent of half of it."""
-    return math.degrees(2.0 * math.atan(half_tangent))
 
 
 @dataclass(frozen=True)
@@ -153,10 +141,6 @@ class Camera:
     def vertical_fov_deg(self) -> float:
         """Vertical field of view in degrees."""
         return _fov_deg(self.half_tangents[1])
-
-    def focal_length_px(self, width_px: float) -> float:
-        """Focal length in px of an image ``width_px`` wide."""
-        return width_px / (2.0 * self.half_tangents[0])
 
     def ground_size_m(self, agl_m: float) -> tuple[float, float]:
         """Width and height in metres of flat ground seen from ``agl_m`` straight above (equations 1, 2)."""
@@ -282,6 +266,83 @@ class Camera:
         ]
         beyond: Floats = np.stack(sides, axis=-1) / length[..., np.newaxis]
         return beyond
+
+
+class Poses(NamedTuple):
+    """Poses as arrays (n,) in degrees and metres.
+
+    ``agl_m`` is the height over the ground; longitudes are continuous along a mission. Yaw, tilt and roll are as
+    in `Camera.rays_enu`: tilt 0 looks straight down. At ±90° of latitude the longitude says where "north" is.
+    """
+
+    lat_deg: Floats
+    lon_deg: Floats
+    agl_m: Floats
+    yaw_deg: Floats
+    tilt_deg: Floats
+    roll_deg: Floats
+
+    @classmethod
+    def level(cls, lat_deg: Floats, lon_deg: Floats, agl_m: Floats) -> Poses:
+        """North-up poses that look straight down."""
+        return cls.of_attitude(lat_deg, lon_deg, agl_m, 0.0, 0.0, 0.0)
+
+    @classmethod
+    def of_attitude(
+        cls, lat_deg: Floats, lon_deg: Floats, agl_m: Floats, yaw_deg: float, tilt_deg: float, roll_deg: float
+    ) -> Poses:
+        """Poses of one attitude; it takes no memory, however many they are."""
+        attitude = (
+            np.broadcast_to(np.float64(angle), np.shape(lat_deg)) for angle in (yaw_deg, tilt_deg, roll_deg)
+        )
+        return cls(lat_deg, lon_deg, agl_m, *attitude)
+
+    @property
+    def attitude(self) -> tuple[Floats, Floats, Floats]:
+        """Yaw, tilt and roll in degrees, (n,) each."""
+        return self.yaw_deg, self.tilt_deg, self.roll_deg
+
+    def take(self, which: NDArray[Any] | slice) -> Poses:
+        """Some of the poses, by index, mask or slice."""
+        lat_deg = self.lat_deg[which]
+        return Poses(
+            lat_deg,
+            *(
+                values[which] if any(values.strides) else np.broadcast_to(values[:1], lat_deg.shape)
+                for values in self[1:]
+            ),
+        )
+
+    def runs(self) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+        """Runs of neighbours that differ in longitude alone, as the captures of a row do.
+
+        Their geometry differs by that longitude alone, too.
+
+        Returns
+        -------
+        first : array (k,)
+            Index of the first of each run.
+        run : array (n,)
+            For every pose the run it is in.
+        """
+        change = np.zeros(self.lat_deg.shape, bool)
+        change[:1] = True
+        for column in (self.lat_deg, self.agl_m, *self.attitude):
+            if any(column.strides):
+                change[1:] |= column[1:] != column[:-1]
+        return np.flatnonzero(change), np.cumsum(change) - 1
+
+
+def _half_tangent(fov_deg: float) -> float:
+    """tan(fov/2), through the complement above 90° where the argument itself loses digits."""
+    if fov_deg <= 90.0:
+        return math.tan(math.radians(fov_deg) / 2.0)
+    return 1.0 / math.tan(math.radians(180.0 - fov_deg) / 2.0)
+
+
+def _fov_deg(half_tangent: float) -> float:
+    """Field of view of the tangent of half of it."""
+    return math.degrees(2.0 * math.atan(half_tangent))
 
 
 def _check_side(side: str, fov_deg: float, aspect_ratio: float) -> None:

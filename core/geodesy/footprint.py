@@ -1,22 +1,38 @@
-"""Where the corners of a camera's image meet the ground: the rungs from flat ground to the exact camera."""
+"""The ground that the exact camera sees: its corners, and its outline where the horizon cuts it."""
 
 from __future__ import annotations
 
-from typing import Callable, NamedTuple
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InvalidInput
-from .camera import CORNERS, Camera
-from .ellipsoid import WGS84, Ellipsoid, limb, sight_lines, trace
-from .poses import Poses
+from .camera import CORNERS, Camera, Poses
+from .ellipsoid import (
+    WGS84,
+    Ellipsoid,
+    above_tangent_plane_m,
+    clearance,
+    limb,
+    limb_azimuth,
+    sight_lines,
+    trace,
+)
 
 Floats = NDArray[np.float64]
 #: Image points as `CORNERS` has them.
 ImagePoints = tuple[tuple[float, float], ...]
 #: Length of a direction's horizontal part, as a share of the whole, below which its azimuth is only noise.
 _VERTICAL = 1e-15
+Flags = NDArray[np.bool_]
+#: Pieces an edge of the image is divided into, and each arc of the horizon: an arc of a full circle is then
+#: within 0.1 % of its radius.
+_EDGE_PIECES, _ARC_PIECES = 16, 72
+#: Image points this close are one.
+_SAME_POINT = 1e-12
 
 
 class Corners(NamedTuple):
@@ -47,86 +63,198 @@ def exact(camera: Camera, poses: Poses, points: ImagePoints, ground: Ellipsoid =
     return Corners(seen.lat_deg, poses.lon_deg[:, np.newaxis] + seen.dlon_deg, seen.hit)
 
 
-def _flat_offsets(camera: Camera, poses: Poses, points: ImagePoints) -> tuple[Floats, Floats]:
-    """Metres east and north of level cameras at which flat ground is seen, (n, k) each."""
-    rays = camera.rays_enu(points, poses.yaw_deg)
-    agl = poses.agl_m[:, np.newaxis]
-    return rays[..., 0] * agl, rays[..., 1] * agl
+#: A way to work out where image points see the ground.
+Footprint = Callable[[Camera, Poses, ImagePoints, Ellipsoid], Corners]
 
 
-def loc1(camera: Camera, poses: Poses, points: ImagePoints, ground: Ellipsoid = WGS84) -> Corners:
-    """Flat ground laid along the radii of curvature at the camera; for cameras that look straight down."""
-    east_m, north_m = _flat_offsets(camera, poses, points)
-    lat = poses.lat_deg[:, np.newaxis]
-    normal, meridional = ground.normal_radius_m(lat), ground.meridional_radius_m(lat)
-    return _around(poses, north_m / meridional, east_m / (normal * np.cos(np.radians(lat))))
-
-
-def loc2(camera: Camera, poses: Poses, points: ImagePoints, ground: Ellipsoid = WGS84) -> Corners:
-    """Flat ground laid on the ellipsoid to the second order of its size; for cameras that look straight down.
-
-    The geodesic series about the camera: latitude y/M - x²T/(2MN) - 3ηy²/(2M²), longitude x/(N cos φ)·(1 + yT/N)
-    with η = e² sin φ cos φ / (1 - e² sin² φ).
-    """
-    x, y = _flat_offsets(camera, poses, points)
-    lat = poses.lat_deg[:, np.newaxis]
-    sin, cos = np.sin(np.radians(lat)), np.cos(np.radians(lat))
-    normal, meridional = ground.normal_radius_m(lat), ground.meridional_radius_m(lat)
-    tangent = sin / cos
-    eta = ground.e2 * sin * cos / (1.0 - ground.e2 * sin * sin)
-    dlat = y / meridional - x * x * tangent / (2.0 * meridional * normal) - 1.5 * eta * (y / meridional) ** 2
-    return _around(poses, dlat, x / (normal * cos) * (1.0 + y * tangent / normal))
-
-
-def _around(poses: Poses, dlat: Floats, dlon: Floats) -> Corners:
-    lat = poses.lat_deg[:, np.newaxis] + np.degrees(dlat)
-    return Corners(lat, poses.lon_deg[:, np.newaxis] + np.degrees(dlon), np.ones(lat.shape, bool))
-
-
-#: The rungs of the stage, from cheap to exact.
-FOOTPRINT_RUNGS: dict[str, Callable[[Camera, Poses, ImagePoints, Ellipsoid], Corners]] = {
-    "loc1": loc1,
-    "loc2": loc2,
-    "exact": exact,
-}
-
-
-def ground_corners(camera: Camera, poses: Poses, ground: Ellipsoid = WGS84, rung: str = "exact") -> Corners:
+def ground_corners(
+    camera: Camera, poses: Poses, ground: Ellipsoid = WGS84, footprint: Footprint = exact
+) -> Corners:
     """Ground corners of each pose's image, worked out once for each run of poses that share them.
 
-    Parameters
-    ----------
-    rung : str
-        loc1, loc2 or exact; the first two only within the domain that `accuracy` gives them.
-
-    Raises
-    ------
-    InvalidInput
-        An unknown rung.
+    ``footprint`` is only another than `exact` where that is compared with others.
     """
-    if rung not in FOOTPRINT_RUNGS:
-        raise InvalidInput(f"footprint rung {rung!r}: must be one of {', '.join(FOOTPRINT_RUNGS)}")
     first, run = poses.runs()
     at_zero = poses.take(first)._replace(lon_deg=np.zeros(len(first)))
-    corners = FOOTPRINT_RUNGS[rung](camera, at_zero, CORNERS, ground)
+    corners = footprint(camera, at_zero, CORNERS, ground)
     return Corners(
         corners.lat_deg[run], poses.lon_deg[:, np.newaxis] + corners.lon_deg[run], corners.hit[run]
     )
 
 
-def image_points(
-    camera: Camera, poses: Poses, lat_deg: Floats, lon_deg: Floats, ground: Ellipsoid = WGS84
-) -> Floats:
-    """Image points, (n, k, 2), at which exact cameras see ground points (n, k); the inverse of `exact`.
+@dataclass(frozen=True, eq=False)
+class Outline:
+    """The ring of ground a camera sees, counter-clockwise seen from above.
 
-    Points behind a camera give NaN; whether the Earth hides a point is not asked.
+    Attributes
+    ----------
+    lat_deg, dlon_deg : array (k,)
+        Vertices; the last is joined to the first. Longitudes count from the camera's and are continuous, also
+        around a pole, where the last vertex is a turn away from the first.
+    horizon : array (k,) of bool
+        Whether the edge from a vertex to the next one is a piece of the horizon.
+    image_xy : array (k, 2)
+        Image points of the vertices.
+    pole : int
+        1 or -1 where the north or south pole is seen inside the ring, else 0.
     """
-    vectors = sight_lines(
-        poses.lat_deg[:, np.newaxis],
-        poses.agl_m[:, np.newaxis],
-        lat_deg,
-        lon_deg - poses.lon_deg[:, np.newaxis],
-        ground,
-    )
-    points, in_front = camera.image_xy(vectors, *poses.attitude)
-    return np.where(in_front[..., np.newaxis], points, np.nan)
+
+    lat_deg: Floats
+    dlon_deg: Floats
+    horizon: Flags
+    image_xy: Floats
+    pole: int
+
+
+def poles_seen(camera: Camera, poses: Poses, ground: Ellipsoid = WGS84) -> NDArray[np.int64]:
+    """For each pose 1 or -1 where the north or south pole is in its image, else 0; (n,).
+
+    A pole is above the horizon of whatever stands above the plane that touches the ellipsoid there.
+    """
+    found = np.zeros(len(poses.lat_deg), np.int64)
+    for pole in (1, -1):
+        at_pole = np.full((len(found), 1), 90.0 * pole)
+        lat, agl = poses.lat_deg[:, np.newaxis], poses.agl_m[:, np.newaxis]
+        vectors = sight_lines(lat, agl, at_pole, np.zeros_like(at_pole), ground)
+        points, in_front = camera.image_xy(vectors, *poses.attitude)
+        inside = in_front[:, 0] & (np.abs(points[:, 0]) <= 1.0).all(axis=-1)
+        above_m = above_tangent_plane_m(lat, vectors, at_pole, np.zeros_like(at_pole))[:, 0]
+        found[inside & (above_m > 0.0)] = pole
+    return found
+
+
+def outline(
+    camera: Camera,
+    lat_deg: float,
+    agl_m: float,
+    attitude: tuple[float, float, float] = (0.0, 0.0, 0.0),
+    ground: Ellipsoid = WGS84,
+) -> Outline:
+    """Outline of the ground that one camera sees.
+
+    What a camera sees of the Earth is convex in its image (a rectangle cut by a cone), so that the vertices
+    follow each other by their angle about a point inside.
+
+    Parameters
+    ----------
+    attitude : tuple
+        Yaw, tilt, roll in degrees.
+
+    Raises
+    ------
+    InvalidInput
+        Where no ray of the image meets the Earth.
+    """
+    view = _View(camera, lat_deg, agl_m, attitude, ground)
+    edge = view.frame_points()
+    lat, dlon, hit = view.seen(edge)
+    arc = view.limb_points()
+    points = np.concatenate([edge[hit], arc.image_xy])
+    on_limb = np.concatenate([np.zeros(int(hit.sum()), bool), np.ones(len(arc.lat_deg), bool)])
+    if len(points) < 3:
+        raise InvalidInput(
+            f"camera at height {agl_m:g} m, yaw {attitude[0]:g}, tilt {attitude[1]:g}, roll {attitude[2]:g} deg: no "
+            "ray of its image meets the Earth; tilt it down",
+            "tilt_deg",
+        )
+    lat, dlon = np.concatenate([lat[hit], arc.lat_deg]), np.concatenate([dlon[hit], arc.dlon_deg])
+    centre = points.mean(axis=0)
+    order = np.argsort(np.arctan2(points[:, 1] - centre[1], points[:, 0] - centre[0]))
+    order = order[_distinct(points[order])]
+    lat, dlon, points, on_limb = lat[order], dlon[order], points[order], on_limb[order]
+    steps = np.diff(dlon, append=dlon[:1])
+    steps -= 360.0 * np.round(steps / 360.0)
+    turns = round(float(steps.sum()) / 360.0)
+    dlon = dlon[0] + np.concatenate([[0.0], np.cumsum(steps[:-1])])
+    return Outline(lat, dlon, on_limb & np.roll(on_limb, -1), points, turns)
+
+
+def _distinct(points: Floats) -> Flags:
+    gap = np.abs(points - np.roll(points, 1, axis=0)).max(axis=1)
+    return np.asarray(gap > _SAME_POINT)
+
+
+@dataclass(frozen=True, eq=False)
+class _Arc:
+    """Points of the horizon inside the image."""
+
+    lat_deg: Floats
+    dlon_deg: Floats
+    image_xy: Floats
+
+
+@dataclass(frozen=True)
+class _View:
+    """One camera, and questions about points of its image and of the horizon."""
+
+    camera: Camera
+    lat_deg: float
+    agl_m: float
+    attitude: tuple[float, float, float]
+    ground: Ellipsoid
+
+    @property
+    def _where(self) -> tuple[Floats, Floats]:
+        return np.asarray(self.lat_deg), np.asarray(self.agl_m)
+
+    def seen(self, points: Floats) -> tuple[Floats, Floats, Flags]:
+        """Latitude, longitude from the camera's, and whether the ray hits, of image points (k, 2)."""
+        return trace(*self._where, self.camera.rays_enu(points, *self.attitude), self.ground)
+
+    def clearance_at(self, points: Floats) -> Floats:
+        """The first number of `clearance` at image points (k, 2)."""
+        return clearance(*self._where, self.camera.rays_enu(points, *self.attitude), self.ground)[0]
+
+    def frame_points(self) -> Floats:
+        """Points along the edges of the image, corners included, (4·pieces, 2)."""
+        corners = np.array(CORNERS)
+        shares = np.arange(_EDGE_PIECES) / _EDGE_PIECES
+        start, way = corners, np.roll(corners, -1, axis=0) - corners
+        points = start[:, np.newaxis] + shares[:, np.newaxis] * way[:, np.newaxis]
+        return np.asarray(points.reshape(-1, 2), np.float64)
+
+    def limb_points(self) -> _Arc:
+        """Points of the horizon inside the image: where it enters, along each arc, and where it leaves."""
+        cuts = np.sort(self._crossing_azimuths())
+        if len(cuts) == 0:
+            cuts = np.array([0.0])
+        ends = np.append(cuts[1:], cuts[0] + 2.0 * np.pi)
+        middle_inside = self._on_limb((cuts + ends) / 2.0)[3]
+        shares = np.linspace(0.0, 1.0, _ARC_PIECES + 1)
+        azimuths = [
+            start + shares * (end - start) for start, end in zip(cuts[middle_inside], ends[middle_inside])
+        ]
+        if not azimuths:
+            return _Arc(np.empty(0), np.empty(0), np.empty((0, 2)))
+        lat, dlon, points, _ = self._on_limb(np.concatenate(azimuths))
+        return _Arc(lat, dlon, np.clip(points, -1.0, 1.0))
+
+    def _on_limb(self, azimuth: Floats) -> tuple[Floats, Floats, Floats, Flags]:
+        """Horizon below azimuths (radians from north): ground, image points, and which are in the image."""
+        towards = np.stack([np.sin(azimuth), np.cos(azimuth), np.zeros_like(azimuth)], axis=-1)
+        ground = limb(*self._where, towards, self.ground)
+        vectors = sight_lines(*self._where, ground.lat_deg, ground.dlon_deg, self.ground)
+        points, in_front = self.camera.image_xy(vectors, *self.attitude)
+        inside = in_front & (np.abs(points) <= 1.0).all(axis=-1)
+        return ground.lat_deg, ground.dlon_deg, points, inside
+
+    def _crossing_azimuths(self) -> Floats:
+        """Azimuths, radians from north, at which the horizon crosses the edges of the image."""
+        corners = np.array(CORNERS)
+        start, way = corners, np.roll(corners, -1, axis=0) - corners
+        first, middle, last = (self.clearance_at(start + share * way) for share in (0.0, 0.5, 1.0))
+        square = 2.0 * (first - 2.0 * middle + last)
+        slope = 4.0 * middle - 3.0 * first - last
+        shares, edges = [], []
+        for index in range(4):
+            roots = np.roots([square[index], slope[index], first[index]])
+            for root in roots[np.abs(np.imag(roots)) == 0.0].real:
+                if 0.0 <= root <= 1.0:
+                    shares.append(root)
+                    edges.append(index)
+        if not shares:
+            return np.empty(0)
+        points = start[edges] + np.array(shares)[:, np.newaxis] * way[edges]
+        rays = self.camera.rays_enu(points, *self.attitude)
+        ahead = clearance(*self._where, rays, self.ground)[1] < 0.0
+        return limb_azimuth(*self._where, rays[ahead], self.ground)

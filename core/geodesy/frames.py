@@ -8,10 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InvalidInput
-from .camera import EDGE_MIDPOINTS, Camera
+from .camera import EDGE_MIDPOINTS, Camera, Poses
 from .ellipsoid import WGS84, Ellipsoid, trace
 from .mercator import PixelGrid, lat_to_v, lon_to_u, u_to_lon, v_to_lat, wrap_lon_deg
-from .poses import Poses
 
 Floats = NDArray[np.float64]
 Numbers = NDArray[np.int64]

@@ -1,1 +1,20 @@
-"""Missions and plans: what the user asks for, worked out to poses, windows and figures. No I/O but files."""
+"""What is asked of a flight, and the plan that comes of it.
+
+In reading order:
+
+- `area`: where a mission goes, as a box, a polygon or points
+- `coords`: areas in text and in files
+- `cameras`: cameras by name, those that ship and the user's own
+- `wind`: what a mission is flown in
+- `options`: what can be asked for, with defaults and help
+- `mission`: all that is asked, as one value, in and out of JSON
+- `settings`: a mission from command line, environment and file
+- `layout`: where captures stand and what their pictures show of the area
+- `gusts`: gusts and the aircraft in them, discretised exactly
+- `flight`: legs and clock, and poses in wind
+- `methods`: the kind of picture and its methods, by the error budget
+- `plan`: a mission worked out, as arrays
+- `estimate`: what a plan takes and gives, in figures
+- `outlines`: what is drawn of a plan, cut at the antimeridian
+- `export`: a plan in files
+"""

@@ -1,23 +1,29 @@
-"""Where a mission goes: a box, a polygon, or points."""
+"""Where a mission goes: a box, a polygon, or points, and what of it lies in bands and rectangles."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from typing import Union
+from typing import Protocol, Union
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InvalidInput
-from ..geodesy.ellipsoid import WGS84
-from ..geodesy.mercator import wrap_lon_deg
+from ..geodesy.ellipsoid import WGS84, next_corners
+from ..geodesy.mercator import v_to_lat, wrap_lon_deg
 
 Floats = NDArray[np.float64]
 Position = tuple[float, float]
-
 #: Greatest height above ground, metres: up to there double precision holds the ground to less than a micrometre.
-HIGHEST_AGL_M = 1e9
+_HIGHEST_AGL_M = 1e9
+Numbers = NDArray[np.int64]
+Flags = NDArray[np.bool_]
+#: Start longitude, start latitude, end longitude, end latitude of each edge.
+Edges = tuple[Floats, Floats, Floats, Floats]
+#: Pairs of a rectangle and a corner of a polygon looked at in one go, to bound memory: 13 MB for areas.
+_CHUNK = 100_000
 
 
 def check_lat_lon(lat_deg: float, lon_deg: float) -> None:
@@ -29,11 +35,11 @@ def check_lat_lon(lat_deg: float, lon_deg: float) -> None:
 
 
 def check_agl(agl_m: float) -> None:
-    """Refuse a height that is not a positive number of metres, or beyond `HIGHEST_AGL_M`."""
+    """Refuse a height that is not a positive number of metres, or beyond `_HIGHEST_AGL_M`."""
     if not agl_m > 0.0:
         raise InvalidInput(f"height above ground {agl_m} m: must be above 0")
-    if agl_m > HIGHEST_AGL_M:
-        raise InvalidInput(f"height above ground {agl_m:g} m: must be at most {HIGHEST_AGL_M:g} m")
+    if agl_m > _HIGHEST_AGL_M:
+        raise InvalidInput(f"height above ground {agl_m:g} m: must be at most {_HIGHEST_AGL_M:g} m")
 
 
 def check_yaw(yaw_deg: float) -> None:
@@ -101,9 +107,9 @@ class Polygon:
             raise InvalidInput("polygon without a ring: needs at least one of three corners")
         outer, *holes = (_tidy_ring(ring) for ring in self.rings)
         west = min(lon for lon, _ in outer)
-        outer = _turned(outer, -math.floor((west + 180.0) / 360.0))
+        outer = _shifted(outer, -math.floor((west + 180.0) / 360.0))
         middle = sum(lon for lon, _ in outer) / len(outer)
-        near = (_turned(hole, round((middle - hole[0][0]) / 360.0)) for hole in holes)
+        near = (_shifted(hole, round((middle - hole[0][0]) / 360.0)) for hole in holes)
         object.__setattr__(self, "rings", (outer, *near))
 
     def arrays(self) -> list[tuple[Floats, Floats]]:
@@ -186,12 +192,238 @@ def _sound(poses: tuple[tuple[float, float, float], ...]) -> bool:
     if values.dtype.kind not in "fiu" or values.shape[1:] != (3,):
         return False
     lat, lon, agl = values.T
-    sound = (np.abs(lat) <= 90.0) & (np.abs(lon) <= 360.0) & (agl > 0.0) & (agl <= HIGHEST_AGL_M)
+    sound = (np.abs(lat) <= 90.0) & (np.abs(lon) <= 360.0) & (agl > 0.0) & (agl <= _HIGHEST_AGL_M)
     return bool(sound.all())
 
 
-def _turned(ring: tuple[Position, ...], turns: int) -> tuple[Position, ...]:
+def _shifted(ring: tuple[Position, ...], turns: int) -> tuple[Position, ...]:
     return tuple((lon + 360.0 * turns, lat) for lon, lat in ring) if turns else ring
 
 
 Area = Union[Box, Polygon, Points]
+
+
+class Rings(Protocol):
+    """Something of rings, the outer one first, whose sides are straight along two axes: of degrees, or of a plane."""
+
+    def arrays(self) -> list[tuple[Floats, Floats]]:
+        """First and second coordinates of each ring's corners."""
+        ...
+
+
+def sides_of(polygon: Rings) -> Edges:
+    """Start longitude, start latitude, end longitude, end latitude of every side of every ring."""
+    rings = polygon.arrays()
+    lon0, lat0 = (np.concatenate(parts) for parts in zip(*rings))
+    lon1, lat1 = (np.concatenate([np.roll(part, -1) for part in parts]) for parts in zip(*rings))
+    return lon0, lat0, lon1, lat1
+
+
+def in_band(edges: Edges, south: float, north: float) -> tuple[Floats, Floats]:
+    """Least and greatest longitude of what each edge has strictly between two parallels; others left out."""
+    inside = _reach_into(edges, south, north)
+    return _between(_picked(edges, inside), south, north)
+
+
+def _picked(edges: Edges, which: Flags | Numbers) -> Edges:
+    """Some of the edges."""
+    lon0, lat0, lon1, lat1 = (part[which] for part in edges)
+    return lon0, lat0, lon1, lat1
+
+
+def _reach_into(edges: Edges, south: Floats | float, north: Floats | float) -> Flags:
+    """Which edges have something strictly between two parallels."""
+    _, lat0, _, lat1 = edges
+    reach: Flags = (np.maximum(lat0, lat1) > south) & (np.minimum(lat0, lat1) < north)
+    return reach
+
+
+def _between(edges: Edges, south: Floats | float, north: Floats | float) -> tuple[Floats, Floats]:
+    """Least and greatest longitude of what each edge has between two parallels that it reaches into."""
+    lon0, lat0, lon1, lat1 = edges
+    rise = np.where(lat1 == lat0, 1.0, lat1 - lat0)
+    slope = (lon1 - lon0) / rise
+    ends = []
+    for lon, lat in ((lon0, lat0), (lon1, lat1)):
+        cut = np.clip(lat, south, north)
+        ends.append(np.where(cut == lat, lon, lon0 + slope * (cut - lat0)))
+    return np.minimum(*ends), np.maximum(*ends)
+
+
+def row_spans(area: Box | Polygon, top_v: Floats, bottom_v: Floats) -> Floats:
+    """West and east end, in continuous degrees, of what each band of latitude holds of an area.
+
+    Parameters
+    ----------
+    top_v, bottom_v : array (n,)
+        Bands as world fractions southward.
+
+    Returns
+    -------
+    array (n, 2)
+        NaN where a band holds nothing.
+    """
+    if isinstance(area, Box):
+        return np.tile([area.west_deg, area.continuous_east_deg], (len(top_v), 1))
+    edges = sides_of(area)
+    spans = np.full((len(top_v), 2), np.nan)
+    for index, (south, north) in enumerate(zip(v_to_lat(bottom_v), v_to_lat(top_v))):
+        west, east = in_band(edges, float(south), float(north))
+        if len(west):
+            spans[index] = west.min(), east.max()
+    return spans
+
+
+def touching(polygon: Rings, west: Floats, south: Floats, east: Floats, north: Floats) -> Flags:
+    """Which rectangles of degrees share ground with a polygon (n,); longitudes continuous with it.
+
+    Rectangles of one row (equal south and north, one after the other) are looked at together.
+    """
+    edges = sides_of(polygon)
+    touches = np.zeros(len(west), bool)
+    change = np.flatnonzero((np.diff(south) != 0.0) | (np.diff(north) != 0.0)) + 1
+    for start, stop in zip([0, *change], [*change, len(west)]):
+        row = slice(start, stop)
+        low, high = in_band(edges, float(south[start]), float(north[start]))
+        crossings = _crossings(edges, float(south[start] + north[start]) / 2.0)
+        middle = (west[row] + east[row]) / 2.0
+        within = np.searchsorted(crossings, middle) % 2 == 1
+        # An edge meets a rectangle unless it ends before it or begins after it.
+        before = np.searchsorted(np.sort(high), west[row], side="right")
+        after = len(low) - np.searchsorted(np.sort(low), east[row], side="left")
+        touches[row] = within | (before + after < len(low))
+    return touches
+
+
+def _crossings(edges: Edges, lat: float) -> Floats:
+    """Sorted longitudes where a parallel crosses the polygon's edges."""
+    _, lat0, _, lat1 = edges
+    cross = (lat0 <= lat) != (lat1 <= lat)
+    return np.sort(_crossing(_picked(edges, cross), lat))
+
+
+def _crossing(edges: Edges, lat: Floats | float) -> Floats:
+    """Longitude where a parallel crosses each edge."""
+    lon0, lat0, lon1, lat1 = edges
+    lon: Floats = lon0 + (lat - lat0) * (lon1 - lon0) / (lat1 - lat0)
+    return lon
+
+
+def crossed_and_held(
+    polygon: Rings, west: Floats, south: Floats, east: Floats, north: Floats
+) -> tuple[Flags, Flags]:
+    """Which rectangles an edge of a polygon passes through, and of which the middle is inside it, (n,) each.
+
+    One of the two holds where `touching` does. This is for rectangles that lie in no rows.
+    """
+    edges = sides_of(polygon)
+    crossed, held = np.zeros((2, len(west)), bool)
+    for some in _parts(len(west), len(edges[0])):
+        low, high = south[some, np.newaxis], north[some, np.newaxis]
+        middle = (low + high) / 2.0
+        at, edge = np.nonzero(_reach_into(edges, low, high))
+        least, greatest = _between(_picked(edges, edge), low[at, 0], high[at, 0])
+        meets = (greatest > west[some][at]) & (least < east[some][at])
+        crossed[some] = np.bincount(at[meets], minlength=len(low)) > 0
+        at, edge = np.nonzero((edges[1] <= middle) != (edges[3] <= middle))
+        before = _crossing(_picked(edges, edge), middle[at, 0]) < ((west + east) / 2.0)[some][at]
+        held[some] = np.bincount(at[before], minlength=len(low)) % 2 == 1
+    return crossed, held
+
+
+def _parts(count: int, each: int) -> Iterator[slice]:
+    """Parts of so many values that each take so many numbers."""
+    step = max(_CHUNK // each, 1)
+    return (slice(start, start + step) for start in range(0, count, step))
+
+
+def area_within_m2(area: Box | Polygon, west: Floats, south: Floats, east: Floats, north: Floats) -> Floats:
+    """Square metres of an area inside rectangles of degrees that do not pass its box, (n,)."""
+    if isinstance(area, Box):
+        return (east - west) * WGS84.zone_area_m2_per_deg(south, north)
+    return ground_m2(area, west, south, east, north, lambda lon, lat: (lat, lon))
+
+
+def ground_m2(
+    polygon: Rings,
+    west: Floats,
+    south: Floats,
+    east: Floats,
+    north: Floats,
+    geodetic: Callable[[Floats, Floats], tuple[Floats, Floats]],
+) -> Floats:
+    """Square metres of a polygon inside rectangles along its axes, (n,).
+
+    Parameters
+    ----------
+    geodetic : callable
+        Latitudes and longitudes, continuous, of positions along the axes.
+    """
+    rectangles = np.stack([west, south, east, north], axis=1)
+    crossed, held = crossed_and_held(polygon, west, south, east, north)
+    ground = np.zeros(len(rectangles))
+    corners = rectangles[:, [[0, 1], [2, 1], [2, 3], [0, 3]]]
+    # Only those that an edge passes through need to be cut.
+    whole = np.flatnonzero(held & ~crossed)
+    for some in _parts(len(whole), 4):
+        count = len(whole[some])
+        inside = corners[whole[some]].reshape(-1, 2)
+        lat, lon = geodetic(inside[:, 0], inside[:, 1])
+        ground[whole[some]] = WGS84.ring_areas_m2(lon, lat, np.repeat(np.arange(count), 4), count)
+    cut = np.flatnonzero(crossed)
+    sign = 1.0
+    for ring in polygon.arrays():
+        for some in _parts(len(cut), len(ring[0])):
+            inside, owner = _clipped(np.stack(ring, axis=1), rectangles[cut[some]])
+            lat, lon = geodetic(inside[:, 0], inside[:, 1])
+            ground[cut[some]] += sign * WGS84.ring_areas_m2(lon, lat, owner, len(cut[some]))
+        sign = -1.0
+    return ground
+
+
+def _clipped(ring: Floats, rectangles: Floats) -> tuple[Floats, Numbers]:
+    """Corners (m, 2) of a ring inside each of rectangles (n, 4), and which of these each corner is for, (m,).
+
+    By Sutherland and Hodgman's clipping; rectangles that hold nothing of the ring have no corners.
+    """
+    points, owner = np.tile(ring, (len(rectangles), 1)), np.repeat(np.arange(len(rectangles)), len(ring))
+    for side, axis, sense in ((0, 0, 1.0), (2, 0, -1.0), (1, 1, 1.0), (3, 1, -1.0)):
+        points, owner = _cut(points, owner, axis, rectangles[owner, side], sense)
+        some = np.bincount(owner, minlength=len(rectangles))[owner] > 2
+        points, owner = points[some], owner[some]
+    return points, owner
+
+
+def cut_half_plane(lon: Floats, lat: Floats, axis: int, limit: float, sense: float) -> tuple[Floats, Floats]:
+    """Ring cut by a meridian (axis 0) or parallel (axis 1) at ``limit``, one side of it kept.
+
+    Parameters
+    ----------
+    lon, lat : array (n,)
+        Corners in degrees, not closed.
+    sense : float
+        1 keeps the side where the coordinate is greater, -1 the other.
+
+    Returns
+    -------
+    arrays (m,), (m,)
+        Corners of what is left; a concave ring's separate pieces stay joined along the cut.
+    """
+    points, _ = _cut(np.stack([lon, lat], axis=1), np.zeros(len(lon), np.int64), axis, limit, sense)
+    return points[:, 0], points[:, 1]
+
+
+def _cut(
+    points: Floats, ring: Numbers, axis: int, limit: Floats | float, sense: float
+) -> tuple[Floats, Numbers]:
+    """Rings, one after the other, each cut at its own limit: corners (n, 2), and the ring's number of each, (n,)."""
+    following = points[next_corners(ring)]
+    here = sense * (points[:, axis] - limit)
+    there = sense * (following[:, axis] - limit)
+    cross = (here >= 0.0) != (there >= 0.0)
+    share = np.where(cross, here / np.where(cross, here - there, 1.0), 0.0)
+    cuts = points + share[:, np.newaxis] * (following - points)
+    cuts[:, axis] = np.where(cross, limit, cuts[:, axis])
+    both = np.stack([points, cuts], axis=1).reshape(-1, 2)
+    keep = np.stack([here >= 0.0, cross], axis=1).ravel()
+    return both[keep], np.repeat(ring, 2)[keep]

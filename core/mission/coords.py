@@ -12,7 +12,7 @@ from ..files import is_there, read_limited
 from ..limits import MAX_MISSION_BYTES
 from ..safe_json import decoded, parse_json
 from .area import Area, Box, Points, Polygon
-from .choices import KINDS, UNITS
+from .options import KINDS, UNITS
 
 _FORMATS = '"lat_lon_agl", "latTL_lonTL_latBR_lonBR_agl", or a text file of "lat lon agl [yaw]" lines'
 _SEPARATORS = re.compile(r"[_,;\s]+")

@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from .framing import sampled_zooms
+from .layout.framing import sampled_zooms
+from .methods import Accuracy
 from .plan import Plan
-from .rungs import Accuracy
 
 #: Share by which pixels may be finer than the source's: sizes that differ by a pixel of some hundred are no upsampling.
 _UPSAMPLING_SLACK = 0.02
@@ -188,7 +188,7 @@ def estimate(plan: Plan, costs: Costs = ONLINE, connections: int = 8, cores: int
         seconds=types * seconds,
         map_types=mission.map_types,
         accuracy=plan.accuracy,
-        warnings=(*beyond_imagery(plan), *upsampling(plan)),
+        warnings=(*mission.notes, *beyond_imagery(plan), *upsampling(plan)),
     )
 
 

@@ -1,19 +1,36 @@
-"""The way from capture to capture: its legs, and the clock of the flight."""
+"""Flight from capture to capture: its legs and its clock, and how gusts move and turn the camera at each exposure."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 from pyproj import Geod
 
+from ..errors import InvalidInput
 from ..geodesy.ellipsoid import WGS84
 from ..geodesy.mercator import wrap_lon_deg
-from ..geodesy.proj_arrays import through_proj
+from ..geodesy.projections import through_proj
+from .gusts import HIGH_FT, LOW_FT, M_PER_FT, STATES, factor, flight_system, outputs
 from .wind import Wind
 
 Floats = NDArray[np.float64]
+Ints = NDArray[np.intp]
+#: Relative difference of intervals, or of heights, below which two are the same: distances along parallels and times
+#: made from them agree to about 1e-12.
+SAME = 1e-9
+#: Intervals shorter than this are as good as none: the fastest time constant is 5 ms.
+SHORTEST_S = 1e-9
+#: Longer ones are cut to this: even the slowest gusts, of 533 m at 0.1 m/s, are forgotten by then to 1e-80.
+LONGEST_S = 1e6
+#: Discretisations (8 KB and half a millisecond each) and, of them, heights for one flight. A flight of more different
+#: ones has them rounded, to no more than 0.3 % of the interval where they span 1..20 s and one height.
+MOST_STEPS = 2048
+MOST_HEIGHTS = 64
+#: Exposures sampled at a time: 1.5 MB of states and noise, which stay in the processor's cache.
+CHUNK = 4096
 
 
 class Legs(NamedTuple):
@@ -60,3 +77,185 @@ def intervals_s(way: Legs, agl_m: Floats, airspeed_m_per_s: float, wind: Wind | 
         return np.asarray(along, np.float64)
     seconds: Floats = np.hypot(along, np.diff(agl_m) / airspeed_m_per_s)
     return seconds
+
+
+@dataclass(frozen=True, eq=False)
+class Disturbance:
+    """Error of the real pose relative to the nominal one at each exposure.
+
+    Parameters
+    ----------
+    east_m, north_m, up_m : array (n,)
+        Offset of the camera, in metres.
+    yaw_deg, tilt_deg, roll_deg : array (n,)
+        To be added to the nominal angles, in degrees.
+    """
+
+    east_m: Floats
+    north_m: Floats
+    up_m: Floats
+    yaw_deg: Floats
+    tilt_deg: Floats
+    roll_deg: Floats
+
+
+def fly(
+    wind: Wind,
+    airspeed_m_per_s: float,
+    interval_s: Floats,
+    heading_deg: Floats,
+    agl_m: Floats,
+    yaw_deg: Floats | float = 0.0,
+) -> Disturbance:
+    """Pose errors of a flight: one sample path of the stationary process, exact at every exposure.
+
+    `gusts.flight_system` is the process. Its state lives in the directions of flight through the air and goes along
+    through turns: what was ahead of the aircraft stays ahead. Between two exposures the height is that of the second.
+    Steady wind turns those directions by the crab angle and nothing else: the hold takes out a steady offset, and the
+    camera's mount a steady lean and crab. The aircraft's remaining pitch and roll become the camera's tilt and
+    roll through the angle from the top of the image to the direction of flight, to first order in them and with the
+    camera looking down; of an oblique camera they are taken as the errors of its mount's own angles.
+
+    Parameters
+    ----------
+    wind : Wind
+    airspeed_m_per_s : float
+        Flight speed through the air.
+    interval_s : array (n - 1,)
+        Time from each exposure to the next, >= 0.
+    heading_deg : array (n,)
+        Track over ground at each exposure, clockwise from north.
+    agl_m : array (n,)
+        Height above ground, > 0.
+    yaw_deg : array (n,) or float
+        Nominal direction of the top of the image, clockwise from north.
+
+    Returns
+    -------
+    Disturbance
+        The same on every platform and with every numpy, to a millionth of its sigma (the rounding of processors,
+        through nearly singular covariances), and the same for the exposures that two flights have in common at their
+        beginning.
+
+    Raises
+    ------
+    InvalidInput
+        On shapes that do not match, on values outside the domain, and as `Wind.flown_at` does.
+    """
+    wind.flown_at(airspeed_m_per_s)
+    heading_deg, agl_m = np.asarray(heading_deg, np.float64), np.asarray(agl_m, np.float64)
+    interval_s, yaw_deg = np.asarray(interval_s, np.float64), np.asarray(yaw_deg, np.float64)
+    _check(interval_s, heading_deg, agl_m, yaw_deg)
+    if wind.sigma_m_per_s == 0.0 or heading_deg.size == 0:
+        return Disturbance(*np.zeros((6, heading_deg.size)))
+    along, across, up, pitch, roll, yaw = _sampled(wind, airspeed_m_per_s, interval_s, agl_m)
+    air_deg = heading_deg + wind.crab_deg(heading_deg, airspeed_m_per_s)
+    sine, cosine = np.sin(np.radians(air_deg)), np.cos(np.radians(air_deg))
+    turn = np.radians(air_deg - yaw_deg)
+    return Disturbance(
+        east_m=along * sine + across * cosine,
+        north_m=along * cosine - across * sine,
+        up_m=up,
+        yaw_deg=np.degrees(yaw),
+        tilt_deg=np.degrees(pitch * np.cos(turn) + roll * np.sin(turn)),
+        roll_deg=np.degrees(roll * np.cos(turn) - pitch * np.sin(turn)),
+    )
+
+
+def _check(interval_s: Floats, heading_deg: Floats, agl_m: Floats, yaw_deg: Floats) -> None:
+    count = heading_deg.size
+    for name, values, wanted in (
+        ("headings", heading_deg, (count,)),
+        ("heights", agl_m, (count,)),
+        ("intervals", interval_s, (max(count - 1, 0),)),
+    ):
+        if values.shape != wanted:
+            raise InvalidInput(f"{name} of shape {values.shape}: must be {wanted} for {count} exposures")
+    if yaw_deg.shape not in ((), (count,)):
+        raise InvalidInput(
+            f"yaws of shape {yaw_deg.shape}: must be one, or one for each of {count} exposures"
+        )
+    for name, values, right, rule in (
+        ("interval", interval_s, interval_s >= 0.0, "s: must be 0 or more"),
+        ("heading", heading_deg, np.isfinite(heading_deg), "deg: must be a number"),
+        ("height above ground", agl_m, agl_m > 0.0, "m: must be above 0"),
+        ("yaw", yaw_deg, np.isfinite(yaw_deg), "deg: must be a number"),
+    ):
+        wrong = values[~(right & np.isfinite(values))]
+        if wrong.size:
+            raise InvalidInput(f"{name} {wrong.flat[0]} {rule}")
+
+
+def _sampled(wind: Wind, airspeed_m_per_s: float, interval_s: Floats, agl_m: Floats) -> Floats:
+    """`gusts.OUTPUTS` at each exposure (6, n).
+
+    Each exposure is one product of a matrix with the state before it and fresh normal deviates beside each other.
+    """
+    steps, which = _steps(wind.sigma_m_per_s, airspeed_m_per_s, interval_s, agl_m)
+    size = len(STATES)
+    picked = outputs()
+    bits = np.random.PCG64(np.random.SeedSequence(int(wind.seed)))
+    sampled = np.empty((len(picked), which.size))
+    states = np.zeros((min(CHUNK, which.size) + 1, 2 * size))
+    for start in range(0, which.size, CHUNK):
+        count = min(CHUNK, which.size - start)
+        states[:count, size:] = _normal(bits, count, size)
+        products = [steps[step] for step in which[start : start + count].tolist()]
+        for product, before, after in zip(products, states[:count], states[1 : count + 1, :size]):
+            product.dot(before, after)
+        sampled[:, start : start + count] = picked @ states[1 : count + 1, :size].T
+        states[0, :size] = states[count, :size]
+    return sampled
+
+
+def _steps(
+    sigma_m_per_s: float, airspeed_m_per_s: float, interval_s: Floats, agl_m: Floats
+) -> tuple[Floats, Ints]:
+    """Return the matrices (m, d, 2 d) that step the state, one for each kind of step, and each exposure's kind (n,).
+
+    The first starts the flight: it forgets the state and draws from the stationary distribution. Rounding an interval
+    or a height, where there are too many, leaves the distribution at each exposure exact; only the correlation
+    between neighbours is then that of the rounded interval.
+    """
+    heights_m, height_of = _rounded(np.clip(agl_m, LOW_FT * M_PER_FT, HIGH_FT * M_PER_FT), MOST_HEIGHTS)
+    intervals_s, interval_of = _rounded(np.minimum(interval_s, LONGEST_S), MOST_STEPS // heights_m.size)
+    kinds, kind_of = np.unique(height_of[1:] * intervals_s.size + interval_of, return_inverse=True)
+    size = len(STATES)
+    steps = np.zeros((kinds.size + 1, size, 2 * size))
+    systems = [flight_system(sigma_m_per_s, airspeed_m_per_s, height_m) for height_m in heights_m.tolist()]
+    first = systems[height_of[0]].stationary_covariance()
+    steps[0, :, size:] = factor(first[np.newaxis])[0]
+    for height, system in enumerate(systems):
+        due = np.flatnonzero(kinds // max(intervals_s.size, 1) == height)
+        if due.size:
+            change, covariance = system.discretise(intervals_s[kinds[due] % intervals_s.size])
+            steps[1 + due, :, :size] = change + np.eye(size)
+            steps[1 + due, :, size:] = factor(covariance)
+    return steps, np.concatenate([[0], 1 + kind_of]).astype(np.intp)
+
+
+def _rounded(values: Floats, most: int) -> tuple[Floats, Ints]:
+    """Different values, at most ``most`` of them and as fine as that allows, and which of them each one is."""
+    different, which = np.unique(values, return_inverse=True)
+    places = np.log(np.maximum(different, SHORTEST_S))
+    resolution = SAME
+    while True:
+        opens = np.diff(np.floor(places / resolution), prepend=-np.inf) > 0.0
+        if np.count_nonzero(opens) <= most:
+            return different[opens], (np.cumsum(opens) - 1)[which]
+        resolution *= 2.0
+
+
+def _normal(bits: np.random.PCG64, count: int, size: int) -> Floats:
+    """Independent standard normal deviates (count, size), by Box and Muller's method.
+
+    From the generator's raw words, which numpy keeps the same for ever, and not from its own normal deviates, which
+    it does not. Every row takes the same number of words, so that a flight does not depend on how it is cut up.
+    """
+    pairs = (size + 1) // 2
+    words = bits.random_raw(2 * count * pairs).reshape(count, 2, pairs)
+    uniform = (words >> np.uint64(11)) * 2.0**-53
+    radius = np.sqrt(-2.0 * np.log(1.0 - uniform[:, 0]))  # of 2^-53 to 1, without rounding
+    angle = (2.0 * np.pi) * uniform[:, 1]
+    normal: Floats = np.concatenate([radius * np.cos(angle), radius * np.sin(angle)], axis=1)[:, :size]
+    return normal

@@ -16,21 +16,20 @@ from ..geodesy.camera import Camera
 from ..limits import MAX_MISSION_BYTES, MAX_PICTURE_PX, MAX_PICTURE_SIDE_PX, MAX_WHOLE_NUMBER
 from ..safe_json import decoded, parse_json
 from .area import Area, Box, Points, Polygon, check_agl
-from .choices import (
+from .options import (
     AUTO,
     DEFAULT_AIRSPEED_M_PER_S,
     DEFAULT_BUDGET_PX,
     DEFAULT_IMAGE_PX,
     DEFAULT_MAX_IMAGES,
     DEFAULT_START,
-    FOOTPRINTS,
     FORMATS,
     FRAMES,
     LAYOUTS,
     MAP_TYPES,
-    MESHES,
     ORDERS,
     PAPER_MAX_PX,
+    RAYS,
     RESAMPLINGS,
     SERPENTINE,
 )
@@ -41,6 +40,12 @@ _Part = TypeVar("_Part", Box, Camera, Wind)
 SCHEMA = 1
 #: Ground lies between these, metres: the shore of the Dead Sea and Everest, with room for geoid and lakes' beds.
 LOWEST_GROUND_M, HIGHEST_GROUND_M = 12_000.0, 9_000.0
+
+#: Footprints that mission files of version 0.1 name; the first two were cheaper than those of the exact camera.
+_CHEAP_FOOTPRINTS = ("loc1", "loc2")
+_OLD_FOOTPRINTS = (*_CHEAP_FOOTPRINTS, "exact", AUTO, None)
+#: Meshes by their tolerance, as mission files of version 0.1 name them.
+_OLD_MESH = re.compile(r"mesh-[0-9.]+px")
 
 #: Fields that are real numbers.
 _REAL = (
@@ -128,8 +133,10 @@ class Mission:
         What the bounds of the stages' errors may sum to, > 0.
     accept_error : bool
         Go on where no methods fit the budget.
-    footprint, frame, mesh : str
-        Method of each stage by name, or ``auto`` for the cheapest that fits.
+    frame : str
+        ``map``, ``camera``, or ``auto`` for the cheapest that fits.
+    mesh : str
+        ``rays`` for a ray for every pixel of a camera frame, ``auto`` for a mesh where one fits.
     resampling : str
         Of camera frames: nearest, bilinear, bicubic or lanczos.
     wind : Wind or None
@@ -140,6 +147,8 @@ class Mission:
         Flight speed through the air, 0.1..340 m/s.
     start : str
         Time of the first exposure, ISO 8601 in UTC.
+    notes : tuple of str
+        What a mission file asked for that this version does not have, and why; no part of the mission.
     """
 
     area: Area
@@ -165,7 +174,6 @@ class Mission:
     ground_height_m: float = 0.0
     error_budget_px: float = DEFAULT_BUDGET_PX
     accept_error: bool = False
-    footprint: str = AUTO
     frame: str = AUTO
     mesh: str = AUTO
     resampling: str = "bilinear"
@@ -176,6 +184,7 @@ class Mission:
     order: str = SERPENTINE
     airspeed_m_per_s: float = DEFAULT_AIRSPEED_M_PER_S
     start: str = DEFAULT_START
+    notes: tuple[str, ...] = field(default=(), compare=False, repr=False)
 
     def __post_init__(self) -> None:
         check_agl(self.agl_m)
@@ -226,9 +235,8 @@ class Mission:
             )
         if not (math.isfinite(self.error_budget_px) and self.error_budget_px > 0.0):
             raise InvalidInput(f"error budget {self.error_budget_px} px: must be a number above 0")
-        _choice("footprint", self.footprint, (AUTO, *FOOTPRINTS))
         _choice("frame", self.frame, (AUTO, *FRAMES))
-        _choice("mesh", self.mesh, (AUTO, *MESHES))
+        _choice("mesh", self.mesh, (AUTO, RAYS))
         _choice("resampling", self.resampling, RESAMPLINGS)
 
     def _check_pixels(self) -> None:
@@ -286,7 +294,9 @@ class Mission:
     def to_dict(self) -> dict[str, Any]:
         """JSON-ready mapping, with ``schema`` and the area's ``type``."""
         plain = {
-            f.name: getattr(self, f.name) for f in fields(self) if f.name not in ("area", "camera", "wind")
+            f.name: getattr(self, f.name)
+            for f in fields(self)
+            if f.compare and f.name not in ("area", "camera", "wind")
         }
         area = {"type": type(self.area).__name__.lower(), **asdict(self.area)}
         wind = None if self.wind is None else asdict(self.wind)
@@ -309,7 +319,8 @@ class Mission:
         schema = data.pop("schema", None)
         if schema != SCHEMA:
             raise InvalidInput(f"mission schema {schema!r}: this version reads schema {SCHEMA}")
-        known = {f.name for f in fields(cls)}
+        data, notes = _without_old_methods(data)
+        known = {f.name for f in fields(cls) if f.compare}
         unknown = sorted(set(data) - known)
         if unknown:
             raise InvalidInput(f"mission field {unknown[0]!r}: not one of {', '.join(sorted(known))}")
@@ -327,7 +338,7 @@ class Mission:
             data["map_types"] = tuple(data.get("map_types", ("satellite",)))
             if data.get("img_size") is not None:
                 data["img_size"] = tuple(data["img_size"])
-            return cls(**_with_image_px(data))
+            return cls(**_with_image_px(data), notes=notes)
         except KeyError as missing:
             raise InvalidInput(f"mission without {missing}: the field is needed") from missing
         except InvalidInput:
@@ -395,7 +406,6 @@ _JSON_TYPES: dict[str, tuple[Any, str]] = {
     "ground_height_m": _NUMBER,
     "error_budget_px": _NUMBER,
     "accept_error": (bool, "true or false"),
-    "footprint": _TEXT,
     "frame": _TEXT,
     "mesh": _TEXT,
     "resampling": _TEXT,
@@ -420,6 +430,25 @@ def _made(kind: type[_Part], name: str, values: Any) -> _Part:
     if missing:
         raise InvalidInput(f"mission without {name}.{missing[0]}: the field is needed")
     return kind(**values)
+
+
+def _without_old_methods(data: dict[str, Any]) -> tuple[dict[str, Any], tuple[str, ...]]:
+    """Fields of a mission file without methods that only earlier versions had, and what there is to say of those."""
+    data, notes = dict(data), []
+    footprint, mesh = data.get("footprint"), data.get("mesh")
+    if footprint in _OLD_FOOTPRINTS:
+        data.pop("footprint", None)
+    if footprint in _CHEAP_FOOTPRINTS:
+        notes.append(
+            f"footprint {footprint!r} of the mission file is ignored: footprints are always exact, as cheaper ones "
+            "save no time"
+        )
+    if isinstance(mesh, str) and _OLD_MESH.fullmatch(mesh):
+        data["mesh"] = AUTO
+        notes.append(
+            f"mesh {mesh!r} of the mission file is ignored: the mesh is as coarse as the error budget allows"
+        )
+    return data, tuple(notes)
 
 
 def _with_image_px(data: dict[str, Any]) -> dict[str, Any]:

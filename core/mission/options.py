@@ -1,4 +1,4 @@
-"""Options of a mission: names, kinds, defaults, and what help says of them."""
+"""Options of a mission: names, kinds, defaults, what they choose among, and what help says of them."""
 
 from __future__ import annotations
 
@@ -6,23 +6,32 @@ from dataclasses import dataclass
 from typing import Any, Callable
 
 from ..errors import InvalidInput
-from .choices import (
-    AUTO,
-    DEFAULT_AIRSPEED_M_PER_S,
-    DEFAULT_BUDGET_PX,
-    DEFAULT_MAX_IMAGES,
-    DEFAULT_START,
-    FOOTPRINTS,
-    FORMATS,
-    FRAMES,
-    KINDS,
-    LAYOUTS,
-    MAP_TYPES,
-    MESHES,
-    ORDERS,
-    RESAMPLINGS,
-    UNITS,
-)
+
+FEET_IN_METRES = 0.3048
+UNITS = {"m": 1.0, "ft": FEET_IN_METRES}
+KINDS = ("single", "list", "raster")
+MAP_TYPES = ("satellite", "roadmap", "terrain")
+LAYOUTS = ("cover", "paper")
+#: Whether rows are flown to and fro, or each from its beginning.
+SERPENTINE, ONE_WAY = ORDERS = ("serpentine", "one-way")
+FORMATS = ("tif", "jpg", "png")
+#: How a camera frame takes its pixels from the source's.
+RESAMPLINGS = ("nearest", "bilinear", "bicubic", "lanczos")
+AUTO = "auto"
+#: Kinds of pictures, from cheap to exact.
+FRAMES = ("map", "camera")
+#: A ray for every pixel of a camera frame, in place of a mesh that is as coarse as the error budget allows.
+RAYS = "rays"
+#: What the sum of the stages' errors may be where nothing else is said, px.
+DEFAULT_BUDGET_PX = 0.1
+#: Pixels along the longer side of a camera's image where nothing else is known of the camera.
+DEFAULT_IMAGE_PX = 640
+#: Longest side of a picture in the paper's layout where no other limit is given.
+PAPER_MAX_PX = 640
+DEFAULT_MAX_IMAGES = 10_000_000
+DEFAULT_AIRSPEED_M_PER_S = 15.0
+#: The flight's clock starts here where nothing else is said.
+DEFAULT_START = "2000-01-01T00:00:00Z"
 
 
 @dataclass(frozen=True)
@@ -191,7 +200,6 @@ OPTIONS: tuple[Option, ...] = (
         "most pixels the errors of all stages may sum to, by their bounds",
     ),
     Option("accept_error", str, False, "go on where no methods fit the error budget", flag=True),
-    Option("footprint", str, AUTO, "method of the footprints' corners", choices=(AUTO, *FOOTPRINTS)),
     Option(
         "frame",
         str,
@@ -200,7 +208,11 @@ OPTIONS: tuple[Option, ...] = (
         choices=(AUTO, *FRAMES),
     ),
     Option(
-        "mesh", str, AUTO, "how the ground under a camera's picture is worked out", choices=(AUTO, *MESHES)
+        "mesh",
+        str,
+        AUTO,
+        "ground under a camera's picture: auto is a mesh as coarse as the error budget allows, rays one ray a pixel",
+        choices=(AUTO, RAYS),
     ),
     Option("resampling", str, "bilinear", "of pictures as the camera sees them", choices=RESAMPLINGS),
     Option(
@@ -239,6 +251,8 @@ OPTIONS: tuple[Option, ...] = (
     Option("cache_limit", int, None, "size the cache is kept to, in MB", metavar="MB"),
     Option("no_cache", str, False, "keep no tiles for later captures, and use none", flag=True),
 )
+
+
 #: Options that say how a mission is run, not what it is: they go with a mission file.
 RUN_OPTIONS = (
     *("dataset", "batch_size", "data_dir", "connections", "placeholder"),

@@ -12,23 +12,28 @@ from numpy.typing import NDArray
 
 from ..errors import InvalidInput
 from ..geodesy.accuracy import Scene
-from ..geodesy.footprint import Corners, ground_corners
+from ..geodesy.camera import Poses
+from ..geodesy.footprint import Corners, Outline, ground_corners, outline, poles_seen
 from ..geodesy.frames import Windows, window_centres
-from ..geodesy.horizon import Outline, outline, poles_seen
 from ..geodesy.mercator import MAX_LAT_DEG, PixelGrid, lat_to_v
-from ..geodesy.poses import Poses
 from ..geodesy.view import View, view
 from .area import Points
-from .choosing import choose_methods
-from .coverage import Coverage, Overlap, Rectangles, coverage, overlap, unique_tiles
-from .flight import Legs, intervals_s, legs
-from .framing import ground_of, nominal_poses, sampled_zooms
-from .imagery_extent import Imagery, imagery_of
-from .layout import Layout
+from .flight import Legs, fly, intervals_s, legs
+from .layout.coverage import (
+    Coverage,
+    Imagery,
+    Overlap,
+    Rectangles,
+    coverage,
+    imagery_of,
+    overlap,
+    unique_tiles,
+)
+from .layout.framing import ground_of, nominal_poses, sampled_zooms
+from .layout.rotated import Pass, rotated_coverage, rotated_overlap, rotated_rectangles
+from .layout.rows import Layout
+from .methods import Accuracy, choose_methods
 from .mission import Mission
-from .rungs import Accuracy
-from .turned import Pass, turned_coverage, turned_overlap, turned_rectangles
-from .wind import fly
 
 Floats = NDArray[np.float64]
 Numbers = NDArray[np.int64]
@@ -40,7 +45,7 @@ _KEPT = 16
 #: Views from which tiles are counted, at most: a plan of more distinct ones moves some of them to where the others are.
 _VIEWS_COUNTED = 500
 #: The same of turned rows in still air, whose views differ by the plane's convergence and by latitude alone.
-_TURNED_VIEWS_COUNTED = 60
+_ROTATED_VIEWS_COUNTED = 60
 
 
 @dataclass(frozen=True, eq=False)
@@ -205,7 +210,7 @@ class Plan:
         if isinstance(self.mission.area, Points):
             return None
         if self.passes:
-            return turned_coverage(self.mission, self.passes, self._rectangles)
+            return rotated_coverage(self.mission, self.passes, self._rectangles)
         return coverage(self.mission.area, self.windows, self.grid, self.zoom)
 
     @cached_property
@@ -219,7 +224,7 @@ class Plan:
         if isinstance(self.mission.area, Points):
             return Overlap(None, None, None, None)
         if self.passes:
-            return turned_overlap(self.column, self.row, self.passes, self._rectangles)
+            return rotated_overlap(self.column, self.row, self.passes, self._rectangles)
         return overlap(self.column, self.row, self.windows, rows_are_level=self.mission.layout == "cover")
 
     @cached_property
@@ -229,7 +234,9 @@ class Plan:
         mission, moved = self.mission, self.nominal is not None
         slices = [slice(part.first, end) for part, end in zip(self.passes, ends)]
         return tuple(
-            turned_rectangles(mission, part, self.poses.take(at), self.row[at], ground_of(mission), own=moved)
+            rotated_rectangles(
+                mission, part, self.poses.take(at), self.row[at], ground_of(mission), own=moved
+            )
             for part, at in zip(self.passes, slices)
         )
 
@@ -249,7 +256,7 @@ class Plan:
         view of its own, and there are more than a few hundred.
         """
         first, _ = self._runs
-        most = _TURNED_VIEWS_COUNTED if self.passes and self.mission.wind is None else _VIEWS_COUNTED
+        most = _ROTATED_VIEWS_COUNTED if self.passes and self.mission.wind is None else _VIEWS_COUNTED
         starts = first
         if len(first) > most:
             starts = np.arange(0, len(self), -(-len(self) // most))
@@ -350,7 +357,7 @@ def plan(mission: Mission, grid: PixelGrid) -> Plan:
     """
     flown, chosen = choose_methods(mission, grid, partial(_disturbed, mission))
     layout, ground = flown.layout, ground_of(mission)
-    corners = ground_corners(mission.camera, flown.poses, ground, chosen.footprint.rung.name)
+    corners = ground_corners(mission.camera, flown.poses, ground)
     nominal = None
     if mission.wind is not None:
         nominal = nominal_poses(mission, layout)

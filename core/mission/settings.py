@@ -19,11 +19,10 @@ from ..geodesy.camera import Camera
 from ..limits import MAX_SETTINGS_BYTES
 from ..safe_json import parse_json
 from .area import Area, Points
-from .choices import DEFAULT_IMAGE_PX, UNITS
+from .cameras import camera_named
 from .coords import load_polygon, parse_coords
 from .mission import Mission
-from .options import OPTIONS
-from .presets import camera_named
+from .options import DEFAULT_IMAGE_PX, OPTIONS, UNITS
 from .wind import Wind
 
 ENVIRONMENT_PREFIX = "TERRAINAV_"
@@ -151,7 +150,6 @@ def mission_from(values: Mapping[str, Any]) -> Mission:
         ground_height_m=values["ground_height"],
         error_budget_px=values["error_budget"],
         accept_error=values["accept_error"],
-        footprint=values["footprint"],
         frame=values["frame"],
         mesh=values["mesh"],
         resampling=values["resampling"],

@@ -12,8 +12,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from ..capture.journal import FAILED, Journal, Outcome
-from ..capture.result import CaptureResult, Failure, Progress, Repeat
-from ..capture.runner import DEFAULT_CONNECTIONS, capture
+from ..capture.runner import DEFAULT_CONNECTIONS, CaptureResult, Failure, Progress, Repeat, capture
 from ..dataset.folder import JOURNAL_FILE, MISSION_FILE, REJECTED_FOLDER
 from ..errors import InvalidInput, OutputError
 from ..files import make_folder, write_whole

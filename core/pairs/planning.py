@@ -17,8 +17,8 @@ from ..geodesy.ellipsoid import WGS84, Ellipsoid
 from ..geodesy.mercator import PixelGrid, u_to_lon, v_to_lat
 from ..limits import MAX_PICTURE_PX
 from ..mission.area import Box, Points
-from ..mission.choices import DEFAULT_BUDGET_PX
 from ..mission.mission import Mission
+from ..mission.options import DEFAULT_BUDGET_PX
 from ..mission.plan import Plan, plan
 from .parts import PARTS, SHARES, check_shares, part_places
 from .places import Place, cartesian_m, spread_places

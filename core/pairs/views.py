@@ -10,10 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InvalidInput
-from ..geodesy.camera import Camera
+from ..geodesy.camera import Camera, Poses
 from ..geodesy.ellipsoid import WGS84, Ellipsoid, trace
 from ..geodesy.footprint import ground_corners
-from ..geodesy.poses import Poses
 from ..mission.area import check_agl, check_yaw
 from .places import cartesian_m
 
@@ -153,7 +152,7 @@ def standing_poses(lat_deg: Floats, lon_deg: Floats, view: View, ground: Ellipso
         miss_lat, miss_lon = lat_deg - seen.lat_deg, lon_deg - (lon + seen.dlon_deg)
         lat, lon = np.clip(lat + miss_lat, -90.0, 90.0), lon + miss_lon
         if max(np.abs(miss_lat).max(), np.abs(miss_lon).max()) <= _SETTLED_DEG:
-            return Poses.turned(
+            return Poses.of_attitude(
                 np.round(lat, _DECIMALS), np.round(lon, _DECIMALS), agl, view.yaw_deg, view.tilt_deg, 0.0
             )
     raise InvalidInput(

@@ -2,28 +2,30 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..capture.resample import KERNELS
-from ..geodesy.accuracy import outside_flat_domain
+from ..geodesy.accuracy import Scene, outside_flat_domain
 from ..geodesy.footprint import ground_corners
 from ..imagery.source import Source
-from ..mission.choices import MESH_TOLERANCES_PX
-from ..mission.framing import ground_of
+from ..mission.flight import fly, intervals_s, legs
+from ..mission.layout.framing import ground_of
+from ..mission.methods import TRACED, Method, camera_frame, choose_pixels, exact_footprint, map_frame, mesh
+from ..mission.options import DEFAULT_AIRSPEED_M_PER_S
 from ..mission.plan import Plan
-from ..mission.rungs import Rung, footprint_rungs, mesh_rungs, picture_rungs
-from . import geometry
-from .bench import BY_RAYS, Bench, Way
-from .flight import Flight, interval_of, measure_flight, seconds_of_flight
-from .greys import Encoding, Resampling, encodings, resampling
-from .reference import floor_px
-from .tiles import Tiles
-from .timing import QUICK, THOROUGH, Effort, Seconds, timed_together
+from ..mission.wind import Wind
+from ..picture.resampling import KERNELS
+from ..timing import QUICK, THOROUGH, Effort, Seconds, timed, timed_together
+from . import positions
+from .footprints import FOOTPRINTS, footprint_methods
+from .pictures import BY_RAYS, Bench, Encoding, Resampling, Tiles, Way, encodings, resampling
+from .positions import floor_px
 from .wind import WindEffect, wind_effect
 
 Pixels = NDArray[np.uint8]
@@ -32,8 +34,14 @@ Progress = Callable[[str], None]
 
 #: Captures whose footprints are timed: neighbours, as rows share their rays.
 _FOOTPRINTS_TIMED = 20_000
+#: Tolerances of the meshes that the plan's own is compared with, px.
+_TOLERANCES_PX = (1.0, 0.3, 0.1, 0.03, 0.01, 0.003, 0.001)
 #: Kernel that meshes are timed with where the mission's own needs a ray for every pixel.
 _OF_MESHES = "bilinear"
+#: Captures whose flight is timed.
+_FLOWN = 20_000
+#: What stands for a mission's wind where it has no gusts, for what leaving it out saves; flown at the usual airspeed.
+_USUAL = Wind(5.0, 0.0, 0.15)
 _BY_CENTRE = "the source gives pictures by their centre, not tiles that others can be made from"
 
 
@@ -43,8 +51,8 @@ class Measured:
 
     Attributes
     ----------
-    rung : Rung
-        With the bound; `Rung.outside` says why there is none, and then nothing was measured.
+    method : Method
+        With the bound; `Method.outside` says why there is none, and then nothing was measured.
     error_px : float or None
     seconds : Seconds or None
         A capture, on one core, without fetching and encoding; those of a stage were timed in the same rounds.
@@ -56,7 +64,7 @@ class Measured:
         Error of the reference that the error was measured against.
     """
 
-    rung: Rung
+    method: Method
     error_px: float | None = None
     seconds: Seconds | None = None
     chosen: bool = False
@@ -66,7 +74,7 @@ class Measured:
     @property
     def within(self) -> bool:
         """Whether the error is within the bound, as far as the reference can tell; of a method without one, too."""
-        return self.error_px is None or self.error_px <= self.rung.bound_px + self.floor_px
+        return self.error_px is None or self.error_px <= self.method.bound_px + self.floor_px
 
 
 def compared_with(stage: Sequence[Measured]) -> Measured | None:
@@ -92,7 +100,7 @@ class Saving:
     what, why : str
     seconds : Seconds
         By how much more it takes than what was chosen, round by round.
-    told : bool
+    differs : bool
         Whether the two can be told apart in time.
     size_bytes : int
     """
@@ -100,7 +108,7 @@ class Saving:
     what: str
     why: str
     seconds: Seconds
-    told: bool
+    differs: bool
     size_bytes: int
 
 
@@ -122,8 +130,6 @@ class Measurement:
     encodings : tuple of Encoding
     wind : WindEffect or None
         None in still air.
-    flight : Flight or None
-        None in air without gusts.
     left_out : tuple of Saving
     planned_px, timed_px : tuple of int
         Width and height of the planned picture, and of the one whose seconds and bytes were scaled to it.
@@ -138,7 +144,6 @@ class Measurement:
     resampling: Resampling | None
     encodings: tuple[Encoding, ...]
     wind: WindEffect | None
-    flight: Flight | None
     left_out: tuple[Saving, ...]
     planned_px: tuple[int, int]
     timed_px: tuple[int, int]
@@ -198,20 +203,17 @@ def measure(
     pictures, meshes, kernels = _pictures(bench, by_tiles=by_tiles)
     stages["picture"] = pictures
     if meshes:
-        stages["mesh"] = meshes
+        stages["pixels"] = meshes
     say("resampling")
     greys = resampling(plan, bench.tiles, bench.index) if by_tiles else None
     say("file formats")
     files = tuple(encodings(plan, source, bench.index, map_type, bench.own_picture(), effort))
-    wind, effect, flight = plan.mission.wind, None, None
+    wind, effect = plan.mission.wind, None
     if wind is not None and wind.speed_m_per_s > 0.0:
         say("wind")
         effect = wind_effect(plan)
-    if wind is not None and wind.sigma_m_per_s > 0.0:
-        agl_m = float(np.median(plan.agl_m))
-        flight = measure_flight(wind, plan.mission.airspeed_m_per_s, interval_of(plan), agl_m, effort)
     say("what was left out")
-    floor = floor_px(geometry.bounds_scene(plan))
+    floor = floor_px(positions.bounds_scene(plan))
     return Measurement(
         map_type=map_type,
         stages={
@@ -222,7 +224,6 @@ def measure(
         resampling=greys,
         encodings=files,
         wind=effect,
-        flight=flight,
         left_out=tuple(_left_out(bench, stages)),
         planned_px=bench.planned_px,
         timed_px=bench.size_px,
@@ -233,21 +234,21 @@ def measure(
 def _footprints(plan: Plan, effort: Effort) -> tuple[Measured, ...]:
     few = plan.poses.take(np.arange(min(len(plan), _FOOTPRINTS_TIMED)))
     camera, ground = plan.mission.camera, ground_of(plan.mission)
-    rungs = footprint_rungs(geometry.bounds_scene(plan))
-    usable = [rung for rung in rungs if not rung.outside]
-    works = [partial(ground_corners, camera, few, ground, rung.name) for rung in usable]
-    seconds = {rung: taken for rung, (_, taken) in zip(usable, timed_together(works, effort))}
-    chosen = plan.accuracy.footprint.rung.name
+    methods = footprint_methods(positions.bounds_scene(plan))
+    usable = [method.name for method in methods if not method.outside]
+    works = [partial(ground_corners, camera, few, ground, FOOTPRINTS[name]) for name in usable]
+    seconds = {name: taken for name, (_, taken) in zip(usable, timed_together(works, effort))}
+    chosen = plan.accuracy.footprint.method.name
     return tuple(
-        Measured(rung)
-        if rung.outside
+        Measured(method)
+        if method.outside
         else Measured(
-            rung,
-            geometry.footprint_error_px(plan, rung.name),
-            seconds[rung] * (1.0 / len(few.lat_deg)),
-            rung.name == chosen,
+            method,
+            positions.footprint_error_px(plan, FOOTPRINTS[method.name]),
+            seconds[method.name] * (1.0 / len(few.lat_deg)),
+            method.name == chosen,
         )
-        for rung in rungs
+        for method in methods
     )
 
 
@@ -255,81 +256,111 @@ def _pictures(
     bench: Bench, *, by_tiles: bool
 ) -> tuple[tuple[Measured, ...], tuple[Measured, ...], tuple[Kernel, ...]]:
     """Map frame and camera frame, the camera frame's meshes, and its kernels: all timed in the same rounds."""
-    plan, scene = bench.plan, geometry.bounds_scene(bench.plan)
+    plan, scene = bench.plan, positions.bounds_scene(bench.plan)
     own = plan.accuracy.picture
-    outside = outside_flat_domain(scene) or geometry.map_frame_problem(plan)
+    outside = outside_flat_domain(scene) or positions.map_frame_problem(plan)
     if not outside and own.rejected is not None and own.rejected.outside:
         outside = own.rejected.outside
-    on_map, by_camera = picture_rungs(
-        scene, map_outside=outside, camera_outside="" if by_tiles else _BY_CENTRE
-    )
-    ladder = list(zip(mesh_rungs(scene), (*MESH_TOLERANCES_PX, 0.0))) if by_tiles else []
-    usable = [(rung, tolerance) for rung, tolerance in ladder if not rung.outside]
-    usual = _usual_mesh(plan, usable)
+    on_map, by_camera = map_frame(scene, outside), camera_frame(scene, "" if by_tiles else _BY_CENTRE)
+    ladder = pixel_methods(plan, scene) if by_tiles else []
+    usable = [one for one in ladder if not one.method.outside]
     kernel = plan.mission.resampling if plan.mission.resampling != BY_RAYS else _OF_MESHES
-    meshes = [Way(tolerance, kernel) for _, tolerance in usable]
-    kernels = [Way(usual[1], name) for name in KERNELS] if usual else []
+    usual = next((one.tolerance_px for one in ladder if one.own), None)
+    meshes = [Way(one.tolerance_px, kernel) for one in usable]
+    kernels = [] if usual is None else [Way(usual, name) for name in KERNELS]
     ways = list(dict.fromkeys([*meshes, *kernels]))
-    frames, map_frame = bench.camera_frames(ways, map_frame=not on_map.outside)
+    frames, on_map_made = bench.camera_frames(ways, map_frame=not on_map.outside)
     made = dict(zip(ways, frames))
-    chosen = plan.accuracy.mesh.rung.name if plan.accuracy.mesh else ""
     pictures = [Measured(on_map)]
-    if map_frame is not None:
-        error = geometry.map_frame_error_px(plan)
-        pictures = [Measured(on_map, error, map_frame.seconds, own.rung.name == "map", map_frame.size_bytes)]
+    if on_map_made is not None:
+        error, is_own = positions.map_frame_error_px(plan), own.method.name == "map"
+        pictures = [Measured(on_map, error, on_map_made.seconds, is_own, on_map_made.size_bytes)]
     if usual is None:
         return (*pictures, Measured(by_camera)), (), ()
-    frame = made[Way(usual[1], plan.mission.resampling)]
-    traced = geometry.mesh_error_px(plan, 0.0)
-    pictures.append(Measured(by_camera, traced, frame.seconds, own.rung.name == "camera", frame.size_bytes))
+    frame = made[Way(usual, plan.mission.resampling)]
+    traced = positions.mesh_error_px(plan, 0.0)
+    pictures.append(Measured(by_camera, traced, frame.seconds, own.method.name == "camera", frame.size_bytes))
     return (
         tuple(pictures),
         tuple(
-            Measured(rung)
-            if rung.outside
+            Measured(one.method)
+            if one.method.outside
             else Measured(
-                rung,
+                one.method,
                 # Rays are the camera frame's own positions, whose error is that of the picture.
-                geometry.mesh_error_px(plan, tolerance) if tolerance else 0.0,
-                made[Way(tolerance, kernel)].seconds,
-                rung.name == chosen,
-                made[Way(tolerance, kernel)].size_bytes,
+                positions.mesh_error_px(plan, one.tolerance_px) if one.tolerance_px else 0.0,
+                made[Way(one.tolerance_px, kernel)].seconds,
+                one.own and plan.accuracy.pixels is not None,
+                made[Way(one.tolerance_px, kernel)].size_bytes,
             )
-            for rung, tolerance in ladder
+            for one in ladder
         ),
         tuple(Kernel(way.kernel, made[way].seconds) for way in kernels),
     )
 
 
-def _usual_mesh(plan: Plan, usable: list[tuple[Rung, float]]) -> tuple[Rung, float] | None:
-    """Return the mesh that the plan has, or that it would have: the coarsest within the budget, else the finest."""
-    chosen = plan.accuracy.mesh
-    wanted = [
-        (rung, tolerance)
-        for rung, tolerance in usable
-        if (rung.name == chosen.rung.name if chosen else rung.bound_px <= plan.accuracy.budget_px)
-    ]
-    return next(iter([*wanted, *usable[-1:]]), None)
+class PixelMethod(NamedTuple):
+    """A way to place a camera frame's pixels: its mesh's tolerance, 0 for rays, and whether it is the plan's own."""
+
+    method: Method
+    tolerance_px: float
+    own: bool
+
+
+def pixel_methods(plan: Plan, scene: Scene) -> list[PixelMethod]:
+    """Meshes from coarse to fine, and rays: the one that the plan has, or would have, and others to compare it with."""
+    others_px = camera_frame(scene).bound_px + exact_footprint(scene).bound_px
+    choice = plan.accuracy.pixels or choose_pixels(plan.mission, scene, others_px)
+    own_px = 0.0 if choice.method.name == TRACED.name else choice.method.bound_px
+    meshes = []
+    for tolerance_px in _TOLERANCES_PX:
+        name, found = f"mesh, {tolerance_px:g} px", mesh(scene, tolerance_px)
+        if found.bound_px > tolerance_px:
+            # A mesh cannot be finer than float64 places its corners.
+            outside = f"no mesh is finer than {found.bound_px:.2g} px here"
+            meshes.append(
+                PixelMethod(Method("pixels", name, math.inf, math.inf, outside), tolerance_px, False)
+            )
+        elif tolerance_px != own_px:
+            meshes.append(PixelMethod(replace(found, name=name), tolerance_px, False))
+    if own_px:
+        meshes.append(PixelMethod(choice.method, own_px, True))
+        meshes.sort(key=lambda one: one.tolerance_px, reverse=True)
+    return [*meshes, PixelMethod(TRACED, 0.0, not own_px)]
 
 
 def _left_out(bench: Bench, stages: dict[str, tuple[Measured, ...]]) -> list[Saving]:
     """What the plan left out, with what the same thing takes here beside what was chosen."""
     plan, found = bench.plan, []
     pictures = len(plan) * len(plan.mission.map_types)
-    beside = {
-        "exact footprints": ("footprint", "exact", len(plan)),
-        "resampling": ("picture", "camera", pictures),
-        "rays for every pixel": ("mesh", "rays", pictures),
+    compared = {
+        "resampling": ("picture", "camera"),
+        "rays for every pixel": ("pixels", "rays"),
     }
     for what, why in plan.accuracy.left_out:
         if what == "wind":
-            found.append(Saving(what, why, seconds_of_flight(plan, bench.effort), True, 0))
+            found.append(Saving(what, why, _seconds_of_flight(plan, bench.effort), True, 0))
             continue
-        stage, name, count = beside[what]
+        stage, name = compared[what]
         chosen = next(one for one in stages[stage] if one.chosen)
-        other = next(one for one in stages[stage] if one.rung.name == name)
+        other = next(one for one in stages[stage] if one.method.name == name)
         if chosen.seconds is not None and other.seconds is not None:
-            seconds = (other.seconds - chosen.seconds) * count
+            seconds = (other.seconds - chosen.seconds) * pictures
             size = (other.size_bytes or 0) - (chosen.size_bytes or 0)
-            found.append(Saving(what, why, seconds, other.seconds.told_from(chosen.seconds), size * count))
+            found.append(
+                Saving(what, why, seconds, other.seconds.differs_from(chosen.seconds), size * pictures)
+            )
     return found
+
+
+def _seconds_of_flight(plan: Plan, effort: Effort) -> Seconds:
+    """Seconds that the poses of a whole plan in wind take; of a usual wind where the mission has none."""
+    wind, airspeed = plan.mission.wind, plan.mission.airspeed_m_per_s
+    if wind is None or wind.sigma_m_per_s == 0.0:
+        wind, airspeed = _USUAL, DEFAULT_AIRSPEED_M_PER_S
+    gusty, count = wind, min(len(plan), _FLOWN)
+    agl = plan.agl_m[:count]
+    way = legs(plan.lat_deg[:count], plan.lon_deg[:count])
+    interval_s = intervals_s(way, agl, airspeed, gusty)
+    _, seconds = timed(lambda: fly(gusty, airspeed, interval_s, way.headings_deg(), agl), effort)
+    return seconds * (len(plan) / count)

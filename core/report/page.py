@@ -1,26 +1,26 @@
-"""The report of a mission: a page with its diagrams and the numbers behind them."""
+"""The report of a mission: a page with its diagrams, and the numbers behind them."""
 
 from __future__ import annotations
 
 import os
+from html import escape
 from pathlib import Path
+from typing import Union
 
 from ..drawing import check_matplotlib
 from ..files import make_folder, write_whole
 from ..imagery.source import Source
 from ..mission.plan import Plan
-from . import plots, words
-from .flight import Flight
-from .html import Content, Markup, element, figure, page, pairs, table
+from . import plots, sentences
 from .machine import machine, versions
 from .measure import Measurement, Progress, measure
-from .numbers import csv_files
 from .tables import (
+    Table,
     air_table,
     choices_table,
+    csv_files,
     displacement_table,
     encodings_table,
-    flight_table,
     kernels_table,
     methods_table,
     savings_table,
@@ -28,7 +28,7 @@ from .tables import (
 from .wind import WindEffect
 
 PAGE = "index.html"
-WORK_PRECISION, RESAMPLING, WIND = "work-precision.png", "resampling.png", "wind.png"
+WORK_PRECISION, RESAMPLING = "work-precision.png", "resampling.png"
 
 
 def write_report(
@@ -86,23 +86,89 @@ def drawings(plan: Plan, found: Measurement) -> dict[str, bytes]:
     """Return the diagrams of a measurement as PNG, by the file's name."""
     drawn = {
         WORK_PRECISION: plots.work_precision(
-            found.stages, plan.accuracy.budget_px, found.floor_px, words.mission_title(plan)
+            found.stages, plan.accuracy.budget_px, found.floor_px, sentences.mission_title(plan)
         )
     }
     if found.resampling is not None:
         drawn[RESAMPLING] = plots.resampling(found.resampling)
-    if found.flight is not None:
-        drawn[WIND] = plots.flight(found.flight)
     return drawn
 
 
+class Markup(str):
+    """HTML that was made here; any other text is escaped before it goes into a page."""
+
+    __slots__ = ()
+
+
+Content = Union[str, Markup]
+
+
+#: Elements without an end.
+_VOID = ("img", "meta", "link", "br")
+
+
+#: Cells of so many characters are not broken into lines.
+_SHORT = 18
+
+
+def element(name: str, *content: Content, **attributes: str) -> Markup:
+    """Return an element; a trailing underscore of an attribute's name, as in ``class_``, is dropped."""
+    marks = "".join(
+        f' {key.rstrip("_").replace("_", "-")}="{escape(value)}"' for key, value in attributes.items()
+    )
+    if name in _VOID:
+        return Markup(f"<{name}{marks}>")
+    inside = "".join(part if isinstance(part, Markup) else escape(part) for part in content)
+    return Markup(f"<{name}{marks}>{inside}</{name}>")
+
+
+def table(found: Table) -> Markup:
+    """Return a table, its chosen rows marked."""
+    head = element("tr", *(element("th", text, scope="col") for text in found.header))
+    rows = []
+    for index, row in enumerate(found.rows):
+        cells = (
+            element("td", text, class_="short") if len(text) <= _SHORT else element("td", text)
+            for text in row
+        )
+        rows.append(
+            element("tr", *cells, class_="chosen") if index in found.chosen else element("tr", *cells)
+        )
+    return element("div", element("table", element("thead", head), element("tbody", *rows)), class_="scroll")
+
+
+def pairs(found: list[tuple[str, str]]) -> Markup:
+    """Return a list of labels and values."""
+    return element("dl", *(Markup(element("dt", label) + element("dd", value)) for label, value in found))
+
+
+def figure(source: str, description: str, caption: str) -> Markup:
+    """Return a picture with its caption."""
+    return element("figure", element("img", src=source, alt=description), element("figcaption", caption))
+
+
+def document(title: str, style: str, *content: Content) -> str:
+    """Return a whole document that needs nothing from elsewhere."""
+    head = element(
+        "head",
+        element("meta", charset="utf-8"),
+        element("meta", name_="viewport", content="width=device-width, initial-scale=1"),
+        element("meta", name_="color-scheme", content="light dark"),
+        element("title", title),
+        # The style is the project's own: it is not escaped, as a browser does not undo that there.
+        element("style", Markup(style)),
+    )
+    body = element("body", element("main", *content))
+    return f"<!DOCTYPE html>\n{element('html', head, body, lang='en')}\n"
+
+
 def _page(plan: Plan, source: Source, found: Measurement, csv_names: list[str]) -> str:
-    kept, sentence = words.verdict(plan, found)
+    kept, sentence = sentences.verdict(plan, found)
     sections = [
         element("p", "TerrAInav: error against run time", class_="kicker"),
-        element("h1", words.mission_title(plan)),
+        element("h1", sentences.mission_title(plan)),
         element("p", sentence, class_="verdict kept" if kept else "verdict broken"),
-        _section("The mission", pairs(words.mission_facts(plan, source, found.map_type))),
+        _section("The mission", pairs(sentences.mission_facts(plan, source, found.map_type))),
         *([_section("What the wind does", *_wind(found.wind))] if found.wind is not None else []),
         _section(
             "What was chosen",
@@ -119,12 +185,10 @@ def _page(plan: Plan, source: Source, found: Measurement, csv_names: list[str]) 
         _section("What is not in the bounds", *_conditioning(plan)),
         _section("Grey levels", *_greys(plan, found)),
     ]
-    if found.flight is not None:
-        sections.append(_section("How flight in wind is worked out", *_integrators(found.flight)))
     sections += [
         _section(
             "How it was measured",
-            element("ul", *(element("li", text) for text in words.how_measured(found))),
+            element("ul", *(element("li", text) for text in sentences.how_measured(found))),
             pairs([*machine(), *versions()]),
         ),
         _section(
@@ -132,7 +196,7 @@ def _page(plan: Plan, source: Source, found: Measurement, csv_names: list[str]) 
             element("ul", *(element("li", element("a", name, href=name)) for name in csv_names)),
         ),
     ]
-    return page(f"{words.mission_title(plan)}: error against run time", _STYLE, *sections)
+    return document(f"{sentences.mission_title(plan)}: error against run time", _STYLE, *sections)
 
 
 def _section(title: str, *content: Content) -> Markup:
@@ -144,7 +208,7 @@ def _work_precision(plan: Plan, found: Measurement) -> list[Markup]:
         figure(
             WORK_PRECISION,
             "Diagram: error in px against seconds a capture, one line for each stage through its methods",
-            words.DIAGRAM,
+            sentences.DIAGRAM,
         ),
         table(methods_table(found)),
     ]
@@ -172,7 +236,7 @@ def _left_out(plan: Plan, found: Measurement) -> list[Markup]:
     return [
         element("p", lead),
         table(savings_table(found.left_out)),
-        *(element("p", note, class_="note") for note in words.saving_notes(plan, found)),
+        *(element("p", note, class_="note") for note in sentences.saving_notes(plan, found)),
     ]
 
 
@@ -180,9 +244,9 @@ def _conditioning(plan: Plan) -> list[Markup]:
     accuracy = plan.accuracy
     return [
         element("h3", "Condition number of the scene"),
-        element("p", words.condition_text(accuracy.condition)),
+        element("p", sentences.condition_text(accuracy.condition)),
         element("h3", "Terrain"),
-        element("p", words.terrain_text(accuracy.terrain_px_per_m)),
+        element("p", sentences.terrain_text(accuracy.terrain_px_per_m)),
     ]
 
 
@@ -214,25 +278,10 @@ def _greys(plan: Plan, found: Measurement) -> list[Markup]:
 
 def _wind(effect: WindEffect) -> list[Markup]:
     return [
-        *(element("p", text) for text in words.wind_effect_text(effect)),
+        *(element("p", text) for text in sentences.wind_effect_text(effect)),
         *([table(displacement_table(effect))] if effect.displacements else []),
         table(air_table(effect)),
-        *(element("p", note, class_="note") for note in words.wind_notes(effect)),
-    ]
-
-
-def _integrators(flight: Flight) -> list[Markup]:
-    return [
-        element("p", words.integrators_text(flight)),
-        figure(
-            WIND,
-            "Two diagrams: error against seconds an exposure, and error against the step, of four integrators",
-            "Left: error of the covariance of the state at the next exposure against the time an exposure "
-            "takes. Right: error of the covariance that a long flight settles at against the step; a line "
-            "ends where its method is unstable. The trapezoid settles at the right covariance at any step, "
-            "but not at the right memory of it: the left diagram shows that.",
-        ),
-        table(flight_table(flight)),
+        *(element("p", note, class_="note") for note in sentences.wind_notes(effect)),
     ]
 
 

@@ -9,11 +9,9 @@ from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 from ..drawing import BLACK, BLUE, FONT, GREEN, ORANGE, PURPLE, VERMILION, dress, new_figure, png
-from .flight import Flight
-from .greys import BANDS, Resampling
+from ..timing import Seconds
 from .measure import Measured
-from .timing import Seconds
-from .wind_methods import METHODS
+from .pictures import BANDS, Resampling
 
 _GREY = "#777777"
 #: Letters in a line of a title.
@@ -31,7 +29,7 @@ _PLAIN, _ROUNDING = 3, 1e-9
 _SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
-class _Look(NamedTuple):
+class Look(NamedTuple):
     """Colour, marker and name of a line."""
 
     colour: str
@@ -40,30 +38,19 @@ class _Look(NamedTuple):
 
 
 _STAGES = {
-    "footprint": _Look(BLUE, "o", "footprint: where the corners are"),
-    "picture": _Look(VERMILION, "s", "picture: map frame or camera frame"),
-    "mesh": _Look(GREEN, "^", "camera frame: mesh or rays"),
+    "footprint": Look(BLUE, "o", "footprint: where the corners are"),
+    "picture": Look(VERMILION, "s", "picture: map frame or camera frame"),
+    "pixels": Look(GREEN, "^", "camera frame: mesh or rays"),
 }
 _KERNELS = {
-    "nearest": _Look(ORANGE, "v", "nearest"),
-    "bilinear": _Look(BLUE, "o", "bilinear"),
-    "bicubic": _Look(GREEN, "s", "bicubic"),
-    "lanczos": _Look(PURPLE, "D", "Lanczos"),
+    "nearest": Look(ORANGE, "v", "nearest"),
+    "bilinear": Look(BLUE, "o", "bilinear"),
+    "bicubic": Look(GREEN, "s", "bicubic"),
+    "lanczos": Look(PURPLE, "D", "Lanczos"),
 }
-_METHODS = dict(
-    zip(
-        METHODS,
-        (
-            _Look(BLUE, "*", "exact (used)"),
-            _Look(VERMILION, "o", "Euler–Maruyama"),
-            _Look(ORANGE, "s", "implicit Euler"),
-            _Look(GREEN, "^", "trapezoid"),
-        ),
-    )
-)
 
 
-def _logarithmic(axes: Any, which: str) -> None:
+def logarithmic(axes: Any, which: str) -> None:
     """Logarithmic axes with plain text at their ticks: mathematical text warns with some versions of its parser."""
     for name in which:
         getattr(axes, f"set_{name}scale")("log")
@@ -94,7 +81,7 @@ def work_precision(
     figure = new_figure(10.0, 6.6)
     axes = figure.add_subplot()
     dress(axes, textwrap.fill(title, _TITLE), "error in the image, px", "processor seconds a capture")
-    _logarithmic(axes, "xy")
+    logarithmic(axes, "xy")
     least = _left_edge(stages, floor_px)
     drawn: list[tuple[float, float]] = []
     lines: list[tuple[str, list[tuple[float, float, Measured]], bool]] = []
@@ -118,12 +105,12 @@ def work_precision(
             zorder=3,
         )
         for x, y, one in points:
-            _whisker(axes, x, one.seconds, look.colour)
-            if 0.0 < one.rung.bound_px < math.inf:
+            whisker(axes, x, one.seconds, look.colour)
+            if 0.0 < one.method.bound_px < math.inf:
                 axes.plot(
-                    [x, one.rung.bound_px], [y, y], color=look.colour, linewidth=0.9, alpha=0.7, zorder=2
+                    [x, one.method.bound_px], [y, y], color=look.colour, linewidth=0.9, alpha=0.7, zorder=2
                 )
-                axes.plot([one.rung.bound_px], [y], color=look.colour, marker="|", markersize=10, zorder=2)
+                axes.plot([one.method.bound_px], [y], color=look.colour, marker="|", markersize=10, zorder=2)
             if one.chosen:
                 axes.plot(
                     [x], [y], "o", markersize=17, markerfacecolor="none", markeredgecolor=BLACK, zorder=4
@@ -140,7 +127,7 @@ def work_precision(
         va="top",
         fontsize=FONT["note"],
     )
-    bounds = [one.rung.bound_px for stage in stages.values() for one in stage if one.error_px is not None]
+    bounds = [one.method.bound_px for stage in stages.values() for one in stage if one.error_px is not None]
     right = max([budget_px, *(bound for bound in bounds if math.isfinite(bound)), *(x for x, _ in drawn)])
     axes.set_xlim(min([x for x, _ in drawn], default=least) / 6.0, right * 6.0)
     if drawn:
@@ -151,7 +138,7 @@ def work_precision(
     return png(figure)
 
 
-def _whisker(axes: Any, x: float, seconds: Seconds | None, colour: str) -> None:
+def whisker(axes: Any, x: float, seconds: Seconds | None, colour: str) -> None:
     """Upright line from the lower to the upper quartile of a time."""
     if seconds is not None and seconds.spread_known:
         ends = seconds.quartiles
@@ -173,7 +160,7 @@ def _label_points(
     groups: list[tuple[float, float, list[str]]] = []
     wide, high = (_SAME_PLACE * math.log10(ends[1] / ends[0]) for ends in (axes.get_xlim(), axes.get_ylim()))
     for x, y, one in points:
-        name = one.rung.name.replace("mesh-", "").replace("px", " px")
+        name = one.method.name.removeprefix("mesh, ")
         for at_x, at_y, names in groups:
             if abs(math.log10(x / at_x)) < wide and abs(math.log10(y / at_y)) < high:
                 names.append(name)
@@ -265,7 +252,7 @@ def resampling(found: Resampling) -> bytes:
         "spatial frequency, cycles a source pixel (0.5 is the finest pattern along one axis)",
         "RMS in the band, grey levels of 255",
     )
-    _logarithmic(axes, "y")
+    logarithmic(axes, "y")
     middle = [(low + high) / 2.0 for low, high in zip(BANDS, BANDS[1:])]
     axes.fill_between(middle, found.signal, 1e-3, color="#e9e9e9", zorder=1, label="the picture itself")
     for kernel in found.kernels:
@@ -283,62 +270,4 @@ def resampling(found: Resampling) -> bytes:
     axes.set_ylim(min(values, default=0.1) / 2.0, max([*found.signal, *values, 1.0]) * 1.6)
     axes.set_xlim(0.0, BANDS[-1])
     axes.legend(fontsize=FONT["note"], frameon=False, ncol=3)
-    return png(figure)
-
-
-def flight(found: Flight) -> bytes:
-    """Two diagrams of the integrators: error against run time, and error against the step with its stable limit."""
-    figure = new_figure(12.5, 5.4)
-    work, steps = figure.subplots(1, 2)
-    dress(
-        work,
-        f"Flight in wind from one exposure to the next, {found.interval_s:.3g} s",
-        "relative error of the covariance",
-        "processor seconds an exposure",
-    )
-    dress(steps, "Covariance that each method settles at", "step, s", "relative error of the covariance")
-    for axes in (work, steps):
-        _logarithmic(axes, "xy")
-    for method, look in _METHODS.items():
-        style = {"color": look.colour, "marker": look.marker, "linewidth": 1.6, "label": look.label}
-        limit_s = found.limits_s[method]
-        tried = [
-            one for one in found.integrated if one.method == method and one.error and one.step_s <= limit_s
-        ]
-        size = 15 if look.marker == "*" else 6
-        times = [found.step * one.count for one in tried]
-        work.plot([one.error for one in tried], [time.median for time in times], markersize=size, **style)
-        for one, time in zip(tried, times):
-            if one.error is not None:
-                _whisker(work, one.error, time, look.colour)
-        settled = [one for one in found.settled if one.method == method and one.error]
-        steps.plot(
-            [one.step_s for one in settled],
-            [one.error for one in settled],
-            markersize=8 if look.marker == "*" else 5,
-            **style,
-        )
-        if math.isfinite(limit_s):
-            steps.axvline(limit_s, color=look.colour, linestyle=":", linewidth=1.4)
-            steps.annotate(
-                f"{look.label} is unstable\nbeyond {limit_s * 1e3:.2g} ms",
-                (limit_s, 0.35),
-                xycoords=("data", "axes fraction"),
-                xytext=(6, 0),
-                textcoords="offset points",
-                fontsize=FONT["note"],
-                color=look.colour,
-            )
-    steps.axvline(found.interval_s, color=_GREY, linestyle="--", linewidth=1.0)
-    steps.annotate(
-        "interval between\nexposures",
-        (found.interval_s, 0.62),
-        xycoords=("data", "axes fraction"),
-        xytext=(-5, 0),
-        textcoords="offset points",
-        ha="right",
-        fontsize=FONT["note"],
-        color=_GREY,
-    )
-    work.legend(fontsize=FONT["note"], frameon=False)
     return png(figure)

@@ -1,17 +1,18 @@
-"""What was measured as tables for people, in words and rounded numbers."""
+"""What was measured as tables for people, in words and rounded numbers, and as CSV with every digit."""
 
 from __future__ import annotations
 
+import csv
+import io
 import math
 from collections.abc import Callable, Sequence
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Union
 
 from ..mission.estimate import area_text, duration_text, percent, size_text
 from ..mission.plan import Plan
-from .flight import Flight
-from .greys import BANDS, Encoding, Resampling
+from ..timing import Seconds
 from .measure import Kernel, Measured, Measurement, Saving, compared_with
-from .timing import Seconds
+from .pictures import BANDS, Encoding, Resampling
 from .wind import WindEffect
 
 #: What stands where there is nothing.
@@ -21,8 +22,11 @@ _GLUE = "\u00a0"
 #: Sizes between which numbers are written without a power of ten.
 _PLAIN_FROM, _PLAIN_TO = 1e-4, 100.0
 _SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
-STAGES = {"footprint": "footprint", "picture": "picture", "mesh": "camera-frame mesh"}
+STAGES = {"footprint": "footprint", "picture": "picture", "pixels": "camera frame's pixels"}
 FRAME_NAMES = {"map": "map frame", "camera": "camera frame"}
+Cell = Union[str, float, int, None]
+#: Cells of what was not measured: three figures.
+_NO_FIGURES = (None, None, None)
 
 
 class Table(NamedTuple):
@@ -101,7 +105,7 @@ def bytes_text(count: int | None) -> str:
 
 def name_of(one: Measured) -> str:
     """Name of a method in words."""
-    return FRAME_NAMES.get(one.rung.name, one.rung.name)
+    return FRAME_NAMES.get(one.method.name, one.method.name)
 
 
 def methods_table(measurement: Measurement) -> Table:
@@ -117,10 +121,10 @@ def methods_table(measurement: Measurement) -> Table:
                 (
                     STAGES[stage],
                     name_of(one),
-                    "no bound" if one.rung.outside else px_text(one.rung.bound_px),
+                    "no bound" if one.method.outside else px_text(one.method.bound_px),
                     _error_text(one, measurement.floor_px),
                     seconds_text(one.seconds),
-                    _beside(one, other),
+                    _remark(one, other),
                 )
             )
     return Table(
@@ -130,10 +134,10 @@ def methods_table(measurement: Measurement) -> Table:
     )
 
 
-def _beside(one: Measured, other: Measured | None) -> str:
+def _remark(one: Measured, other: Measured | None) -> str:
     """What there is to say of a method beside the one that its time is compared with."""
-    if one.rung.outside:
-        return f"not usable here: {one.rung.outside}"
+    if one.method.outside:
+        return f"not usable here: {one.method.outside}"
     if one.chosen:
         return "chosen"
     return compared_text(one, other)
@@ -145,7 +149,7 @@ def compared_text(one: Measured, other: Measured | None) -> str:
         return ""
     if not one.seconds.spread_known:
         return NOTHING
-    if not one.seconds.told_from(other.seconds):
+    if not one.seconds.differs_from(other.seconds):
         return f"cannot be told from {name_of(other)} in time"
     low, median, high = one.seconds.ratio(other.seconds)
     return f"{median:.3g} times {name_of(other)} ({low:.3g} to {high:.3g})"
@@ -164,9 +168,9 @@ def _error_text(one: Measured, floor_px: float) -> str:
 def choices_table(plan: Plan, measurement: Measurement) -> Table:
     """What the plan chose at each stage, and why not something cheaper."""
     rows = []
-    measured = {one.rung.stage: one for one in measurement.chosen}
+    measured = {one.method.stage: one for one in measurement.chosen}
     for choice in plan.accuracy.choices:
-        rung, one = choice.rung, measured.get(choice.rung.stage)
+        method, one = choice.method, measured.get(choice.method.stage)
         if choice.rejected is None:
             why = "the cheapest there is"
         else:
@@ -175,9 +179,9 @@ def choices_table(plan: Plan, measurement: Measurement) -> Table:
             )
         rows.append(
             (
-                STAGES[rung.stage],
-                FRAME_NAMES.get(rung.name, rung.name),
-                f"{px_text(rung.bound_px)}, {metres_text(rung.bound_m)} on the ground",
+                STAGES[method.stage],
+                FRAME_NAMES.get(method.name, method.name),
+                f"{px_text(method.bound_px)}, {metres_text(method.bound_m)} on the ground",
                 NOTHING if one is None else _error_text(one, measurement.floor_px),
                 NOTHING if one is None else seconds_text(one.seconds),
                 why,
@@ -194,7 +198,7 @@ def savings_table(savings: Sequence[Saving]) -> Table:
             (
                 one.what,
                 one.why,
-                seconds_text(one.seconds) if one.told else "too little to be told",
+                seconds_text(one.seconds) if one.differs else "too little to be told",
                 bytes_text(one.size_bytes) if one.size_bytes else "nothing",
             )
             for one in savings
@@ -248,37 +252,6 @@ def encodings_table(encodings: Sequence[Encoding]) -> Table:
     return Table(("file", "RMS error, grey levels", "size of a picture", "time to encode"), rows, chosen)
 
 
-def flight_table(flight: Flight) -> Table:
-    """Integrators of flight in wind: what each needs for one per cent, and where it is stable."""
-    rows = []
-    for method, limit_s in flight.limits_s.items():
-        own = [one for one in flight.integrated if one.method == method]
-        fitting = [one for one in own if one.error is not None and one.error <= _PER_CENT]
-        best = min(fitting, key=lambda one: one.count) if fitting else None
-        rows.append(
-            (
-                method,
-                "any step" if math.isinf(limit_s) else f"up to {seconds_text(limit_s)}",
-                NOTHING if best is None else seconds_text(best.step_s),
-                "not reached" if best is None else f"{best.count:,}",
-                NOTHING if best is None else seconds_text(flight.step * best.count),
-                NOTHING if best is None or best.error is None else number_text(best.error),
-            )
-        )
-    header = (
-        "method",
-        "stable for steps of",
-        "longest step for 1 %",
-        "steps an exposure",
-        "time an exposure then",
-        "relative error then",
-    )
-    return Table(header, rows, frozenset({0}))
-
-
-_PER_CENT = 0.01
-
-
 def displacement_table(effect: WindEffect) -> Table:
     """How far wind moves and turns the camera."""
     spread = ("rms", "95 % within", "at most")
@@ -327,3 +300,107 @@ def air_table(effect: WindEffect) -> Table:
         label = _LABELS.get(name) or name.replace("_", " ")
         rows.append((label, *(text(value) for value in values)))
     return Table(("", "in still air", "in this wind"), rows)
+
+
+def csv_files(measurement: Measurement) -> dict[str, bytes]:
+    """Return the numbers by the file's name."""
+    files = {
+        "methods.csv": _csv(
+            (
+                f"stage method bound_px bound_m error_px {_timed('seconds_per_capture')} rounds "
+                "compared_with ratio ratio_low ratio_high told_apart picture_bytes chosen outside"
+            ).split(),
+            [
+                (
+                    one.method.stage,
+                    one.method.name,
+                    _finite(one.method.bound_px),
+                    _finite(one.method.bound_m),
+                    one.error_px,
+                    *_quartiles(one.seconds),
+                    len(one.seconds.rounds) if one.seconds else None,
+                    *_compared(one, compared_with(stage)),
+                    one.size_bytes,
+                    int(one.chosen),
+                    one.method.outside,
+                )
+                for stage in measurement.stages.values()
+                for one in stage
+            ],
+        ),
+        "left_out.csv": _csv(
+            f"what why {_timed('seconds')} told_apart bytes".split(),
+            [
+                (one.what, one.why, *_quartiles(one.seconds), int(one.differs), one.size_bytes)
+                for one in measurement.left_out
+            ],
+        ),
+        "files.csv": _csv(
+            f"file rms_grey_levels bytes {_timed('seconds')} chosen".split(),
+            [
+                (one.name, one.rms, one.size_bytes, *_quartiles(one.seconds), int(one.chosen))
+                for one in measurement.encodings
+            ],
+        ),
+    }
+    if measurement.resampling is not None:
+        files["resampling.csv"] = _resampling_csv(measurement.resampling, measurement.kernels)
+    if measurement.wind is not None:
+        files["wind-coverage.csv"] = _csv(
+            ("figure", "still_air", "wind"),
+            [(name, *values) for name, values in measurement.wind.figures.items()],
+        )
+        if measurement.wind.displacements:
+            files["wind-displacement.csv"] = _csv(
+                "what unit rms within_95_percent at_most rms_px within_95_percent_px at_most_px".split(),
+                [
+                    (one.what, one.unit, *(one.size or _NO_FIGURES), *(one.px or _NO_FIGURES))
+                    for one in measurement.wind.displacements
+                ],
+            )
+    return files
+
+
+def _timed(name: str) -> str:
+    """Names of the columns of a median and its quartiles."""
+    return f"{name} {name}_low {name}_high"
+
+
+def _quartiles(seconds: Seconds | None) -> tuple[Cell, Cell, Cell]:
+    if seconds is None:
+        return _NO_FIGURES
+    low, median, high = seconds.quartiles
+    return median, low, high
+
+
+def _compared(one: Measured, other: Measured | None) -> tuple[Cell, ...]:
+    """Name of another method, median and quartiles of the ratio of times, and whether they can be told apart."""
+    if other is None or one is other or one.seconds is None or other.seconds is None:
+        return (None, *_NO_FIGURES, None)
+    low, median, high = one.seconds.ratio(other.seconds)
+    return other.method.name, median, low, high, int(one.seconds.differs_from(other.seconds))
+
+
+def _resampling_csv(resampling: Resampling, kernels: Sequence[Kernel]) -> bytes:
+    seconds = {kernel.name: kernel.seconds for kernel in kernels}
+    rows: list[tuple[Cell, ...]] = []
+    for name, rms, by_band in [
+        ("signal", None, resampling.signal),
+        *((kernel.kernel, kernel.rms, kernel.by_band) for kernel in resampling.kernels),
+    ]:
+        for low, high, value in zip(BANDS, BANDS[1:], by_band):
+            rows.append((name, low, high, value, rms, *_quartiles(seconds.get(name))))
+    header = "kernel from_cycles_per_px to_cycles_per_px rms_grey_levels rms_of_all_bands"
+    return _csv(f"{header} {_timed('seconds_per_picture')}".split(), rows)
+
+
+def _csv(header: Sequence[str], rows: Sequence[Sequence[Cell]]) -> bytes:
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(header)
+    writer.writerows(["" if cell is None else cell for cell in row] for row in rows)
+    return text.getvalue().encode("utf-8")
+
+
+def _finite(value: float) -> float | None:
+    return value if math.isfinite(value) else None

@@ -9,14 +9,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..geodesy.camera import CORNERS, Camera
-from ..geodesy.footprint import FOOTPRINT_RUNGS
-from ..geodesy.poses import Poses
+from ..geodesy.camera import CORNERS, Camera, Poses
+from ..geodesy.footprint import exact
 from ..mission.flight import legs
-from ..mission.framing import ground_of
+from ..mission.layout.framing import ground_of
 from ..mission.plan import Plan, plan
-from .geometry import scene_of, spread
-from .reference import errors_px
+from .positions import errors_px, scene_of, spread
 
 Floats = NDArray[np.float64]
 
@@ -178,7 +176,7 @@ def _shift_px(flown: Plan, poses: Poses, which: NDArray[np.intp]) -> Spread | No
     """How far the ground that the camera was meant to see is shifted in the pictures from other poses."""
     scene = scene_of(flown, which)
     meant = (flown.nominal or flown.poses).take(which)
-    seen = FOOTPRINT_RUNGS["exact"](scene.camera, meant, _FOLLOWED, scene.ground)
+    seen = exact(scene.camera, meant, _FOLLOWED, scene.ground)
     scene = replace(scene, poses=poses.take(which))
     x, y = (np.broadcast_to(part, seen.hit.shape) for part in np.array(_FOLLOWED).T)
     shift = errors_px(scene, seen.lat_deg, seen.lon_deg - scene.poses.lon_deg[:, np.newaxis], x, y)

@@ -4809,16 +4809,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
 <context>
     <name>TerrAInav core</name>
     <message>
-        <location filename="../../core/capture/cost.py"/>
-        <source>footprints {0}, pictures {1} each, {2} of one core in all (timed here)</source>
-        <translation>huellas {0}, imágenes {1} cada una, {2} de un núcleo en total (medido aquí)</translation>
-    </message>
-    <message>
-        <location filename="../../core/capture/cost.py"/>
-        <source>{0} ms</source>
-        <translation>{0} ms</translation>
-    </message>
-    <message>
         <location filename="../../core/capture/folder.py"/>
         <source>file {0}: cannot be removed ({1}); close what shows it</source>
         <translation>archivo {0}: no se puede eliminar ({1}); cerrar lo que lo muestra</translation>
@@ -4877,29 +4867,24 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>diario {0}: no está abierto</translation>
     </message>
     <message>
-        <location filename="../../core/capture/jpeg.py"/>
-        <source>description of a picture in {0} bytes: a JPEG has room for {1}; choose tif or png, or shorten the source's attribution</source>
-        <translation>descripción de una imagen en {0} bytes: un JPEG tiene sitio para {1}; elija tif o png, o abrevie la atribución de la fuente</translation>
-    </message>
-    <message>
-        <location filename="../../core/capture/perspective.py"/>
-        <source>no imagery at {0} of the samples that the picture is made of</source>
-        <translation>no hay imágenes en {0} de las muestras de las que se hace la imagen</translation>
-    </message>
-    <message>
-        <location filename="../../core/capture/picture.py"/>
-        <source>no imagery at {0} of the picture's {1} pixels</source>
-        <translation>no hay imágenes en {0} de los {1} píxeles de la imagen</translation>
-    </message>
-    <message>
-        <location filename="../../core/capture/picture.py"/>
-        <source>part at {0}, {1} px has shape {2} of {3}: {4} of uint8 was asked for</source>
-        <translation>la parte en {0}, {1} px tiene forma {2} de {3}: se pidió {4} de uint8</translation>
-    </message>
-    <message>
         <location filename="../../core/capture/pipeline.py"/>
         <source>not begun: the run was stopped</source>
         <translation>no se ha empezado: se detuvo la ejecución</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/pipeline.py"/>
+        <source>the disk gave only a part of an array back</source>
+        <translation>el disco devolvió solo una parte de una matriz</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/pipeline.py"/>
+        <source>the disk took only a part of an array</source>
+        <translation>el disco aceptó solo una parte de una matriz</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/pipeline.py"/>
+        <source>this spool has no file: the slot is of another one</source>
+        <translation>este almacén no tiene archivo: el lugar es de otro</translation>
     </message>
     <message>
         <location filename="../../core/capture/runner.py"/>
@@ -4930,19 +4915,9 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>{0} {1}: debe ser 1 o más</translation>
     </message>
     <message>
-        <location filename="../../core/capture/spool.py"/>
-        <source>the disk gave only a part of an array back</source>
-        <translation>el disco devolvió solo una parte de una matriz</translation>
-    </message>
-    <message>
-        <location filename="../../core/capture/spool.py"/>
-        <source>the disk took only a part of an array</source>
-        <translation>el disco aceptó solo una parte de una matriz</translation>
-    </message>
-    <message>
-        <location filename="../../core/capture/spool.py"/>
-        <source>this spool has no file: the slot is of another one</source>
-        <translation>este almacén no tiene archivo: el lugar es de otro</translation>
+        <location filename="../../core/capture/writers.py"/>
+        <source>description of a picture in {0} bytes: a JPEG has room for {1}; choose tif or png, or shorten the source's attribution</source>
+        <translation>descripción de una imagen en {0} bytes: un JPEG tiene sitio para {1}; elija tif o png, o abrevie la atribución de la fuente</translation>
     </message>
     <message>
         <location filename="../../core/dataset/clean.py"/>
@@ -5360,8 +5335,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/geodesy/footprint.py"/>
-        <source>footprint rung {0}: must be one of {1}</source>
-        <translation>método de huella {0}: debe ser uno de {1}</translation>
+        <source>camera at height {0} m, yaw {1}, tilt {2}, roll {3} deg: no ray of its image meets the Earth; tilt it down</source>
+        <translation>cámara a {0} m de altura, guiñada {1}, inclinación {2}, alabeo {3} grados: ningún rayo de su imagen alcanza la Tierra; inclinarla hacia abajo</translation>
     </message>
     <message>
         <location filename="../../core/geodesy/frames.py"/>
@@ -5372,11 +5347,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/geodesy/frames.py"/>
         <source>picture at latitude {0} from {1} m: it holds a pole, which Web Mercator does not; fly lower or farther from the pole</source>
         <translation>imagen en la latitud {0} desde {1} m: contiene un polo, que Web Mercator no tiene; volar más bajo o más lejos del polo</translation>
-    </message>
-    <message>
-        <location filename="../../core/geodesy/horizon.py"/>
-        <source>camera at height {0} m, yaw {1}, tilt {2}, roll {3} deg: no ray of its image meets the Earth; tilt it down</source>
-        <translation>cámara a {0} m de altura, guiñada {1}, inclinación {2}, alabeo {3} grados: ningún rayo de su imagen alcanza la Tierra; inclinarla hacia abajo</translation>
     </message>
     <message>
         <location filename="../../core/geodesy/mercator.py"/>
@@ -5626,7 +5596,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/catalogue/listing.py"/>
-        <location filename="../../core/mission/presets.py"/>
+        <location filename="../../core/mission/cameras.py"/>
         <source>did you mean {0}? </source>
         <translation>¿se quería decir {0}? </translation>
     </message>
@@ -6620,146 +6590,94 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>{0} guiñadas de {1} puntos: dar una para cada uno, o ninguna</translation>
     </message>
     <message>
-        <location filename="../../core/mission/camera_preset.py"/>
+        <location filename="../../core/mission/cameras.py"/>
+        <source>camera name {0}: must be 1 to {1} characters of one line, with single spaces inside</source>
+        <translation>nombre de cámara {0}: debe tener de 1 a {1} caracteres en una línea, con espacios sencillos en su interior</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/cameras.py"/>
+        <source>camera name {0}: {1} is taken; choose another</source>
+        <translation>nombre de cámara {0}: {1} ya está en uso; elegir otro</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/cameras.py"/>
+        <source>camera {0} is unknown: {1}`terrainav cameras` lists the names</source>
+        <translation>cámara {0} desconocida: {1}`terrainav cameras` enumera los nombres</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/cameras.py"/>
+        <source>camera {0}: comes with TerrAInav, and stays as it is</source>
+        <translation>cámara {0}: viene con TerrAInav, y se queda como está</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/cameras.py"/>
+        <source>camera {0}: is none of your own, which are {1}</source>
+        <translation>cámara {0}: no es ninguna de las propias, que son {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/cameras.py"/>
+        <source>camera {0}: must be an object</source>
+        <translation>cámara {0}: debe ser un objeto</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/cameras.py"/>
         <source>camera {0}: {1}</source>
         <translation>cámara {0}: {1}</translation>
     </message>
     <message>
-        <location filename="../../core/mission/camera_preset.py"/>
+        <location filename="../../core/mission/cameras.py"/>
         <source>image_px {0}: must be a whole number</source>
         <translation>image_px {0}: debe ser un número entero</translation>
     </message>
     <message>
-        <location filename="../../core/mission/camera_preset.py"/>
+        <location filename="../../core/mission/cameras.py"/>
         <source>no field of view</source>
         <translation>no hay campo de visión</translation>
     </message>
     <message>
-        <location filename="../../core/mission/camera_preset.py"/>
+        <location filename="../../core/mission/cameras.py"/>
         <source>sensor_mm and focal_length_mm: one needs the other</source>
         <translation>sensor_mm y focal_length_mm: el uno necesita al otro</translation>
     </message>
     <message>
-        <location filename="../../core/mission/camera_preset.py"/>
+        <location filename="../../core/mission/cameras.py"/>
         <source>size_px and {0}: give one of the two</source>
         <translation>size_px y {0}: dar uno de los dos</translation>
     </message>
     <message>
-        <location filename="../../core/mission/camera_preset.py"/>
+        <location filename="../../core/mission/cameras.py"/>
         <source>size_px {0}: must be whole numbers</source>
         <translation>size_px {0}: deben ser números enteros</translation>
     </message>
     <message>
-        <location filename="../../core/mission/camera_preset.py"/>
+        <location filename="../../core/mission/cameras.py"/>
         <source>source {0}: must be text of one line</source>
         <translation>fuente {0}: debe ser texto de una línea</translation>
     </message>
     <message>
-        <location filename="../../core/mission/camera_preset.py"/>
+        <location filename="../../core/mission/cameras.py"/>
         <source>{0} is unknown; known are {1}</source>
         <translation>{0} es desconocido; se conocen {1}</translation>
     </message>
     <message>
-        <location filename="../../core/mission/camera_preset.py"/>
+        <location filename="../../core/mission/cameras.py"/>
         <source>{0} {1}: must be a list of width and height, each above 0</source>
         <translation>{0} {1}: debe ser una lista de anchura y altura, ambas mayores que 0</translation>
     </message>
     <message>
-        <location filename="../../core/mission/camera_preset.py"/>
+        <location filename="../../core/mission/cameras.py"/>
         <source>{0} {1}: must be a number above 0</source>
         <translation>{0} {1}: debe ser un número mayor que 0</translation>
     </message>
     <message>
-        <location filename="../../core/mission/camera_preset.py"/>
+        <location filename="../../core/mission/cameras.py"/>
         <source>{0} {1}: needs aspect_ratio or size_px beside it</source>
         <translation>{0} {1}: necesita al lado aspect_ratio o size_px</translation>
     </message>
     <message>
-        <location filename="../../core/mission/camera_preset.py"/>
+        <location filename="../../core/mission/cameras.py"/>
         <source>{0}: give one of {1}</source>
         <translation>{0}: dar uno de {1}</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/choosing.py"/>
-        <source>a map frame shows the source's own pixels</source>
-        <translation>un encuadre de mapa muestra los propios píxeles de la fuente</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/choosing.py"/>
-        <source>air without gusts was asked for</source>
-        <translation>se pidió aire sin ráfagas</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/choosing.py"/>
-        <source>error budget {0} px: no methods fit; the closest are {1} with {2} px, {3} times as much; raise --error-budget, or go on with --accept-error</source>
-        <translation>error admisible de {0} px: ningún método cabe; los más próximos son {1} con {2} px, {3} veces más; subir --error-budget, o seguir con --accept-error</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/choosing.py"/>
-        <source>exact footprints</source>
-        <translation>huellas exactas</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/choosing.py"/>
-        <source>picture 'map' was asked for, but has no bound here: {0}</source>
-        <translation>se pidió la imagen 'map', pero aquí no tiene cota: {0}</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/choosing.py"/>
-        <source>picture as the camera sees it: {0}; choose a source of tiles</source>
-        <translation>imagen como la ve la cámara: {0}; elegir una fuente de teselas</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/choosing.py"/>
-        <source>pixels of {0} m on the ground: degrees in float64 resolve {1} m; fly higher or widen the field of view</source>
-        <translation>píxeles de {0} m sobre el terreno: los grados en float64 distinguen {1} m; volar más alto o ampliar el campo de visión</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/choosing.py"/>
-        <source>rays for every pixel</source>
-        <translation>rayos para cada píxel</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/choosing.py"/>
-        <location filename="../../core/report/measure.py"/>
-        <source>resampling</source>
-        <translation>remuestreo</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/choosing.py"/>
-        <source>still air was asked for</source>
-        <translation>se pidió aire en calma</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/choosing.py"/>
-        <source>the bound of {0}, {1} px, fits</source>
-        <translation>la cota de {0}, {1} px, cabe</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/choosing.py"/>
-        <source>the mesh's bound of {0} px fits</source>
-        <translation>la cota de la malla, {0} px, cabe</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/choosing.py"/>
-        <source>the rows are turned from east, and the camera with them</source>
-        <translation>las pasadas están giradas respecto al este, y la cámara con ellas</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/choosing.py"/>
-        <source>the source gives pictures by their centre, not tiles that others can be made from</source>
-        <translation>la fuente da imágenes por su centro, no teselas con las que se puedan hacer otras</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/choosing.py"/>
-        <location filename="../../core/report/measure.py"/>
-        <source>wind</source>
-        <translation>viento</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/choosing.py"/>
-        <source>wind turns the camera</source>
-        <translation>el viento gira la cámara</translation>
     </message>
     <message>
         <location filename="../../core/mission/coords.py"/>
@@ -6953,7 +6871,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
-        <location filename="../../core/mission/rungs.py"/>
+        <location filename="../../core/mission/methods.py"/>
         <source>picture</source>
         <translation>imagen</translation>
     </message>
@@ -7088,149 +7006,361 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>{0} partes de un vuelo, de {1} a {2}</translation>
     </message>
     <message>
-        <location filename="../../core/mission/framing.py"/>
+        <location filename="../../core/mission/flight.py"/>
+        <source>yaws of shape {0}: must be one, or one for each of {1} exposures</source>
+        <translation>guiñadas de forma {0}: debe ser una, o una para cada una de {1} exposiciones</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/flight.py"/>
+        <source>{0} of shape {1}: must be {2} for {3} exposures</source>
+        <translation>{0} de forma {1}: debe ser {2} para {3} exposiciones</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/gusts.py"/>
+        <source>steps of {0} to {1} s: must be 0 or more, and finite</source>
+        <translation>pasos de {0} a {1} s: deben ser 0 o más, y finitos</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/gusts.py"/>
+        <source>system without a stationary covariance: it must be stable</source>
+        <translation>sistema sin covarianza estacionaria: debe ser estable</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/layout/framing.py"/>
         <source>choose a larger ground sample distance</source>
         <translation>elegir una distancia de muestreo del terreno mayor</translation>
     </message>
     <message>
-        <location filename="../../core/mission/framing.py"/>
+        <location filename="../../core/mission/layout/framing.py"/>
         <source>choose a lower zoom</source>
         <translation>elegir un zoom menor</translation>
     </message>
     <message>
-        <location filename="../../core/mission/framing.py"/>
+        <location filename="../../core/mission/layout/framing.py"/>
         <source>fly lower</source>
         <translation>volar más bajo</translation>
     </message>
     <message>
-        <location filename="../../core/mission/framing.py"/>
+        <location filename="../../core/mission/layout/framing.py"/>
         <source>ground sample distance {0} m: the source's own pixels are {1} m here; ask for that or more, or allow enlarged pixels (--upsample)</source>
         <translation>distancia de muestreo del terreno de {0} m: los píxeles propios de la fuente son aquí de {1} m; pedir eso o más, o permitir píxeles ampliados (--upsample)</translation>
     </message>
     <message>
-        <location filename="../../core/mission/framing.py"/>
+        <location filename="../../core/mission/layout/framing.py"/>
         <source>or allow larger pictures (--max-px)</source>
         <translation>o permitir imágenes mayores (--max-px)</translation>
     </message>
     <message>
-        <location filename="../../core/mission/framing.py"/>
+        <location filename="../../core/mission/layout/framing.py"/>
         <source>or make them smaller (--max-px)</source>
         <translation>o hacerlas más pequeñas (--max-px)</translation>
     </message>
     <message>
-        <location filename="../../core/mission/framing.py"/>
+        <location filename="../../core/mission/layout/framing.py"/>
         <source>picture at latitude {0} from {1} m</source>
         <translation>imagen en la latitud {0} desde {1} m</translation>
     </message>
     <message>
-        <location filename="../../core/mission/framing.py"/>
+        <location filename="../../core/mission/layout/framing.py"/>
         <source>picture from {0} m at zoom {1}: under one pixel; fly higher or choose a higher zoom</source>
         <translation>imagen desde {0} m con zoom {1}: menos de un píxel; volar más alto o elegir un zoom mayor</translation>
     </message>
     <message>
-        <location filename="../../core/mission/framing.py"/>
+        <location filename="../../core/mission/layout/framing.py"/>
         <source>picture of {0} x {1} px: under one pixel</source>
         <translation>imagen de {0} x {1} px: menos de un píxel</translation>
     </message>
     <message>
-        <location filename="../../core/mission/framing.py"/>
+        <location filename="../../core/mission/layout/framing.py"/>
         <source>pictures of {0} px: the longest side allowed here is {1} px; {2}</source>
         <translation>imágenes de {0} px: el lado mayor permitido aquí es de {1} px; {2}</translation>
     </message>
     <message>
-        <location filename="../../core/mission/framing.py"/>
+        <location filename="../../core/mission/layout/framing.py"/>
         <source>pictures of {0} x {1} px: {2} px in all are allowed; {3}</source>
         <translation>imágenes de {0} x {1} px: se permiten {2} px en total; {3}</translation>
     </message>
     <message>
-        <location filename="../../core/mission/framing.py"/>
+        <location filename="../../core/mission/layout/framing.py"/>
         <source>zoom {0}: the source has {1} to {2}</source>
         <translation>zoom {0}: la fuente tiene de {1} a {2}</translation>
     </message>
     <message>
-        <location filename="../../core/mission/framing.py"/>
+        <location filename="../../core/mission/layout/framing.py"/>
         <source>zoom {0}: the source's own pixels end at zoom {1}; ask for that, or allow enlarged pixels (--upsample)</source>
         <translation>zoom {0}: los píxeles propios de la fuente terminan en el zoom {1}; pedir ese, o permitir píxeles ampliados (--upsample)</translation>
     </message>
     <message>
-        <location filename="../../core/mission/framing.py"/>
+        <location filename="../../core/mission/layout/framing.py"/>
         <source>{0}: lies beyond the map, which ends at ±{1}; fly higher or nearer to the equator</source>
         <translation>{0}: queda fuera del mapa, que termina en ±{1}; volar más alto o más cerca del ecuador</translation>
     </message>
     <message>
-        <location filename="../../core/mission/framing.py"/>
+        <location filename="../../core/mission/layout/framing.py"/>
         <source>{0}: reaches beyond the map, which ends at ±{1}; fly lower or nearer to the equator</source>
         <translation>{0}: sobrepasa el mapa, que termina en ±{1}; volar más bajo o más cerca del ecuador</translation>
     </message>
     <message>
-        <location filename="../../core/mission/framing.py"/>
+        <location filename="../../core/mission/layout/framing.py"/>
         <source>{0}; choose a less extreme aspect ratio or a larger image (--image-px)</source>
         <translation>{0}; elegir una relación de aspecto menos extrema o una imagen mayor (--image-px)</translation>
     </message>
     <message>
-        <location filename="../../core/mission/framing.py"/>
+        <location filename="../../core/mission/layout/framing.py"/>
         <source>{0}; choose a less extreme aspect ratio or larger pictures (--max-px)</source>
         <translation>{0}; elegir una relación de aspecto menos extrema o permitir imágenes mayores (--max-px)</translation>
     </message>
     <message>
-        <location filename="../../core/mission/framing.py"/>
+        <location filename="../../core/mission/layout/framing.py"/>
         <source>{0}; fly higher or choose a higher zoom</source>
         <translation>{0}; volar más alto o elegir un zoom mayor</translation>
     </message>
     <message>
-        <location filename="../../core/mission/framing.py"/>
+        <location filename="../../core/mission/layout/framing.py"/>
         <source>{0}; fly higher or choose a smaller ground sample distance</source>
         <translation>{0}; volar más alto o elegir una distancia de muestreo del terreno menor</translation>
     </message>
     <message>
-        <location filename="../../core/mission/layout.py"/>
+        <location filename="../../core/mission/layout/rotated.py"/>
+        <source>camera from {0} m: sees past the horizon, where turned rows have no frames; fly lower or fly north-up rows</source>
+        <translation>cámara desde {0} m: ve más allá del horizonte, donde las pasadas giradas no tienen encuadres; volar más bajo o volar pasadas con el norte arriba</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/layout/rotated.py"/>
+        <source>camera with tilt {0}, roll {1} deg from {2} m: sees past the horizon, where turned rows have no frames; tilt it less, fly lower or fly north-up rows</source>
+        <translation>cámara con inclinación {0}, alabeo {1} grados desde {2} m: ve más allá del horizonte, donde las pasadas giradas no tienen encuadres; inclinarla menos, volar más bajo o volar pasadas con el norte arriba</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/layout/rotated.py"/>
+        <source>grid angle {0} deg</source>
+        <translation>ángulo de cuadrícula de {0} grados</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/layout/rotated.py"/>
+        <source>grid angle {0} deg: turned rows hold to {1} km from the area's middle, and the area or its images reach {2} km; take a smaller area or north-up rows</source>
+        <translation>ángulo de cuadrícula de {0} grados: las pasadas giradas valen hasta {1} km del centro del área, y el área o sus imágenes llegan a {2} km; tomar un área menor o pasadas con el norte arriba</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/layout/rotated.py"/>
+        <source>points cover no area</source>
+        <translation>los puntos no cubren ningún área</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/layout/rotated.py"/>
+        <source>points have no rows that could be turned</source>
+        <translation>los puntos no tienen pasadas que se puedan girar</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/layout/rotated.py"/>
+        <source>{0}: the layout {1} is north-up; use --layout cover</source>
+        <translation>{0}: la disposición {1} tiene el norte arriba; usar --layout cover</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/layout/rows.py"/>
         <source>area reaches latitude {0}: pictures end at ±{1} (Web Mercator)</source>
         <translation>el área llega a la latitud {0}: las imágenes terminan en ±{1} (Web Mercator)</translation>
     </message>
     <message>
-        <location filename="../../core/mission/layout.py"/>
+        <location filename="../../core/mission/layout/rows.py"/>
         <source>camera at {0} m, tilted so: from nowhere on the map does it see this area; tilt it less or fly lower</source>
         <translation>cámara a {0} m, con esta inclinación: desde ningún lugar del mapa ve este área; inclinarla menos o volar más bajo</translation>
     </message>
     <message>
-        <location filename="../../core/mission/layout.py"/>
+        <location filename="../../core/mission/layout/rows.py"/>
         <source>images without a thousandth of a pixel of ground to count on: the camera looks past the map or the Earth; fly lower</source>
         <translation>imágenes sin una milésima de píxel de terreno con la que contar: la cámara mira más allá del mapa o de la Tierra; volar más bajo</translation>
     </message>
     <message>
-        <location filename="../../core/mission/layout.py"/>
+        <location filename="../../core/mission/layout/rows.py"/>
         <source>images without a thousandth of a pixel of ground to count on: the camera looks past the map or the Earth; tilt it less or fly lower</source>
         <translation>imágenes sin una milésima de píxel de terreno con la que contar: la cámara mira más allá del mapa o de la Tierra; inclinarla menos o volar más bajo</translation>
     </message>
     <message>
-        <location filename="../../core/mission/layout.py"/>
+        <location filename="../../core/mission/layout/rows.py"/>
         <source>mission of {0} images: the limit is {1}; fly higher, draw a smaller area, or raise it (--max-images)</source>
         <translation>misión de {0} imágenes: el límite es {1}; volar más alto, dibujar un área menor, o subirlo (--max-images)</translation>
     </message>
     <message>
-        <location filename="../../core/mission/layout.py"/>
+        <location filename="../../core/mission/layout/rows.py"/>
         <source>overlap {0}: leaves under a thousandth of a pixel between captures; overlap less</source>
         <translation>solape {0}: deja menos de una milésima de píxel entre capturas; solapar menos</translation>
     </message>
     <message>
-        <location filename="../../core/mission/layout.py"/>
+        <location filename="../../core/mission/layout/rows.py"/>
         <source>paper layout over {0} deg of longitude: its UTM grid holds to {1} deg from the zone's meridian; use --layout cover</source>
         <translation>disposición paper en {0} grados de longitud: su cuadrícula UTM vale hasta {1} grados del meridiano del huso; usar --layout cover</translation>
     </message>
     <message>
-        <location filename="../../core/mission/layout.py"/>
+        <location filename="../../core/mission/layout/rows.py"/>
         <source>rows from {0} m cannot be placed so near to a pole; fly lower or farther from it</source>
         <translation>no se pueden situar pasadas desde {0} m tan cerca de un polo; volar más bajo o más lejos de él</translation>
     </message>
     <message>
-        <location filename="../../core/mission/layout.py"/>
+        <location filename="../../core/mission/layout/rows.py"/>
         <source>rows from {0} m cannot be placed so that their images cover this area; fly lower or take a smaller area</source>
         <translation>no se pueden situar pasadas desde {0} m de modo que sus imágenes cubran este área; volar más bajo o tomar un área menor</translation>
     </message>
     <message>
-        <location filename="../../core/mission/layout.py"/>
+        <location filename="../../core/mission/layout/rows.py"/>
         <source>rows from {0} m cannot be placed so that their images cover this area; tilt the camera less, fly lower or take a smaller area</source>
         <translation>no se pueden situar pasadas desde {0} m de modo que sus imágenes cubran este área; inclinar menos la cámara, volar más bajo o tomar un área menor</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/methods.py"/>
+        <source>a map frame shows the source's own pixels</source>
+        <translation>un encuadre de mapa muestra los propios píxeles de la fuente</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/methods.py"/>
+        <source>air without gusts was asked for</source>
+        <translation>se pidió aire sin ráfagas</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/methods.py"/>
+        <source>condition number</source>
+        <translation>número de condición</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/methods.py"/>
+        <source>error</source>
+        <translation>error</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/methods.py"/>
+        <source>error budget {0} px: no methods fit; the closest are {1} with {2} px, {3} times as much; raise --error-budget, or go on with --accept-error</source>
+        <translation>error admisible de {0} px: ningún método cabe; los más próximos son {1} con {2} px, {3} veces más; subir --error-budget, o seguir con --accept-error</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/methods.py"/>
+        <source>footprint</source>
+        <translation>huella</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/methods.py"/>
+        <source>infinite (horizon)</source>
+        <translation>infinito (horizonte)</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/methods.py"/>
+        <source>its bound of {0} px and {1} px of the other stages exceed the budget of {2} px</source>
+        <translation>su cota de {0} px y los {1} px de los demás pasos superan los {2} px admisibles</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/methods.py"/>
+        <source>left out</source>
+        <translation>se omite</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/methods.py"/>
+        <source>method of {0}</source>
+        <translation>método: {0}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/methods.py"/>
+        <source>nothing</source>
+        <translation>nada</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/methods.py"/>
+        <source>picture 'map' was asked for, but has no bound here: {0}</source>
+        <translation>se pidió la imagen 'map', pero aquí no tiene cota: {0}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/methods.py"/>
+        <source>picture as the camera sees it: {0}; choose a source of tiles</source>
+        <translation>imagen como la ve la cámara: {0}; elegir una fuente de teselas</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/methods.py"/>
+        <source>pixels</source>
+        <translation>píxeles</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/methods.py"/>
+        <source>pixels of {0} m on the ground: degrees in float64 resolve {1} m; fly higher or widen the field of view</source>
+        <translation>píxeles de {0} m sobre el terreno: los grados en float64 distinguen {1} m; volar más alto o ampliar el campo de visión</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/methods.py"/>
+        <source>rays for every pixel</source>
+        <translation>rayos para cada píxel</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/methods.py"/>
+        <location filename="../../core/report/measure.py"/>
+        <source>resampling</source>
+        <translation>remuestreo</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/methods.py"/>
+        <source>still air was asked for</source>
+        <translation>se pidió aire en calma</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/methods.py"/>
+        <source>terrain</source>
+        <translation>relieve</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/methods.py"/>
+        <source>terrain: not bounded, up to {0} px per metre of relief</source>
+        <translation>relieve: sin cota, hasta {0} px por metro de relieve</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/methods.py"/>
+        <source>terrain: not bounded, without limit at the horizon</source>
+        <translation>relieve: sin cota, sin límite en el horizonte</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/methods.py"/>
+        <source>the mesh's bound of {0} px fits</source>
+        <translation>la cota de la malla, {0} px, cabe</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/methods.py"/>
+        <source>the rows are turned from east, and the camera with them</source>
+        <translation>las pasadas están giradas respecto al este, y la cámara con ellas</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/methods.py"/>
+        <source>the source gives pictures by their centre, not tiles that others can be made from</source>
+        <translation>la fuente da imágenes por su centro, no teselas con las que se puedan hacer otras</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/methods.py"/>
+        <location filename="../../core/report/measure.py"/>
+        <source>wind</source>
+        <translation>viento</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/methods.py"/>
+        <source>wind turns the camera</source>
+        <translation>el viento gira la cámara</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/methods.py"/>
+        <source>{0}, ≤ {1} px</source>
+        <translation>{0}, ≤ {1} px</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/methods.py"/>
+        <source>{0}, ≤ {1} px (not {2}: {3})</source>
+        <translation>{0}, ≤ {1} px (no {2}: {3})</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/methods.py"/>
+        <source>{0}: {1}, ≤ {2} px</source>
+        <translation>{0}: {1}, ≤ {2} px</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/methods.py"/>
+        <source>{0}; left out: {1}; {2}</source>
+        <translation>{0}; se omite: {1}; {2}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/methods.py"/>
+        <source>≤ {0} px of a budget of {1} px</source>
+        <translation>≤ {0} px de {1} px admisibles</translation>
     </message>
     <message>
         <location filename="../../core/mission/mission.py"/>
@@ -7246,6 +7376,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/mission.py"/>
         <source>error budget {0} px: must be a number above 0</source>
         <translation>error admisible de {0} px: debe ser un número mayor que 0</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/mission.py"/>
+        <source>footprint {0} of the mission file is ignored: footprints are always exact, as cheaper ones save no time</source>
+        <translation>se pasa por alto la huella {0} del archivo de misión: las huellas son siempre exactas, pues otras más baratas no ahorran tiempo</translation>
     </message>
     <message>
         <location filename="../../core/mission/mission.py"/>
@@ -7301,6 +7436,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/mission.py"/>
         <source>map types {0}: each may be named once</source>
         <translation>tipos de mapa {0}: cada uno se puede nombrar una vez</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/mission.py"/>
+        <source>mesh {0} of the mission file is ignored: the mesh is as coarse as the error budget allows</source>
+        <translation>se pasa por alto la malla {0} del archivo de misión: la malla es tan gruesa como permite el error admisible</translation>
     </message>
     <message>
         <location filename="../../core/mission/mission.py"/>
@@ -7454,121 +7594,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>viento de {0} m/s a {1} m: las ráfagas tiran la cámara al suelo; volar más alto o con menos turbulencia</translation>
     </message>
     <message>
-        <location filename="../../core/mission/presets.py"/>
-        <source>camera {0} is unknown: {1}`terrainav cameras` lists the names</source>
-        <translation>cámara {0} desconocida: {1}`terrainav cameras` enumera los nombres</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/rungs.py"/>
-        <source>condition number</source>
-        <translation>número de condición</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/rungs.py"/>
-        <source>error</source>
-        <translation>error</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/rungs.py"/>
-        <source>footprint</source>
-        <translation>huella</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/rungs.py"/>
-        <source>infinite (horizon)</source>
-        <translation>infinito (horizonte)</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/rungs.py"/>
-        <source>its bound of {0} px and {1} px of the other stages exceed the budget of {2} px</source>
-        <translation>su cota de {0} px y los {1} px de los demás pasos superan los {2} px admisibles</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/rungs.py"/>
-        <source>its cells' own noise is {0} px</source>
-        <translation>el propio ruido de sus celdas es de {0} px</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/rungs.py"/>
-        <source>left out</source>
-        <translation>se omite</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/rungs.py"/>
-        <source>mesh</source>
-        <translation>malla</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/rungs.py"/>
-        <source>method of {0}</source>
-        <translation>método: {0}</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/rungs.py"/>
-        <source>method {0}: must be {1} or one of {2}</source>
-        <translation>método {0}: debe ser {1} o uno de {2}</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/rungs.py"/>
-        <source>nothing</source>
-        <translation>nada</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/rungs.py"/>
-        <source>terrain</source>
-        <translation>relieve</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/rungs.py"/>
-        <source>terrain: not bounded, up to {0} px per metre of relief</source>
-        <translation>relieve: sin cota, hasta {0} px por metro de relieve</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/rungs.py"/>
-        <source>terrain: not bounded, without limit at the horizon</source>
-        <translation>relieve: sin cota, sin límite en el horizonte</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/rungs.py"/>
-        <source>{0} {1} was asked for, but has no bound here: {2}</source>
-        <translation>se pidió {0} {1}, pero aquí no tiene cota: {2}</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/rungs.py"/>
-        <source>{0}, ≤ {1} px</source>
-        <translation>{0}, ≤ {1} px</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/rungs.py"/>
-        <source>{0}, ≤ {1} px (not {2}: {3})</source>
-        <translation>{0}, ≤ {1} px (no {2}: {3})</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/rungs.py"/>
-        <source>{0}: {1}, ≤ {2} px</source>
-        <translation>{0}: {1}, ≤ {2} px</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/rungs.py"/>
-        <source>{0}; left out: {1}; {2}</source>
-        <translation>{0}; se omite: {1}; {2}</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/rungs.py"/>
-        <source>≤ {0} px of a budget of {1} px</source>
-        <translation>≤ {0} px de {1} px admisibles</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/sde.py"/>
-        <source>steps of {0} to {1} s: must be 0 or more, and finite</source>
-        <translation>pasos de {0} a {1} s: deben ser 0 o más, y finitos</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/sde.py"/>
-        <source>system without a stationary covariance: it must be stable</source>
-        <translation>sistema sin covarianza estacionaria: debe ser estable</translation>
-    </message>
-    <message>
         <location filename="../../core/mission/settings.py"/>
         <source>area {0} and coords {1}: give one of the two</source>
         <translation>área {0} y coords {1}: dar uno de los dos</translation>
@@ -7614,66 +7639,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>{0} {1}: necesita también {2}</translation>
     </message>
     <message>
-        <location filename="../../core/mission/turned.py"/>
-        <source>camera from {0} m: sees past the horizon, where turned rows have no frames; fly lower or fly north-up rows</source>
-        <translation>cámara desde {0} m: ve más allá del horizonte, donde las pasadas giradas no tienen encuadres; volar más bajo o volar pasadas con el norte arriba</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/turned.py"/>
-        <source>camera with tilt {0}, roll {1} deg from {2} m: sees past the horizon, where turned rows have no frames; tilt it less, fly lower or fly north-up rows</source>
-        <translation>cámara con inclinación {0}, alabeo {1} grados desde {2} m: ve más allá del horizonte, donde las pasadas giradas no tienen encuadres; inclinarla menos, volar más bajo o volar pasadas con el norte arriba</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/turned.py"/>
-        <source>grid angle {0} deg</source>
-        <translation>ángulo de cuadrícula de {0} grados</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/turned.py"/>
-        <source>grid angle {0} deg: turned rows hold to {1} km from the area's middle, and the area or its images reach {2} km; take a smaller area or north-up rows</source>
-        <translation>ángulo de cuadrícula de {0} grados: las pasadas giradas valen hasta {1} km del centro del área, y el área o sus imágenes llegan a {2} km; tomar un área menor o pasadas con el norte arriba</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/turned.py"/>
-        <source>points cover no area</source>
-        <translation>los puntos no cubren ningún área</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/turned.py"/>
-        <source>points have no rows that could be turned</source>
-        <translation>los puntos no tienen pasadas que se puedan girar</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/turned.py"/>
-        <source>{0}: the layout {1} is north-up; use --layout cover</source>
-        <translation>{0}: la disposición {1} tiene el norte arriba; usar --layout cover</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/user_cameras.py"/>
-        <source>camera name {0}: must be 1 to {1} characters of one line, with single spaces inside</source>
-        <translation>nombre de cámara {0}: debe tener de 1 a {1} caracteres en una línea, con espacios sencillos en su interior</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/user_cameras.py"/>
-        <source>camera name {0}: {1} is taken; choose another</source>
-        <translation>nombre de cámara {0}: {1} ya está en uso; elegir otro</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/user_cameras.py"/>
-        <source>camera {0}: comes with TerrAInav, and stays as it is</source>
-        <translation>cámara {0}: viene con TerrAInav, y se queda como está</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/user_cameras.py"/>
-        <source>camera {0}: is none of your own, which are {1}</source>
-        <translation>cámara {0}: no es ninguna de las propias, que son {1}</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/user_cameras.py"/>
-        <source>camera {0}: must be an object</source>
-        <translation>cámara {0}: debe ser un objeto</translation>
-    </message>
-    <message>
         <location filename="../../core/mission/wind.py"/>
         <source>airspeed {0} m/s: must be {1} to {2}</source>
         <translation>velocidad aérea de {0} m/s: debe estar entre {1} y {2}</translation>
@@ -7709,14 +7674,29 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>velocidad del viento de {0} m/s: debe ser menor que la velocidad aérea, {1} m/s, para volar contra él</translation>
     </message>
     <message>
-        <location filename="../../core/mission/wind.py"/>
-        <source>yaws of shape {0}: must be one, or one for each of {1} exposures</source>
-        <translation>guiñadas de forma {0}: debe ser una, o una para cada una de {1} exposiciones</translation>
+        <location filename="../../core/picture/camera_frame.py"/>
+        <source>no imagery at {0} of the samples that the picture is made of</source>
+        <translation>no hay imágenes en {0} de las muestras de las que se hace la imagen</translation>
     </message>
     <message>
-        <location filename="../../core/mission/wind.py"/>
-        <source>{0} of shape {1}: must be {2} for {3} exposures</source>
-        <translation>{0} de forma {1}: debe ser {2} para {3} exposiciones</translation>
+        <location filename="../../core/picture/cost.py"/>
+        <source>footprints {0}, pictures {1} each, {2} of one core in all (timed here)</source>
+        <translation>huellas {0}, imágenes {1} cada una, {2} de un núcleo en total (medido aquí)</translation>
+    </message>
+    <message>
+        <location filename="../../core/picture/cost.py"/>
+        <source>{0} ms</source>
+        <translation>{0} ms</translation>
+    </message>
+    <message>
+        <location filename="../../core/picture/map_frame.py"/>
+        <source>no imagery at {0} of the picture's {1} pixels</source>
+        <translation>no hay imágenes en {0} de los {1} píxeles de la imagen</translation>
+    </message>
+    <message>
+        <location filename="../../core/picture/map_frame.py"/>
+        <source>part at {0}, {1} px has shape {2} of {3}: {4} of uint8 was asked for</source>
+        <translation>la parte en {0}, {1} px tiene forma {2} de {3}: se pidió {4} de uint8</translation>
     </message>
     <message>
         <location filename="../../core/report/measure.py"/>
@@ -7747,21 +7727,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/report/page.py"/>
         <source>page</source>
         <translation>página</translation>
-    </message>
-    <message>
-        <location filename="../../core/report/wind_methods.py"/>
-        <source>horizon {0} s: must be 0 or more</source>
-        <translation>horizonte de {0} s: debe ser 0 o más</translation>
-    </message>
-    <message>
-        <location filename="../../core/report/wind_methods.py"/>
-        <source>method {0}: must be one of {1}</source>
-        <translation>método {0}: debe ser uno de {1}</translation>
-    </message>
-    <message>
-        <location filename="../../core/report/wind_methods.py"/>
-        <source>step {0} s: must be above 0</source>
-        <translation>paso de {0} s: debe ser mayor que 0</translation>
     </message>
     <message>
         <location filename="../../core/safe_json.py"/>

@@ -12,7 +12,7 @@ from .choices import CameraChoice
 from .form_state import SENSOR, FormState
 
 if TYPE_CHECKING:
-    from ...core.mission.presets import CameraPreset
+    from ...core.mission.cameras import CameraPreset
 
 #: Largest number that the parts of an aspect ratio are written with; beyond, it is written as it is.
 _MOST_IN_RATIO = 10_000
@@ -20,7 +20,7 @@ _MOST_IN_RATIO = 10_000
 
 def camera_choices() -> tuple[list[CameraChoice], str]:
     """Entries of the camera chooser, the paper's camera first; and what is wrong with the user's own cameras."""
-    from ...core.mission.presets import camera_shelf, shipped_cameras
+    from ...core.mission.cameras import camera_shelf, shipped_cameras
 
     own: tuple[CameraPreset, ...] = ()
     try:
@@ -41,7 +41,7 @@ def save_camera(name: str, state: FormState) -> None:
     OutputError
         The file of own cameras cannot be written.
     """
-    from ...core.mission.presets import add_camera
+    from ...core.mission.cameras import add_camera
 
     camera = camera_of(state)
     if camera is None:
@@ -58,7 +58,7 @@ def save_camera(name: str, state: FormState) -> None:
 
 def forget_camera(name: str) -> None:
     """Remove one of the user's own cameras; raises InvalidInput or OutputError."""
-    from ...core.mission.presets import remove_camera
+    from ...core.mission.cameras import remove_camera
 
     remove_camera(name)
 

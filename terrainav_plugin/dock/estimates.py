@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from ...core.mission.estimate import percent, size_text
-from ...core.mission.rungs import bound_text
+from ...core.mission.methods import bound_text
 from ..i18n import localized, number_text, told, tr
 from .refusals import in_words_of_the_dock
 from .units import METRES, area_text, gsd_text, length_text
@@ -17,9 +17,9 @@ from .units import METRES, area_text, gsd_text, length_text
 if TYPE_CHECKING:
     from ...core.imagery.policy import Policy
     from ...core.mission.estimate import Summary
+    from ...core.mission.methods import Accuracy
     from ...core.mission.mission import Mission
     from ...core.mission.plan import Plan
-    from ...core.mission.rungs import Accuracy
 
 #: A source whose pixels are coarser than the camera's by no more than this share is as fine as the camera.
 _COARSER = 1.02
@@ -137,9 +137,9 @@ def _accuracy_lines(accuracy: Accuracy) -> list[tuple[str, str]]:
     """What was chosen, with its bounds."""
     methods = "; ".join(
         tr("{stage}: {name}, ≤ {px} px").format(
-            stage=told(choice.rung.stage),
-            name=choice.rung.name,
-            px=localized(bound_text(choice.rung.bound_px)),
+            stage=told(choice.method.stage),
+            name=choice.method.name,
+            px=localized(bound_text(choice.method.bound_px)),
         )
         for choice in accuracy.choices
     )
@@ -167,13 +167,13 @@ def _why_html(accuracy: Accuracy) -> str:
     """Why the methods were chosen, as a table for a tooltip."""
     lines = []
     for choice in accuracy.choices:
-        rung, rejected = choice.rung, choice.rejected
+        method, rejected = choice.method, choice.rejected
         text = tr("{name}, ≤ {px} px, {metres} on the ground").format(
-            name=rung.name, px=localized(bound_text(rung.bound_px)), metres=_ground_text(rung.bound_m)
+            name=method.name, px=localized(bound_text(method.bound_px)), metres=_ground_text(method.bound_m)
         )
         if rejected is not None:
             text += tr("; not {name}: {reason}").format(name=rejected.name, reason=told(choice.reason))
-        lines.append((told(rung.stage).capitalize(), text))
+        lines.append((told(method.stage).capitalize(), text))
     lines += [(tr("No {what}").format(what=told(what)), told(why)) for what, why in accuracy.left_out]
     lines.append((tr("Condition number"), localized(told(dict(accuracy.lines())["condition number"]))))
     return _table(lines)

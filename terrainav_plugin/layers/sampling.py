@@ -22,7 +22,7 @@ from qgis.core import (
     QgsRectangle,
 )
 
-from ...core.capture.resample import sample
+from ...core.picture.resampling import sample
 from .jobs import Jobs
 from .pipes import Pipes
 

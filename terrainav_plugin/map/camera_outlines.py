@@ -9,8 +9,8 @@ import numpy as np
 from qgis.core import QgsGeometry, QgsLineString, QgsMultiPolygon, QgsPolygon
 
 from ...core.geodesy.mercator import HALF_WORLD_M, MAX_LAT_DEG, lat_to_v, lon_to_u
-from ...core.mission.export import footprint_ring, split_at_antimeridian
-from ...core.mission.shape import cut_half_plane
+from ...core.mission.area import cut_half_plane
+from ...core.mission.outlines import cut_at_antimeridian, footprint_ring
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -76,7 +76,7 @@ def ring_polygon(lon_deg: Floats, lat_deg: Floats) -> QgsGeometry:
     lon, lat = cut_half_plane(lon_deg, lat_deg, 1, MAX_LAT_DEG, -1.0)
     lon, lat = cut_half_plane(lon, lat, 1, -MAX_LAT_DEG, 1.0)
     parts = QgsMultiPolygon()
-    for part_lon, part_lat in split_at_antimeridian(lon, lat) if len(lon) >= 3 else ():
+    for part_lon, part_lat in cut_at_antimeridian(lon, lat):
         parts.addGeometry(surface(*metres(part_lon, part_lat)))
     geometry = QgsGeometry(parts)
     # A ring cut in two may keep its halves joined along the cut.

@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from ...core.capture.georeference import WEB_MERCATOR_WKT, xml_text
+from ...core.capture.georeference import WEB_MERCATOR_WKT
+from ...core.capture.metadata import xml_text
 from ...core.dataset.folder import JOURNAL_FILE, TABLE_FILE
 from ...core.dataset.images import NAME
 from ...core.errors import OutputError

@@ -14,12 +14,12 @@ import numpy as np
 from osgeo import gdal
 
 from ...core.capture.georeference import WEB_MERCATOR_WKT
-from ...core.capture.resample import sample
 from ...core.errors import OutputError
 from ...core.files import partial_file
 from ...core.geodesy.ellipsoid import sight_lines
 from ...core.geodesy.mercator import HALF_WORLD_M, MAX_LAT_DEG, v_to_lat
-from ...core.mission.framing import ground_of
+from ...core.mission.layout.framing import ground_of
+from ...core.picture.resampling import sample
 from .camera_outlines import bent_ring, metres
 
 if TYPE_CHECKING:

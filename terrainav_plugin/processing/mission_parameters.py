@@ -326,7 +326,7 @@ def _choice(
 def _cameras(listed: bool) -> tuple[str, ...]:
     if listed:
         return tuple(data["name"] for data in read_json("cameras.json"))
-    from ...core.mission.presets import cameras
+    from ...core.mission.cameras import cameras
 
     return tuple(camera.name for camera in cameras())
 
@@ -375,8 +375,8 @@ def _camera(
 ) -> tuple[Camera, int]:
     """Camera, and the pixels along the longer side of its image."""
     from ...core.geodesy.camera import Camera
-    from ...core.mission.choices import DEFAULT_IMAGE_PX
-    from ...core.mission.presets import camera_named
+    from ...core.mission.cameras import camera_named
+    from ...core.mission.options import DEFAULT_IMAGE_PX
     from ..dock.form_text import parse_aspect
 
     name = algorithm.parameterAsEnumString(parameters, "CAMERA", context)

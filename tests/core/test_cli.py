@@ -76,9 +76,24 @@ def test_plan_as_json_and_as_files(run, tmp_path):
     assert again.pop("cost")["picture_s"] > 0.0
     assert again == figures
     accuracy = figures["accuracy"]
-    assert accuracy["footprint"]["chosen"]["name"] == "loc1"
+    assert accuracy["footprint"]["chosen"]["name"] == "exact"
     assert accuracy["picture"]["chosen"]["name"] == "map"
     assert 0.0 < accuracy["bound_px"] <= accuracy["budget_px"] == 0.1
+
+
+def test_a_mission_file_of_version_0_1_is_resumed_and_says_what_it_ignores(run, tmp_path):
+    run("capture", "--coords", "35.14_-89.86_120", "--data-dir", "out")
+    mark = tmp_path / "out" / "mission.json"
+    old = {**json.loads(mark.read_text()), "footprint": "loc1", "mesh": "mesh-0.03px"}
+    mark.write_text(json.dumps(old))
+    (tmp_path / "old.json").write_text(json.dumps(old))
+    planned = run("plan", "old.json").stdout
+    assert "footprint 'loc1' of the mission file is ignored" in planned
+    assert "mesh 'mesh-0.03px' of the mission file is ignored" in planned
+    resumed = run("capture", "old.json", "--data-dir", "out", "--resume", "--json")
+    assert resumed.returncode == 0, resumed.stderr
+    assert json.loads(resumed.stdout)["skipped"] == 1
+    assert resumed.stderr.count("of the mission file is ignored") == 2
 
 
 def test_underscores_minus_signs_and_settings_by_precedence(run, tmp_path):

@@ -178,7 +178,6 @@ def _extreme() -> st.SearchStrategy[dict[str, Any]]:
             "zoom": st.integers(0, 40),
             "gsd_m_per_px": number,
             "frame": st.sampled_from(("auto", "map", "camera")),
-            "footprint": st.sampled_from(("auto", "exact")),
             "mesh": st.sampled_from(("auto", "rays")),
             "upsample": st.booleans(),
             "error_budget_px": number,

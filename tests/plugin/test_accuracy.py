@@ -12,9 +12,9 @@ from terrainav.core.errors import InvalidInput
 from terrainav.core.geodesy.camera import Camera
 from terrainav.core.mission.area import Box, Points, Polygon
 from terrainav.core.mission.estimate import estimate
+from terrainav.core.mission.methods import bound_text
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
-from terrainav.core.mission.rungs import bound_text
 from terrainav.core.mission.wind import Wind
 from terrainav.terrainav_plugin.dock.estimates import readout
 from terrainav.terrainav_plugin.dock.form_state import FormState
@@ -47,7 +47,7 @@ def high(desk):
 
 def test_smaller_budget_turns_map_frames_into_camera_frames(high):
     assert high.workflow.planned.plan.size_px is None
-    bound = bound_text(high.workflow.planned.plan.accuracy.picture.rung.bound_px)
+    bound = bound_text(high.workflow.planned.plan.accuracy.picture.method.bound_px)
     assert f"picture: map, ≤ {bound} px" in shown(high)
     assert "of a budget of 0.1 px" in shown(high)
     budget = high.form.accuracy.entries["error_budget_px"]
@@ -222,7 +222,6 @@ EVERYTHING = Mission(
     ground_height_m=-12.3456,
     error_budget_px=1e-13,
     accept_error=True,
-    footprint="exact",
     frame="camera",
     mesh="rays",
     resampling="lanczos",

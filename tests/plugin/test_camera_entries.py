@@ -10,7 +10,7 @@ import pytest
 from qgis.PyQt.QtCore import Qt, QTimer
 from qgis.PyQt.QtTest import QTest
 from qgis.PyQt.QtWidgets import QApplication, QInputDialog, QLineEdit
-from terrainav.core.mission.presets import shipped_cameras, user_cameras
+from terrainav.core.mission.cameras import shipped_cameras, user_cameras
 from terrainav.terrainav_plugin.dock.camera_terms import given_by, in_unit, settled, shown_gsd
 from terrainav.terrainav_plugin.dock.form_state import FOV_MODES, FormState, in_metres
 from terrainav.terrainav_plugin.dock.mission_form import mission

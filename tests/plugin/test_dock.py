@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from qgis.PyQt.QtWidgets import QApplication
-from terrainav.core.mission.presets import cameras
+from terrainav.core.mission.cameras import cameras
 
 AGRICENTER = "35.16_-89.90_35.115_-89.823_120"
 

@@ -21,7 +21,7 @@ AREA = Box(35.16, -89.90, 35.115, -89.823)
 # Tiles with pixels of their own up to zoom 17, which are served to 19.
 COARSE = "esri-world-imagery"
 # What says something about a mission that is planned.
-ROOMS = ("choosing", "estimate", "framing", "layout", "mission", "plan")
+ROOMS = ("estimate", "layout/framing", "layout/rows", "methods", "mission", "plan")
 
 
 def options_in_messages():

@@ -28,10 +28,10 @@ from qgis.core import (
 )
 from qgis.PyQt.QtCore import QCoreApplication, QTimer
 from qgis.PyQt.QtGui import QColor
-from terrainav.core.capture.picture import assemble
 from terrainav.core.errors import Cancelled, InvalidInput, PartError
 from terrainav.core.geodesy.mercator import HALF_WORLD_M
 from terrainav.core.imagery.source import Window
+from terrainav.core.picture.map_frame import assemble
 from terrainav.terrainav_plugin.layers import tiles
 from terrainav.terrainav_plugin.layers.connections import connection_of
 from terrainav.terrainav_plugin.layers.jobs import Jobs

@@ -100,7 +100,8 @@ def _main():
     import terrainav.core.cli
     import terrainav.core.imagery.world
     import terrainav.core.imagery.xyz
-    from terrainav.core.capture import cost, runner  # noqa: F401
+    from terrainav.core.capture import runner  # noqa: F401
+    from terrainav.core.picture import cost  # noqa: F401
 
     import tests.support.sources  # noqa: F401
 

@@ -12,7 +12,7 @@ from pyproj.exceptions import ProjError
 
 from ...errors import InvalidInput
 from ...geodesy.mercator import HALF_WORLD_M, PixelGrid, extent_of_outline, fitting_zoom
-from ...geodesy.proj_arrays import through_proj
+from ...geodesy.projections import through_proj
 from ..source import Window
 from .files import Facts
 

@@ -1,15 +1,15 @@
-"""A plan in files: tables, layers, and missions for those who fly."""
+"""A plan in files: tables, layers, and missions for those who fly.
 
-from .rings import footprint_ring, split_at_antimeridian
+In reading order:
+
+- `writing`: a file by its ending
+- `rows`: the table, and rows, times and rings for others
+- `waypoints`: captures as an autopilot is asked for them
+- `geojson`, `geopackage`, `kml`: for GIS and Google Earth
+- `gpx`, `litchi`, `qgroundcontrol`: for those who fly
+"""
+
 from .rows import COLUMNS
 from .writing import ENDINGS, Exported, check_plan_ending, write_plan
 
-__all__ = [
-    "COLUMNS",
-    "ENDINGS",
-    "Exported",
-    "check_plan_ending",
-    "footprint_ring",
-    "split_at_antimeridian",
-    "write_plan",
-]
+__all__ = ["COLUMNS", "ENDINGS", "Exported", "check_plan_ending", "write_plan"]

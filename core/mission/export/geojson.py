@@ -7,8 +7,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from ..plan import Plan
-from .rings import closed_rings
-from .rows import POSE_COLUMNS, WINDOW_COLUMNS, batches, parts
+from .rows import POSE_COLUMNS, WINDOW_COLUMNS, batches, closed_rings, parts
 
 
 def geojson_text(plan: Plan) -> Iterator[str]:

@@ -13,8 +13,7 @@ from typing import Any
 from ...errors import OutputError
 from ...files import partial_file
 from ..plan import Plan
-from .rings import Ring, closed_rings
-from .rows import POSE_COLUMNS, batches, clock, parts
+from .rows import POSE_COLUMNS, Corners, batches, clock, closed_rings, parts
 from .waypoints import flight_line
 
 #: Ending of the file while it is written: GDAL wants its own at the very end.
@@ -51,22 +50,26 @@ def write_geopackage(plan: Plan, path: Path) -> None:
             ".geojson"
         ) from missing
     try:
-        with partial_file(path, PARTIAL_ENDING) as partial, _clear_beside(partial), _heard(path) as failed:
+        with (
+            partial_file(path, PARTIAL_ENDING) as partial,
+            _without_side_files(partial),
+            _heard(path) as failed,
+        ):
             _write(ogr, plan, partial, failed)
     except OSError as wrong:
         raise OutputError(f"folder {path.parent}: cannot write {path.name} ({wrong.strerror})") from wrong
 
 
 @contextmanager
-def _clear_beside(partial: Path) -> Iterator[None]:
+def _without_side_files(partial: Path) -> Iterator[None]:
     """Remove what SQLite has beside a file while it writes it, before and afterwards."""
-    beside = [partial.with_name(partial.name + ending) for ending in ("-journal", "-wal", "-shm")]
-    for path in beside:
+    side_files = [partial.with_name(partial.name + ending) for ending in ("-journal", "-wal", "-shm")]
+    for path in side_files:
         path.unlink(missing_ok=True)
     try:
         yield
     finally:
-        for path in beside:
+        for path in side_files:
             with contextlib.suppress(OSError):
                 path.unlink(missing_ok=True)
 
@@ -173,7 +176,7 @@ def _footprints(plan: Plan) -> Iterator[bytes]:
     return map(_multi_polygon, chain.from_iterable(closed_rings(plan, part) for part in parts(len(plan))))
 
 
-def _multi_polygon(rings: list[Ring]) -> bytes:
+def _multi_polygon(rings: list[Corners]) -> bytes:
     polygons = (
         struct.pack("<BIII", _LITTLE, _POLYGON, 1, len(ring))
         + struct.pack(f"<{2 * len(ring)}d", *chain.from_iterable(ring))

@@ -6,8 +6,7 @@ import html
 from collections.abc import Iterator
 
 from ..plan import Plan
-from .rings import Ring, closed_rings
-from .rows import parts
+from .rows import Corners, closed_rings, parts
 from .waypoints import Waypoint, flight_line, waypoints
 
 #: Captures up to which each has its footprint and its mark: some 40 MB, about what Google Earth still opens. Of more
@@ -54,7 +53,7 @@ def kml_notes(plan: Plan) -> tuple[str, ...]:
     return tuple(notes)
 
 
-def _footprint(name: str, rings: list[Ring]) -> str:
+def _footprint(name: str, rings: list[Corners]) -> str:
     polygons = "".join(
         "<Polygon><tessellate>1</tessellate><outerBoundaryIs><LinearRing><coordinates>"
         + " ".join(f"{lon},{lat}" for lon, lat in ring)

@@ -1,4 +1,4 @@
-"""A plan's captures as rows of plain values, some at a time, so that a million never stand in memory as text."""
+"""A plan as a table (CSV): rows, times and rings of plain values, some at a time, as a million are much text."""
 
 from __future__ import annotations
 
@@ -10,8 +10,11 @@ from numpy.typing import NDArray
 
 from ...errors import InvalidInput
 from ...geodesy.mercator import wrap_lon_deg
+from ..outlines import footprints_deg
 from ..plan import Plan
 
+#: Longitudes and latitudes of a ring's corners, the last one the first again.
+Corners = list[tuple[float, float]]
 POSE_COLUMNS = ("name", "column", "row", "lat_deg", "lon_deg", "agl_m", "yaw_deg", "tilt_deg", "roll_deg")
 WINDOW_COLUMNS = ("zoom", "left_px", "top_px", "width_px", "height_px")
 CORNER_COLUMNS = tuple(
@@ -67,6 +70,12 @@ def batches(plan: Plan) -> Iterator[dict[str, list[Any]]]:
         yield batch
 
 
+def closed_rings(plan: Plan, part: slice) -> Iterator[list[Corners]]:
+    """Closed rings, counter-clockwise, of each capture's footprint; several where it crosses ±180°."""
+    for rings in footprints_deg(plan, part):
+        yield [[*zip(x.tolist(), y.tolist()), (float(x[0]), float(y[0]))] for x, y in rings]
+
+
 def clock(start: str, times_s: NDArray[np.float64]) -> list[str]:
     """UTC of seconds after the start of a mission, as ISO 8601 to the millisecond, such as 2024-06-21T10:30:00.000Z.
 
@@ -84,3 +93,12 @@ def clock(start: str, times_s: NDArray[np.float64]) -> list[str]:
         )
     texts = np.datetime_as_string(milliseconds.astype("datetime64[ms]"), unit="ms")
     return [f"{text}Z" for text in texts.tolist()]
+
+
+def csv_text(plan: Plan) -> Iterator[str]:
+    """Text of the table, in blocks."""
+    yield ",".join(COLUMNS) + "\n"
+    for batch in batches(plan):
+        rows = zip(*(batch[name] for name in COLUMNS))
+        # Text of a float is its shortest exact form: all its digits.
+        yield "".join(",".join(map(str, row)) + "\n" for row in rows)

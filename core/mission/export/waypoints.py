@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...geodesy.mercator import wrap_lon_deg
+from ..outlines import cut_line
 from ..plan import Plan
-from .rings import line_parts
 from .rows import clock, parts
 
 Floats = NDArray[np.float64]
@@ -92,7 +92,8 @@ def flight_line(plan: Plan) -> list[tuple[Floats, Floats, Floats]]:
         if 2 * len(turns) <= LINE_POINTS:
             places = np.union1d(places, np.concatenate([turns, turns + 1]))
         places = np.union1d(places, [count - 1])
-    return line_parts(meant.lon_deg[places], meant.lat_deg[places], meant.agl_m[places])
+    lines = cut_line(meant.lon_deg[places], meant.lat_deg[places], meant.agl_m[places])
+    return [(lon, lat, agl) for lon, lat, agl in lines]
 
 
 def not_flown(plan: Plan) -> tuple[str, ...]:

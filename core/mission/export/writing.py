@@ -17,7 +17,7 @@ from .gpx import gpx_notes, gpx_text
 from .kml import kml_notes, kml_text
 from .litchi import check_litchi, litchi_notes, litchi_texts
 from .qgroundcontrol import check_qgroundcontrol, qgroundcontrol_notes, qgroundcontrol_text
-from .table import csv_text
+from .rows import csv_text
 
 LITCHI_ENDING, GEOPACKAGE_ENDING = ".litchi.csv", ".gpkg"
 

@@ -11,7 +11,6 @@ from contextlib import closing, contextmanager
 import numpy as np
 import pytest
 from PIL import Image
-from terrainav.core.capture.picture import window_of
 from terrainav.core.capture.runner import capture
 from terrainav.core.dataset.table import Table
 from terrainav.core.errors import SourceError
@@ -26,6 +25,7 @@ from terrainav.core.imagery.xyz import XYZSource
 from terrainav.core.mission.area import Box
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
+from terrainav.core.picture.map_frame import window_of
 
 from tests.core.imagery.test_faults import BROKEN, PASSING, REFUSED, SPOILT
 from tests.support.caches import check_cache

@@ -134,7 +134,7 @@ def test_only_images_that_are_there_are_listed_until_all_are(tmp_path):
 
 
 def _window(worked_out, index):
-    from terrainav.core.capture.picture import window_of
+    from terrainav.core.picture.map_frame import window_of
 
     return window_of(worked_out, index)
 

@@ -10,7 +10,7 @@ from terrainav.core.capture.runner import capture
 from terrainav.core.geodesy.accuracy import Scene
 from terrainav.core.geodesy.camera import CORNERS
 from terrainav.core.geodesy.mercator import v_to_lat
-from terrainav.core.geodesy.mesh import ImageRays, mesh
+from terrainav.core.geodesy.view import ImageRays, mesh
 from terrainav.core.imagery.world import WorldSource
 from terrainav.core.mission.area import Box
 from terrainav.core.mission.mission import Mission
@@ -22,13 +22,13 @@ from tests.core.geodesy.reference import look
 SOURCE = WorldSource()
 NORTH_DAKOTA = Box(47.0371, -99.1857, 47.0040, -99.1240)
 MISSIONS = {
-    "Agricenter at 120 m": (Mission(Box(35.16, -89.90, 35.115, -89.823), 120.0), ["loc1", "map"]),
+    "Agricenter at 120 m": (Mission(Box(35.16, -89.90, 35.115, -89.823), 120.0), ["exact", "map"]),
     "tilt 85": (
         Mission(Box(35.16, -89.90, 35.115, -89.823), 120.0, tilt_deg=85.0),
-        ["exact", "camera", "mesh-0.03px"],
+        ["exact", "camera", "mesh"],
     ),
     "North Dakota at 1,200 m": (Mission(NORTH_DAKOTA, 1200.0, error_budget_px=0.1), ["exact", "map"]),
-    "16 km": (Mission(Box(40.3, -90.2, 40.0, -89.8), 16e3), ["exact", "camera", "mesh-0.03px"]),
+    "16 km": (Mission(Box(40.3, -90.2, 40.0, -89.8), 16e3), ["exact", "camera", "mesh"]),
 }
 
 
@@ -86,7 +86,7 @@ def test_what_is_chosen_is_captured_and_within_its_bound_at_50_digits(name, tmp_
     mission, methods = MISSIONS[name]
     worked_out = plan(mission, SOURCE.grid)
     chosen = worked_out.accuracy
-    assert [choice.rung.name for choice in chosen.choices] == methods
+    assert [choice.method.name for choice in chosen.choices] == methods
     assert chosen.bound_px <= 0.1
     assert worked_out.coverage.complete
     for index in (0, len(worked_out) // 2, len(worked_out) - 1):

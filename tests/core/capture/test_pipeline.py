@@ -9,8 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from terrainav.core.capture import pipeline as pipeline_module
-from terrainav.core.capture.pipeline import Pipeline, sweep
-from terrainav.core.capture.spool import Spool
+from terrainav.core.capture.pipeline import Pipeline, Spool, sweep
 from terrainav.core.errors import PartError, SourceError
 from terrainav.core.geodesy.frames import Windows
 from terrainav.core.imagery.source import Part, Window

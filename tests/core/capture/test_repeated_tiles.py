@@ -11,9 +11,7 @@ from contextlib import closing
 import numpy as np
 import pytest
 from PIL import Image
-from terrainav.core.capture.records import window_of
-from terrainav.core.capture.result import Repeat
-from terrainav.core.capture.runner import capture
+from terrainav.core.capture.runner import Repeat, capture
 from terrainav.core.dataset.table import Table
 from terrainav.core.errors import InvalidInput
 from terrainav.core.geodesy.mercator import PixelGrid
@@ -24,6 +22,7 @@ from terrainav.core.imagery.source import Provided, tile_parts
 from terrainav.core.mission.area import Box
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
+from terrainav.core.picture.map_frame import window_of
 
 from tests.support.command import command
 from tests.support.faults import FAULTS, flat_placeholder

@@ -17,8 +17,8 @@ import pytest
 from PIL import Image
 from terrainav.core import limits
 from terrainav.core.capture import pipeline, records, runner
+from terrainav.core.capture.pipeline import Spool
 from terrainav.core.capture.runner import Failure, capture
-from terrainav.core.capture.spool import Spool
 from terrainav.core.dataset.entropy import entropy
 from terrainav.core.dataset.table import Table
 from terrainav.core.errors import Cancelled, InvalidInput, OutputError, PartError, SourceError
@@ -27,6 +27,7 @@ from terrainav.core.imagery.source import tile_parts
 from terrainav.core.mission.area import Box, Points
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
+from terrainav.core.picture.map_frame import window_of
 
 from tests.support.patterns import MODULUS, decode_position
 from tests.support.sources import CentredSource, FailingSource, PatternSource, missing
@@ -226,7 +227,7 @@ def test_a_list_of_far_points(tmp_path):
 
 def broken(worked_out, index):
     """The parts of one capture."""
-    return [part.window for part in tile_parts(records.window_of(worked_out, index), worked_out.grid)]
+    return [part.window for part in tile_parts(window_of(worked_out, index), worked_out.grid)]
 
 
 def test_failed_parts_fail_their_pictures_by_name(in_one_go, tmp_path):

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from terrainav.core.capture.spool import Spool
+from terrainav.core.capture.pipeline import Spool
 
 SHAPES = ((4, 4, 3), (4, 4, 4), (1, 1, 3), (8, 2, 3))
 

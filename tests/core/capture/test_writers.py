@@ -8,9 +8,10 @@ import re
 import numpy as np
 import pytest
 from PIL import Image
-from terrainav.core.capture import jpeg, writers
-from terrainav.core.capture.description import Description
+from terrainav.core.capture import writers
+from terrainav.core.capture import writers as jpeg
 from terrainav.core.capture.georeference import Georeference
+from terrainav.core.capture.metadata import Description
 from terrainav.core.capture.writers import file_endings, write_picture
 from terrainav.core.errors import InvalidInput, OutputError
 from terrainav.core.geodesy.mercator import HALF_WORLD_M, PixelGrid

@@ -22,13 +22,13 @@ from terrainav.core.dataset.split import split
 from terrainav.core.dataset.table import Table
 from terrainav.core.errors import InvalidInput
 from terrainav.core.geodesy.ellipsoid import trace
-from terrainav.core.geodesy.footprint import image_points
 from terrainav.core.geodesy.mercator import PixelGrid, u_to_lon, v_to_lat
 from terrainav.core.mission.area import Box, Points
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 
 from tests.core.dataset.grounds import dataset_of
+from tests.core.geodesy.inverse import image_points
 from tests.support.sources import PatternSource
 
 GEOD = Geod(ellps="WGS84")

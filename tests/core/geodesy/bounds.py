@@ -11,14 +11,14 @@ import numpy as np
 from terrainav.core.errors import InvalidInput
 from terrainav.core.geodesy import accuracy
 from terrainav.core.geodesy.accuracy import Scene
-from terrainav.core.geodesy.camera import CORNERS, Camera
+from terrainav.core.geodesy.camera import CORNERS, Camera, Poses
 from terrainav.core.geodesy.ellipsoid import WGS84
-from terrainav.core.geodesy.footprint import FOOTPRINT_RUNGS
+from terrainav.core.geodesy.footprint import exact
 from terrainav.core.geodesy.frames import FrameEdges, map_frame_edges
-from terrainav.core.geodesy.inscribed import inscribed_edges
 from terrainav.core.geodesy.mercator import lon_to_u
-from terrainav.core.geodesy.mesh import ImageRays, mesh
-from terrainav.core.geodesy.poses import Poses
+from terrainav.core.geodesy.rectangles import inscribed_edges
+from terrainav.core.geodesy.view import ImageRays, mesh
+from terrainav.core.report.footprints import FOOTPRINTS, loc1_px, loc2_px
 
 from tests.core.geodesy import longdouble
 
@@ -134,8 +134,8 @@ def level_methods(seed, draws, each) -> dict[str, Tally]:
         scene = level_scene(rng, camera, each)
         if scene is None:
             continue
-        for name, bound in (("loc1", accuracy.loc1_px), ("loc2", accuracy.loc2_px)):
-            corners = FOOTPRINT_RUNGS[name](camera, scene.poses, CORNERS, WGS84)
+        for name, bound in (("loc1", loc1_px), ("loc2", loc2_px)):
+            corners = FOOTPRINTS[name](camera, scene.poses, CORNERS, WGS84)
             error = corners_away_px(scene, corners).max(axis=1)
             tallies[name].add(error / bound(scene), **facts(scene))
         poses = scene.poses
@@ -184,7 +184,7 @@ def exact_footprints(seed, draws, each) -> Tally:
         scene = any_pose(rng, camera, each)
         if scene is None:
             continue
-        corners = FOOTPRINT_RUNGS["exact"](camera, scene.poses, CORNERS, WGS84)
+        corners = exact(camera, scene.poses, CORNERS, WGS84)
         error = corners_away_px(scene, corners)
         # Points of the very horizon may be hidden by a rounding: they face the camera edge on.
         error = np.where(corners.hit & np.isfinite(error), error, 0.0).max(axis=1)

@@ -8,12 +8,10 @@ import numpy as np
 import pytest
 from terrainav.core.geodesy import accuracy
 from terrainav.core.geodesy.accuracy import Scene
-from terrainav.core.geodesy.camera import Camera
-from terrainav.core.geodesy.inscribed import inscribed_edges
+from terrainav.core.geodesy.camera import Camera, Poses
 from terrainav.core.geodesy.mercator import PixelGrid, v_to_lat
-from terrainav.core.geodesy.mesh import ImageRays, mesh
-from terrainav.core.geodesy.poses import Poses
-from terrainav.core.geodesy.view import view
+from terrainav.core.geodesy.rectangles import inscribed_edges
+from terrainav.core.geodesy.view import ImageRays, mesh, view
 
 from tests.core.geodesy import bounds, longdouble
 from tests.core.geodesy.reference import look, see
@@ -23,13 +21,13 @@ pytestmark = pytest.mark.skipif(not longdouble.EXTENDED, reason=longdouble.WHY_N
 
 def scene(lat=35.14, agl=120.0, yaw=0.0, tilt=0.0, roll=0.0, camera=Camera(), size=(640, 480)):  # noqa: B008
     one = np.array([float(lat)])
-    return Scene(camera, *size, Poses.turned(one, np.zeros(1), np.array([float(agl)]), yaw, tilt, roll))
+    return Scene(camera, *size, Poses.of_attitude(one, np.zeros(1), np.array([float(agl)]), yaw, tilt, roll))
 
 
 def test_angles_of_corners_are_those_of_their_rays_whether_poses_share_their_attitude_or_not():
     count, camera = 7, Camera(100.0, 1.5)
     some = np.linspace(0.0, 30.0, count)
-    alike = Poses.turned(some, some, some + 1.0, 20.0, -15.0, 40.0)
+    alike = Poses.of_attitude(some, some, some + 1.0, 20.0, -15.0, 40.0)
     for poses in (
         alike,
         alike._replace(yaw_deg=9.0 * some),

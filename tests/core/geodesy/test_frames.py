@@ -7,11 +7,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from terrainav.core.errors import InvalidInput
-from terrainav.core.geodesy.camera import CORNERS, EDGE_MIDPOINTS, Camera
+from terrainav.core.geodesy.camera import CORNERS, EDGE_MIDPOINTS, Camera, Poses
 from terrainav.core.geodesy.footprint import ground_corners
 from terrainav.core.geodesy.frames import map_frame_edges, map_windows, window_centres
 from terrainav.core.geodesy.mercator import PixelGrid, lat_to_v, lon_to_u
-from terrainav.core.geodesy.poses import Poses
 
 from tests.core.geodesy.reference import ground_point
 

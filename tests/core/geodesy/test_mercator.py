@@ -16,11 +16,9 @@ from terrainav.core.geodesy.mercator import (
     HALF_WORLD_M,
     MAX_LAT_DEG,
     PixelGrid,
-    bounds_of_picture,
     fitting_zoom,
     lat_to_v,
     lon_to_u,
-    picture_of_bounds,
     u_to_lon,
     v_to_lat,
     wrap_lon_deg,
@@ -122,30 +120,3 @@ def test_spans_that_are_not_positive_are_refused(span):
 def test_impossible_grids_are_refused(bad):
     with pytest.raises(InvalidInput, match=r"tile size|zooms"):
         PixelGrid(**bad)
-
-
-@given(st.floats(-80, 80), st.floats(-180, 180), st.floats(321, 640), st.floats(1, 640), st.integers(8, 22))
-def test_zoom_and_size_come_back_from_a_pictures_bounds(lat, lon, width, height, zoom):
-    north, west, south, east = bounds_of_picture(lat, lon, width, height, zoom)
-    assert west < lon < east
-    found, found_width, found_height = picture_of_bounds(north, west, south, east, 640)
-    assert found == zoom
-    assert found_width == pytest.approx(width, abs=1e-4)
-    assert found_height == pytest.approx(height, abs=1e-4)
-
-
-def test_bounds_of_a_picture_are_projs():
-    north, west, south, east = bounds_of_picture(35.14, -89.86, 640, 480, 17)
-    to_metres = Transformer.from_crs(4326, 3857, always_xy=True).transform
-    (left, right), (top, bottom) = to_metres([west, east], [north, south])
-    pixel = 2 * HALF_WORLD_M / 256 / 2**17
-    assert right - left == pytest.approx(640 * pixel)
-    assert top - bottom == pytest.approx(480 * pixel)
-
-
-def test_bounds_may_cross_the_antimeridian_but_not_be_empty():
-    assert picture_of_bounds(1, 179, -1, -179, 640)[1] == pytest.approx(
-        picture_of_bounds(1, 9, -1, 11, 640)[1]
-    )
-    with pytest.raises(InvalidInput, match="span"):
-        picture_of_bounds(1, 2, 1, 2, 640)

@@ -13,15 +13,13 @@ from pyproj import Geod
 from terrainav.core.geodesy.camera import Camera
 from terrainav.core.geodesy.ellipsoid import WGS84, limb, sight_lines, trace
 from terrainav.core.geodesy.mercator import (
-    bounds_of_picture,
     lat_to_v,
     lon_to_u,
-    picture_of_bounds,
     u_to_lon,
     v_to_lat,
     wrap_lon_deg,
 )
-from terrainav.core.geodesy.utm import UTMZone, utm_zone
+from terrainav.core.geodesy.projections import UTMZone, utm_zone
 
 from tests.core.geodesy import reference
 
@@ -186,20 +184,6 @@ def test_northern_places_lie_above_southern_ones(one, other):
     south, north = sorted((one, other))
     assert float(lat_to_v(np.array(north))) <= float(lat_to_v(np.array(south)))
     assert float(lat_to_v(np.array(-north))) == pytest.approx(1.0 - float(lat_to_v(np.array(north))))
-
-
-@given(
-    st.floats(-84, 84), st.floats(-180, 180), st.floats(1e-6, 1), st.floats(1e-6, 20), st.integers(100, 5000)
-)
-@EVERY_TIME
-def test_bounds_come_back_from_their_picture(south, west, height, width, max_px):
-    north, east = south + height, west + width
-    zoom, width_px, height_px = picture_of_bounds(north, west, south, east, max_px)
-    middle = float(v_to_lat((lat_to_v(np.array(north)) + lat_to_v(np.array(south))) / 2))
-    found = bounds_of_picture(middle, west + width / 2, width_px, height_px, zoom)
-    # World fractions resolve 1.1e-16 of a turn: 4e-14 degrees each, a few of them.
-    assert found == pytest.approx((north, west, south, east), abs=4e-13)
-    assert max_px / 2 * (1 - 2e-6) < max(width_px, height_px) <= max_px * (1 + 2e-6)
 
 
 @given(st.floats(-1e6, 1e6))

@@ -12,7 +12,6 @@ import pytest
 
 gdal = pytest.importorskip("osgeo.gdal", reason="the tests make their rasters by GDAL's Python module")
 
-from terrainav.core.capture.picture import assemble  # noqa: E402
 from terrainav.core.capture.runner import capture  # noqa: E402
 from terrainav.core.geodesy.mercator import HALF_WORLD_M, PixelGrid  # noqa: E402
 from terrainav.core.imagery.raster import open_raster  # noqa: E402
@@ -23,6 +22,7 @@ from terrainav.core.imagery.source import Window  # noqa: E402
 from terrainav.core.mission.area import Box  # noqa: E402
 from terrainav.core.mission.mission import Mission  # noqa: E402
 from terrainav.core.mission.plan import plan  # noqa: E402
+from terrainav.core.picture.map_frame import assemble  # noqa: E402
 
 from tests.support import rasters  # noqa: E402
 

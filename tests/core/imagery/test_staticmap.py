@@ -9,9 +9,8 @@ from urllib.parse import parse_qs, urlsplit
 import numpy as np
 import pytest
 from terrainav.core.errors import InvalidInput, PartError, SourceError
-from terrainav.core.geodesy.camera import Camera
+from terrainav.core.geodesy.camera import Camera, Poses
 from terrainav.core.geodesy.frames import map_windows
-from terrainav.core.geodesy.poses import Poses
 from terrainav.core.imagery.source import Window
 from terrainav.core.imagery.staticmap import StaticMapSource, sign
 

@@ -13,11 +13,11 @@ from terrainav.core.errors import InvalidInput
 from terrainav.core.geodesy.accuracy import Scene
 from terrainav.core.geodesy.camera import CORNERS, Camera
 from terrainav.core.geodesy.mercator import PixelGrid
-from terrainav.core.geodesy.mesh import ImageRays, mesh
+from terrainav.core.geodesy.view import ImageRays, mesh
 from terrainav.core.mission.area import Box, Points
-from terrainav.core.mission.export import footprint_ring
-from terrainav.core.mission.framing import ground_of
+from terrainav.core.mission.layout.framing import ground_of
 from terrainav.core.mission.mission import Mission
+from terrainav.core.mission.outlines import footprint_ring
 from terrainav.core.mission.plan import Plan, plan
 
 from tests.core.geodesy import longdouble
@@ -162,7 +162,7 @@ def run(case: Case) -> Outcome:
         case.mission.layout != "cover" or len(made) > MOST or made.coverage is None or made.coverage.complete
     )
     chosen = made.accuracy
-    methods = ", ".join(choice.rung.name for choice in chosen.choices)
+    methods = ", ".join(choice.method.name for choice in chosen.choices)
     return Outcome(case, "", methods, chosen.bound_px, measured_px(made), chosen.condition, seconds, covered)
 
 

@@ -10,19 +10,18 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from terrainav.core.errors import InvalidInput
-from terrainav.core.geodesy.camera import Camera
+from terrainav.core.geodesy.camera import Camera, Poses
 from terrainav.core.geodesy.ellipsoid import WGS84
 from terrainav.core.geodesy.frames import map_frame_edges
 from terrainav.core.geodesy.mercator import PixelGrid, lat_to_v
-from terrainav.core.geodesy.plane import LocalPlane
-from terrainav.core.geodesy.poses import Poses
-from terrainav.core.mission import coverage, layout
-from terrainav.core.mission.area import Box, Polygon
-from terrainav.core.mission.coverage import Rectangles, gaps
+from terrainav.core.geodesy.projections import LocalPlane
+from terrainav.core.mission.area import Box, Polygon, area_within_m2, crossed_and_held, ground_m2, touching
+from terrainav.core.mission.layout import coverage
+from terrainav.core.mission.layout import rows as layout
+from terrainav.core.mission.layout.coverage import Rectangles, gaps
+from terrainav.core.mission.layout.rotated import Shape
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
-from terrainav.core.mission.shape import area_within_m2, crossed_and_held, ground_m2, touching
-from terrainav.core.mission.turned import Shape
 from terrainav.core.mission.wind import Wind
 
 AGRICENTER = Box(35.16, -89.90, 35.115, -89.823)

@@ -9,10 +9,10 @@ import pytest
 from terrainav.core.errors import InvalidInput
 from terrainav.core.geodesy.camera import CORNERS, Camera
 from terrainav.core.mission.area import Box, Points
-from terrainav.core.mission.export.rings import line_parts
 from terrainav.core.mission.export.rows import clock
 from terrainav.core.mission.export.waypoints import flight_line, not_flown, waypoints
 from terrainav.core.mission.mission import Mission
+from terrainav.core.mission.outlines import cut_line
 
 from tests.core.mission.flights import ACROSS, ALONE, HERE, IN_WIND, worked_out
 
@@ -79,7 +79,7 @@ def test_times_before_1970_and_over_a_leap_day():
 
 def test_a_line_is_cut_where_it_crosses_the_antimeridian():
     lon, lat, agl = np.array([179.0, -179.0, 178.0]), np.array([0.0, 2.0, 5.0]), np.array([10.0, 20.0, 50.0])
-    parts = line_parts(lon, lat, agl)
+    parts = cut_line(lon, lat, agl)
     assert [tuple(map(list, part)) for part in parts] == [
         ([179.0, 180.0], [0.0, 1.0], [10.0, 15.0]),
         ([-180.0, -179.0, -180.0], [1.0, 2.0, 3.0], [15.0, 20.0, 30.0]),
@@ -88,9 +88,9 @@ def test_a_line_is_cut_where_it_crosses_the_antimeridian():
 
 
 def test_longitudes_beyond_180_and_single_places():
-    ((lon, _, _),) = line_parts(np.array([190.0, 200.0]), np.zeros(2), np.ones(2))
+    ((lon, _, _),) = cut_line(np.array([190.0, 200.0]), np.zeros(2), np.ones(2))
     assert lon.tolist() == [-170.0, -160.0]
-    ((lon, lat, agl),) = line_parts(np.array([3.0]), np.array([4.0]), np.array([5.0]))
+    ((lon, lat, agl),) = cut_line(np.array([3.0]), np.array([4.0]), np.array([5.0]))
     assert (lon.tolist(), lat.tolist(), agl.tolist()) == ([3.0], [4.0], [5.0])
 
 

@@ -12,8 +12,9 @@ from terrainav.core.errors import InvalidInput
 from terrainav.core.geodesy.camera import Camera
 from terrainav.core.geodesy.mercator import PixelGrid
 from terrainav.core.mission.area import Box, Points, Polygon
-from terrainav.core.mission.choices import MAP_TYPES
+from terrainav.core.mission.estimate import estimate
 from terrainav.core.mission.mission import Mission, utc_time
+from terrainav.core.mission.options import MAP_TYPES
 from terrainav.core.mission.plan import plan
 from terrainav.core.mission.wind import Wind
 
@@ -56,9 +57,8 @@ missions = st.builds(
     ground_height_m=st.floats(-12e3, 9e3),
     error_budget_px=st.floats(1e-9, 100),
     accept_error=st.booleans(),
-    footprint=st.sampled_from(["auto", "loc1", "exact"]),
     frame=st.sampled_from(["auto", "map", "camera"]),
-    mesh=st.sampled_from(["auto", "mesh-0.1px", "rays"]),
+    mesh=st.sampled_from(["auto", "rays"]),
     resampling=st.sampled_from(["nearest", "bilinear", "bicubic", "lanczos"]),
     wind=st.one_of(st.none(), st.builds(Wind, st.floats(0, 10), st.floats(0, 359), st.floats(0, 0.5))),
     grid_angle_deg=st.floats(-180, 180),
@@ -200,7 +200,7 @@ def test_a_missing_mission_file_is_named(tmp_path):
         ({"yaw_deg": math.nan}, "yaw nan deg"),
         ({"ground_height_m": 2e4}, "ground height 20000.0 m"),
         ({"error_budget_px": 0.0}, "error budget 0.0 px: must be a number above 0"),
-        ({"footprint": "loc3"}, "footprint 'loc3': must be one of auto, loc1, loc2, exact"),
+        ({"mesh": "mesh-0.1px"}, "mesh 'mesh-0.1px': must be one of auto, rays"),
         ({"frame": "round"}, "frame 'round'"),
         ({"mesh": "mesh"}, "mesh 'mesh'"),
         ({"resampling": "cubic"}, "resampling 'cubic'"),
@@ -218,6 +218,52 @@ def test_a_missing_mission_file_is_named(tmp_path):
 def test_values_outside_their_domain_are_named(change, says):
     with pytest.raises(InvalidInput) as refused:
         Mission(BOX, 120.0).with_(**change)
+    assert says in str(refused.value)
+
+
+@pytest.mark.parametrize(
+    ("old", "noted"),
+    [
+        (
+            {"footprint": "loc1"},
+            ["footprint 'loc1' of the mission file is ignored: footprints are always exact"],
+        ),
+        ({"footprint": "loc2", "mesh": "rays"}, ["footprint 'loc2' of the mission file is ignored"]),
+        (
+            {"mesh": "mesh-0.003px"},
+            ["mesh 'mesh-0.003px' of the mission file is ignored: the mesh is as coarse as"],
+        ),
+        ({"footprint": "loc1", "mesh": "mesh-1px"}, ["footprint 'loc1'", "mesh 'mesh-1px'"]),
+        # What every file of version 0.1 holds, and what means the same today.
+        ({"footprint": "auto"}, []),
+        ({"footprint": "exact"}, []),
+        ({"footprint": None}, []),
+    ],
+)
+def test_methods_that_only_version_0_1_had_are_ignored_with_the_reason(old, noted):
+    wanted = Mission(BOX, 120.0, mesh="rays" if old.get("mesh") == "rays" else "auto")
+    read = Mission.from_dict({**wanted.to_dict(), **old})
+    # They are the same mission, so that a folder of version 0.1 can be resumed.
+    assert read == wanted
+    assert read.to_json() == wanted.to_json()
+    assert len(read.notes) == len(noted)
+    for note, beginning in zip(read.notes, noted):
+        assert note.startswith(beginning)
+    assert estimate(plan(read, PixelGrid())).warnings == read.notes
+
+
+@pytest.mark.parametrize(
+    ("wrong", "says"),
+    [
+        ({"footprint": "loc3"}, "mission field 'footprint': not one of"),
+        ({"footprint": ["loc1"]}, "mission field 'footprint': not one of"),
+        ({"mesh": "mesh-px"}, "mesh 'mesh-px': must be one of auto, rays"),
+        ({"notes": ["told"]}, "mission field 'notes': not one of"),
+    ],
+)
+def test_methods_that_no_version_had_are_refused(wrong, says):
+    with pytest.raises(InvalidInput) as refused:
+        Mission.from_dict({**Mission(BOX, 120.0).to_dict(), **wrong})
     assert says in str(refused.value)
 
 

@@ -7,7 +7,7 @@ import json
 import pytest
 from terrainav.core.errors import InvalidInput, OutputError
 from terrainav.core.geodesy.camera import Camera
-from terrainav.core.mission.presets import (
+from terrainav.core.mission.cameras import (
     add_camera,
     camera_named,
     camera_shelf,

@@ -10,16 +10,16 @@ import math
 import mpmath
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from terrainav.core.errors import InvalidInput
 from terrainav.core.geodesy.camera import Camera
-from terrainav.core.mission import gusts, wind
+from terrainav.core.mission import flight, gusts
 from terrainav.core.mission.area import Points
+from terrainav.core.mission.flight import fly
+from terrainav.core.mission.gusts import LinearSystem, factor
 from terrainav.core.mission.mission import Mission
-from terrainav.core.mission.sde import LinearSystem, factor
-from terrainav.core.mission.wind import Wind, fly
-from terrainav.core.report import wind_methods
+from terrainav.core.mission.wind import Wind
 
 SIGMA, AIRSPEED, AGL_M = 1.4, 15.0, 120.0
 SYSTEM = gusts.flight_system(SIGMA, AIRSPEED, AGL_M)
@@ -249,13 +249,6 @@ def test_stable_at_every_height_and_speed(airspeed_m_per_s, agl_m):
     assert np.all((sigma > 0.0) & (sigma < 1.5))
 
 
-def test_time_constants_span_milliseconds_to_twenty_seconds():
-    constants_s = SYSTEM.time_constants_s
-    assert 4e-3 < constants_s[0] < 5e-3
-    assert 18.0 < constants_s[-1] < 20.0
-    assert constants_s[-1] / constants_s[0] > 4e3
-
-
 def test_errors_are_those_of_a_small_aircraft():
     picked = gusts.outputs()
     sigma = np.sqrt(np.diag(picked @ SYSTEM.stationary_covariance() @ picked.T))
@@ -303,7 +296,7 @@ def test_sampled_moments_are_those_of_the_process():
 
 
 def test_the_seed_decides_and_a_flight_does_not_depend_on_what_follows():
-    count = wind.CHUNK + 100
+    count = flight.CHUNK + 100
     interval_s, heading_deg, agl_m = steady(count)
     whole = fly(BREEZE, AIRSPEED, interval_s, heading_deg, agl_m)
     again = fly(BREEZE, AIRSPEED, interval_s, heading_deg, agl_m)
@@ -332,7 +325,7 @@ def test_a_flight_is_the_same_everywhere():
 
 def test_a_flight_does_not_depend_on_how_it_is_cut_up(monkeypatch):
     whole = fly(BREEZE, AIRSPEED, *steady(50, interval_s=0.3))
-    monkeypatch.setattr(wind, "CHUNK", 7)
+    monkeypatch.setattr(flight, "CHUNK", 7)
     parts = fly(BREEZE, AIRSPEED, *steady(50, interval_s=0.3))
     for name, values in vars(whole).items():
         assert getattr(parts, name) == pytest.approx(values, rel=1e-12, abs=1e-12)
@@ -340,7 +333,7 @@ def test_a_flight_does_not_depend_on_how_it_is_cut_up(monkeypatch):
 
 def test_a_flight_goes_to_each_exposure_at_its_height():
     agl_m = np.array([30.0, 120.0, 30.0])
-    steps_taken, which = wind._steps(BREEZE.sigma_m_per_s, AIRSPEED, np.array([2.0, 5.0]), agl_m)
+    steps_taken, which = flight._steps(BREEZE.sigma_m_per_s, AIRSPEED, np.array([2.0, 5.0]), agl_m)
     start = gusts.flight_system(BREEZE.sigma_m_per_s, AIRSPEED, 30.0).stationary_covariance()
     root = steps_taken[which[0], :, SIZE:]
     assert not steps_taken[which[0], :, :SIZE].any()
@@ -355,7 +348,7 @@ def test_a_flight_goes_to_each_exposure_at_its_height():
 
 def test_equal_intervals_but_for_rounding_are_one_step():
     interval_s = 4.0 * (1.0 + 1e-14 * np.arange(1000))
-    steps_taken, which = wind._steps(BREEZE.sigma_m_per_s, AIRSPEED, interval_s, np.full(1001, AGL_M))
+    steps_taken, which = flight._steps(BREEZE.sigma_m_per_s, AIRSPEED, interval_s, np.full(1001, AGL_M))
     assert len(steps_taken) == 2
     assert which[0] == 0
     assert np.all(which[1:] == 1)
@@ -367,7 +360,7 @@ def test_equal_intervals_but_for_rounding_are_one_step():
 )
 def test_rounding_keeps_to_its_number_and_is_no_coarser_than_it_must_be(values, most):
     values = np.array(values)
-    rounded, which = wind._rounded(values, most)
+    rounded, which = flight._rounded(values, most)
     assert 1 <= rounded.size <= most
     assert np.all(rounded[which] <= values)
     if np.unique(values).size <= 1:
@@ -378,8 +371,8 @@ def test_a_flight_of_many_heights_and_intervals():
     count = 6000
     draw = np.random.default_rng(1)
     interval_s, agl_m = 10.0 ** draw.uniform(-4, 2, count - 1), 10.0 ** draw.uniform(0, 4, count)
-    steps_taken, which = wind._steps(BREEZE.sigma_m_per_s, AIRSPEED, interval_s, agl_m)
-    assert len(steps_taken) <= wind.MOST_STEPS + 1
+    steps_taken, which = flight._steps(BREEZE.sigma_m_per_s, AIRSPEED, interval_s, agl_m)
+    assert len(steps_taken) <= flight.MOST_STEPS + 1
     assert which.max() == len(steps_taken) - 1
     flown = fly(BREEZE, AIRSPEED, interval_s, draw.uniform(-360, 360, count), agl_m)
     for values in vars(flown).values():
@@ -394,7 +387,7 @@ def test_no_time_between_exposures_is_no_change():
 
 
 def test_without_gusts_nothing_is_drawn(monkeypatch):
-    monkeypatch.setattr(wind, "_sampled", None)
+    monkeypatch.setattr(flight, "_sampled", None)
     for calm in (Wind(), Wind(speed_m_per_s=8.0), Wind(turbulence=0.3)):
         for count in (0, 1, 10):
             for values in vars(fly(calm, AIRSPEED, *steady(count))).values():
@@ -511,69 +504,3 @@ def test_a_flight_that_cannot_be(flight, place, value, says):
     given_values[place] = value
     with pytest.raises(InvalidInput, match=says):
         fly(flight, AIRSPEED, *given_values)
-
-
-# ----------------------------------------------------------------------------------------------- methods
-
-
-@pytest.mark.parametrize(
-    ("method", "order"),
-    [
-        (wind_methods.EULER_MARUYAMA, 1),
-        (wind_methods.IMPLICIT_EULER, 1),
-        (wind_methods.TRAPEZOID, 2),
-    ],
-)
-def test_methods_converge_at_their_order(method, order):
-    _, right = stepped(0.5)
-    coarse, fine = (
-        in_sigmas(wind_methods.moments(method, SYSTEM, 0.5, step_s) - right, right) for step_s in (1e-3, 5e-4)
-    )
-    assert 0.0 < fine < 2e-2
-    assert math.log2(coarse / fine) == pytest.approx(order, abs=0.1)
-
-
-@pytest.mark.parametrize("method", wind_methods.METHODS)
-def test_only_euler_maruyama_has_a_longest_step(method):
-    limit_s = wind_methods.stability_limit_s(method, SYSTEM)
-    assert limit_s == math.inf or (method == wind_methods.EULER_MARUYAMA and 8e-3 < limit_s < 10e-3)
-    stationary = SYSTEM.stationary_covariance()
-    for step_s in (1e-3, 0.02, 5.0):
-        after = wind_methods.moments(method, SYSTEM, 1000.0 * step_s, step_s, stationary)
-        assert not np.isnan(after).any()
-        growth = float((np.diag(after) / np.diag(stationary)).max())
-        if step_s > limit_s:
-            assert growth == math.inf
-        elif method == wind_methods.EXACT:
-            assert growth == pytest.approx(1.0, abs=1e-6)
-        else:
-            assert growth < 1e6
-
-
-def test_the_stability_limit_is_where_growth_begins():
-    limit_s = wind_methods.stability_limit_s(wind_methods.EULER_MARUYAMA, SYSTEM)
-    for share, grows in ((0.999, False), (1.001, True)):
-        mean, _ = wind_methods.one_step(wind_methods.EULER_MARUYAMA, SYSTEM, share * limit_s)
-        assert (np.abs(np.linalg.eigvals(mean)).max() > 1.0) == grows
-
-
-@settings(max_examples=20)
-@given(steps)
-def test_the_exact_method_does_not_care_for_the_step(step_s):
-    # Through a hundred steps at most: rounding grows with their number.
-    horizon_s = step_s * 100.0
-    _, right = stepped(horizon_s)
-    picked = gusts.outputs()
-    many = wind_methods.moments(wind_methods.EXACT, SYSTEM, horizon_s, step_s)
-    assert np.diag(picked @ many @ picked.T) == pytest.approx(np.diag(picked @ right @ picked.T), rel=1e-11)
-
-
-def test_methods_start_at_rest_and_refuse_what_they_cannot_step():
-    assert not wind_methods.moments(wind_methods.EXACT, SYSTEM, 0.0, 1.0).any()
-    for arguments, says in (
-        (("Heun", SYSTEM, 1.0, 1.0), "method 'Heun'"),
-        ((wind_methods.EXACT, SYSTEM, 1.0, 0.0), "step 0.0 s"),
-        ((wind_methods.EXACT, SYSTEM, math.nan, 1.0), "horizon nan s"),
-    ):
-        with pytest.raises(InvalidInput, match=says):
-            wind_methods.moments(*arguments)

@@ -8,8 +8,10 @@ from pyproj import Geod
 from terrainav.core.errors import InvalidInput
 from terrainav.core.geodesy.camera import Camera
 from terrainav.core.geodesy.ellipsoid import WGS84
-from terrainav.core.geodesy.footprint import exact, image_points
+from terrainav.core.geodesy.footprint import exact
 from terrainav.core.pairs.views import View, reach_m, rings, spiral, standing_poses
+
+from tests.core.geodesy.inverse import image_points
 
 GEOD = Geod(ellps="WGS84")
 CAMERA = Camera(78.8, 1.0)

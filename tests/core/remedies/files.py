@@ -11,8 +11,9 @@ import numpy as np
 import pytest
 from terrainav.core import config, drawing, files, lock
 from terrainav.core.capture import folder as captures
-from terrainav.core.capture import jpeg, writers
-from terrainav.core.capture.description import Description
+from terrainav.core.capture import writers
+from terrainav.core.capture import writers as jpeg
+from terrainav.core.capture.metadata import Description
 from terrainav.core.capture.runner import capture
 from terrainav.core.geodesy.mercator import PixelGrid
 from terrainav.core.mission.area import Points
@@ -108,7 +109,7 @@ def described(attribution):
 
 
 @remedy(
-    "capture/jpeg.py",
+    "capture/writers.py",
     "description of a picture in {} bytes: a JPEG has room for {}; choose tif or png, or shorten the "
     "source's attribution",
 )

@@ -425,11 +425,11 @@ def _no_owslib(case: Case) -> None:
     "{}: its centre {} has more than {} decimals, which {} drops; plan with this source's grid",
 )
 def _decimals(case: Case) -> None:
-    from terrainav.core.capture.records import window_of
     from terrainav.core.geodesy.mercator import PixelGrid
     from terrainav.core.mission.area import Points
     from terrainav.core.mission.mission import Mission
     from terrainav.core.mission.plan import plan
+    from terrainav.core.picture.map_frame import window_of
 
     mission = Mission(Points(((35.135, -89.861, 120.0),)), 120.0, frame="map", max_px=640)
     with closing(StaticMapSource("a-key")) as source:

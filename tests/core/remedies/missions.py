@@ -7,7 +7,7 @@ from functools import partial
 
 import numpy as np
 from terrainav.core.geodesy.mercator import PixelGrid, extent_of_box
-from terrainav.core.mission import camera_preset, coords, presets, settings
+from terrainav.core.mission import cameras, coords, settings
 from terrainav.core.mission.area import Box, Points
 from terrainav.core.mission.estimate import beyond_imagery, upsampling
 from terrainav.core.mission.export import litchi, qgroundcontrol, write_plan
@@ -56,10 +56,10 @@ def _no_polygon(case: Case) -> None:
     case.follow("give a GeoJSON with one", lambda: coords.load_polygon(path))
 
 
-@remedy("mission/camera_preset.py", "{}: give one of {}")
+@remedy("mission/cameras.py", "{}: give one of {}")
 def _facts(case: Case) -> None:
     def made(facts):
-        return camera_preset.CameraPreset.from_dict("own", {"source": "measured", **facts})
+        return cameras.CameraPreset.from_dict("own", {"source": "measured", **facts})
 
     lens = {"sensor_mm": [13.2, 8.8], "focal_length_mm": 8.8}
     views = {
@@ -72,13 +72,13 @@ def _facts(case: Case) -> None:
     case.refused(lambda: made({"aspect_ratio": [3, 2]}))
     for name in sorted(views, key=len, reverse=True):
         case.follow(name, partial(made, views[name]))
-    case.follow("give one of", lambda: set(camera_preset._VIEWS) == set(views))
+    case.follow("give one of", lambda: set(cameras._VIEWS) == set(views))
 
 
-@remedy("mission/camera_preset.py", "size_px and {}: give one of the two")
+@remedy("mission/cameras.py", "size_px and {}: give one of the two")
 def _size_twice(case: Case) -> None:
     def made(facts):
-        return camera_preset.CameraPreset.from_dict("own", {"source": "measured", **facts})
+        return cameras.CameraPreset.from_dict("own", {"source": "measured", **facts})
 
     case.refused(lambda: made({"fov_deg": 80.0, "size_px": [640, 480], "image_px": 640}))
     made({"fov_deg": 80.0, "size_px": [640, 480]})
@@ -87,24 +87,24 @@ def _size_twice(case: Case) -> None:
     )
 
 
-@remedy("mission/presets.py", "camera {} is unknown: {}`terrainav cameras` lists the names")
+@remedy("mission/cameras.py", "camera {} is unknown: {}`terrainav cameras` lists the names")
 def _camera_unknown(case: Case) -> None:
-    text = case.refused(lambda: presets.camera_named("Mavic 2 Prow"))
+    text = case.refused(lambda: cameras.camera_named("Mavic 2 Prow"))
     meant = text.partition("did you mean ")[2].partition("?")[0]
     case.follow(
-        f"did you mean {meant}?", lambda: [presets.camera_named(name) for name in meant.split(" or ")]
+        f"did you mean {meant}?", lambda: [cameras.camera_named(name) for name in meant.split(" or ")]
     )
     names = case.run("cameras").stdout
     case.follow("terrainav cameras` lists the names", lambda: "DJI Mavic 2 Pro" in names)
-    presets.camera_named("DJI Mavic 2 Pro")
+    cameras.camera_named("DJI Mavic 2 Pro")
 
 
-@remedy("mission/user_cameras.py", "camera name {}: {} is taken; choose another")
+@remedy("mission/cameras.py", "camera name {}: {} is taken; choose another")
 def _camera_taken(case: Case) -> None:
     case.monkeypatch.setenv("TERRAINAV_CONFIG_DIR", str(case.tmp_path))
     facts = {"source": "measured", "fov_deg": 80.0, "aspect_ratio": [3, 2]}
-    case.refused(lambda: presets.add_camera("dji mavic 2 pro", facts))
-    case.follow("choose another", lambda: presets.add_camera("My own", facts))
+    case.refused(lambda: cameras.add_camera("dji mavic 2 pro", facts))
+    case.follow("choose another", lambda: cameras.add_camera("My own", facts))
 
 
 @remedy("mission/settings.py", "area {} and coords {}: give one of the two")

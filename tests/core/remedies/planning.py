@@ -6,11 +6,10 @@ import re
 from functools import partial
 
 import numpy as np
-from terrainav.core.geodesy.camera import Camera
+from terrainav.core.geodesy.camera import Camera, Poses
+from terrainav.core.geodesy.footprint import outline
 from terrainav.core.geodesy.frames import map_windows
-from terrainav.core.geodesy.horizon import outline
 from terrainav.core.geodesy.mercator import PixelGrid
-from terrainav.core.geodesy.poses import Poses
 from terrainav.core.mission.area import Box, Points
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
@@ -58,13 +57,13 @@ def planned(module, message, mission, ways, grid=GRID):
 
 
 planned(
-    "choosing.py",
+    "methods.py",
     "pixels of {} m on the ground: degrees in float64 resolve {} m; fly higher or widen the field of view",
     at(35.0, 0.01, camera=Camera(0.01, 1.0), frame="camera", upsample=True),
     {"fly higher": moved(35.0, 10.0), "widen the field of view": {"camera": Camera(60.0, 1.0)}},
 )
 planned(
-    "choosing.py",
+    "methods.py",
     "error budget {} px: no methods fit; the closest are {} with {} px, {} times as much; raise "
     "--error-budget, or go on "
     "with --accept-error",
@@ -72,7 +71,7 @@ planned(
     {"raise --error-budget": {"error_budget_px": NAMED}, "go on with --accept-error": {"accept_error": True}},
 )
 planned(
-    "choosing.py",
+    "methods.py",
     "picture as the camera sees it: {}; choose a source of tiles",
     Mission(AREA, 120.0, tilt_deg=9.0),
     {"choose a source of tiles": GRID},
@@ -90,7 +89,7 @@ TOO_LARGE = {
 }
 
 
-@remedy("mission/framing.py", LARGER_PICTURES)
+@remedy("mission/layout/framing.py", LARGER_PICTURES)
 def _larger_pictures(case: Case) -> None:
     for mission, grid, _ in TOO_LARGE.values():
         case.refused(partial(plan, mission, grid))
@@ -100,23 +99,23 @@ def _larger_pictures(case: Case) -> None:
 
 
 for _advice, (_mission, _grid, _change) in TOO_LARGE.items():
-    planned("framing.py", _advice, _mission, {_advice: _change}, _grid)
+    planned("layout/framing.py", _advice, _mission, {_advice: _change}, _grid)
 
 planned(
-    "framing.py",
+    "layout/framing.py",
     "or make them smaller (--max-px)",
     at(35.0, 9e3, image_px=20_000, accept_error=True),
     {"make them smaller (--max-px)": {"max_px": 10_000}},
 )
 planned(
-    "framing.py",
+    "layout/framing.py",
     "zoom {}: the source's own pixels end at zoom {}; ask for that, or allow enlarged pixels (--upsample)",
     Mission(AREA, 120.0, zoom=20),
     {"ask for that": {"zoom": 16}, "allow enlarged pixels (--upsample)": {"upsample": True}},
     PixelGrid(native_zoom=16),
 )
 planned(
-    "framing.py",
+    "layout/framing.py",
     "ground sample distance {} m: the source's own pixels are {} m here; ask for that or more, or allow "
     "enlarged pixels "
     "(--upsample)",
@@ -129,38 +128,38 @@ planned(
     PixelGrid(native_zoom=16),
 )
 planned(
-    "framing.py",
+    "layout/framing.py",
     "{}: lies beyond the map, which ends at ±{}; fly higher or nearer to the equator",
     at(86.0, 1e3),
     {"fly higher": moved(86.0, 1e6), "nearer to the equator": moved(80.0, 1e3)},
 )
 planned(
-    "framing.py",
+    "layout/framing.py",
     "{}: reaches beyond the map, which ends at ±{}; fly lower or nearer to the equator",
     at(85.0505, 300.0, **HIGH),
     {"fly lower": moved(85.0505, 3.0), "nearer to the equator": moved(84.0, 300.0)},
 )
 planned(
-    "framing.py",
+    "layout/framing.py",
     "picture from {} m at zoom {}: under one pixel; fly higher or choose a higher zoom",
     at(35.0, 1.0, zoom=5, **HIGH),
     {"fly higher": moved(35.0, 1e5), "choose a higher zoom": {"zoom": 22}},
 )
 planned(
-    "framing.py",
+    "layout/framing.py",
     "{}; fly higher or choose a higher zoom",
     at(35.0, 1.0, zoom=5),
     {"fly higher": moved(35.0, 1e5), "choose a higher zoom": {"zoom": 22}},
 )
 planned(
-    "framing.py",
+    "layout/framing.py",
     "{}; fly higher or choose a smaller ground sample distance",
     at(35.0, 1.0, gsd_m_per_px=90.0, frame="camera"),
     {"fly higher": moved(35.0, 1e4), "choose a smaller ground sample distance": {"gsd_m_per_px": 0.5}},
 )
 NARROW = at(0.0, 9e4, camera=Camera(20.0, 1e4), tilt_deg=1.0, frame="camera")
 planned(
-    "framing.py",
+    "layout/framing.py",
     "{}; choose a less extreme aspect ratio or a larger image (--image-px)",
     NARROW,
     {
@@ -169,7 +168,7 @@ planned(
     },
 )
 planned(
-    "framing.py",
+    "layout/framing.py",
     "{}; choose a less extreme aspect ratio or larger pictures (--max-px)",
     NARROW.with_(image_px=9_000, max_px=640),
     {
@@ -178,7 +177,7 @@ planned(
     },
 )
 planned(
-    "layout.py",
+    "layout/rows.py",
     "mission of {} images: the limit is {}; fly higher, draw a smaller area, or raise it (--max-images)",
     Mission(AREA, 120.0, max_images=20),
     {
@@ -188,27 +187,27 @@ planned(
     },
 )
 planned(
-    "layout.py",
+    "layout/rows.py",
     "overlap {}: leaves under a thousandth of a pixel between captures; overlap less",
     Mission(Box(35, -89, 35, -89), 120.0, overlap_along=0.9999999),
     {"overlap less": {"overlap_along": 0.9}},
 )
 planned(
-    "layout.py",
+    "layout/rows.py",
     "paper layout over {} deg of longitude: its UTM grid holds to {} deg from the zone's meridian; use "
     "--layout cover",
     Mission(Box(10, -170, -10, 170), 1e5, layout="paper", accept_error=True),
     {"use --layout cover": {"layout": "cover"}},
 )
 planned(
-    "layout.py",
+    "layout/rows.py",
     "images without a thousandth of a pixel of ground to count on: the camera looks past the map or the Earth; tilt it "
     "less or fly lower",
     Mission(Box(84, 0, 83.5, 1), 8e5, tilt_deg=20.0),
     {"tilt it less": {"tilt_deg": 2.0}, "fly lower": {"agl_m": 8e4}},
 )
 planned(
-    "layout.py",
+    "layout/rows.py",
     "images without a thousandth of a pixel of ground to count on: the camera looks past the map or the "
     "Earth; fly lower",
     over(70.0, agl_m=3e6),
@@ -216,13 +215,13 @@ planned(
 )
 ASIDE = Mission(Box(84.5, 0, 84, 1), 3e5, yaw_deg=180.0, tilt_deg=50.0)
 planned(
-    "layout.py",
+    "layout/rows.py",
     "camera at {} m, tilted so: from nowhere on the map does it see this area; tilt it less or fly lower",
     ASIDE,
     {"tilt it less": {"tilt_deg": 5.0}, "fly lower": {"agl_m": 1e4}},
 )
 planned(
-    "layout.py",
+    "layout/rows.py",
     "rows from {} m cannot be placed so that their images cover this area; tilt the camera less, fly lower or take a "
     "smaller area",
     Mission(Box(84, 0, 83, 1), 1e5, yaw_deg=180.0, tilt_deg=60.0),
@@ -233,13 +232,13 @@ planned(
     },
 )
 planned(
-    "layout.py",
+    "layout/rows.py",
     "rows from {} m cannot be placed so that their images cover this area; fly lower or take a smaller area",
     Mission(Box(84.9, 0, 0, 1), 8e5),
     {"fly lower": {"agl_m": 1e5}, "take a smaller area": {"area": Box(50, 0, 0, 1)}},
 )
 planned(
-    "layout.py",
+    "layout/rows.py",
     "rows from {} m cannot be placed so near to a pole; fly lower or farther from it",
     Mission(Box(84.9, 0, 84.4, 1), 2e6),
     {"fly lower": {"agl_m": 3e4}, "farther from it": {"area": Box(50, 0, 49.5, 1)}},
@@ -251,13 +250,13 @@ planned(
     {"fly higher": {"agl_m": 300.0}, "in less turbulence": {"wind": Wind(3.0, 250.0, 0.05)}},
 )
 planned(
-    "turned.py",
+    "layout/rotated.py",
     "{}: the layout {} is north-up; use --layout cover",
     TURNED.with_(layout="paper"),
     {"use --layout cover": {"layout": "cover"}},
 )
 planned(
-    "turned.py",
+    "layout/rotated.py",
     "camera with tilt {}, roll {} deg from {} m: sees past the horizon, where turned rows have no "
     "frames; tilt it less, "
     "fly lower or fly north-up rows",
@@ -269,13 +268,13 @@ planned(
     },
 )
 planned(
-    "turned.py",
+    "layout/rotated.py",
     "camera from {} m: sees past the horizon, where turned rows have no frames; fly lower or fly north-up rows",
     Mission(SMALL, 2e6, camera=Camera(100.0, 1.0), grid_angle_deg=37.0),
     {"fly lower": {"agl_m": 1e5}, "fly north-up rows": {"grid_angle_deg": 0.0}},
 )
 planned(
-    "turned.py",
+    "layout/rotated.py",
     "grid angle {} deg: turned rows hold to {} km from the area's middle, and the area or its images "
     "reach {} km; take a "
     "smaller area or north-up rows",
@@ -318,7 +317,7 @@ def _holds_a_pole(case: Case) -> None:
 
 
 @remedy(
-    "geodesy/horizon.py",
+    "geodesy/footprint.py",
     "camera at height {} m, yaw {}, tilt {}, roll {} deg: no ray of its image meets the Earth; tilt it down",
 )
 def _sees_the_sky(case: Case) -> None:

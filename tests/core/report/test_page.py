@@ -23,14 +23,12 @@ from terrainav.core.mission.area import Box, Points
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 from terrainav.core.mission.wind import Wind
-from terrainav.core.report import bench, plots
-from terrainav.core.report.html import element, page, table
+from terrainav.core.report import pictures, plots
 from terrainav.core.report.measure import measure
-from terrainav.core.report.numbers import csv_files
-from terrainav.core.report.page import PAGE, write_report
-from terrainav.core.report.tables import Table, methods_table, px_text
-from terrainav.core.report.timing import Seconds
-from terrainav.core.report.words import verdict
+from terrainav.core.report.page import PAGE, document, element, table, write_report
+from terrainav.core.report.sentences import verdict
+from terrainav.core.report.tables import Table, csv_files, methods_table, px_text
+from terrainav.core.timing import Seconds
 
 pytest.importorskip("matplotlib", reason="matplotlib, which draws the report's diagrams, is not installed")
 
@@ -113,21 +111,19 @@ def test_the_page_says_what_was_chosen_and_whether_it_held(report):
     assert "nan" not in words.lower().split()
     names = {"map": "map frame", "camera": "camera frame"}
     for choice in worked_out.accuracy.choices:
-        assert names.get(choice.rung.name, choice.rung.name) in words
+        assert names.get(choice.method.name, choice.method.name) in words
         assert choice.reason in words
     for what, why in worked_out.accuracy.left_out:
         assert what in words
         assert why in words
     for name in ("numpy", "pyproj", "Pillow", "PROJ", "processor", "cores"):
         assert name in words
-    assert ("Euler-Maruyama" in words) == (worked_out.mission.wind is not None)
 
 
 def test_the_pictures_are_pictures(report):
-    worked_out, folder, _ = report
+    _, folder, _ = report
     found = sorted(path.name for path in folder.glob("*.png"))
-    wind = ["wind.png"] if worked_out.mission.wind else []
-    assert found == sorted(["resampling.png", *wind, "work-precision.png"])
+    assert found == ["resampling.png", "work-precision.png"]
     for name in found:
         with Image.open(folder / name) as picture:
             assert picture.format == "PNG"
@@ -149,12 +145,14 @@ def test_errors_are_within_their_bounds_and_times_are_times(report):
         low, median, high = (float(row[f"seconds_per_capture{end}"]) for end in ("_low", "", "_high"))
         assert 0.0 < low <= median <= high < 60.0
     chosen = {row["stage"]: row["method"] for row in methods if row["chosen"] == "1"}
-    assert chosen == {choice.rung.stage: choice.rung.name for choice in worked_out.accuracy.choices}
+    assert chosen == {choice.method.stage: choice.method.name for choice in worked_out.accuracy.choices}
     for choice in worked_out.accuracy.choices:
         row = next(
-            row for row in methods if row["method"] == choice.rung.name and row["stage"] == choice.rung.stage
+            row
+            for row in methods
+            if row["method"] == choice.method.name and row["stage"] == choice.method.stage
         )
-        assert float(row["bound_px"]) == pytest.approx(choice.rung.bound_px)
+        assert float(row["bound_px"]) == pytest.approx(choice.method.bound_px)
     exact = [row for row in measured if row["method"] in ("exact", "rays")]
     assert len(exact) == 2
     assert all(float(row["error_px"]) < 1e-6 for row in exact)
@@ -163,7 +161,7 @@ def test_errors_are_within_their_bounds_and_times_are_times(report):
 def test_every_csv_is_read_back(report):
     worked_out, folder, _ = report
     names = sorted(path.name for path in folder.glob("*.csv"))
-    wind = ["wind.csv", "wind-coverage.csv", "wind-displacement.csv"] if worked_out.mission.wind else []
+    wind = ["wind-coverage.csv", "wind-displacement.csv"] if worked_out.mission.wind else []
     assert names == sorted(["files.csv", "left_out.csv", "methods.csv", "resampling.csv", *wind])
     assert all(rows(folder, name) for name in names)
     left_out = {row["what"]: row for row in rows(folder, "left_out.csv")}
@@ -190,25 +188,6 @@ def test_finer_kernels_are_nearer_to_the_worlds_true_values(report):
         bands = [float(row["rms_grey_levels"]) for row in found if row["kernel"] == kernel]
         # The window of the spectrum weighs the middle of the patch more than its edges.
         assert math.sqrt(sum(band**2 for band in bands)) == pytest.approx(whole, rel=0.35)
-
-
-def test_the_exact_discretisation_is_the_only_exact_one_and_euler_maruyama_ends(report):
-    worked_out, folder, _ = report
-    if worked_out.mission.wind is None:
-        assert not (folder / "wind.csv").exists()
-        return
-    found = rows(folder, "wind.csv")
-    step = [row for row in found if row["what"] == "covariance at the next exposure"]
-    exact = [row for row in step if row["method"] == "exact"]
-    assert len(exact) == 1
-    assert float(exact[0]["relative_error"]) < 1e-11
-    assert all(float(row["relative_error"] or 9.0) > 1e-6 for row in step if row["method"] != "exact")
-    settled = [row for row in found if row["what"] == "covariance settled at"]
-    for row in settled:
-        stable = row["method"] != "Euler-Maruyama" or float(row["step_s"]) < 0.0085
-        assert bool(row["relative_error"]) == stable
-        if row["method"] == "exact":
-            assert float(row["relative_error"]) < 1e-9
 
 
 @pytest.mark.parametrize("where", ["file", "under a file"])
@@ -297,12 +276,12 @@ def test_a_budget_that_was_exceeded_and_a_bound_that_was_broken_are_said():
     assert "more than the budget of 0.1 px: that was accepted" in sentence
     assert 0.1 < found.error_px <= worked_out.accuracy.bound_px
     on_map = found.stages["picture"][0]
-    broken = replace(on_map, error_px=2.0 * on_map.rung.bound_px)
+    broken = replace(on_map, error_px=2.0 * on_map.method.bound_px)
     wrong = replace(found, stages={**found.stages, "picture": (broken, *found.stages["picture"][1:])})
     kept, sentence = verdict(worked_out, wrong)
     assert not kept
     # The sums alone may look as if all were well: the method is named with the two figures that say otherwise.
-    figures = f"map by {px_text(broken.error_px)} where {px_text(on_map.rung.bound_px)} were its bound"
+    figures = f"map by {px_text(broken.error_px)} where {px_text(on_map.method.bound_px)} were its bound"
     assert f"NOT within the bounds, {figures}." in sentence
     assert any("above its bound" in row[3] for row in methods_table(wrong).rows)
 
@@ -313,17 +292,17 @@ def test_traced_pixels_are_within_their_bound_which_counts_their_place_on_the_ma
     turned = Mission(Points(((lat, lon, agl),)), agl, yaw_deg=30.0)
     worked_out = plan(turned, WORLD.grid)
     found = measure(worked_out, WORLD, quick=True)
-    camera = next(one for one in found.stages["picture"] if one.rung.name == "camera")
+    camera = next(one for one in found.stages["picture"] if one.method.name == "camera")
     assert camera.chosen
     # Between positions in float64 and their bound lie no orders of magnitude.
-    assert 0.02 * camera.rung.bound_px < camera.error_px <= camera.rung.bound_px
+    assert 0.02 * camera.method.bound_px < camera.error_px <= camera.method.bound_px
     kept, sentence = verdict(worked_out, found)
     assert kept, sentence
 
 
 @pytest.mark.parametrize("frame", ["map", "camera"])
 def test_large_pictures_are_timed_on_a_part(monkeypatch, frame):
-    monkeypatch.setattr(bench, "_MOST_PX", 2_000)
+    monkeypatch.setattr(pictures, "_MOST_PX", 2_000)
     worked_out = plan(MISSIONS["map frames"].with_(frame=frame), WORLD.grid)
     found = measure(worked_out, WORLD, quick=True)
     wide, high = found.planned_px
@@ -336,7 +315,7 @@ def test_large_pictures_are_timed_on_a_part(monkeypatch, frame):
 
 def test_text_is_escaped_wherever_it_stands():
     nasty = "<script>'\"&"
-    made = page(
+    made = document(
         nasty, "p { color: red }", element("p", nasty, title=nasty), table(Table((nasty,), [(nasty,)]))
     )
     assert "<script>" not in made

@@ -11,10 +11,10 @@ from terrainav.core.imagery.catalogue.user_sources import add, described
 from terrainav.core.imagery.opening import entry_of
 from terrainav.core.imagery.transport import TransportError
 from terrainav.core.mission.area import Box
+from terrainav.core.mission.cameras import user_cameras
 from terrainav.core.mission.estimate import ONLINE, estimate
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
-from terrainav.core.mission.presets import user_cameras
 from terrainav.terrainav_plugin.credentials import key_in, problem_with
 from terrainav.terrainav_plugin.dock import mission_form
 from terrainav.terrainav_plugin.dock.camera_choices import save_camera

@@ -1,0 +1,288 @@
+"""What a picture's file says of it: description, EXIF and XMP.
+
+EXIF says who, what, when, and the camera's place, heading and optics (EXIF 3.0, CIPA DC-008-2023); XMP the attitude
+and the optics in the namespace that mapping software reads. Yaw, pitch and roll turn an aircraft that carries the
+camera looking down, one after the other about its own axes (z-y'-x'' with x ahead, y to the right, z down): all 0 is
+a picture of the ground below with north at its top, pitch 90 looks ahead. They are the yaw, tilt and roll of
+`Camera.rays_enu` as they are, and the angles that OpenSfM and OpenDroneMap take them for (Bäumker and Heimes 2001).
+
+Numbers have the digits that mean something: sines of other processors differ in the last places, and numbers with all
+of theirs would make every file another one.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from datetime import datetime
+from html import escape
+from typing import NamedTuple
+
+import numpy as np
+
+from ..geodesy.mercator import wrap_lon_deg
+from ..picture.optics import Exposure
+from .tiff import HEADER_BYTES, Kind, Tag, directory, header, rational
+
+SOFTWARE = "TerrAInav"
+#: The camera is a simulated one, and its maker this program. Readers turn the angles of some makers' cameras.
+MAKE = SOFTWARE
+#: Denominator of the seconds of arc in positions: 3 micrometres of ground, and the numerator fits 32 bits.
+_ARC_SECOND_SHARE = 10_000_000
+#: Denominator of a heading.
+_HEADING_SHARE = 1_000_000
+_MICROSECONDS = 1_000_000
+_CENTIMETRE = 3
+_MM_PER_CM = 10.0
+NAMESPACE = "http://pix4d.com/camera/1.0/"
+#: Decimals of degrees, 0.1 mm of ground, and digits of other figures.
+DECIMALS_OF_DEGREES, _DIGITS = 9, 6
+#: Decimals of an accuracy in metres, of which 0.01 is the finest that is stated.
+_DECIMALS_OF_ACCURACY = 4
+#: What XML 1.0 excludes, however it is written.
+_NOT_TEXT = re.compile("[^\t\n\r -\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
+
+
+@dataclass(frozen=True)
+class Description:
+    """What a picture's own metadata says about it.
+
+    Parameters
+    ----------
+    name : str
+        Of the picture, without ending.
+    map_type : str
+    source, attribution : str
+        Title of the source as people see it, and the credit it asks for; without characters that files have no
+        form for.
+    zoom : int
+    lat_deg, lon_deg, agl_m, yaw_deg, tilt_deg, roll_deg : float
+        Pose of the camera; the longitude may be continuous beyond ±180.
+    imagery_date : str
+        Empty where the source does not say.
+    effective_gsd_m_per_px : float or None
+        Metres of ground that the picture tells apart, which enlarged pixels do not make smaller.
+    more : tuple of (str, str)
+        Names and values that are added to the metadata.
+    exposure : Exposure or None
+        What a JPEG says as a drone's does; None where the format has no room for it.
+    """
+
+    name: str
+    map_type: str
+    source: str
+    attribution: str
+    zoom: int
+    lat_deg: float
+    lon_deg: float
+    agl_m: float
+    yaw_deg: float = 0.0
+    tilt_deg: float = 0.0
+    roll_deg: float = 0.0
+    imagery_date: str = ""
+    effective_gsd_m_per_px: float | None = None
+    more: tuple[tuple[str, str], ...] = ()
+    exposure: Exposure | None = None
+
+    def __post_init__(self) -> None:
+        for field in ("source", "attribution", "imagery_date"):
+            object.__setattr__(self, field, plain_text(getattr(self, field)))
+
+    @property
+    def title(self) -> str:
+        """One line for people."""
+        return f"{self.name} {self.map_type}, {self.source}"
+
+    @property
+    def wrapped_lon_deg(self) -> float:
+        """Longitude in [-180, 180), as files state it."""
+        return degrees(float(wrap_lon_deg(np.asarray(degrees(self.lon_deg)))))
+
+    def metadata(self) -> dict[str, str]:
+        """Names and values as GDAL shows them, the same in every format."""
+        numbers = {
+            "LAT_DEG": degrees(self.lat_deg),
+            "LON_DEG": self.wrapped_lon_deg,
+            "AGL_M": figure(self.agl_m),
+            "YAW_DEG": degrees(self.yaw_deg),
+            "TILT_DEG": degrees(self.tilt_deg),
+            "ROLL_DEG": degrees(self.roll_deg),
+        }
+        if self.effective_gsd_m_per_px is not None:
+            numbers["EFFECTIVE_GSD_M_PER_PX"] = figure(self.effective_gsd_m_per_px)
+        return {
+            "NAME": self.name,
+            "MAP_TYPE": self.map_type,
+            "SOURCE": self.source,
+            "ATTRIBUTION": self.attribution,
+            "ZOOM": str(self.zoom),
+            **{key: repr(value) for key, value in numbers.items()},
+            **({"IMAGERY_DATE": self.imagery_date} if self.imagery_date else {}),
+            **dict(self.more),
+        }
+
+
+class FocalTags(NamedTuple):
+    """Focal length in mm and px of the picture per cm of the sensor, each as numerator and denominator."""
+
+    length_mm: list[int]
+    x_px_per_cm: list[int]
+    y_px_per_cm: list[int]
+
+    @classmethod
+    def of(cls, focal_length_mm: float, focal_x_px: float, focal_y_px: float) -> FocalTags:
+        """Tags whose product is the focal length in px, to the digits of a figure, however that in mm is rounded."""
+        length = rational(figure(focal_length_mm))
+        per_px = length[0] / length[1] / _MM_PER_CM
+        return cls(length, rational(figure(focal_x_px) / per_px), rational(figure(focal_y_px) / per_px))
+
+    def ratio(self, width_px: int) -> float:
+        """Focal length in widths of the picture, in the steps in which OpenSfM and OpenDroneMap work it out.
+
+        They name cameras by its first digits.
+        """
+        units_per_pixel = 1.0 / (self.x_px_per_cm[0] / self.x_px_per_cm[1])
+        sensor_width = width_px * units_per_pixel * int(_MM_PER_CM)
+        return self.length_mm[0] / self.length_mm[1] / sensor_width
+
+
+def exif(description: Description) -> bytes:
+    """TIFF structure with the directories of the picture, its exposure and its position."""
+    exposure = description.exposure
+    own = [
+        Tag(270, Kind.ASCII, description.title),
+        Tag(274, Kind.SHORT, [1]),  # orientation: as it is
+        Tag(305, Kind.ASCII, SOFTWARE),
+        Tag(33432, Kind.ASCII, description.attribution),
+    ]
+    below = [(34853, _position(description))]
+    if exposure is not None:
+        own += [Tag(271, Kind.ASCII, MAKE), Tag(272, Kind.ASCII, exposure.body.model)]
+        below.insert(0, (34665, _exposure(exposure)))
+
+    def root(offsets: list[int]) -> bytes:
+        pointers = [Tag(number, Kind.LONG, [at]) for (number, _), at in zip(below, offsets)]
+        return directory([*own, *pointers], HEADER_BYTES)
+
+    at, parts, offsets = HEADER_BYTES + len(root([0] * len(below))), [], []
+    for _, tags in below:
+        offsets.append(at)
+        parts.append(directory(tags, at))
+        at += len(parts[-1])
+    return b"".join([header(), root(offsets), *parts])
+
+
+def xmp(description: Description, exposure: Exposure) -> bytes:
+    """XMP packet (ISO 16684-1) with the names of the ``Camera`` namespace as attributes, in one line.
+
+    OpenSfM searches for the element ``x:xmpmeta`` in the text that Python makes of the file's bytes, where a line's end
+    is no white space.
+    """
+    length = exposure.body.focal_length_mm
+    x_mm, y_mm = (at * length / focal for at, focal in zip(exposure.centre_px, exposure.focal_px))
+    across_m, in_height_m = exposure.accuracy_m
+    values = {
+        "Yaw": repr(degrees(description.yaw_deg)),
+        "Pitch": repr(degrees(description.tilt_deg)),
+        "Roll": repr(degrees(description.roll_deg)),
+        "GPSXYAccuracy": repr(accuracy(across_m)),
+        "GPSZAccuracy": repr(accuracy(in_height_m)),
+        "ModelType": "perspective",
+        "PrincipalPoint": f"{figure(x_mm)!r},{figure(y_mm)!r}",
+        "PerspectiveFocalLength": repr(figure(length)),
+        "AboveGroundAltitude": repr(figure(description.agl_m)),
+    }
+    attributes = " ".join(f'Camera:{name}="{value}"' for name, value in values.items())
+    return (
+        '<?xpacket begin="\ufeff" id="W5M0MpCehiHzreSzNTczkc9d"?>'
+        '<x:xmpmeta xmlns:x="adobe:ns:meta/"><rdf:RDF xmlns:rdf="http://www.w3.org/1999/02/22-rdf-syntax-ns#">'
+        f'<rdf:Description rdf:about="" xmlns:Camera="{NAMESPACE}" {attributes}/>'
+        '</rdf:RDF></x:xmpmeta><?xpacket end="r"?>'
+    ).encode()
+
+
+def degrees(angle_deg: float) -> float:
+    """Angle in degrees as files state it; never -0."""
+    return round(float(angle_deg), DECIMALS_OF_DEGREES) + 0.0
+
+
+def accuracy(metres: float) -> float:
+    """Accuracy of a position as files state it, to a hundredth of the finest."""
+    return round(float(metres), _DECIMALS_OF_ACCURACY)
+
+
+def figure(value: float) -> float:
+    """Any other number as files state it; never -0."""
+    return float(f"{value:.{_DIGITS}g}") + 0.0
+
+
+def plain_text(text: str) -> str:
+    """Text without the characters that files have no form for (control characters, halves of pairs)."""
+    return _NOT_TEXT.sub("\N{REPLACEMENT CHARACTER}", text)
+
+
+def xml_text(text: str) -> str:
+    """Text as it may stand in XML 1.0."""
+    return escape(plain_text(text), quote=True)
+
+
+def _exposure(exposure: Exposure) -> list[Tag]:
+    focal = FocalTags.of(exposure.body.focal_length_mm, *exposure.focal_px)
+    tags = [
+        Tag(36864, Kind.UNDEFINED, b"0300"),  # ExifVersion
+        Tag(37386, Kind.RATIONAL, focal.length_mm),
+        Tag(40961, Kind.SHORT, [1]),  # sRGB
+        Tag(40962, Kind.LONG, [exposure.size_px[0]]),
+        Tag(40963, Kind.LONG, [exposure.size_px[1]]),
+        Tag(41486, Kind.RATIONAL, focal.x_px_per_cm),
+        Tag(41487, Kind.RATIONAL, focal.y_px_per_cm),
+        Tag(41488, Kind.SHORT, [_CENTIMETRE]),
+    ]
+    if exposure.taken is not None:
+        tags += [
+            Tag(36867, Kind.ASCII, f"{_date(exposure.taken)} {exposure.taken:%H:%M:%S}"),
+            Tag(36881, Kind.ASCII, "+00:00"),
+            Tag(37521, Kind.ASCII, f"{exposure.taken.microsecond:06d}"),
+        ]
+    return tags
+
+
+def _position(description: Description) -> list[Tag]:
+    """Tags of the camera's place; the altitude counts from the ellipsoid.
+
+    That is what references 0 and 1 mean since version 2.4 of these tags; before, they counted from the sea.
+    """
+    lat, lon, exposure = degrees(description.lat_deg), description.wrapped_lon_deg, description.exposure
+    altitude_m = figure(description.agl_m if exposure is None else exposure.altitude_m)
+    heading = round(description.yaw_deg % 360.0 * _HEADING_SHARE) % (360 * _HEADING_SHARE)
+    tags = [
+        Tag(0, Kind.BYTE, [2, 4, 0, 0]),  # GPSVersionID
+        Tag(1, Kind.ASCII, "S" if lat < 0.0 else "N"),
+        Tag(2, Kind.RATIONAL, _degrees_minutes_seconds(lat)),
+        Tag(3, Kind.ASCII, "W" if lon < 0.0 else "E"),
+        Tag(4, Kind.RATIONAL, _degrees_minutes_seconds(lon)),
+        Tag(5, Kind.BYTE, [int(altitude_m < 0.0)]),
+        Tag(6, Kind.RATIONAL, rational(abs(altitude_m))),
+        Tag(16, Kind.ASCII, "T"),  # heading from true north
+        Tag(17, Kind.RATIONAL, [heading, _HEADING_SHARE]),
+        Tag(18, Kind.ASCII, "WGS-84"),
+    ]
+    if exposure is not None and exposure.taken is not None:
+        taken = exposure.taken
+        seconds = taken.second * _MICROSECONDS + taken.microsecond
+        time = [taken.hour, 1, taken.minute, 1, seconds, _MICROSECONDS]
+        tags += [Tag(7, Kind.RATIONAL, time), Tag(29, Kind.ASCII, _date(taken))]
+    return tags
+
+
+def _date(day: datetime) -> str:
+    # `strftime` fills up years before 1000 on some systems only.
+    return f"{day.year:04d}:{day.month:02d}:{day.day:02d}"
+
+
+def _degrees_minutes_seconds(angle_deg: float) -> list[int]:
+    """Numerators and denominators of degrees, minutes and seconds."""
+    shares = round(abs(angle_deg) * 3600 * _ARC_SECOND_SHARE)
+    minutes, seconds = divmod(shares, 60 * _ARC_SECOND_SHARE)
+    degrees, minutes = divmod(minutes, 60)
+    return [degrees, 1, minutes, 1, seconds, _ARC_SECOND_SHARE]

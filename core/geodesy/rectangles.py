@@ -1,0 +1,463 @@
+"""Rectangles that lie wholly inside what cameras see: what covering an area counts on."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .camera import Camera, Poses
+from .ellipsoid import WGS84, Ellipsoid, above_tangent_plane_m, sight_lines
+from .footprint import Corners, exact, outline
+from .frames import FrameEdges
+from .mercator import lat_to_v, lon_to_u, u_to_lon, v_to_lat
+from .projections import NOISE_M, LocalPlane
+
+Floats = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+#: Ratios that are tried where the horizon cuts an image, each by halving.
+_TRIED_RATIOS = 7
+#: Rounding an edge to the grid may move it outward by half a pixel; the rest is for what float64 does to positions.
+_MARGIN_PX = 0.5 + 1e-3
+#: Poles are infinitely far up and down the map; this far, in world fractions, is far enough.
+_BEYOND = 1.0
+#: Longitudes within this of a level camera's are not beyond a pole.
+_SAME_SIDE_DEG = 90.0
+#: Halvings to find how much smaller a rectangle has to be that the image shows it.
+_HALVINGS = 40
+#: Halvings, and points along each side, where rectangles of several shapes are compared.
+_ROUGHLY, _ROUGH_POINTS = 10, 5
+#: Half images by which a rectangle may leave its image to be made smaller in one step.
+_LITTLE = 1e-2
+#: Rounding of a position on the map, in world fractions.
+_ROUNDING = 2.0**-51
+#: No camera sees half of the Earth, and so none shows a rectangle of this width.
+_WIDEST = 0.5
+#: World widths up to which images of level cameras need no second look.
+_SMALL = 0.05
+#: A ring of the map whose ends are this far apart goes around a pole.
+_HALF_TURN = 0.5
+#: Poses worked on in one go, to bound memory.
+_BATCH = 1024
+#: Half images by which a rectangle may leave its image and still be inside it: the noise of ground positions in the
+#: smallest images there are.
+_NOISE_OF_SIDES = 1e-9
+#: Points along each edge of the image.
+_EDGE_POINTS = 12
+#: Ratios of height to width that are tried, and how far they reach from that of the ground itself.
+_RATIOS, _RATIO_REACH = 33, 16.0
+#: Points along each side of a rectangle at which it is asked whether the image shows it.
+_BORDER_POINTS = 13
+#: The same where fields of view are wider than this, degrees: a half image is a small angle at their sides.
+_WIDE_DEG, _WIDE_BORDER_POINTS = 120.0, 65
+
+
+def inscribed_edges(
+    camera: Camera, poses: Poses, ground: Ellipsoid = WGS84, pixel: float = 0.0
+) -> FrameEdges:
+    """Rectangles inside what cameras see, as large as their centre allows.
+
+    The centre is where the image's centre sees the ground; where that looks past the Earth, the middle of the part
+    of the image that does not.
+
+    Parameters
+    ----------
+    poses : Poses
+        (n,), of any attitude.
+    pixel : float
+        Size of a source pixel as a world fraction: the rectangles leave room for the rounding of their edges.
+
+    Returns
+    -------
+    FrameEdges
+        Of no extent where nothing of the map lies inside.
+
+    Raises
+    ------
+    InvalidInput
+        A camera none of whose rays meets the Earth.
+    """
+    if len(poses.lat_deg) > _BATCH:
+        starts = range(0, len(poses.lat_deg), _BATCH)
+        parts = [
+            inscribed_edges(camera, Poses(*(p[i : i + _BATCH] for p in poses)), ground, pixel) for i in starts
+        ]
+        return FrameEdges(*(np.concatenate(columns) for columns in zip(*parts)))
+    at_zero = poses._replace(lon_deg=np.zeros(len(poses.lat_deg)))
+    seen = exact(camera, at_zero, tuple((x, y) for x, y in _image_frame().tolist()), ground)
+    ring = _map_positions(seen)
+    whole = seen.hit.all(axis=1)
+    level = whole & (np.abs(seen.lon_deg) < _SAME_SIDE_DEG).all(axis=1)
+    for angle in poses.attitude:
+        level &= angle == 0.0
+    # Rings that the horizon cuts, or that go around a pole, are no polygons of the map.
+    polygon = whole & (np.abs(ring[:, -1, 0] - ring[:, 0, 0]) < _HALF_TURN)
+    edges, centre = _about_centres(camera, at_zero, ring, polygon & ~level, ~polygon & ~level, ground)
+    for side, straight in zip(edges, _level_edges(ring)):
+        side[level] = straight[level]
+    centre[level, 0] = 0.0
+    centre[level, 1] = (edges.top_v + edges.bottom_v)[level] / 2.0
+    inside = _narrowed(edges, np.where(polygon | level, _sag(ring), 0.0))
+    # Small images of level cameras are all but rectangles of the map.
+    asked = np.flatnonzero(~level | (np.ptp(ring[..., 0], axis=1) > _SMALL))
+    if len(asked):
+        some = FrameEdges(*(side[asked] for side in inside))
+        for side, shown in zip(inside, _shown(camera, at_zero.take(asked), some, centre[asked], ground)):
+            side[asked] = shown
+    return _narrowed(inside, _MARGIN_PX * pixel)
+
+
+def _about_centres(
+    camera: Camera, poses: Poses, ring: Floats, polygon: Flags, cut: Flags, ground: Ellipsoid
+) -> tuple[FrameEdges, Floats]:
+    """Edges and centres (n, 2) of rectangles inside rings that are polygons, and of such that are tried; else zero."""
+    count = len(ring)
+    centre, half_u, half_v = np.zeros((count, 2)), np.zeros(count), np.zeros(count)
+    if polygon.any():
+        centre[polygon] = _centres(camera, poses.take(polygon), ground)
+        half_u[polygon], half_v[polygon] = _half_sizes(ring[polygon] - centre[polygon, np.newaxis])
+    if cut.any():
+        centre[cut] = _centres(camera, poses.take(cut), ground)
+        half_u[cut], half_v[cut] = _searched(camera, poses.take(cut), ring[cut], centre[cut], ground)
+    half_u = np.minimum(half_u, _WIDEST / 2.0)
+    u, v = centre.T
+    return FrameEdges(u - half_u, u + half_u, v - half_v, v + half_v), centre
+
+
+def _narrowed(edges: FrameEdges, room: Floats | float) -> FrameEdges:
+    """Edges moved inward; those that would pass each other meet in the middle."""
+    across, down = (np.minimum(room, size / 2.0) for size in edges.size)
+    west, east, top, bottom = edges
+    return FrameEdges(west + across, east - across, top + down, bottom - down)
+
+
+def _shown(camera: Camera, poses: Poses, edges: FrameEdges, centre: Floats, ground: Ellipsoid) -> FrameEdges:
+    """Rectangles that images show whole: those that are not get smaller about their centre (n, 2) until they are.
+
+    What a camera sees of the Earth is convex in its image and less than half of the Earth, so that a rectangle whose
+    border is seen is seen.
+    """
+    beyond, moved = (_leaving(camera, poses, edges, ground, shift) for shift in (0.0, _ROUNDING))
+    finite = np.isfinite(beyond) & np.isfinite(moved)
+    noise = np.abs(np.where(finite, moved, 0.0) - np.where(finite, beyond, 0.0))
+    at = np.flatnonzero(beyond > noise)
+    if len(at) == 0:
+        return edges
+    some, limit, (u, v) = poses.take(at), noise[at], centre[at].T
+    reach = [side[at] - middle for side, middle in zip(edges, (u, u, v, v))]
+
+    def scaled(share: Floats) -> FrameEdges:
+        return FrameEdges(*(middle + share * way for way, middle in zip(reach, (u, u, v, v))))
+
+    # What leaves by little is a little smaller; the rest is found by halving.
+    inside = np.where(beyond[at] < _LITTLE, 1.0 - 2.0 * beyond[at], 0.0)
+    little = (inside > 0.0) & (_leaving(camera, some, scaled(inside), ground) <= limit)
+    if not little.all():
+        halved = _largest_share(
+            lambda share: np.asarray(_leaving(camera, some, scaled(share), ground) <= limit),
+            len(at),
+            _HALVINGS,
+        )
+        inside = np.where(little, inside, halved)
+    for side, smaller in zip(edges, scaled(inside)):
+        side[at] = smaller
+    return edges
+
+
+def _leaving(
+    camera: Camera,
+    poses: Poses,
+    edges: FrameEdges,
+    ground: Ellipsoid,
+    moved: float = 0.0,
+    points: int | None = None,
+) -> Floats:
+    """How far the borders of rectangles leave their images, (n,) in half images, infinite where the Earth hides them.
+
+    ``moved`` shifts the rectangles by so much, in world fractions; ``points`` are looked at along each side.
+    """
+    points = _border_points(camera) if points is None else points
+    across, down = _unit_border(points)
+    west, _, top, _ = (side[:, np.newaxis, np.newaxis] for side in edges)
+    width, height = (size[:, np.newaxis, np.newaxis] for size in edges.size)
+    # Longitudes here count from the camera's meridian, whose world fraction is a half.
+    dlon = u_to_lon(west + width * across + moved + 0.5)
+    lat = v_to_lat(top + height * down + moved)
+    camera_lat, agl = (values[:, np.newaxis, np.newaxis] for values in (poses.lat_deg, poses.agl_m))
+    vectors = sight_lines(camera_lat, agl, lat, dlon, ground)
+    sides = camera.beyond_sides(vectors.reshape(len(west), -1, 3), *poses.attitude)
+    below_m = -above_tangent_plane_m(camera_lat, vectors, lat, dlon)
+    hidden = _reach(below_m[..., np.newaxis]) >= 0.0
+    beyond: Floats = np.where(hidden, np.inf, _reach(sides.reshape(len(west), 4, points, 4))).max(axis=1)
+    return beyond
+
+
+def _level_edges(ring: Floats) -> FrameEdges:
+    """Edges inside the rings (n, k, 2) of level, north-up cameras, whose own edges are nearly the map's."""
+    north, east, south, west = (
+        np.take(ring, range(start, start + _EDGE_POINTS + 1), axis=1, mode="wrap")
+        for start in range(0, 4 * _EDGE_POINTS, _EDGE_POINTS)
+    )
+    return FrameEdges(
+        west[..., 0].max(axis=1),
+        east[..., 0].min(axis=1),
+        north[..., 1].max(axis=1),
+        south[..., 1].min(axis=1),
+    )
+
+
+def _map_positions(seen: Corners) -> Floats:
+    """World fractions of ground points from the camera's meridian and from the map's north, (n, k, 2).
+
+    Points follow each other without a jump where the camera's far meridian lies between them.
+    """
+    v = np.clip(lat_to_v(seen.lat_deg), -_BEYOND, 1.0 + _BEYOND)
+    return np.stack([np.unwrap(lon_to_u(seen.lon_deg) - 0.5, axis=1, period=1.0), v], axis=-1)
+
+
+def _centres(camera: Camera, poses: Poses, ground: Ellipsoid) -> Floats:
+    """Points of the map about which the rectangles lie, (n, 2)."""
+    seen = exact(camera, poses, ((0.0, 0.0),), ground)
+    centre = _map_positions(seen)[:, 0]
+    for at in np.flatnonzero(~seen.hit[:, 0]).tolist():
+        yaw, tilt, roll = (float(angle[at]) for angle in poses.attitude)
+        shown = outline(camera, float(poses.lat_deg[at]), float(poses.agl_m[at]), (yaw, tilt, roll), ground)
+        x, y = shown.image_xy.mean(axis=0).tolist()
+        centre[at] = _map_positions(exact(camera, poses.take(np.array([at])), ((x, y),), ground))[0, 0]
+    return centre
+
+
+def _searched(
+    camera: Camera, poses: Poses, ring: Floats, centre: Floats, ground: Ellipsoid
+) -> tuple[Floats, Floats]:
+    """Half width and height, (n,) each, of the largest rectangles about their centres that are found by trying."""
+    ratios = np.geomspace(1.0 / _RATIO_REACH, _RATIO_REACH, _TRIED_RATIOS)
+    every = np.repeat(np.arange(len(centre)), len(ratios))
+    u, v = centre[every].T
+    reach = np.minimum(np.abs(ring - centre[:, np.newaxis]).max(axis=(1, 2)), _WIDEST / 2.0)[every]
+    half_v = reach * np.tile(np.minimum(ratios, 1.0), len(centre))
+    half_u = reach * np.tile(np.minimum(1.0 / ratios, 1.0), len(centre))
+    some = poses.take(every)
+
+    def fits(share: Floats) -> Flags:
+        across, down = share * half_u, share * half_v
+        tried = FrameEdges(u - across, u + across, v - down, v + down)
+        return np.asarray(_leaving(camera, some, tried, ground, points=_ROUGH_POINTS) <= 0.0)
+
+    inside = _largest_share(fits, len(every), _ROUGHLY)
+    width, height = ((inside * half).reshape(len(centre), len(ratios)) for half in (half_u, half_v))
+    best = np.argmax(width * height, axis=1)[:, np.newaxis]
+    return np.take_along_axis(width, best, axis=1)[:, 0], np.take_along_axis(height, best, axis=1)[:, 0]
+
+
+class Sides(NamedTuple):
+    """Sides of rectangles in metres of a plane, (n,)."""
+
+    left_m: Floats
+    bottom_m: Floats
+    right_m: Floats
+    top_m: Floats
+
+    @property
+    def size_m(self) -> tuple[Floats, Floats]:
+        """Width and height, (n,) each."""
+        return self.right_m - self.left_m, self.top_m - self.bottom_m
+
+
+def image_rings(
+    camera: Camera, poses: Poses, plane: LocalPlane, ground: Ellipsoid = WGS84
+) -> tuple[Floats, Floats, Flags]:
+    """Where images lie in a plane, from the place of the camera: their frames (n, k, 2) and their centres (n, 2).
+
+    Returns
+    -------
+    rings, centres
+    whole : array (n,) of bool
+        Whether all of the image sees ground.
+    """
+    frame = _image_frame()
+    seen = exact(camera, poses, ((0.0, 0.0), *((x, y) for x, y in frame.tolist())), ground)
+    place = np.stack(plane.forward(poses.lat_deg, poses.lon_deg), axis=-1)
+    points = np.stack(plane.forward(seen.lat_deg, seen.lon_deg), axis=-1) - place[:, np.newaxis]
+    return points[:, 1:], points[:, 0], seen.hit.all(axis=1)
+
+
+def common_sides(camera: Camera, poses: Poses, plane: LocalPlane, ground: Ellipsoid = WGS84) -> Sides:
+    """Sides of one rectangle, from the place of the camera, that the images of all poses show whole.
+
+    Parameters
+    ----------
+    poses : Poses
+        (n,); all of their images see ground in all their parts.
+
+    Returns
+    -------
+    Sides
+        (1,); of no extent where nothing is common to the images.
+    """
+    rings, centres, _ = image_rings(camera, poses, plane, ground)
+    centre = centres.mean(axis=0)
+    half = np.array(_common_half_sizes(rings - centre))
+    half = np.maximum(half - float(_sag(rings).max()) - NOISE_M, 0.0)
+
+    def fits(share: Floats) -> Flags:
+        tried = np.broadcast_to(centre, centres.shape), share[0] * np.broadcast_to(half, centres.shape)
+        return np.array([bool(_sides_shown(camera, poses, plane, ground, *tried).all())])
+
+    whole = np.ones(1)
+    share = 1.0 if fits(whole)[0] else float(_largest_share(fits, 1, _HALVINGS)[0])
+    left_bottom, right_top = centre - half * share, centre + half * share
+    return Sides(*left_bottom[:, np.newaxis], *right_top[:, np.newaxis])
+
+
+def own_sides(camera: Camera, poses: Poses, plane: LocalPlane, ground: Ellipsoid = WGS84) -> Sides:
+    """Sides of the rectangle inside each image, in the plane, (n,): as large as the image's centre allows.
+
+    Of no extent where an image does not see ground in all its parts.
+    """
+    count = len(poses.lat_deg)
+    if count > _BATCH:
+        parts = [
+            own_sides(camera, Poses(*(p[i : i + _BATCH] for p in poses)), plane, ground)
+            for i in range(0, count, _BATCH)
+        ]
+        return Sides(*(np.concatenate(sides) for sides in zip(*parts)))
+    rings, centres, whole = image_rings(camera, poses, plane, ground)
+    half = (
+        np.stack(_half_sizes(rings - centres[:, np.newaxis]), axis=-1) - NOISE_M - _sag(rings)[:, np.newaxis]
+    )
+    half = np.where(whole[:, np.newaxis], np.maximum(half, 0.0), 0.0)
+
+    def fits(share: Floats) -> Flags:
+        return _sides_shown(camera, poses, plane, ground, centres, share[:, np.newaxis] * half)
+
+    every = np.ones(count)
+    fitting = fits(every)
+    share = every if fitting.all() else np.where(fitting, 1.0, _largest_share(fits, count, _HALVINGS))
+    across, up = (share[:, np.newaxis] * half).T
+    x, y = (centre + place for centre, place in zip(centres.T, plane.forward(poses.lat_deg, poses.lon_deg)))
+    return Sides(x - across, y - up, x + across, y + up)
+
+
+def _sides_shown(
+    camera: Camera, poses: Poses, plane: LocalPlane, ground: Ellipsoid, centre: Floats, half: Floats
+) -> Flags:
+    """Whether images show the whole borders, and so all, of rectangles about centres (n, 2), from the camera's place.
+
+    What a camera sees is convex in its image, and less than half of the Earth.
+    """
+    points = _border_points(camera)
+    across, up = (2.0 * share - 1.0 for share in _unit_border(points))
+    place = plane.forward(poses.lat_deg, poses.lon_deg)
+    x, y = (
+        np.asarray((at + middle)[:, np.newaxis, np.newaxis] + size[:, np.newaxis, np.newaxis] * share)
+        for at, middle, size, share in zip(place, centre.T, half.T, (across, up))
+    )
+    lat, lon = plane.inverse(x, y)
+    camera_lat, camera_lon, agl = (
+        values[:, np.newaxis, np.newaxis] for values in (poses.lat_deg, poses.lon_deg, poses.agl_m)
+    )
+    vectors = sight_lines(camera_lat, agl, lat, lon - camera_lon, ground)
+    sides = camera.beyond_sides(vectors.reshape(len(lat), -1, 3), *poses.attitude)
+    inside: Flags = _reach(sides.reshape(len(lat), 4, points, 4)).max(axis=1) <= _NOISE_OF_SIDES
+    return inside
+
+
+def _image_frame() -> Floats:
+    """Points of the image's frame, (4·points, 2), corners first of each edge."""
+    corners = np.array([[-1.0, 1.0], [1.0, 1.0], [1.0, -1.0], [-1.0, -1.0]])
+    shares = np.arange(_EDGE_POINTS)[:, np.newaxis] / _EDGE_POINTS
+    edges = [start + shares * (end - start) for start, end in zip(corners, np.roll(corners, -1, axis=0))]
+    return np.concatenate(edges)
+
+
+def _border_points(camera: Camera) -> int:
+    """Points along each side of a rectangle that say whether an image shows it."""
+    return _BORDER_POINTS if camera.fov_deg <= _WIDE_DEG else _WIDE_BORDER_POINTS
+
+
+def _unit_border(points: int) -> tuple[Floats, Floats]:
+    """Shares of width and height, (4, points) each, along the four sides of a rectangle."""
+    # Closest at the corners, where images of straight lines bend the most; along such a side a curve starts level.
+    share = (1.0 - np.cos(np.linspace(0.0, np.pi, points))) / 2.0
+    low, high = np.zeros_like(share), np.ones_like(share)
+    return np.stack([share, share, low, high]), np.stack([low, high, share, share])
+
+
+def _sag(ring: Floats) -> Floats:
+    """How far the rings (n, k, 2) bend inward between their points, (n,)."""
+    sides = ring.reshape(len(ring), 4, _EDGE_POINTS, 2)
+    second, chord = np.diff(sides, n=2, axis=2), sides[:, :, 2:] - sides[:, :, :-2]
+    length = np.hypot(chord[..., 0], chord[..., 1])
+    # Across its chord a curve leaves it by an eighth of its second difference; along it, points are only spaced.
+    aside = np.abs(second[..., 0] * chord[..., 1] - second[..., 1] * chord[..., 0])
+    sag: Floats = (aside / np.where(length > 0.0, length, 1.0)).max(axis=(1, 2)) / 8.0
+    return sag
+
+
+def _largest_share(fits: Callable[[Floats], Flags], count: int, halvings: int) -> Floats:
+    """Largest shares (count,) of 0 to 1 that are known to fit, by halving; what fits does so at every smaller share."""
+    inside, outside = np.zeros(count), np.ones(count)
+    for _ in range(halvings):
+        share = (inside + outside) / 2.0
+        fitting = fits(share)
+        inside, outside = np.where(fitting, share, inside), np.where(fitting, outside, share)
+    return inside
+
+
+def _reach(size: Floats) -> Floats:
+    """Largest values (...) of smooth curves known at points, (..., points, k).
+
+    Between points a curve is above all of them only beside a point that is above both its neighbours: by what the
+    parabola through the three is, and as much again for what is no parabola.
+    """
+    before, middle, after = size[..., :-2, :], size[..., 1:-1, :], size[..., 2:, :]
+    bend = before - 2.0 * middle + after
+    peak = (middle >= before) & (middle >= after) & (bend < 0.0)
+    above = np.where(peak, (after - before) ** 2 / (-4.0 * np.where(peak, bend, -1.0)), 0.0)
+    most: Floats = np.maximum(size.max(axis=(-2, -1)), (middle + above).max(axis=(-2, -1)))
+    return most
+
+
+def _half_sizes(ring: Floats) -> tuple[Floats, Floats]:
+    """Half width and height, (n,) each, of the largest centred rectangle inside each ring (n, k, 2).
+
+    0 for rings without extent, as those have that lie beyond the map.
+    """
+    ratios = _ratios(ring)
+    half_u = _rooms(ring, ratios)
+    best = np.argmax(half_u * half_u * ratios, axis=1)[:, np.newaxis]
+    width = np.take_along_axis(half_u, best, axis=1)[:, 0]
+    return width, width * np.take_along_axis(ratios, best, axis=1)[:, 0]
+
+
+def _common_half_sizes(ring: Floats) -> tuple[float, float]:
+    """Half width and height of the largest centred rectangle that lies inside all rings (n, k, 2)."""
+    ratios = _ratios(ring[:1])
+    half_u = _rooms(ring, np.repeat(ratios, len(ring), axis=0)).min(axis=0)
+    best = int(np.argmax(half_u * half_u * ratios[0]))
+    return float(half_u[best]), float(half_u[best] * ratios[0, best])
+
+
+def _ratios(ring: Floats) -> Floats:
+    """Ratios of height to width that are tried for each ring, (n, r)."""
+    extent = np.ptp(ring, axis=1)
+    flat = (extent <= 0.0).any(axis=1)
+    shape = np.where(flat, 1.0, extent[:, 1]) / np.where(flat, 1.0, extent[:, 0])
+    ratios: Floats = shape[:, np.newaxis] * np.geomspace(1.0 / _RATIO_REACH, _RATIO_REACH, _RATIOS)
+    return ratios
+
+
+def _rooms(ring: Floats, ratios: Floats) -> Floats:
+    """Half widths (n, r) of the centred rectangles of given ratios of height to width (n, r) inside rings (n, k, 2)."""
+    flat = (np.ptp(ring, axis=1) <= 0.0).any(axis=1)
+    start, way = ring, np.roll(ring, -1, axis=1) - ring
+    # A line through two vertices leaves the rectangle on its side while |way × corner| stays below |way × start|.
+    distance = np.abs(way[..., 0] * start[..., 1] - way[..., 1] * start[..., 0])[:, :, np.newaxis]
+    reach_u, reach_v = (np.abs(way[..., axis])[:, :, np.newaxis] for axis in (1, 0))
+    need = reach_u + reach_v * ratios[:, np.newaxis]
+    # Vertices that coincide make no line.
+    room = np.where(need > 0.0, distance / np.where(need > 0.0, need, 1.0), np.inf)
+    return np.where(flat[:, np.newaxis], 0.0, room.min(axis=1))

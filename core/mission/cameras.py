@@ -1,0 +1,321 @@
+"""Cameras by name: those that ship, with the source of their facts, and the user's own."""
+
+from __future__ import annotations
+
+import difflib
+import os
+import sys
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+from ..config import config_file, read_named, write_named
+from ..errors import InvalidInput
+from ..geodesy.camera import Camera
+from ..resources import read_json
+
+#: Facts that a field of view follows from, each a way of its own to state it.
+_VIEWS = ("fov_deg", "horizontal_fov_deg", "vertical_fov_deg", "sensor_mm")
+#: JSON has whole numbers of any length.
+_LARGEST = sys.float_info.max
+_KNOWN = (*_VIEWS, "focal_length_mm", "aspect_ratio", "size_px", "image_px", "source")
+_FILE = "cameras.json"
+#: Longest name, in characters, that a list of cameras has room for.
+_LONGEST_NAME = 64
+
+
+@dataclass(frozen=True)
+class CameraPreset:
+    """A camera by name.
+
+    Parameters
+    ----------
+    name : str
+    camera : Camera
+    width_px, height_px : int or None
+        Size of its pictures, where the source states it.
+    source : str
+        Where the facts are from; may be empty of a user's own.
+    sensor_mm : (width, height) or None
+        Of the sensor, where that is what is known.
+    focal_length_mm : float or None
+        Of the lens, likewise.
+    image_px : int or None
+        Pixels along the longer side of its pictures, where they are known.
+    user : bool
+        Whether it is a user's own.
+    """
+
+    name: str
+    camera: Camera
+    width_px: int | None
+    height_px: int | None
+    source: str
+    sensor_mm: tuple[float, float] | None = None
+    focal_length_mm: float | None = None
+    image_px: int | None = None
+    user: bool = False
+
+    @classmethod
+    def from_dict(cls, name: str, data: Mapping[str, Any], *, user: bool = False) -> CameraPreset:
+        """Preset from the facts of ``resources/cameras.json``, or of a user's own ``cameras.json``.
+
+        They are a ``sensor_mm`` and its ``focal_length_mm``, or one field of view: ``fov_deg`` (the diagonal one),
+        ``horizontal_fov_deg`` or ``vertical_fov_deg``. The shape of the picture is that of ``size_px`` or
+        ``aspect_ratio``, or of the sensor; each of those is a list of width and height. Without ``size_px``,
+        ``image_px`` states the pixels along the longer side. ``source`` says where the facts are from.
+
+        Raises
+        ------
+        InvalidInput
+            What is unknown, missing or of another kind, and a sensor of another shape than its pixels.
+        """
+        try:
+            return cls._from_facts(name, data, user)
+        except InvalidInput as wrong:
+            raise InvalidInput(f"camera {name}: {wrong}") from wrong
+
+    @classmethod
+    def _from_facts(cls, name: str, data: Mapping[str, Any], user: bool) -> CameraPreset:
+        data = {fact: value for fact, value in data.items() if value is not None}
+        way = _check_facts(data)
+        source = data.get("source", "")
+        if not (isinstance(source, str) and source.isprintable() and (source or user)):
+            raise InvalidInput(f"source {source!r}: must be text of one line")
+        size_px = _pair(data, "size_px") if "size_px" in data else None
+        if size_px is not None and not all(side.is_integer() for side in size_px):
+            raise InvalidInput(f"size_px {data['size_px']!r}: must be whole numbers")
+        shape = size_px or (_pair(data, "aspect_ratio") if "aspect_ratio" in data else None)
+        ratio = None if shape is None else shape[0] / shape[1]
+        sensor_mm, focal_length_mm = None, None
+        if way == "sensor_mm":
+            sensor_mm, focal_length_mm = _pair(data, way), _number(data, "focal_length_mm")
+            camera = Camera.from_sensor(sensor_mm, focal_length_mm, ratio)
+        elif ratio is None:
+            raise InvalidInput(f"{way} {data[way]!r}: needs aspect_ratio or size_px beside it")
+        else:
+            make = {"fov_deg": Camera, "horizontal_fov_deg": Camera.from_horizontal_fov}
+            camera = make.get(way, Camera.from_vertical_fov)(_number(data, way), ratio)
+        width_px, height_px = (None, None) if size_px is None else map(int, size_px)
+        image_px = _image_px(data) if size_px is None else int(max(size_px))
+        return cls(name, camera, width_px, height_px, source, sensor_mm, focal_length_mm, image_px, user)
+
+
+def _check_facts(data: Mapping[str, Any]) -> str:
+    """Return the one fact of `_VIEWS`; refuse none, two, and what does not go together."""
+    for fact in data:
+        if fact not in _KNOWN:
+            raise InvalidInput(f"{fact!r} is unknown; known are {', '.join(_KNOWN)}")
+    given = [fact for fact in _VIEWS if fact in data]
+    if len(given) != 1:
+        raise InvalidInput(f"{' and '.join(given) or 'no field of view'}: give one of {', '.join(_VIEWS)}")
+    if (given[0] == "sensor_mm") != ("focal_length_mm" in data):
+        raise InvalidInput("sensor_mm and focal_length_mm: one needs the other")
+    for fact in ("aspect_ratio", "image_px"):
+        if "size_px" in data and fact in data:
+            raise InvalidInput(f"size_px and {fact}: give one of the two")
+    return given[0]
+
+
+def _image_px(data: Mapping[str, Any]) -> int | None:
+    if "image_px" not in data:
+        return None
+    pixels = _number(data, "image_px")
+    if not pixels.is_integer():
+        raise InvalidInput(f"image_px {data['image_px']!r}: must be a whole number")
+    return int(pixels)
+
+
+def _number(data: Mapping[str, Any], fact: str) -> float:
+    return _real(data[fact], f"{fact} {data[fact]!r}: must be a number above 0")
+
+
+def _pair(data: Mapping[str, Any], fact: str) -> tuple[float, float]:
+    pair, wanted = data[fact], f"{fact} {data[fact]!r}: must be a list of width and height, each above 0"
+    if not isinstance(pair, (list, tuple)) or len(pair) != 2:
+        raise InvalidInput(wanted)
+    return _real(pair[0], wanted), _real(pair[1], wanted)
+
+
+def _real(value: Any, wanted: str) -> float:
+    # What is true or false counts as a number in Python.
+    if isinstance(value, bool) or not isinstance(value, (int, float)) or not 0.0 < value <= _LARGEST:
+        raise InvalidInput(wanted)
+    return float(value)
+
+
+def shipped_cameras() -> tuple[CameraPreset, ...]:
+    """Return the cameras of ``resources/cameras.json``, the paper's first."""
+    facts = ((dict(data), data["name"]) for data in read_json("cameras.json"))
+    return tuple(
+        CameraPreset.from_dict(name, {fact: value for fact, value in data.items() if fact != "name"})
+        for data, name in facts
+    )
+
+
+def cameras() -> tuple[CameraPreset, ...]:
+    """Return the cameras that ship, the paper's first, then the user's own (``user`` is True).
+
+    Raises
+    ------
+    InvalidInput
+        The user's file cannot be read; names it.
+    """
+    return (*shipped_cameras(), *user_cameras())
+
+
+def camera_named(name: str) -> CameraPreset:
+    """Preset of a name, in any case; the maker's name may be left out.
+
+    Raises
+    ------
+    InvalidInput
+        Naming those that are close.
+    """
+    shipped, wanted = shipped_cameras(), key(name)
+    found = _named(wanted, shipped, full=True)
+    if found is not None:
+        return found
+    # The user's file, which may be broken, is read only for what does not ship under its full name.
+    own = camera_shelf()
+    for other, problem in own.problems.items():
+        if key(other) == wanted:
+            raise InvalidInput(problem)
+    presets = (*own.presets, *shipped)
+    found = _named(wanted, own.presets, full=True) or _named(wanted, presets, full=False)
+    if found is not None:
+        return found
+    names = {key(preset.name): preset.name for preset in presets}
+    close = [names[near] for near in difflib.get_close_matches(wanted, names, n=3, cutoff=0.5)]
+    close = close or [known for near, known in names.items() if wanted and wanted in near][:3]
+    hint = f"did you mean {' or '.join(close)}? " if close else ""
+    raise InvalidInput(f"camera {name!r} is unknown: {hint}`terrainav cameras` lists the names")
+
+
+def _named(wanted: str, presets: tuple[CameraPreset, ...], *, full: bool) -> CameraPreset | None:
+    for preset in presets:
+        own = key(preset.name)
+        if wanted and wanted == (own if full else own.partition(" ")[2]):
+            return preset
+    return None
+
+
+class Shelf(NamedTuple):
+    """A user's own cameras, and what is wrong with those that are left out.
+
+    Parameters
+    ----------
+    presets : tuple of CameraPreset
+    problems : mapping of str to str
+        Name of a camera to what is wrong with it; names the file.
+    """
+
+    presets: tuple[CameraPreset, ...]
+    problems: Mapping[str, str]
+
+
+def camera_shelf(folder: str | os.PathLike[str] | None = None) -> Shelf:
+    """Return the user's cameras that are right, and what is wrong with the others: one does not hide another.
+
+    Raises
+    ------
+    InvalidInput
+        The file cannot be read; names it.
+    """
+    path = config_file(_FILE, folder)
+    taken = {key(preset.name): preset.name for preset in shipped_cameras()}
+    presets: list[CameraPreset] = []
+    problems: dict[str, str] = {}
+    for name, data in read_named(path, "cameras").items():
+        preset = _preset_or_problem(name, data, taken)
+        if isinstance(preset, CameraPreset):
+            presets.append(preset)
+            taken[key(name)] = name
+        else:
+            problems[name] = f"{path}: {preset}"
+    return Shelf(tuple(presets), problems)
+
+
+def user_cameras(folder: str | os.PathLike[str] | None = None) -> tuple[CameraPreset, ...]:
+    """Return the user's cameras that are right; raises as `camera_shelf`, which tells of the others."""
+    return camera_shelf(folder).presets
+
+
+def add_camera(
+    name: str, data: Mapping[str, Any], folder: str | os.PathLike[str] | None = None
+) -> CameraPreset:
+    """Keep a camera under a name.
+
+    Parameters
+    ----------
+    name : str
+        Of one line, without spaces around it; none that is taken, in any case.
+    data : mapping
+        Facts as `CameraPreset.from_dict` takes them.
+
+    Raises
+    ------
+    InvalidInput
+        The name or the facts are not right.
+    OutputError
+        The file cannot be written.
+    """
+    path = config_file(_FILE, folder)
+    known = read_named(path, "cameras")
+    taken = {key(other): other for other in (*(preset.name for preset in shipped_cameras()), *known)}
+    _check_name(name, taken)
+    preset = _preset(name, data)
+    write_named(path, {**known, name: dict(data)})
+    return preset
+
+
+def remove_camera(name: str, folder: str | os.PathLike[str] | None = None) -> str:
+    """Forget a camera of the user; its name may be in any case.
+
+    Returns
+    -------
+    str
+        Its name as it was kept.
+
+    Raises
+    ------
+    InvalidInput
+        There is no such camera, or it is one that ships.
+    """
+    path = config_file(_FILE, folder)
+    known = read_named(path, "cameras")
+    found = name if name in known else next((own for own in known if key(own) == key(name)), None)
+    if found is None:
+        if any(key(preset.name) == key(name) for preset in shipped_cameras()):
+            raise InvalidInput(f"camera {name!r}: comes with TerrAInav, and stays as it is")
+        raise InvalidInput(f"camera {name!r}: is none of your own, which are {', '.join(known) or 'none'}")
+    write_named(path, {other: data for other, data in known.items() if other != found})
+    return found
+
+
+def key(name: str) -> str:
+    """What two names of one camera have in common: case and spaces do not matter."""
+    return " ".join(name.casefold().split())
+
+
+def _check_name(name: str, taken: Mapping[str, str]) -> None:
+    if not (0 < len(name) <= _LONGEST_NAME and name.isprintable() and name == " ".join(name.split())):
+        raise InvalidInput(
+            f"camera name {name!r}: must be 1 to {_LONGEST_NAME} characters of one line, with single spaces inside"
+        )
+    if key(name) in taken:
+        raise InvalidInput(f"camera name {name!r}: {taken[key(name)]} is taken; choose another")
+
+
+def _preset(name: str, data: Any) -> CameraPreset:
+    if not isinstance(data, Mapping):
+        raise InvalidInput(f"camera {name}: must be an object")
+    return CameraPreset.from_dict(name, data, user=True)
+
+
+def _preset_or_problem(name: str, data: Any, taken: Mapping[str, str]) -> CameraPreset | str:
+    try:
+        _check_name(name, taken)
+        return _preset(name, data)
+    except InvalidInput as wrong:
+        return str(wrong)

@@ -1,0 +1,9 @@
+"""Where the captures stand, how their pictures lie on the map, and what those show of the area.
+
+In reading order:
+
+- `rows`: rows along parallels, the paper's UTM grid, or single points
+- `rotated`: rows that are turned from east, or crossed
+- `framing`: the frames of the captures, their zoom and their size
+- `coverage`: what the pictures show, what neighbours share, and where the source has no imagery
+"""

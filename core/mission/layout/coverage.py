@@ -1,0 +1,481 @@
+"""What pictures show of an area, what neighbours share, and what the source has imagery of."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...geodesy.ellipsoid import WGS84
+from ...geodesy.frames import Windows
+from ...geodesy.mercator import PixelGrid, lat_to_v, lon_to_u, u_to_lon, v_to_lat
+from ..area import Area, Box, Points, Polygon, area_within_m2
+
+Floats = NDArray[np.float64]
+Numbers = NDArray[np.int64]
+#: A share is printed rounded down at this many decimals, so that 100 % is never said of less.
+_SHARE_DECIMALS = 6
+#: Strips looked at in one go, to bound memory however many rectangles there are.
+_CHUNK = 2_000_000
+#: Most lines along each axis of the grid that gaps are looked for in, for each rectangle.
+_MOST_CELLS = 4
+#: Ground below this is the noise of clipping in degrees (1e-14 deg along a kilometre of edge): 1 mm².
+_NO_GROUND_M2 = 1e-6
+#: What rounding moves a picture's edge by, px: one that reaches beyond the imagery by no more lies inside.
+_ROUNDED_PX = 0.5
+#: Share of the area below which nothing is missing: the noise of areas worked out along two ways.
+_NOTHING_MISSING = 1e-9
+
+
+@dataclass(frozen=True)
+class Coverage:
+    """Ground of the area, ground of it that no picture shows (m²), and the covered share rounded down."""
+
+    area_m2: float
+    uncovered_m2: float
+    complete: bool
+
+    @property
+    def share(self) -> float:
+        """Covered share of the area in [0, 1], rounded down; 1 only where nothing is missing."""
+        if self.complete:
+            return 1.0
+        covered = 1.0 - self.uncovered_m2 / self.area_m2 if self.area_m2 > 0.0 else 0.0
+        unit = 10.0**_SHARE_DECIMALS
+        return max(min(math.floor(covered * unit) / unit, 1.0 - 1.0 / unit), 0.0)
+
+
+@dataclass(frozen=True)
+class Overlap:
+    """Shares that neighbours show again, negative for a gap; None where there are no neighbours.
+
+    Along: from one picture to the next of its row; across: from one row to the next.
+    """
+
+    least_along: float | None
+    median_along: float | None
+    least_across: float | None
+    median_across: float | None
+
+
+class Rectangles(NamedTuple):
+    """Rectangles as edges, arrays (n,): half open, x east and y south."""
+
+    x0: Floats
+    y0: Floats
+    x1: Floats
+    y1: Floats
+
+
+def joined(rectangles: Rectangles) -> Rectangles:
+    """Rectangles (n,), n >= 1, those made one that touch side by side in sequence."""
+    left, top, right, bottom = rectangles
+    neighbours = np.zeros(len(left), bool)
+    neighbours[1:] = (
+        (top[1:] == top[:-1])
+        & (bottom[1:] == bottom[:-1])
+        & (left[1:] <= right[:-1])
+        & (left[:-1] <= right[1:])
+    )
+    first = np.flatnonzero(~neighbours)
+    return Rectangles(
+        np.minimum.reduceat(left, first), top[first], np.maximum.reduceat(right, first), bottom[first]
+    )
+
+
+def _reached(strip: Numbers, end: Floats) -> Floats:
+    """How far the pieces before each one reach in its strip (-inf for the first); sorted by strip.
+
+    A running maximum of ranks, lifted strip by strip: comparing ranks keeps the edges exact.
+    """
+    values, rank = np.unique(end, return_inverse=True)
+    lift = strip * len(values)
+    running = np.maximum.accumulate(lift + rank)
+    before = np.full(len(end), -np.inf)
+    same = strip[1:] == strip[:-1]
+    before[1:][same] = values[(running[:-1] - lift[:-1])[same]]
+    return before
+
+
+def _pieces(rectangles: Rectangles, first: Numbers, last: Numbers) -> tuple[Numbers, Floats, Floats]:
+    """Strip, start and end of every rectangle's piece in each of its strips ``first`` to ``last`` (excluded)."""
+    owner, strip = _spread(first, last)
+    return strip, rectangles.x0[owner], rectangles.x1[owner]
+
+
+def _chunks(first: Numbers, last: Numbers, strips: int) -> list[tuple[int, int]]:
+    """Ranges of strips that hold a bounded number of pieces each."""
+    change = np.bincount(first, minlength=strips + 1) - np.bincount(last, minlength=strips + 1)
+    pieces = np.cumsum(np.cumsum(change)[:strips] + 2)
+    cuts = np.searchsorted(pieces, np.arange(_CHUNK, pieces[-1], _CHUNK)).tolist() if strips else []
+    bounds = [0, *cuts, strips]
+    return [(start, stop) for start, stop in zip(bounds, bounds[1:]) if stop > start]
+
+
+def gaps(rectangles: Rectangles, within: tuple[float, float, float, float]) -> Rectangles:
+    """What the rectangles leave of ``within`` (x0, y0, x1, y1), as rectangles of its own.
+
+    Found cell by cell of a grid whose cells are as large as the rectangles are on average, so that the work grows with
+    their number where no place is in more than some of them. Nothing is rounded: the cells' own edges are cuts.
+    """
+    west, north, east, south = within
+    x0, x1 = (np.clip(x, west, east) for x in (rectangles.x0, rectangles.x1))
+    y0, y1 = (np.clip(y, north, south) for y in (rectangles.y0, rectangles.y1))
+    held = (x1 > x0) & (y1 > y0)
+    clipped = Rectangles(x0[held], y0[held], x1[held], y1[held])
+    if not (east > west and south > north):
+        return Rectangles(*np.empty((4, 0)))
+    if not held.any():
+        return Rectangles(*(np.array([edge]) for edge in within))
+    cells = _Cells.under(clipped, within)
+    found = [cells.unoccupied(), *cells.gaps(clipped)]
+    return Rectangles(*(np.concatenate(edges) for edges in zip(*found)))
+
+
+class _Cells(NamedTuple):
+    """A grid over rectangles: its lines, and in each cell those that share ground with it, by cells.
+
+    Attributes
+    ----------
+    x, y : array (columns + 1,), (rows + 1,)
+    column, row : array (m,)
+        Cell of each pair of a cell and a rectangle.
+    owner : array (m,)
+        Index of the rectangle.
+    """
+
+    x: Floats
+    y: Floats
+    column: Numbers
+    row: Numbers
+    owner: Numbers
+
+    @classmethod
+    def under(cls, rectangles: Rectangles, within: tuple[float, float, float, float]) -> _Cells:
+        """Grid over rectangles that lie within bounds."""
+        west, north, east, south = within
+        x, first_x, last_x = _lines(rectangles.x0, rectangles.x1, west, east)
+        y, first_y, last_y = _lines(rectangles.y0, rectangles.y1, north, south)
+        owner, column = _spread(first_x, last_x)
+        pair, row = _spread(first_y[owner], last_y[owner])
+        column, owner = column[pair], owner[pair]
+        order = np.argsort(row * len(x) + column, kind="stable")
+        return cls(x, y, column[order], row[order], owner[order])
+
+    def unoccupied(self) -> Rectangles:
+        """Cells without a rectangle; those side by side, and rows of nothing else, are one."""
+        columns, rows = len(self.x) - 1, len(self.y) - 1
+        new = np.append(True, (np.diff(self.row) > 0) | (np.diff(self.column) > 0))
+        column, row = self.column[new], self.row[new]
+        # Between each occupied cell and the next one of its row, before a row's first one, and after its last.
+        begins = np.append(True, row[1:] != row[:-1])
+        ends = np.append(begins[1:], True)
+        first = np.concatenate([np.where(begins, 0, np.append(0, column[:-1] + 1)), column[ends] + 1])
+        last = np.concatenate([column, np.full(int(ends.sum()), columns)])
+        top = np.concatenate([row, row[ends]])
+        some = last > first
+        first, last, top = first[some], last[some], top[some]
+        used = np.concatenate([[-1], row[ends], [rows]])
+        empty = np.flatnonzero(np.diff(used) > 1)
+        return Rectangles(
+            np.concatenate([self.x[first], np.full(len(empty), self.x[0])]),
+            np.concatenate([self.y[top], self.y[used[empty] + 1]]),
+            np.concatenate([self.x[last], np.full(len(empty), self.x[-1])]),
+            np.concatenate([self.y[top + 1], self.y[used[empty + 1]]]),
+        )
+
+    def gaps(self, rectangles: Rectangles) -> Iterator[Rectangles]:
+        """What the rectangles leave of the cells that they share ground with, some cells at a time."""
+        new = np.append(True, (np.diff(self.row) > 0) | (np.diff(self.column) > 0))
+        cell = np.cumsum(new) - 1
+        column, row = self.column[new], self.row[new]
+        bounds = Rectangles(self.x[column], self.y[row], self.x[column + 1], self.y[row + 1])
+        x0, y0, x1, y1 = (edge[self.owner] for edge in rectangles)
+        left, top, right, bottom = (edge[cell] for edge in bounds)
+        whole = (x0 <= left) & (y0 <= top) & (x1 >= right) & (y1 >= bottom)
+        hidden = np.zeros(len(column), bool)
+        hidden[cell[whole]] = True
+        open_ = ~hidden[cell]
+        parts = Rectangles(
+            np.maximum(x0, left)[open_],
+            np.maximum(y0, top)[open_],
+            np.minimum(x1, right)[open_],
+            np.minimum(y1, bottom)[open_],
+        )
+        cell = cell[open_]
+        counts = np.bincount(cell, minlength=len(column))
+        # A cell of k parts has up to 2 k + 1 strips, each of which may hold all of them.
+        size = np.cumsum(counts * (2 * counts + 1))
+        start = 0
+        while start < len(counts):
+            stop = max(int(np.searchsorted(size, (size[start - 1] if start else 0) + _CHUNK)), start + 1)
+            some = slice(*np.searchsorted(cell, [start, stop]).tolist())
+            cells = start + np.flatnonzero(~hidden[start:stop])
+            if len(cells):
+                these, around = (
+                    Rectangles(*(edge[at] for edge in all_)) for all_, at in ((parts, some), (bounds, cells))
+                )
+                yield _gaps_in_cells(these, cell[some], around, cells)
+            start = stop
+
+
+def _lines(low: Floats, high: Floats, least: float, most: float) -> tuple[Floats, Numbers, Numbers]:
+    """Lines of a grid along one axis, and the first and last cell (excluded) of spans between them."""
+    # As wide as the spans on average; where these are few in a wide field, no more than some for each.
+    count = min(math.ceil((most - least) / float(np.mean(high - low))), _MOST_CELLS * len(low))
+    lines = np.linspace(least, most, count + 1)
+    return lines, np.searchsorted(lines, low, "right") - 1, np.searchsorted(lines, high, "left")
+
+
+def _spread(first: Numbers, last: Numbers) -> tuple[Numbers, Numbers]:
+    """Index of each range ``first`` to ``last`` (excluded) for each of its numbers, and the number."""
+    counts = np.maximum(last - first, 0)
+    owner = np.repeat(np.arange(len(counts)), counts)
+    return owner, first[owner] + np.arange(len(owner)) - np.repeat(np.cumsum(counts) - counts, counts)
+
+
+def _gaps_in_cells(parts: Rectangles, cell: Numbers, bounds: Rectangles, cells: Numbers) -> Rectangles:
+    """What parts leave of their cells, each cut into strips at its parts' own tops and bottoms.
+
+    Parameters
+    ----------
+    parts : Rectangles
+        (m,), each inside its cell.
+    cell : array (m,)
+        Number of the cell of each.
+    bounds : Rectangles
+        (k,) of the cells.
+    cells : array (k,)
+        Their numbers.
+    """
+    y = np.concatenate([parts.y0, parts.y1, bounds.y0, bounds.y1])
+    of = np.concatenate([cell, cell, cells, cells])
+    order = np.lexsort((y, of))
+    y, of = y[order], of[order]
+    new = np.append(True, (of[1:] != of[:-1]) | (y[1:] != y[:-1]))
+    rank = np.empty(len(order), np.int64)
+    rank[order] = np.cumsum(new) - 1
+    y, of = y[new], of[new]
+    # A strip is named by its upper line; the last line of a cell has none below it.
+    is_strip = np.append(of[1:] == of[:-1], False)
+    at = np.searchsorted(cells, of)
+    west, east, below = bounds.x0[at], bounds.x1[at], np.append(y[1:], np.inf)
+    count = len(parts.y0)
+    strip, begin, end = _pieces(parts, rank[:count], rank[count : 2 * count])
+    sorted_ = np.lexsort((begin, strip))
+    strip, begin, end = strip[sorted_], begin[sorted_], end[sorted_]
+    reached = np.maximum(_reached(strip, end), west[strip])
+    between = begin > reached
+    last = np.append(strip[1:] != strip[:-1], True) if len(strip) else np.empty(0, bool)
+    to, after = np.maximum(reached, end)[last], strip[last]
+    ending = to < east[after]
+    to, after = to[ending], after[ending]
+    bare = np.flatnonzero(is_strip & (np.bincount(strip, minlength=len(y)) == 0))
+    at = np.concatenate([strip[between], after, bare])
+    return Rectangles(
+        np.concatenate([reached[between], to, west[bare]]),
+        y[at],
+        np.concatenate([begin[between], east[after], east[bare]]),
+        below[at],
+    )
+
+
+def coverage(area: Box | Polygon, windows: Windows, grid: PixelGrid, zoom: int) -> Coverage:
+    """What windows show of an area; exact on the pixel grid for a box."""
+    total = area.area_m2()
+    world = grid.world_px(zoom)
+    box = area.bounds
+    lon = np.array([box.west_deg, box.continuous_east_deg])
+    west, east = (lon_to_u(lon) * world).tolist()
+    north, south = (lat_to_v(np.array([box.north_deg, box.south_deg])) * world).tolist()
+    missing = gaps(joined(Rectangles(*windows.bounds_px)), (west, north, east, south))
+    ground = area_within_m2(
+        area,
+        u_to_lon(missing.x0 / world),
+        v_to_lat(missing.y1 / world),
+        u_to_lon(missing.x1 / world),
+        v_to_lat(missing.y0 / world),
+    )
+    ground = ground[ground > _NO_GROUND_M2]
+    return Coverage(total, float(ground.sum()), complete=not len(ground))
+
+
+def unique_tiles(windows: Windows, grid: PixelGrid, zoom: int) -> int:
+    """Tiles that windows need, each counted once, without listing them."""
+    size, columns = grid.tile_px, 1 << zoom
+    pixels = joined(Rectangles(*windows.bounds_px))
+    x0, y0 = pixels.x0 // size, pixels.y0 // size
+    x1, y1 = np.ceil(pixels.x1 / size), np.ceil(pixels.y1 / size)
+    x1 = np.minimum(x1, x0 + columns)
+    turn = np.floor(x0 / columns) * columns
+    x0, x1 = x0 - turn, x1 - turn
+    beyond = x1 > columns
+    tiles = Rectangles(
+        np.concatenate([x0, np.zeros(int(beyond.sum()))]),
+        np.concatenate([y0, y0[beyond]]),
+        np.concatenate([np.minimum(x1, columns), x1[beyond] - columns]),
+        np.concatenate([y1, y1[beyond]]),
+    )
+    lowest = int(tiles.y0.min())
+    first, last = (tiles.y0 - lowest).astype(np.int64), (tiles.y1 - lowest).astype(np.int64)
+    total = 0
+    for start, stop in _chunks(first, last, int(last.max())):
+        strip, begin, end = _pieces(tiles, np.maximum(first, start), np.minimum(last, stop))
+        order = np.lexsort((begin, strip))
+        strip, begin, end = strip[order], begin[order], end[order]
+        total += int(np.maximum(end - np.maximum(begin, _reached(strip, end)), 0.0).sum())
+    return total
+
+
+def overlap(column: Numbers, row: Numbers, windows: Windows, rows_are_level: bool) -> Overlap:
+    """Shares of width and of height that neighbouring windows have in common; parameters as of `shares`."""
+    return overlap_of(*shares(column, row, Rectangles(*windows.bounds_px), rows_are_level))
+
+
+def overlap_of(along: Floats, across: Floats) -> Overlap:
+    """Least and median of the shares of neighbours along and across rows."""
+    return Overlap(*_least_and_median(along), *_least_and_median(across))
+
+
+def shares(
+    column: Numbers, row: Numbers, rectangles: Rectangles, rows_are_level: bool
+) -> tuple[Floats, Floats]:
+    """Shares of width, along rows, and of height, across them, that neighbouring rectangles have in common.
+
+    Parameters
+    ----------
+    column, row : array (n,)
+        Grid indices in flight order.
+    rectangles : Rectangles
+        (n,).
+    rows_are_level : bool
+        Whether all rectangles of a row have the same top and height, so that any of the next row will do;
+        otherwise the one of the same column is the neighbour.
+    """
+    left, top, right, bottom = rectangles
+    width, height = right - left, bottom - top
+    neighbours = np.flatnonzero((row[1:] == row[:-1]) & (np.abs(np.diff(column)) == 1))
+    shared = np.minimum(right[neighbours], right[neighbours + 1]) - np.maximum(
+        left[neighbours], left[neighbours + 1]
+    )
+    along = shared / np.maximum(width[neighbours], width[neighbours + 1])
+
+    columns = int(column.max()) + 1
+    keys = row * columns + column
+    order = np.argsort(keys)
+    below = order[np.minimum(np.searchsorted(keys[order], keys + columns), len(keys) - 1)]
+    level = row[below] == row + 1
+    if not rows_are_level:
+        level &= column[below] == column
+    here = np.flatnonzero(level)
+    below = below[here]
+    shared = np.minimum(bottom[here], bottom[below]) - np.maximum(top[here], top[below])
+    return along, shared / np.maximum(height[here], height[below])
+
+
+def _least_and_median(shares: Floats) -> tuple[float | None, float | None]:
+    return (float(shares.min()), float(np.median(shares))) if len(shares) else (None, None)
+
+
+class Imagery(NamedTuple):
+    """What a source has imagery of.
+
+    Attributes
+    ----------
+    share : float or None
+        Of the mission's area; None for points.
+    outside, partly : int
+        Pictures that show nothing of it, and that show also ground without it.
+    """
+
+    share: float | None
+    outside: int
+    partly: int
+
+
+def imagery_of(area: Area, windows: Windows, grid: PixelGrid, zoom: int) -> Imagery:
+    """What of an area, and of pictures over it, lies on the extent of the source's imagery."""
+    whole = None if isinstance(area, Points) else 1.0
+    if grid.extent is None:
+        return Imagery(whole, 0, 0)
+    extent = np.array(grid.extent, np.float64)
+    extent = extent if _twice_area(extent) > 0.0 else extent[::-1]
+    outside, partly = _pictures_beyond(windows, extent, grid.world_px(zoom))
+    share = None if isinstance(area, Points) else _share(_rings(area), extent)
+    return Imagery(share, outside, partly)
+
+
+def _rings(area: Box | Polygon) -> list[tuple[Floats, Floats]]:
+    if isinstance(area, Polygon):
+        return area.arrays()
+    west, east, north, south = area.west_deg, area.continuous_east_deg, area.north_deg, area.south_deg
+    return [(np.array([west, east, east, west]), np.array([north, north, south, south]))]
+
+
+def _twice_area(ring: Floats) -> float:
+    following = np.roll(ring, -1, axis=0)
+    return float(np.sum(ring[:, 0] * following[:, 1] - following[:, 0] * ring[:, 1]))
+
+
+def _turns(u: Floats, extent: Floats) -> Floats:
+    """Extents that may be under world fractions, whole turns of the world apart: their moves."""
+    first = np.floor(float(u.min()) - float(extent[:, 0].max()))
+    last = np.ceil(float(u.max()) - float(extent[:, 0].min()))
+    return np.arange(first, last + 1.0)
+
+
+def _pictures_beyond(windows: Windows, extent: Floats, world_px: int) -> tuple[int, int]:
+    """Pictures outside an extent (positively oriented), and partly so."""
+    left, top, right, bottom = (edge / world_px for edge in windows.bounds_px)
+    room = _ROUNDED_PX / world_px
+    inside, touched = np.zeros(len(left), bool), np.zeros(len(left), bool)
+    for turn in _turns(np.concatenate([left, right]), extent):
+        corners = extent + np.array([turn, 0.0])
+        (west, north), (east, south) = corners.min(axis=0), corners.max(axis=0)
+        held = np.ones(len(left), bool)
+        meets = (left < east - room) & (right > west + room) & (top < south - room) & (bottom > north + room)
+        for (u, v), (next_u, next_v) in zip(corners, np.roll(corners, -1, axis=0)):
+            # Distance inward of a side, at the corners of each picture that lie farthest in and farthest out.
+            inward_u, inward_v = np.array([v - next_v, next_u - u]) / max(
+                np.hypot(next_u - u, next_v - v), 1e-300
+            )
+            ends_u = np.sort([inward_u * (left - u), inward_u * (right - u)], axis=0)
+            ends_v = np.sort([inward_v * (top - v), inward_v * (bottom - v)], axis=0)
+            held &= ends_u[0] + ends_v[0] >= -room
+            meets &= ends_u[1] + ends_v[1] > room
+        inside |= held
+        touched |= meets
+    return int(np.sum(~(touched | inside))), int(np.sum(touched & ~inside))
+
+
+def _share(rings: list[tuple[Floats, Floats]], extent: Floats) -> float:
+    """Share of an area, whose outer ring comes first, that lies on an extent (positively oriented)."""
+    total = held = 0.0
+    for sign, (lon, lat) in zip((1.0, *(-1.0 for _ in rings[1:])), rings):
+        total += sign * WGS84.ring_area_m2(lon, lat)
+        on_map = np.stack([lon_to_u(lon), lat_to_v(lat)], axis=1)
+        for turn in _turns(on_map[:, 0], extent):
+            part = _within(on_map, extent + np.array([turn, 0.0]))
+            if len(part) > 2:
+                held += sign * WGS84.ring_area_m2(u_to_lon(part[:, 0]), v_to_lat(part[:, 1]))
+    share = held / total if total > 0.0 else 1.0
+    return 1.0 if share > 1.0 - _NOTHING_MISSING else max(share, 0.0)
+
+
+def _within(ring: Floats, convex: Floats) -> Floats:
+    """Ring inside a convex one that is positively oriented (Sutherland and Hodgman's clipping)."""
+    for corner, following in zip(convex, np.roll(convex, -1, axis=0)):
+        along = following - corner
+        depth = along[0] * (ring[:, 1] - corner[1]) - along[1] * (ring[:, 0] - corner[0])
+        after, there = np.roll(ring, -1, axis=0), np.roll(depth, -1)
+        cross = (depth >= 0.0) != (there >= 0.0)
+        share = np.where(cross, depth / np.where(cross, depth - there, 1.0), 0.0)
+        both = np.stack([ring, ring + share[:, np.newaxis] * (after - ring)], axis=1).reshape(-1, 2)
+        ring = both[np.stack([depth >= 0.0, cross], axis=1).ravel()]
+        if len(ring) < 3:
+            return ring[:0]
+    return ring

@@ -1,0 +1,417 @@
+"""How a mission's pictures lie on the map: the frames of its captures, their zoom and their size."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import NamedTuple, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...errors import InvalidInput
+from ...geodesy.accuracy import Scene
+from ...geodesy.camera import Poses
+from ...geodesy.ellipsoid import WGS84, Ellipsoid, trace
+from ...geodesy.frames import FrameEdges, Windows, map_frame_edges, windows_of
+from ...geodesy.mercator import MAX_LAT_DEG, PixelGrid, fitting_zoom, lat_to_v
+from ...geodesy.rectangles import inscribed_edges
+from ...geodesy.view import fitting_detail
+from ...limits import MAX_PICTURE_PX, MAX_PICTURE_SIDE_PX
+from ..area import Points
+from ..mission import Mission
+from .rotated import Pass, is_rotated, lay_out_rotated
+from .rows import Layout, lay_out
+
+Floats = NDArray[np.float64]
+#: Places and nominal poses to the poses that are flown.
+Disturbed = Callable[[Layout, Poses], Poses]
+
+#: Ratio down to which a wanted distance counts as the source's own, which are people's figures of three digits.
+_SAME_SIZE = 0.995
+#: Share of a half frame by which those of turned rows may be smaller so that many share theirs, and what turning and
+#: stretching a frame may move it by beyond their first order.
+_NARROWED, _BEYOND_FIRST_ORDER = 1e-3, 1.1
+#: World fraction that stands for frames without extent: far below a pixel.
+_SMALLEST = 1e-12
+#: Points along each side of an image at which it is looked whether it shows the map.
+_POINTS_LOOKED_AT = 33
+#: By how much a picture's side may differ from its frame's, as each edge is rounded on its own.
+_ROUNDED_PX = 1.0
+
+
+class Framed(NamedTuple):
+    """Captures with the windows of their pictures.
+
+    ``size_px`` is the width and height of camera frames, and None for map frames, whose windows are the pictures.
+    ``passes`` are those of turned or crossed rows.
+    """
+
+    layout: Layout
+    poses: Poses
+    zoom: int
+    windows: Windows
+    size_px: tuple[int, int] | None
+    passes: tuple[Pass, ...] = ()
+
+
+class Framing(Protocol):
+    """A kind of frame."""
+
+    def edges(self, poses: Poses, pixel: float, /) -> FrameEdges:
+        """Edges of the frames of poses, for pixels of this world fraction."""
+        ...
+
+    def zoom(self, layout: Layout) -> int:
+        """Zoom of a mission's pictures."""
+        ...
+
+    def size_px(self, layout: Layout) -> tuple[int, int] | None:
+        """Width and height of pictures that all have one size."""
+        ...
+
+
+def ground_of(mission: Mission) -> Ellipsoid:
+    """The ground of a mission, as an ellipsoid."""
+    return WGS84.raised(mission.ground_height_m) if mission.ground_height_m else WGS84
+
+
+def framed(mission: Mission, grid: PixelGrid, framing: Framing, disturbed: Disturbed) -> Framed:
+    """Lay a mission out in frames of one kind.
+
+    Raises
+    ------
+    InvalidInput
+        As `plan` does.
+    """
+
+    def laid_out(pixel: float) -> Layout:
+        def frames(lat_deg: Floats) -> FrameEdges:
+            attitude = (mission.yaw_deg, mission.tilt_deg, mission.roll_deg)
+            height = np.broadcast_to(np.float64(mission.agl_m), lat_deg.shape)
+            return framing.edges(Poses.of_attitude(lat_deg, np.zeros_like(lat_deg), height, *attitude), pixel)
+
+        return lay_out(mission, frames, pixel)
+
+    passes: tuple[Pass, ...] = ()
+    if is_rotated(mission):
+        layout, passes = lay_out_rotated(mission, ground_of(mission))
+    else:
+        layout = laid_out(0.0)
+    zoom = framing.zoom(layout)
+    if not passes and not isinstance(mission.area, Points):
+        # Outer frames need room for their rounding, a share of a pixel; that may, at the border of two zooms,
+        # take the lower one, whose pixels are larger.
+        layout = laid_out(1.0 / grid.world_px(zoom))
+        lower = framing.zoom(layout)
+        if lower != zoom:
+            zoom = min(zoom, lower)
+            layout = laid_out(1.0 / grid.world_px(zoom))
+    poses = disturbed(layout, nominal_poses(mission, layout))
+    pixel = 1.0 / grid.world_px(zoom)
+    if passes and mission.wind is None:
+        edges, run = _rounded_edges(framing, poses, pixel), np.arange(len(poses.lat_deg))
+    else:
+        first, run = poses.runs()
+        edges = framing.edges(poses.take(first), pixel)
+    windows = windows_of(edges, run, poses.lon_deg, grid, zoom)
+    return Framed(layout, poses, zoom, windows, framing.size_px(layout), passes)
+
+
+def _rounded_edges(framing: Framing, poses: Poses, pixel: float) -> FrameEdges:
+    """Edges of frames of turned rows, (n,): poses whose latitude and yaw are nearly the same share theirs.
+
+    A frame no point of which is farther than r from the camera lies in the image of one that is turned by an angle, or
+    stretched by a share, where it is smaller by r times that angle or share on every side.
+    """
+
+    def far_and_near(edges: FrameEdges, lat_deg: Floats) -> tuple[Floats, Floats]:
+        v = lat_to_v(lat_deg)
+        across = np.maximum(np.abs(edges.west_u), np.abs(edges.east_u))
+        down = np.maximum(np.abs(edges.top_v - v), np.abs(edges.bottom_v - v))
+        return np.hypot(across, down), np.minimum(*edges.size) / 2.0
+
+    (far,), (near,) = far_and_near(framing.edges(poses.take(slice(0, 1)), pixel), poses.lat_deg[:1])
+    turn_deg = math.degrees(2.0 * _NARROWED * max(float(near), _SMALLEST) / max(float(far), _SMALLEST))
+    step_deg = turn_deg / (1.0 + math.tan(math.radians(float(np.abs(poses.lat_deg).max()))))
+    lat, yaw = np.rint(poses.lat_deg / step_deg), np.rint(poses.yaw_deg / turn_deg)
+    cells, cell = np.unique(lat + 1j * yaw, return_inverse=True)
+    same = poses.take(np.zeros(len(cells), np.intp))
+    shared = same._replace(lat_deg=cells.real * step_deg, yaw_deg=cells.imag * turn_deg)
+    west, east, top, bottom = edges = framing.edges(shared, pixel)
+    far, _ = far_and_near(edges, shared.lat_deg)
+    # Half a step of latitude stretches, and half a step of yaw turns.
+    room = far * math.radians(turn_deg) * _BEYOND_FIRST_ORDER
+    across, down = (np.minimum(room, size / 2.0) for size in edges.size)
+    moved = lat_to_v(poses.lat_deg) - lat_to_v(shared.lat_deg)[cell]
+    return FrameEdges(
+        (west + across)[cell],
+        (east - across)[cell],
+        (top + down)[cell] + moved,
+        (bottom - down)[cell] + moved,
+    )
+
+
+def nominal_poses(mission: Mission, layout: Layout) -> Poses:
+    """Poses of captures as they are meant to be."""
+    tilt, roll = (
+        np.broadcast_to(np.float64(angle), layout.lat_deg.shape)
+        for angle in (mission.tilt_deg, mission.roll_deg)
+    )
+    return Poses(layout.lat_deg, layout.lon_deg, layout.agl_m, layout.yaw_deg, tilt, roll)
+
+
+def _limit_px(mission: Mission, grid: PixelGrid) -> int:
+    """Longest side of a picture that a mission, its source and memory allow, px."""
+    limits = [limit * grid.scale for limit in (mission.limit_px, grid.max_size_px) if limit is not None]
+    return min([MAX_PICTURE_SIDE_PX, *limits])
+
+
+def _check_size(width_px: int, height_px: int, mission: Mission, grid: PixelGrid, *, coarsest: bool) -> None:
+    """Refuse pictures that are larger than allowed; ``coarsest`` says that there are no coarser pixels to be had."""
+    limit, longest_px = _limit_px(mission, grid), max(width_px, height_px)
+    ways_out = ["fly lower"]
+    if not coarsest:
+        coarser = "choose a lower zoom", "choose a larger ground sample distance"
+        ways_out = [coarser[mission.gsd_m_per_px is not None]]
+    if longest_px <= limit:
+        if width_px * height_px <= MAX_PICTURE_PX:
+            return
+        if not coarsest and mission.zoom is None and mission.gsd_m_per_px is None:
+            ways_out.append("or make them smaller (--max-px)")
+        raise InvalidInput(
+            f"pictures of {width_px:,} x {height_px:,} px: {MAX_PICTURE_PX:,} px in all are allowed; "
+            f"{', '.join(ways_out)}",
+            "max_px",
+        )
+    if mission.limit_px is not None and mission.limit_px * grid.scale == limit:
+        ways_out.append("or allow larger pictures (--max-px)")
+    raise InvalidInput(
+        f"pictures of {longest_px:,} px: the longest side allowed here is {limit:,} px; {', '.join(ways_out)}",
+        "max_px",
+    )
+
+
+def _nearest_zoom(mission: Mission, grid: PixelGrid, layout: Layout, px_m: Floats) -> int:
+    """Zoom whose pixels come nearest in ratio to those of an image, which show ``px_m`` right below each capture."""
+    stretch = WGS84.normal_radius_m(layout.lat_deg) * np.cos(np.radians(layout.lat_deg)) * 2.0 * math.pi
+    span = float(np.median(px_m / np.maximum(stretch, 1.0)))
+    return fitting_detail(span, grid, (grid.min_zoom, _highest(mission, grid)))
+
+
+def _highest(mission: Mission, grid: PixelGrid) -> int:
+    return grid.max_zoom if mission.upsample else grid.native_zoom
+
+
+def sampled_zooms(mission: Mission, grid: PixelGrid) -> tuple[int, int]:
+    """Lowest and highest zoom that camera frames take their pixels from."""
+    highest = _highest(mission, grid) if mission.zoom is None else mission.zoom
+    return grid.min_zoom, max(highest, grid.min_zoom)
+
+
+def _checked_zoom(zoom: int, mission: Mission, grid: PixelGrid) -> int:
+    if not grid.min_zoom <= zoom <= grid.max_zoom:
+        raise InvalidInput(f"zoom {zoom}: the source has {grid.min_zoom} to {grid.max_zoom}", "zoom")
+    if zoom > _highest(mission, grid):
+        raise InvalidInput(
+            f"zoom {zoom}: the source's own pixels end at zoom {grid.native_zoom}; ask for that, or allow enlarged "
+            "pixels (--upsample)",
+            "zoom",
+        )
+    return zoom
+
+
+@dataclass(frozen=True)
+class MapFraming:
+    """Pictures that are rectangles of the map."""
+
+    mission: Mission
+    grid: PixelGrid
+
+    def edges(self, poses: Poses, _pixel: float, /) -> FrameEdges:
+        """Edges through the midpoints of the images' edges, whatever the pixel."""
+        return map_frame_edges(self.mission.camera, poses, ground_of(self.mission))
+
+    def size_px(self, layout: Layout) -> None:
+        """None: each picture is as large as its window."""
+
+    def zoom(self, layout: Layout) -> int:
+        """Return the zoom asked for, or the one nearest to the camera's pixels as far as size and limits allow."""
+        mission, grid = self.mission, self.grid
+        if mission.zoom is not None:
+            return _checked_zoom(mission.zoom, mission, grid)
+        if mission.gsd_m_per_px is not None:
+            return _zoom_for_gsd(mission.gsd_m_per_px, grid, layout.lat_deg, _highest(mission, grid))
+        camera_px_m = mission.camera.gsd_m_per_px(1.0, mission.image_px) * layout.agl_m
+        zoom = _nearest_zoom(mission, grid, layout, camera_px_m)
+        poses = Poses.level(layout.lat_deg, layout.lon_deg, layout.agl_m)
+        first, run = poses.runs()
+        edges = self.edges(poses.take(first), 0.0)
+        if mission.img_size is not None:
+            zoom = max(min(zoom, _zoom_for_size(mission.img_size, edges, grid)), grid.min_zoom)
+        return self._fitting(zoom, edges, run, layout.lon_deg)
+
+    def _fitting(self, zoom: int, edges: FrameEdges, run: NDArray[np.intp], lon_deg: Floats) -> int:
+        """Return the highest zoom, from one down, at which no picture is larger than allowed (the paper's eq. 8).
+
+        Where none is, the lowest.
+        """
+        grid, limit = self.grid, _limit_px(self.mission, self.grid)
+        # Edges are rounded each on its own: a picture has at most one pixel more than its frame.
+        most = max(float(size.max()) for size in edges.size)
+
+        def fits(zoom: int) -> bool:
+            if grid.centre_decimals is None and abs(most * grid.world_px(zoom) - limit) > _ROUNDED_PX:
+                return most * grid.world_px(zoom) < limit
+            windows = windows_of(edges, run, lon_deg, grid, zoom)
+            return _largest_px(windows) <= limit
+
+        while zoom > grid.min_zoom and not fits(zoom):
+            zoom -= 1
+        return zoom
+
+
+@dataclass(frozen=True)
+class CameraFraming:
+    """Pictures as the camera sees them; on the map they count for the north-up rectangle inside."""
+
+    mission: Mission
+    grid: PixelGrid
+
+    def edges(self, poses: Poses, pixel: float) -> FrameEdges:
+        """Edges of the rectangles inside, with room for their rounding."""
+        return inscribed_edges(self.mission.camera, poses, ground_of(self.mission), pixel)
+
+    def size_px(self, layout: Layout) -> tuple[int, int]:
+        """Size of the images: as fine as the zoom or the distance asked for, else the camera's as far as allowed."""
+        mission, grid = self.mission, self.grid
+        aspect = mission.camera.aspect_ratio
+        longest = float(min(mission.image_px, _limit_px(mission, grid)))
+        width = longest if aspect >= 1.0 else longest * aspect
+        if mission.img_size is not None:
+            width = min(width, max(float(mission.img_size[0]), mission.img_size[1] * aspect))
+        ground_m = mission.camera.ground_size_m(float(np.median(layout.agl_m)))[0]
+        finest_m = float(np.median(grid.ground_m_per_px(layout.lat_deg, _highest(mission, grid))))
+        if mission.gsd_m_per_px is not None:
+            if mission.gsd_m_per_px < finest_m * _SAME_SIZE:
+                raise _too_fine(mission.gsd_m_per_px, finest_m)
+            width = ground_m / mission.gsd_m_per_px
+        elif mission.zoom is not None:
+            width = ground_m / float(np.median(grid.ground_m_per_px(layout.lat_deg, mission.zoom)))
+        elif not mission.upsample:
+            width = min(width, max(ground_m / finest_m, 1.0, aspect))
+        size = round(width), round(width / aspect)
+        if min(size) < 1:
+            raise self._under_one_pixel(width, width / aspect)
+        _check_size(*size, mission, grid, coarsest=mission.zoom == grid.min_zoom)
+        return size
+
+    def _under_one_pixel(self, width_px: float, height_px: float) -> InvalidInput:
+        mission = self.mission
+        text = f"picture of {width_px:.3g} x {height_px:.3g} px: under one pixel"
+        if mission.zoom is not None:
+            return InvalidInput(f"{text}; fly higher or choose a higher zoom", "zoom")
+        if mission.gsd_m_per_px is not None:
+            return InvalidInput(
+                f"{text}; fly higher or choose a smaller ground sample distance", "gsd_m_per_px"
+            )
+        if _limit_px(mission, self.grid) < mission.image_px:
+            return InvalidInput(
+                f"{text}; choose a less extreme aspect ratio or larger pictures (--max-px)", "max_px"
+            )
+        return InvalidInput(
+            f"{text}; choose a less extreme aspect ratio or a larger image (--image-px)", "image_px"
+        )
+
+    def zoom(self, layout: Layout) -> int:
+        """Return the zoom asked for, or the one that suits the ground right below the camera."""
+        mission, grid = self.mission, self.grid
+        if mission.zoom is not None:
+            return _checked_zoom(mission.zoom, mission, grid)
+        poses = Poses.level(layout.lat_deg, layout.lon_deg, layout.agl_m)
+        scene = Scene(mission.camera, *self.size_px(layout), poses)
+        return _nearest_zoom(mission, grid, layout, scene.nadir_px_m)
+
+
+def _zoom_for_size(size: tuple[int, int, int], edges: FrameEdges, grid: PixelGrid) -> int:
+    """Return the lowest zoom at which no picture has to be enlarged to a size."""
+    width, height = (float(np.min(side)) for side in edges.size)
+    times = max(size[0] / width, size[1] / height) / grid.world_px(0)
+    # The exponent that just fits the inverse, taken down, is this one taken up.
+    return -fitting_zoom(times, 256.0)
+
+
+def _zoom_for_gsd(gsd_m_per_px: float, grid: PixelGrid, lat_deg: Floats, highest: int) -> int:
+    """Return the lowest zoom whose pixels are nowhere larger than asked for."""
+    for zoom in range(grid.min_zoom, highest + 1):
+        if float(grid.ground_m_per_px(lat_deg, zoom).max()) <= gsd_m_per_px:
+            return zoom
+    finest = float(grid.ground_m_per_px(lat_deg, highest).max())
+    raise _too_fine(gsd_m_per_px, finest)
+
+
+def _too_fine(gsd_m_per_px: float, finest_m: float) -> InvalidInput:
+    # Three digits, rounded up: what is advised is to be right.
+    unit = 10.0 ** (math.floor(math.log10(finest_m)) - 2)
+    finest_m = math.ceil(finest_m / unit) * unit
+    return InvalidInput(
+        f"ground sample distance {gsd_m_per_px} m: the source's own pixels are {finest_m:.3g} m here; ask for that or "
+        "more, or allow enlarged pixels (--upsample)",
+        "gsd_m_per_px",
+    )
+
+
+def _sees_the_map(mission: Mission, poses: Poses) -> NDArray[np.bool_]:
+    """Whether images show any ground of the map, (n,), as far as points spread over them tell."""
+    steps = np.linspace(-1.0, 1.0, _POINTS_LOOKED_AT)
+    points = np.stack(np.meshgrid(steps, steps), axis=-1).reshape(-1, 2)
+    rays = mission.camera.rays_enu(points, *poses.attitude)
+    seen = trace(poses.lat_deg[:, np.newaxis], poses.agl_m[:, np.newaxis], rays, ground_of(mission))
+    with np.errstate(invalid="ignore"):
+        return np.asarray((seen.hit & (np.abs(seen.lat_deg) <= MAX_LAT_DEG)).any(axis=1))
+
+
+def _largest_px(windows: Windows) -> int:
+    return int(max(windows.width_px.max(), windows.height_px.max()))
+
+
+def check_sizes(framed: Framed, mission: Mission, grid: PixelGrid) -> None:
+    """Refuse map frames that are larger than allowed."""
+    windows = framed.windows
+    coarsest = framed.zoom == grid.min_zoom
+    _check_size(int(windows.width_px.max()), int(windows.height_px.max()), mission, grid, coarsest=coarsest)
+
+
+def check_windows(framed: Framed, mission: Mission, grid: PixelGrid) -> None:
+    """Refuse map frames that reach beyond the map or are under one pixel, and camera frames that see nothing of it."""
+    windows, poses, zoom = framed.windows, framed.poses, framed.zoom
+    world = grid.world_px(zoom)
+    _, top, _, bottom = windows.bounds_px
+    if framed.size_px is not None:
+        middle = (top + bottom) / 2.0
+        outside = ~((middle >= 0.0) & (middle <= world))
+    else:
+        outside = (top < 0) | (bottom > world) | (windows.width_px > world)
+    beyond = np.flatnonzero(outside)
+    if framed.size_px is not None and len(beyond):
+        beyond = beyond[~_sees_the_map(mission, poses.take(beyond))]
+    if len(beyond):
+        place = f"picture at latitude {float(poses.lat_deg[beyond[0]])!r} from {float(poses.agl_m[beyond[0]]):g} m"
+        if framed.size_px is not None:
+            raise InvalidInput(
+                f"{place}: lies beyond the map, which ends at ±{MAX_LAT_DEG:.4f}; fly higher or nearer to the equator"
+            )
+        raise InvalidInput(
+            f"{place}: reaches beyond the map, which ends at ±{MAX_LAT_DEG:.4f}; fly lower or nearer to the equator"
+        )
+    if framed.size_px is not None:
+        return
+    small = np.minimum(windows.width_px, windows.height_px) < 1
+    if small.any():
+        at = int(np.flatnonzero(small)[0])
+        raise InvalidInput(
+            f"picture from {float(poses.agl_m[at]):g} m at zoom {zoom}: under one pixel; fly higher or "
+            "choose a higher zoom",
+            "agl_m",
+        )

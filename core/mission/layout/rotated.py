@@ -1,0 +1,312 @@
+"""Rows that are turned from east, or crossed: an area in the plane of its rows, flown to and fro."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...errors import InvalidInput
+from ...geodesy.camera import Poses
+from ...geodesy.ellipsoid import Ellipsoid
+from ...geodesy.mercator import wrap_lon_deg
+from ...geodesy.projections import NOISE_M, LocalPlane
+from ...geodesy.rectangles import Sides, common_sides, image_rings, own_sides
+from ..area import Box, Points, Polygon, crossed_and_held, ground_m2, in_band, sides_of, touching
+from ..mission import Mission
+from .coverage import Coverage, Overlap, Rectangles, gaps, joined, overlap_of, shares
+from .rows import Layout, in_order, refuse_beyond_mercator, refuse_no_step, refuse_too_many
+
+Floats = NDArray[np.float64]
+Numbers = NDArray[np.int64]
+
+#: How far from its middle a plane is used, metres: it enlarges by 0.6 % there, and as many images more are flown.
+_REACH_M = 1e6
+#: Neighbours meet inside each other by so much, far above the noise of positions: rounding opens no gap.
+_MEETING_M = 4.0 * NOISE_M
+#: What sides of the area may leave their chords by where only its extent is asked for, metres: little beside any plane.
+_EXTENT_M = 10.0
+#: Places along each side of the area's extent at which images are looked at to find what is common to all.
+_PLACES = 9
+#: Sides of the area bend between its corners, in the plane; they are cut into pieces that leave them by no more than
+#: this share of a rectangle, or have been halved so many times.
+_BEND_SHARE, _MOST_HALVINGS = 1e-4, 12
+#: Shares of a piece at which it is looked how far it leaves its chord: one that bends both ways does not in its middle.
+_LOOKED_AT = (0.25, 0.5, 0.75)
+_ACROSS_DEG = 90.0
+#: Pieces of a rectangle's width and height, about pixels of a picture, to which images' own ones are rounded inward:
+#: those of a million in wind, of which no two sides are level, are too many to be counted as they are.
+_PIECES = 512
+#: Share of the images that an area's ground asks for which are needed in any case.
+_SURELY = 0.95
+
+
+class Pass(NamedTuple):
+    """Rows of one direction, in flight order one after the other.
+
+    Attributes
+    ----------
+    plane : LocalPlane
+        Its first axis is the direction of the rows, its second that of yaw 0.
+    sides : Sides
+        The rectangle of ground, from the place of the camera, that every image of the pass shows.
+    first : int
+        Index of its first capture.
+    """
+
+    plane: LocalPlane
+    sides: Sides
+    first: int
+
+
+class Shape(NamedTuple):
+    """An area in a plane: its rings, outer one first, whose sides leave the true ones by ``bend_m`` at most."""
+
+    rings: tuple[tuple[Floats, Floats], ...]
+    bend_m: float
+
+    def arrays(self) -> list[tuple[Floats, Floats]]:
+        """Positions of each ring's corners along the axes."""
+        return list(self.rings)
+
+
+def is_rotated(mission: Mission) -> bool:
+    """Whether the rows of a mission are turned, or crossed."""
+    return not isinstance(mission.area, Points) and (mission.grid_angle_deg != 0.0 or mission.crosshatch)
+
+
+def lay_out_rotated(mission: Mission, ground: Ellipsoid) -> tuple[Layout, tuple[Pass, ...]]:
+    """Places of the captures of a mission whose rows are turned or crossed.
+
+    Raises
+    ------
+    InvalidInput
+        As `lay_out` does; where the plane or the frames do not hold: an area or images that reach too far, images that
+        see the sky; and for the layout ``paper``.
+    """
+    area = mission.area
+    if isinstance(area, Points):
+        raise InvalidInput("points have no rows that could be turned")
+    if mission.layout != "cover":
+        what = f"grid angle {mission.grid_angle_deg:g} deg" if mission.grid_angle_deg else "crosshatch"
+        raise InvalidInput(f"{what}: the layout {mission.layout} is north-up; use --layout cover", "layout")
+    box = area.bounds
+    refuse_beyond_mercator(box)
+    middle = (box.north_deg + box.south_deg) / 2.0, box.west_deg + box.span_deg / 2.0
+    angles = [mission.grid_angle_deg, mission.grid_angle_deg + _ACROSS_DEG][: 1 + mission.crosshatch]
+    parts: list[Layout] = []
+    passes: list[Pass] = []
+    for angle in angles:
+        plane = LocalPlane(*middle, angle)
+        flown, rows = (sum(len(part.row) for part in parts), sum(int(part.row.max()) + 1 for part in parts))
+        part, sides = _laid_out(mission, area, plane, ground, flown)
+        parts.append(part._replace(row=part.row + rows))
+        passes.append(Pass(plane, sides, flown))
+    if len(parts) == 1:
+        return parts[0], tuple(passes)
+    whole = Layout(*(np.concatenate(columns) for columns in zip(*parts)))
+    return whole._replace(agl_m=np.broadcast_to(np.float64(mission.agl_m), whole.row.shape)), tuple(passes)
+
+
+def _laid_out(
+    mission: Mission, area: Box | Polygon, plane: LocalPlane, ground: Ellipsoid, flown: int
+) -> tuple[Layout, Sides]:
+    """One pass, after so many captures, and the rectangle that its images have in common."""
+    sides = _common(mission, _shape(area, plane, _EXTENT_M), plane, ground)
+    (width,), (height,) = sides.size_m
+    steps = np.array([width * (1.0 - mission.overlap_along), height * (1.0 - mission.overlap_across)])
+    step_x, step_y = steps - _MEETING_M
+    refuse_no_step(steps[:1] - _MEETING_M, mission.overlap_along, mission)
+    refuse_no_step(steps[1:] - _MEETING_M, mission.overlap_across, mission)
+    # Without overlap the images' ground sums to the area's at least, but for what the plane enlarges.
+    refuse_too_many(flown + _SURELY * area.area_m2() / float(width * height), mission.max_images)
+    shape = _shape(area, plane, _BEND_SHARE * float(min(width, height)))
+    margin = shape.bend_m + _MEETING_M
+
+    y = np.concatenate([ring[1] for ring in shape.rings])
+    need = float(y.max() - y.min()) + 2.0 * margin
+    rows = max(math.ceil((need - height) / step_y), 0.0) + 1.0
+    refuse_too_many(flown + rows, mission.max_images)
+    tops = float(y.max() + y.min()) / 2.0 + ((rows - 1.0) * step_y + height) / 2.0 - step_y * np.arange(rows)
+    edges = sides_of(shape)
+    spans = [in_band(edges, float(top - height) - margin, float(top) + margin) for top in tops]
+    held = np.array([len(low) > 0 for low, _ in spans])
+    low, high = (
+        np.array([pick(span[side]) for span, any_ in zip(spans, held) if any_])
+        for side, pick in ((0, np.min), (1, np.max))
+    )
+    tops = tops[held]
+    counts = np.maximum(np.ceil((high - low + 2.0 * margin - width) / step_x), 0.0) + 1.0
+    refuse_too_many(flown + float(counts.sum()), mission.max_images)
+    per_row = counts.astype(np.int64)
+    row = np.repeat(np.arange(len(per_row), dtype=np.int64), per_row)
+    column = np.arange(len(row), dtype=np.int64) - np.repeat(np.cumsum(per_row) - per_row, per_row)
+    left = ((low + high) / 2.0)[row] + (column - (per_row[row] - 1) / 2.0) * step_x - width / 2.0
+    bottom = (tops - height)[row]
+    keep = touching(shape, left - margin, bottom - margin, left + width + margin, bottom + height + margin)
+    lat, lon = plane.inverse(left[keep] - sides.left_m, bottom[keep] - sides.bottom_m)
+    yaw = _yaws_deg(mission, plane, lat, lon)
+    agl = np.broadcast_to(np.float64(mission.agl_m), lat.shape)
+    return in_order(Layout(column[keep], row[keep], lat, lon, agl, yaw), mission.order), sides
+
+
+def _yaws_deg(mission: Mission, plane: LocalPlane, lat_deg: Floats, lon_deg: Floats) -> Floats:
+    """Yaws of images that lie in the plane as the mission says: those of its middle, less its convergence."""
+    return wrap_lon_deg(mission.yaw_deg - plane.north_deg(lat_deg, lon_deg))
+
+
+def _posed(mission: Mission, plane: LocalPlane, x_m: Floats, y_m: Floats) -> Poses:
+    lat, lon = plane.inverse(x_m, y_m)
+    tilt, roll = (np.full(lat.shape, angle) for angle in (mission.tilt_deg, mission.roll_deg))
+    agl = np.full(lat.shape, mission.agl_m)
+    return Poses(lat, lon, agl, _yaws_deg(mission, plane, lat, lon), tilt, roll)
+
+
+def _common(mission: Mission, shape: Shape, plane: LocalPlane, ground: Ellipsoid) -> Sides:
+    """Sides of the rectangle that images all over a shape show, from the camera's place."""
+    middle = _posed(mission, plane, np.zeros(1), np.zeros(1))
+    ring, _, whole = image_rings(mission.camera, middle, plane, ground)
+    if not whole.all():
+        if mission.tilt_deg or mission.roll_deg:
+            raise InvalidInput(
+                f"camera with tilt {mission.tilt_deg:g}, roll {mission.roll_deg:g} deg from {mission.agl_m:g} m: sees "
+                "past the horizon, where turned rows have no frames; tilt it less, fly lower or fly north-up rows",
+                "tilt_deg",
+            )
+        raise InvalidInput(
+            f"camera from {mission.agl_m:g} m: sees past the horizon, where turned rows have no frames; fly lower or "
+            "fly north-up rows",
+            "agl_m",
+        )
+    reach = np.abs(ring).max(axis=(0, 1)) + shape.bend_m
+    ends = [
+        (float(np.min(along)) - far, float(np.max(along)) + far)
+        for along, far in zip(map(np.concatenate, zip(*shape.rings)), reach.tolist())
+    ]
+    farthest = math.hypot(*(max(abs(low), abs(high)) for low, high in ends))
+    if not farthest <= _REACH_M:
+        raise InvalidInput(
+            f"grid angle {mission.grid_angle_deg:g} deg: turned rows hold to {_REACH_M / 1e3:g} km from the area's "
+            f"middle, and the area or its images reach {farthest / 1e3:.4g} km; take a smaller area or north-up rows",
+            "grid_angle_deg",
+        )
+    x, y = (places.ravel() for places in np.meshgrid(*(np.linspace(*end, _PLACES) for end in ends)))
+    poses = _posed(mission, plane, x, y)
+    rings, _, whole = image_rings(mission.camera, poses, plane, ground)
+    common = common_sides(mission.camera, poses, plane, ground)
+    # Between the places images differ from those there by what a curve leaves its chord: an eighth of its bend.
+    lattice = rings.reshape(_PLACES, _PLACES, -1)
+    bend = max(float(np.abs(np.diff(lattice, n=2, axis=axis)).max()) for axis in (0, 1)) / 4.0
+    left, bottom, right, top = common
+    across, up = (np.minimum(bend, size / 2.0) for size in common.size_m)
+    return Sides(left + across, bottom + up, right - across, top - up)
+
+
+def _shape(area: Box | Polygon, plane: LocalPlane, bend_m: float) -> Shape:
+    """An area in a plane, its sides cut into pieces that leave the true ones by no more than asked for."""
+    if isinstance(area, Box):
+        west, east = area.west_deg, area.continuous_east_deg
+        corners = [
+            (
+                np.array([west, east, east, west], np.float64),
+                np.array([area.north_deg, area.north_deg, area.south_deg, area.south_deg], np.float64),
+            )
+        ]
+    else:
+        corners = area.arrays()
+    found = [_cut(lon, lat, plane, bend_m) for lon, lat in corners]
+    # Twice what is seen, for pieces that bend unevenly.
+    return Shape(tuple((x, y) for x, y, _ in found), 2.0 * max(bend for _, _, bend in found))
+
+
+def _cut(lon_deg: Floats, lat_deg: Floats, plane: LocalPlane, bend_m: float) -> tuple[Floats, Floats, float]:
+    """Ring of a polygon in a plane, cut where its sides are bent; the most that its pieces are seen to leave chords."""
+    for halvings in range(_MOST_HALVINGS + 1):
+        x, y = plane.forward(lat_deg, lon_deg)
+        off = np.zeros(len(x))
+        for share in _LOOKED_AT:
+            lon, lat, *chord = (
+                part + share * (np.roll(part, -1) - part) for part in (lon_deg, lat_deg, x, y)
+            )
+            on = plane.forward(lat, lon)
+            off = np.maximum(off, np.hypot(on[0] - chord[0], on[1] - chord[1]))
+        bent = np.flatnonzero(off > bend_m)
+        if halvings == _MOST_HALVINGS or not len(bent):
+            break
+        lon_deg, lat_deg = (
+            np.insert(part, bent + 1, ((part + np.roll(part, -1)) / 2.0)[bent]) for part in (lon_deg, lat_deg)
+        )
+    return x, y, float(off.max())
+
+
+# --- what the images show
+
+
+def rotated_rectangles(
+    mission: Mission, part: Pass, poses: Poses, row: Numbers, ground: Ellipsoid, own: bool
+) -> Rectangles:
+    """Rectangles that the images of a pass show, in its plane; the images' own where wind has moved them."""
+    if own:
+        return _rounded(own_sides(mission.camera, poses, part.plane, ground), part.sides.size_m)
+    x, y = part.plane.forward(poses.lat_deg, poses.lon_deg)
+    # A row is level but for the noise that the rectangles leave room for.
+    new = np.append(True, row[1:] != row[:-1])
+    y = y[new][np.cumsum(new) - 1]
+    left, bottom, right, top = part.sides
+    return Rectangles(x + left, y + bottom, x + right, y + top)
+
+
+def _rounded(own: Sides, size_m: tuple[Floats, Floats]) -> Rectangles:
+    """Rectangles on a lattice of pieces of a size, inside others."""
+    across, up = (size / _PIECES for size in size_m)
+    left, bottom = np.ceil(own.left_m / across) * across, np.ceil(own.bottom_m / up) * up
+    right, top = np.floor(own.right_m / across) * across, np.floor(own.top_m / up) * up
+    # Images that show no whole ground have none that lies between two lines of the lattice.
+    return Rectangles(left, bottom, np.maximum(right, left), np.maximum(top, bottom))
+
+
+def rotated_coverage(
+    mission: Mission, passes: tuple[Pass, ...], rectangles: tuple[Rectangles, ...]
+) -> Coverage:
+    """What rectangles show of the mission's area, in the plane of the first pass; what is missing in true m²."""
+    area, plane = mission.area, passes[0].plane
+    if isinstance(area, Points):
+        raise InvalidInput("points cover no area")
+    shape = _shape(area, plane, _BEND_SHARE * float(np.min(passes[0].sides.size_m)))
+    x, y = (np.concatenate(values) for values in zip(*shape.rings))
+    bend = shape.bend_m
+    west, south, east, north = x.min() - bend, y.min() - bend, x.max() + bend, y.max() + bend
+    within = float(west), float(south), float(east), float(north)
+    shown: tuple[Rectangles, ...] = ()
+    missing = Rectangles(*np.empty((4, 0)))
+    for own in rectangles:
+        # Those of a second pass are turned back by its quarter turn.
+        shown = (*shown, Rectangles(own.y0, -own.x1, own.y1, -own.x0) if shown else joined(own))
+        missing = gaps(Rectangles(*(np.concatenate(sides) for sides in zip(*shown))), within)
+        missing = _near(shape, missing)
+        if not len(missing.x0):
+            break
+    lost = ground_m2(shape, *missing, plane.inverse)
+    return Coverage(area.area_m2(), float(lost.sum()), complete=not len(lost))
+
+
+def _near(shape: Shape, found: Rectangles) -> Rectangles:
+    """Rectangles that may share ground with what a shape stands for."""
+    x0, y0, x1, y1 = found
+    bend = shape.bend_m
+    crossed, held = crossed_and_held(shape, x0 - bend, y0 - bend, x1 + bend, y1 + bend)
+    return Rectangles(*(side[crossed | held] for side in found))
+
+
+def rotated_overlap(
+    column: Numbers, row: Numbers, passes: tuple[Pass, ...], rectangles: tuple[Rectangles, ...]
+) -> Overlap:
+    """What neighbours of the same pass share: along its rows, and from one of its rows to the next."""
+    ends = [*(part.first for part in passes[1:]), len(row)]
+    found = [
+        shares(column[part.first : end], row[part.first : end], sides, rows_are_level=True)
+        for part, end, sides in zip(passes, ends, rectangles)
+    ]
+    return overlap_of(*(np.concatenate(values) for values in zip(*found)))

@@ -1,0 +1,434 @@
+"""Where the captures of a mission stand: rows along parallels, the paper's UTM grid, or single points."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...errors import InvalidInput
+from ...geodesy.ellipsoid import gauss_legendre
+from ...geodesy.frames import FrameEdges
+from ...geodesy.mercator import MAX_LAT_DEG, lat_to_v, lon_to_u, u_to_lon, v_to_lat
+from ...geodesy.projections import utm_zone
+from ..area import Box, Points, Polygon, row_spans, touching
+from ..mission import Mission
+from ..options import ONE_WAY
+
+Floats = NDArray[np.float64]
+Numbers = NDArray[np.int64]
+#: Edges of the frames of captures at latitudes (n,) in degrees.
+Frames = Callable[[Floats], FrameEdges]
+
+#: Share of a pixel by which neighbours meet inside each other: far above the noise of float64 positions at
+#: zoom 22 (1e-7 px), so that rounding never opens a gap, and far below anything that costs a picture.
+_MEETING_PX = 1e-3
+#: Rounding a frame's edge to the pixel grid moves it by at most this, so the outermost frames reach so far
+#: beyond the area.
+_ROUNDING_PX = 0.5
+#: Rows are settled when no centre moves by more than this share of the world in a pass (0.4 µm of ground), or
+#: by more than the noise of adding so many of them up: this times the root of their number.
+_SETTLED, _SETTLED_NOISE = 1e-14, 1e-15
+#: Passes in which rows must settle. Picard iteration gains digits faster than geometrically (under 40 passes
+#: from limit to limit); only frames that all but hold a pole take longer.
+_PASSES = 500
+#: Passes after each other that may come no nearer before rows are given up: those that settle come nearer within ten.
+_STALLED = 50
+#: Frames further aside than this share of the world lie differently from each latitude; then this many are tried.
+_FAR_ASIDE, _TRIED_PLACES = 1e-3, 257
+#: Nodes of the quadrature that counts rows beforehand, and the share and number of rows added to be safe.
+_COUNT_NODES, _COUNT_SHARE, _COUNT_MORE = 64, 1e-3, 3
+#: Rows from which their images are counted beforehand; the share of those that are needed in any case, and what there
+#: are at most, so that a limit that is raised to the number named is enough.
+_MANY_ROWS, _SURELY, _ENOUGH = 1000, 0.95, 1.01
+#: Guard of the paper's counts against the noise of UTM metres, as a share of a step.
+_COUNT_GUARD = 1e-9
+#: Degrees from a zone's central meridian within which the paper's UTM grid is still a grid.
+_UTM_REACH_DEG = 30.0
+
+
+class Layout(NamedTuple):
+    """Captures in flight order: rows from north to south, flown to and fro or each from its first column.
+
+    Arrays (n,): grid indices, poses in degrees and metres. Longitudes are continuous along a mission. Yaws that are
+    all the same take no memory.
+    """
+
+    column: Numbers
+    row: Numbers
+    lat_deg: Floats
+    lon_deg: Floats
+    agl_m: Floats
+    yaw_deg: Floats
+
+
+def lay_out(mission: Mission, frames: Frames, pixel: float) -> Layout:
+    """Places of a mission's captures.
+
+    Parameters
+    ----------
+    mission : Mission
+    frames : callable
+        Edges of the mission's frames at given latitudes of the camera; what is covered lies in them, not below the
+        camera, where that looks aside.
+    pixel : float
+        Size of a pixel of the pictures as a fraction of the world's width, >= 0: the areas' outermost frames
+        leave room for the rounding of their edges.
+
+    Raises
+    ------
+    InvalidInput
+        More captures than ``mission.max_images``; an area beyond Web Mercator's latitudes; a camera that
+        sees past the horizon.
+    """
+    area = mission.area
+    if isinstance(area, Points):
+        return _points(mission, area)
+    refuse_beyond_mercator(area.bounds)
+    if mission.layout == "paper":
+        return _paper(mission, area, frames)
+    return _cover(mission, area, frames, pixel)
+
+
+def refuse_beyond_mercator(box: Box) -> None:
+    """Refuse areas that reach beyond Web Mercator's latitudes."""
+    for lat in (box.north_deg, box.south_deg):
+        if abs(lat) > MAX_LAT_DEG:
+            raise InvalidInput(
+                f"area reaches latitude {lat}: pictures end at ±{MAX_LAT_DEG:.4f} (Web Mercator)"
+            )
+
+
+def refuse_too_many(count: float, limit: int) -> None:
+    """Refuse more images than a mission may have."""
+    if count > limit:
+        raise InvalidInput(
+            f"mission of {count:,.0f} images: the limit is {limit:,}; fly higher, draw a smaller area, or raise it "
+            "(--max-images)",
+            "max_images",
+        )
+
+
+def _points(mission: Mission, area: Points) -> Layout:
+    refuse_too_many(len(area.poses), mission.max_images)
+    lat, lon, agl = np.array(area.poses, np.float64).reshape(-1, 3).T
+    index = np.arange(len(lat), dtype=np.int64)
+    yaws = point_yaws_deg(mission, area)
+    return Layout(index, np.zeros_like(index), lat, lon, agl, yaws)
+
+
+def point_yaws_deg(mission: Mission, area: Points) -> Floats:
+    """Yaw of each point, (n,): its own, or the mission's."""
+    if area.yaws_deg:
+        return np.array(area.yaws_deg, np.float64)
+    return np.broadcast_to(np.float64(mission.yaw_deg), (len(area.poses),))
+
+
+# --- rows along parallels
+
+
+def _cover(mission: Mission, area: Box | Polygon, frames: Frames, pixel: float) -> Layout:
+    rows_v, edges = _row_centres(mission, area.bounds, frames, pixel)
+    rounding = _ROUNDING_PX * pixel
+    spans = row_spans(area, edges.top_v - rounding, edges.bottom_v + rounding)
+    used = ~np.isnan(spans[:, 0])
+    rows_v, spans = rows_v[used], spans[used]
+    edges = FrameEdges(*(edge[used] for edge in edges))
+
+    width, _ = edges.size
+    step = width * (1.0 - mission.overlap_along) - _MEETING_PX * pixel
+    refuse_no_step(step, mission.overlap_along, mission)
+    west_u, east_u = lon_to_u(spans[:, 0]), lon_to_u(spans[:, 1])
+    need = (east_u - west_u) + 2.0 * rounding
+    counts = np.maximum(np.ceil((need - width) / step), 0.0) + 1.0
+    refuse_too_many(float(counts.sum()), mission.max_images)
+    per_row = counts.astype(np.int64)
+    row = np.repeat(np.arange(len(per_row), dtype=np.int64), per_row)
+    column = np.arange(len(row), dtype=np.int64) - np.repeat(np.cumsum(per_row) - per_row, per_row)
+    middle = (west_u + east_u - edges.west_u - edges.east_u) / 2.0
+    u = middle[row] + (column - (per_row[row] - 1) / 2.0) * step[row]
+    lat = v_to_lat(rows_v)
+    layout = _level(mission, column, row, lat[row], u_to_lon(u))
+    return in_order(_over(area, layout, FrameEdges(*(edge[row] for edge in edges)), rounding), mission.order)
+
+
+def _level(mission: Mission, column: Numbers, row: Numbers, lat_deg: Floats, lon_deg: Floats) -> Layout:
+    """Captures of one height and yaw, those of the mission."""
+    agl, yaw = (np.broadcast_to(np.float64(value), row.shape) for value in (mission.agl_m, mission.yaw_deg))
+    return Layout(column, row, lat_deg, lon_deg, agl, yaw)
+
+
+def _over(area: Box | Polygon, layout: Layout, edges: FrameEdges, rounding: float) -> Layout:
+    """Captures whose frames, grown by what rounding may add, share ground with the area."""
+    if isinstance(area, Box):
+        return layout
+    u = lon_to_u(layout.lon_deg)
+    west, east = u_to_lon(u + edges.west_u - rounding), u_to_lon(u + edges.east_u + rounding)
+    south, north = v_to_lat(edges.bottom_v + rounding), v_to_lat(edges.top_v - rounding)
+    keep = touching(area, west, south, east, north)
+    return _picked(layout, keep)
+
+
+def refuse_no_step(step: Floats, overlap: float, mission: Mission) -> None:
+    """Refuse steps from capture to capture, or from row to row, that do not go on."""
+    if not (step > 0.0).all():
+        if overlap == 0.0:
+            if mission.tilt_deg or mission.roll_deg:
+                raise InvalidInput(
+                    "images without a thousandth of a pixel of ground to count on: the camera looks past the map or "
+                    "the Earth; tilt it less or fly lower",
+                    "tilt_deg",
+                )
+            raise InvalidInput(
+                "images without a thousandth of a pixel of ground to count on: the camera looks past the map or the "
+                "Earth; fly lower",
+                "agl_m",
+            )
+        raise InvalidInput(
+            f"overlap {overlap}: leaves under a thousandth of a pixel between captures; overlap less"
+        )
+
+
+def _row_centres(mission: Mission, box: Box, frames: Frames, pixel: float) -> tuple[Floats, FrameEdges]:
+    """World fractions of the rows' cameras, north to south, and the rows' frame edges."""
+    rows = _Rows(mission, box, frames, pixel)
+    centres, edges = rows.settle(rows.first_top, rows.most())
+    count = int(np.searchsorted(edges.bottom_v, rows.last_bottom)) + 1
+    while count > len(centres):
+        # Rows share a part of the higher one, and so come nearer to each other than their number was counted for.
+        refuse_too_many(count, mission.max_images)
+        missing, step = rows.last_bottom - edges.bottom_v[-1], edges.bottom_v[-1] - edges.bottom_v[-2]
+        centres, edges = rows.settle(rows.first_top, len(centres) + math.ceil(missing / step) + _COUNT_MORE)
+        count = int(np.searchsorted(edges.bottom_v, rows.last_bottom)) + 1
+    spare = float(edges.bottom_v[count - 1]) - rows.last_bottom
+    shift = rows.centring_shift(count, spare)
+    placed, edges = rows.lean(rows.settle(rows.first_top - shift, count)[0])
+    rows.refuse_gaps(placed)
+    return placed, edges
+
+
+class _Rows:
+    """Rows of frames between two parallels, as world fractions."""
+
+    def __init__(self, mission: Mission, box: Box, frames: Frames, pixel: float) -> None:
+        self._mission, self._frames = mission, frames
+        self._north, self._south = (
+            float(lat_to_v(np.asarray(lat))) for lat in (box.north_deg, box.south_deg)
+        )
+        self._meeting = _MEETING_PX * pixel
+        self._across = box.span_deg / 360.0 if isinstance(mission.area, Box) else 0.0
+        self.first_top = max(self._north - _ROUNDING_PX * pixel, 0.0)
+        self.last_bottom = min(self._south + _ROUNDING_PX * pixel, 1.0)
+        self._least, self._most = self._cameras()
+
+    def _cameras(self) -> tuple[float, float]:
+        """Where cameras may stand to have their frames in the area, by half a frame or more."""
+        places = np.array([self._north, self._south])
+        edges = self._frames(v_to_lat(places))
+        aside = (edges.top_v + edges.bottom_v) / 2.0 - places
+        if float(np.abs(aside).max()) > _FAR_ASIDE:
+            return self._cameras_by_trying()
+        # The centre of a frame that is symmetric about the camera's place differs from it by Mercator's stretch alone.
+        level = np.abs(aside) < edges.size[1] / 4.0
+        half = edges.size[1] / 2.0
+        cameras = np.where(level, places + np.array([-1.0, 1.0]) * half, places - 1.5 * aside)
+        return max(min(self._north, float(cameras.min())), 0.0), min(
+            max(self._south, float(cameras.max())), 1.0
+        )
+
+    def _cameras_by_trying(self) -> tuple[float, float]:
+        """Where cameras may stand whose frames lie so far aside that how far changes with their latitude."""
+        tried = np.linspace(0.0, 1.0, _TRIED_PLACES)
+        edges = self._frames(v_to_lat(tried))
+        sees = (edges.size[1] > 0.0) & (edges.bottom_v >= self._north) & (edges.top_v <= self._south)
+        if not sees.any():
+            raise InvalidInput(
+                f"camera at {self._mission.agl_m:g} m, tilted so: from nowhere on the map does it see this area; tilt "
+                "it less or fly lower",
+                "tilt_deg",
+            )
+        places = tried[sees]
+        highest, lowest = (
+            np.where(sees, edge, worst) for edge, worst in ((edges.top_v, 2.0), (edges.bottom_v, -1.0))
+        )
+        if self._out_of_sight(highest - self._north) or self._out_of_sight(self._south - lowest):
+            raise self._gaps()
+        return max(float(places[0] - tried[1]), 0.0), min(float(places[-1] + tried[1]), 1.0)
+
+    def _out_of_sight(self, missing: Floats) -> bool:
+        """Whether frames of cameras at the tried places all end so far before a side of the area."""
+        nearest = int(np.argmin(missing))
+        # Between places a frame may reach further than at them, but not beyond the first and the last.
+        between = 0 < nearest < _TRIED_PLACES - 1
+        return float(missing[nearest]) > (2.0 / _TRIED_PLACES if between else 0.0)
+
+    def _gaps(self) -> InvalidInput:
+        if self._mission.tilt_deg or self._mission.roll_deg:
+            return InvalidInput(
+                f"rows from {self._mission.agl_m:g} m cannot be placed so that their images cover this area; tilt the "
+                "camera less, fly lower or take a smaller area"
+            )
+        return InvalidInput(
+            f"rows from {self._mission.agl_m:g} m cannot be placed so that their images cover this area; fly lower or "
+            "take a smaller area"
+        )
+
+    def refuse_gaps(self, centres: Floats) -> None:
+        """Refuse rows that were not settled where cameras may stand: their frames are elsewhere."""
+        if bool(((centres < self._least - _SETTLED) | (centres > self._most + _SETTLED)).any()):
+            raise self._gaps()
+
+    def _edges(self, centres: Floats) -> FrameEdges:
+        """Edges of frames at the centres, each centre taken as its nearest where cameras may stand.
+
+        A settled row's centre lies there; the ones beyond are only on their way.
+        """
+        inside = np.clip(centres, self._least, self._most)
+        edges = self._frames(v_to_lat(inside))
+        moved = centres - inside
+        return edges._replace(top_v=edges.top_v + moved, bottom_v=edges.bottom_v + moved)
+
+    def _steps(self, centres: Floats, edges: FrameEdges) -> Floats:
+        """Distance of each row from the one before, for rows at these centres."""
+        height = edges.bottom_v - edges.top_v
+        shared = self._mission.overlap_across * np.maximum(height[1:], height[:-1])
+        below, above = (edges.bottom_v - centres)[:-1], (centres - edges.top_v)[1:]
+        steps: Floats = below + above - shared - self._meeting
+        refuse_no_step(steps, self._mission.overlap_across, self._mission)
+        return steps
+
+    def most(self) -> int:
+        """Rows that surely reach from north to south: the integral of rows per height, and some."""
+        nodes, weights = gauss_legendre(_COUNT_NODES)
+        half = (self._south - self._north) / 2.0
+        edges = self._edges(self._north + half * (1.0 + nodes))
+        step = (edges.bottom_v - edges.top_v) * (1.0 - self._mission.overlap_across) - self._meeting
+        refuse_no_step(step, self._mission.overlap_across, self._mission)
+        count = half * float(np.sum(weights / step))
+        refuse_too_many(math.floor(count * (1.0 - _COUNT_SHARE)), self._mission.max_images)
+        if count > _MANY_ROWS:
+            # Rows are placed in seconds then: what is beyond the limit in any case is refused before.
+            width, _ = edges.size
+            columns = np.ceil(
+                np.maximum(self._across - width, 0.0) / (width * (1.0 - self._mission.overlap_along))
+            )
+            images = half * float(np.sum(weights / step * (columns + 1.0)))
+            # The last row ends with the area: those that only its own height has room for are not flown.
+            images *= max(
+                1.0 - self._mission.overlap_across / (1.0 - self._mission.overlap_across) / count, 0.0
+            )
+            if images * _SURELY > self._mission.max_images:
+                refuse_too_many(math.ceil(images * _ENOUGH), self._mission.max_images)
+        return math.ceil(count * (1.0 + _COUNT_SHARE)) + _COUNT_MORE
+
+    def settle(self, top: float, count: int) -> tuple[Floats, FrameEdges]:
+        """Centres of rows that follow each other from a first top edge, and their edges.
+
+        A row's place depends on its own height and those before: all are placed at once, again and again
+        with the heights of the last pass (Picard iteration), until none moves.
+        """
+        centres = np.linspace(max(top, self._north), self._south, count)
+        settled = max(_SETTLED, _SETTLED_NOISE * math.sqrt(count))
+        nearest, stalled = math.inf, 0
+        for _ in range(_PASSES):
+            edges = self._edges(centres)
+            placed = np.cumsum(
+                np.concatenate([top + centres[:1] - edges.top_v[:1], self._steps(centres, edges)])
+            )
+            moved = float(np.max(np.abs(placed - centres)))
+            centres = placed
+            if moved <= settled:
+                return centres, self._edges(centres)
+            nearest, stalled = (moved, 0) if moved < nearest else (nearest, stalled + 1)
+            if stalled == _STALLED:
+                break
+        raise InvalidInput(
+            f"rows from {self._mission.agl_m:g} m cannot be placed so near to a pole; fly lower or farther from it"
+        )
+
+    def centring_shift(self, count: int, spare: float) -> float:
+        """Distance northward that makes the rows reach as far beyond the area's north as beyond its south."""
+        if spare <= 0.0:
+            return 0.0
+
+        def below(shift: float) -> float:
+            return float(self.settle(self.first_top - shift, count)[1].bottom_v[-1]) - self.last_bottom
+
+        guess = min(spare / 2.0, self.first_top)
+        unequal = below(guess) - guess
+        # One secant step: heights change so slowly with latitude that what remains is of second order.
+        shift = guess * spare / (spare - unequal) if unequal < spare else guess
+        shift = max(min(shift, self.first_top), min(spare - (1.0 - self.last_bottom), self.first_top), 0.0)
+        return shift if below(shift) >= 0.0 else 0.0
+
+    def lean(self, centres: Floats) -> tuple[Floats, FrameEdges]:
+        """Rows whose last one, where it would reach beyond the map's end, ends there instead."""
+        edges = self._edges(centres)
+        if edges.bottom_v[-1] <= 1.0:
+            return centres, edges
+        inside, outside = 0.5, float(centres[-1])
+        while outside - inside > _SETTLED:
+            middle = (inside + outside) / 2.0
+            if self._edges(np.array([middle])).bottom_v[0] <= 1.0:
+                inside = middle
+            else:
+                outside = middle
+        centres = np.append(centres[:-1], inside)
+        return centres, self._edges(centres)
+
+
+def _picked(layout: Layout, which: NDArray[Any]) -> Layout:
+    column, row, *poses = layout
+    column = column[which]
+    # What is the same for all takes no memory.
+    kept = (
+        values[which] if any(values.strides) else np.broadcast_to(values[:1], column.shape)
+        for values in poses
+    )
+    return Layout(column, row[which], *kept)
+
+
+def in_order(layout: Layout, order: str) -> Layout:
+    """Rows one after the other: to and fro, or each from its first column."""
+    column = layout.column if order == ONE_WAY else np.where(layout.row % 2, -layout.column, layout.column)
+    return _picked(layout, np.lexsort((column, layout.row)))
+
+
+# --- the paper's grid
+
+
+def _paper(mission: Mission, area: Box | Polygon, frames: Frames) -> Layout:
+    """Grid in UTM of the box's centre, the first image on the top-left corner (the paper's raster mission)."""
+    box = area.bounds
+    middle_lon = box.west_deg + box.span_deg / 2.0
+    zone = utm_zone((box.north_deg + box.south_deg) / 2.0, middle_lon)
+    # Longitudes are taken from the central meridian's turn of the world, and given back to the box's.
+    turn = 360.0 * round((middle_lon - zone.central_meridian_deg) / 360.0)
+    reach = box.span_deg / 2.0 + abs(middle_lon - turn - zone.central_meridian_deg)
+    if reach > _UTM_REACH_DEG:
+        raise InvalidInput(
+            f"paper layout over {box.span_deg:g} deg of longitude: its UTM grid holds to {_UTM_REACH_DEG:g} deg from "
+            "the zone's meridian; use --layout cover",
+            "layout",
+        )
+    (left, right), (top, bottom) = zone.forward(
+        np.array([box.west_deg, box.continuous_east_deg]) - turn, np.array([box.north_deg, box.south_deg])
+    )
+    width, height = mission.camera.ground_size_m(mission.agl_m)
+    step_x, step_y = width * (1.0 - mission.overlap_along), height * (1.0 - mission.overlap_across)
+    columns = _paper_count(float(right - left), width, step_x)
+    rows = _paper_count(float(top - bottom), height, step_y)
+    refuse_too_many(columns * rows, mission.max_images)
+    row, column = (index.ravel() for index in np.indices((int(rows), int(columns)), dtype=np.int64))
+    lon, lat = zone.inverse(left + column * step_x, top - row * step_y)
+    lon = zone.central_meridian_deg + np.mod(lon - zone.central_meridian_deg + 180.0, 360.0) - 180.0 + turn
+    layout = _level(mission, column, row, lat, lon)
+    return in_order(layout if isinstance(area, Box) else _over(area, layout, frames(lat), 0.0), mission.order)
+
+
+def _paper_count(extent_m: float, size_m: float, step_m: float) -> float:
+    """Images until the far corner, ``extent_m`` from the first centre, is inside one."""
+    return max(math.ceil((extent_m - size_m / 2.0) / step_m - _COUNT_GUARD), 0) + 1.0

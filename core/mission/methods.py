@@ -1,0 +1,393 @@
+"""Which method each stage of a plan uses: the cheapest whose bounds together fit the error budget, and why."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+
+from ..errors import InvalidInput
+from ..geodesy import accuracy
+from ..geodesy.accuracy import Scene
+from ..geodesy.camera import Poses
+from ..geodesy.mercator import PixelGrid
+from .area import Points
+from .layout.framing import (
+    CameraFraming,
+    Disturbed,
+    Framed,
+    MapFraming,
+    check_sizes,
+    check_windows,
+    framed,
+    ground_of,
+)
+from .layout.rotated import is_rotated
+from .mission import Mission
+from .options import RAYS
+
+#: Coarsest mesh, px: larger cells save nothing, and kernels have one pixel to spare (`view.KERNEL_REACH_PX`).
+COARSEST_MESH_PX = 1.0
+#: Share of the budget that is left for the rounding of the bounds' sum.
+_ROUNDING = 1e-12
+#: A mesh has to be so many times coarser than the noise of its cells' corners: below, most pixels need a ray anyway.
+_ABOVE_NOISE = 2.0
+
+_NO_CAMERA_FRAME = "the source gives pictures by their centre, not tiles that others can be made from"
+_WIND = "wind turns the camera"
+_ROTATED = "the rows are turned from east, and the camera with them"
+
+
+@dataclass(frozen=True)
+class Method:
+    """A way of doing a stage, and what it may be wrong by in one scene.
+
+    Attributes
+    ----------
+    stage, name : str
+    bound_px : float
+        Infinite where the method has no bound.
+    bound_m : float
+        The same on the ground, where a pixel spans most of it.
+    outside : str
+        Why the method has no bound here; empty where it has one.
+    """
+
+    stage: str
+    name: str
+    bound_px: float
+    bound_m: float
+    outside: str = ""
+
+
+@dataclass(frozen=True)
+class Choice:
+    """What a stage uses, and the cheaper method that was rejected with the reason; None where there was none."""
+
+    method: Method
+    rejected: Method | None = None
+    reason: str = ""
+
+
+@dataclass(frozen=True)
+class Accuracy:
+    """What a plan chose, and what it may be wrong by.
+
+    Attributes
+    ----------
+    budget_px : float
+    footprint, picture : Choice
+        Footprints are always those of the exact camera.
+    pixels : Choice or None
+        How the ground under each pixel of a camera frame is worked out.
+    condition : float
+        Condition number of the scene; infinite where the horizon is in the picture.
+    terrain_px_per_m : float
+        Displacement per metre of relief, which is not modelled and not in the bound.
+    left_out : tuple of (str, str)
+        What the scene does not need, and why.
+    """
+
+    budget_px: float
+    footprint: Choice
+    picture: Choice
+    pixels: Choice | None
+    condition: float
+    terrain_px_per_m: float
+    left_out: tuple[tuple[str, str], ...]
+
+    @property
+    def choices(self) -> tuple[Choice, ...]:
+        """Of each stage that the plan has."""
+        return tuple(choice for choice in (self.footprint, self.picture, self.pixels) if choice is not None)
+
+    @property
+    def bound_px(self) -> float:
+        """Sum of the stages' bounds."""
+        return sum(choice.method.bound_px for choice in self.choices)
+
+    @property
+    def mesh_tolerance_px(self) -> float:
+        """What a cell of the mesh may be wrong by; 0 for rays and where there is no mesh."""
+        return self.pixels.method.bound_px if self.pixels is not None else 0.0
+
+    def text(self) -> str:
+        """One line for people: methods, bounds, what was left out, and what is not bounded."""
+        stages = "; ".join(
+            f"{choice.method.stage}: {choice.method.name}, ≤ {bound_text(choice.method.bound_px)} px"
+            for choice in self.choices
+        )
+        left_out = ", ".join(what for what, _ in self.left_out)
+        return f"{stages}; left out: {left_out or 'nothing'}; {self.terrain_text()}"
+
+    def lines(self) -> list[tuple[str, str]]:
+        """Label and value of what was chosen and why, in words for people."""
+        lines = []
+        for choice in self.choices:
+            name, bound, rejected = choice.method.name, bound_text(choice.method.bound_px), choice.rejected
+            text = (
+                f"{name}, ≤ {bound} px"
+                if rejected is None
+                else f"{name}, ≤ {bound} px (not {rejected.name}: {choice.reason})"
+            )
+            lines.append((f"method of {choice.method.stage}", text))
+        left_out = "; ".join(f"{what} ({why})" for what, why in self.left_out)
+        return [
+            *lines,
+            ("error", f"≤ {bound_text(self.bound_px)} px of a budget of {self.budget_px:g} px"),
+            ("left out", left_out or "nothing"),
+            ("terrain", self.terrain_text().partition(": ")[2]),
+            (
+                "condition number",
+                f"{self.condition:.3g}" if math.isfinite(self.condition) else "infinite (horizon)",
+            ),
+        ]
+
+    def terrain_text(self) -> str:
+        """What relief may add."""
+        if not math.isfinite(self.terrain_px_per_m):
+            return "terrain: not bounded, without limit at the horizon"
+        return f"terrain: not bounded, up to {self.terrain_px_per_m:.2g} px per metre of relief"
+
+    def to_dict(self) -> dict[str, Any]:
+        """JSON-ready mapping; what is infinite is null."""
+        stages = {
+            choice.method.stage: {
+                "chosen": _plain(choice.method),
+                "rejected": None if choice.rejected is None else _plain(choice.rejected),
+                "reason": choice.reason,
+            }
+            for choice in self.choices
+        }
+        return {
+            "budget_px": self.budget_px,
+            "bound_px": _finite(self.bound_px),
+            **stages,
+            "condition": _finite(self.condition),
+            "terrain_px_per_m": _finite(self.terrain_px_per_m),
+            "left_out": [{"what": what, "why": why} for what, why in self.left_out],
+        }
+
+
+def _plain(method: Method) -> dict[str, Any]:
+    return {**asdict(method), "bound_px": _finite(method.bound_px), "bound_m": _finite(method.bound_m)}
+
+
+def _finite(value: float) -> float | None:
+    return value if math.isfinite(value) else None
+
+
+def bound_text(bound_px: float) -> str:
+    """A bound in two digits, rounded up so that it stays one."""
+    if not (math.isfinite(bound_px) and bound_px > 0.0):
+        return str(bound_px)
+    unit = 10.0 ** (math.floor(math.log10(bound_px)) - 1)
+    return f"{math.ceil(bound_px / unit * (1.0 - 1e-12)) * unit:.2g}"
+
+
+def exact_footprint(scene: Scene) -> Method:
+    """Footprints of the exact camera."""
+    bound_px = float(np.max(accuracy.exact_px(scene)))
+    return Method("footprint", "exact", bound_px, bound_px * accuracy.ground_m_per_px(scene))
+
+
+def map_frame(scene: Scene, outside: str = "") -> Method:
+    """Pictures that are rectangles of the map.
+
+    Parameters
+    ----------
+    outside : str
+        Why there are none, apart from what the scene itself says; or empty.
+    """
+    outside = outside or accuracy.outside_flat_domain(scene)
+    if outside:
+        return Method("picture", "map", math.inf, math.inf, outside)
+    px = accuracy.map_frame_px(scene)
+    # A pixel spans most ground at the corners of a level picture: its rays are slanted there by 1 + t².
+    metres = float(np.max(px * scene.nadir_px_m)) * (1.0 + scene.diagonal_tangent**2)
+    return Method("picture", "map", float(np.max(px)), metres)
+
+
+def camera_frame(scene: Scene, outside: str = "") -> Method:
+    """Pictures as the camera sees them; ``outside`` says why there are none, or is empty."""
+    traced = math.inf if outside else float(np.max(accuracy.camera_frame_px(scene)))
+    return Method("picture", "camera", traced, traced * accuracy.ground_m_per_px(scene), outside)
+
+
+def mesh(scene: Scene, tolerance_px: float) -> Method:
+    """Pixels of a camera frame placed by a mesh as coarse as a tolerance allows, or else as fine as a mesh can be."""
+    finest = _ABOVE_NOISE * float(np.max(accuracy.mesh_noise_px(scene)))
+    bound_px = max(min(tolerance_px, COARSEST_MESH_PX), finest)
+    return Method("pixels", "mesh", bound_px, bound_px * accuracy.ground_m_per_px(scene))
+
+
+#: A ray for every pixel adds nothing to the camera frame's own noise.
+TRACED = Method("pixels", RAYS, 0.0, 0.0)
+
+
+def choose_methods(mission: Mission, grid: PixelGrid, disturbed: Disturbed) -> tuple[Framed, Accuracy]:
+    """Frame a mission with the cheapest methods whose bounds sum within its error budget.
+
+    A map frame is the cheapest picture, as nothing is resampled; a camera frame by a mesh that is as coarse as the
+    budget allows is cheaper than one with a ray for every pixel.
+
+    Raises
+    ------
+    InvalidInput
+        Where none fit and the mission does not accept that; where a method that it names has no bound; and as `plan`
+        does.
+    """
+    no_camera_frame = _NO_CAMERA_FRAME if grid.centre_decimals is not None else ""
+    picture: Choice | None = None
+    if mission.frame != "camera":
+        outside = _no_map_frame(mission)
+        if not outside:
+            flown = framed(mission, grid, MapFraming(mission, grid), disturbed)
+            check_sizes(flown, mission, grid)
+            try:
+                check_windows(flown, mission, grid)
+            except InvalidInput as wrong:
+                if mission.frame == "map" or no_camera_frame:
+                    raise
+                # A camera's image has no such limits, or is refused for its own.
+                outside = str(wrong).partition(";")[0]
+        if not outside:
+            scene = _resolved(scene_of(mission, flown))
+            found, footprint = map_frame(scene), exact_footprint(scene)
+            fits = found.bound_px + footprint.bound_px <= mission.error_budget_px
+            if fits or mission.frame == "map" or no_camera_frame:
+                return flown, _accuracy(mission, scene, Choice(footprint), Choice(found), None)
+            reason = _too_much(found.bound_px, footprint.bound_px, mission.error_budget_px)
+        elif mission.frame == "map":
+            raise InvalidInput(f"picture 'map' was asked for, but has no bound here: {outside}", "frame")
+        else:
+            found, reason = Method("picture", "map", math.inf, math.inf, outside), outside
+        picture = Choice(found, found, reason)
+    if no_camera_frame:
+        raise InvalidInput(
+            f"picture as the camera sees it: {no_camera_frame}; choose a source of tiles", "source"
+        )
+    flown = framed(mission, grid, CameraFraming(mission, grid), disturbed)
+    check_windows(flown, mission, grid)
+    scene = _resolved(scene_of(mission, flown))
+    found, footprint = camera_frame(scene), exact_footprint(scene)
+    picture = Choice(found) if picture is None else Choice(found, picture.rejected, picture.reason)
+    pixels = choose_pixels(mission, scene, found.bound_px + footprint.bound_px)
+    return flown, _accuracy(mission, scene, Choice(footprint), picture, pixels)
+
+
+def _no_map_frame(mission: Mission) -> str:
+    """Why a mission has no map frames whatever its budget; empty where it may have some."""
+    if is_rotated(mission):
+        return _ROTATED
+    if mission.wind is not None and mission.wind.sigma_m_per_s > 0.0:
+        return _WIND
+    return accuracy.outside_flat_domain(_ends(mission))
+
+
+def choose_pixels(mission: Mission, scene: Scene, others_px: float) -> Choice:
+    """Mesh or rays of a mission's camera frames: a mesh as coarse as the other stages' bounds leave of the budget."""
+    if mission.mesh == RAYS:
+        return Choice(TRACED)
+    left_px = mission.error_budget_px * (1.0 - _ROUNDING) - others_px
+    found = mesh(scene, left_px)
+    if found.bound_px <= left_px:
+        return Choice(found)
+    return Choice(TRACED, found, _too_much(found.bound_px, others_px, mission.error_budget_px))
+
+
+def scene_of(mission: Mission, flown: Framed) -> Scene:
+    """What the bounds of a framed mission depend on, once for each run of poses that share it."""
+    first, _ = flown.poses.runs()
+    poses = flown.poses.take(first)
+    if flown.size_px is not None:
+        return Scene(
+            mission.camera, float(flown.size_px[0]), float(flown.size_px[1]), poses, ground_of(mission)
+        )
+    # Pictures of one row differ by a pixel at most, as each edge is rounded on its own.
+    width, height = (
+        np.asarray(size[first], np.float64) + 1.0
+        for size in (flown.windows.width_px, flown.windows.height_px)
+    )
+    return Scene(mission.camera, width, height, poses, ground_of(mission))
+
+
+def _resolved(scene: Scene) -> Scene:
+    """A scene whose pixels float64 resolves; raises InvalidInput where they are finer."""
+    finest = float(np.min(accuracy.finest_px_m(scene)))
+    if finest < accuracy.RESOLVED_M:
+        raise InvalidInput(
+            f"pixels of {finest:.2g} m on the ground: degrees in float64 resolve {accuracy.RESOLVED_M:g} m; fly "
+            "higher or widen the field of view",
+            "agl_m",
+        )
+    return scene
+
+
+def _ends(mission: Mission) -> Scene:
+    """Scene of the captures whose flat model is stretched most, before any is placed; of any image size."""
+    area = mission.area
+    if isinstance(area, Points):
+        lat, _, agl = np.array(area.poses, np.float64).reshape(-1, 3).T
+        # The domain is the same at any yaw.
+    else:
+        lat = np.array([area.bounds.north_deg, area.bounds.south_deg])
+        agl = np.full(2, mission.agl_m)
+    attitude = (mission.yaw_deg, mission.tilt_deg, mission.roll_deg)
+    return Scene(
+        mission.camera,
+        1.0,
+        1.0,
+        Poses.of_attitude(lat, np.zeros_like(lat), agl, *attitude),
+        ground_of(mission),
+    )
+
+
+def _accuracy(
+    mission: Mission, scene: Scene, footprint: Choice, picture: Choice, pixels: Choice | None
+) -> Accuracy:
+    """What was chosen; raises InvalidInput where its bounds exceed the budget and the mission does not accept that."""
+    made = Accuracy(
+        budget_px=mission.error_budget_px,
+        footprint=footprint,
+        picture=picture,
+        pixels=pixels,
+        condition=accuracy.condition_number(scene),
+        terrain_px_per_m=accuracy.terrain_px_per_m(scene),
+        left_out=tuple(_left_out(mission, picture.method, pixels)),
+    )
+    budget, total = made.budget_px, made.bound_px
+    if total > budget and not mission.accept_error:
+        chosen = (choice.method for choice in (picture, pixels) if choice is not None)
+        methods = ", ".join(f"{method.stage} {method.name}" for method in chosen)
+        raise InvalidInput(
+            f"error budget {budget:g} px: no methods fit; the closest are {methods} with {bound_text(total)} px, "
+            f"{bound_text(total / budget)} times as much; raise --error-budget, or go on with --accept-error",
+            "error_budget_px",
+        )
+    return made
+
+
+def _left_out(mission: Mission, picture: Method, pixels: Choice | None) -> list[tuple[str, str]]:
+    found = []
+    if picture.name == "map":
+        found.append(("resampling", "a map frame shows the source's own pixels"))
+    if pixels is not None and pixels.method.name != RAYS:
+        found.append(
+            ("rays for every pixel", f"the mesh's bound of {bound_text(pixels.method.bound_px)} px fits")
+        )
+    if mission.wind is None or mission.wind.sigma_m_per_s == 0.0:
+        found.append(
+            ("wind", "air without gusts was asked for" if mission.wind else "still air was asked for")
+        )
+    return found
+
+
+def _too_much(bound_px: float, others_px: float, budget_px: float) -> str:
+    """Why a bound was rejected."""
+    return (
+        f"its bound of {bound_text(bound_px)} px and {bound_text(others_px)} px of the other stages exceed the "
+        f"budget of {budget_px:g} px"
+    )

@@ -1,0 +1,177 @@
+"""What is drawn of a plan: pictures, footprints and lines, cut at the antimeridian and at the ends of the map.
+
+The preview, Processing's layers and the exported files draw what is worked out here. Degrees are for files (RFC 7946),
+metres of EPSG:3857 for maps. Rings run counter-clockwise and are not closed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..geodesy.mercator import HALF_WORLD_M, MAX_LAT_DEG, lat_to_v, lon_to_u
+from .area import cut_half_plane
+from .plan import Plan
+
+Floats = NDArray[np.float64]
+#: Horizontal and vertical coordinates of corners, (k,) each.
+Ring = tuple[Floats, Floats]
+
+#: Degrees of a great circle up to which a footprint's edges are drawn straight, in longitude and latitude or on the
+#: map: there they are within 3 m, a thousandth of their length, of the true ones.
+_STRAIGHT_DEG = 0.1
+#: A centimetre from the poles, which are infinitely far away on the map.
+_FARTHEST_DEG = 90.0 - 1e-7
+_WORLD_M = 2.0 * HALF_WORLD_M
+#: All captures of a plan.
+_ALL = slice(None)
+
+
+def metres(lon_deg: Floats, lat_deg: Floats) -> Ring:
+    """Easting and northing in EPSG:3857 of longitudes (not wrapped) and latitudes, any shape; finite at the poles."""
+    lat = np.clip(np.asarray(lat_deg, np.float64), -_FARTHEST_DEG, _FARTHEST_DEG)
+    east = (2.0 * lon_to_u(np.asarray(lon_deg, np.float64)) - 1.0) * HALF_WORLD_M
+    return east, (1.0 - 2.0 * lat_to_v(lat)) * HALF_WORLD_M
+
+
+def pictures_m(plan: Plan, part: slice = _ALL) -> Iterator[list[Ring]]:
+    """What each picture shows, in metres of EPSG:3857: a map frame, or the footprint of a camera frame.
+
+    Map frames are as their files state them. What a footprint has beyond the map is cut off; it may leave nothing.
+
+    Yields
+    ------
+    list of (easting, northing)
+        Several where it crosses the antimeridian.
+    """
+    if plan.size_px is None:
+        for edges in zip(*(edge[part].tolist() for edge in plan.edges_m)):
+            yield _rectangles(*edges)
+        return
+    corners = plan.corners
+    lon, lat = corners.lon_deg[part], corners.lat_deg[part]
+    on_map = (
+        (np.abs(lat).max(axis=1) <= MAX_LAT_DEG) & (lon.min(axis=1) >= -180.0) & (lon.max(axis=1) <= 180.0)
+    )
+    straight = _straight(plan, part)
+    plain = on_map & straight
+    east, north = metres(lon[:, ::-1], np.clip(lat[:, ::-1], -MAX_LAT_DEG, MAX_LAT_DEG))
+    for index, at in enumerate(range(*part.indices(len(plan)))):
+        if plain[index]:
+            yield [(east[index], north[index])]
+        else:
+            ring = _footprint(plan, at, straight=bool(straight[index]))
+            yield [metres(*inside) for inside in cut_at_antimeridian(*_clipped_to_map(*ring))]
+
+
+def footprints_deg(plan: Plan, part: slice = _ALL) -> Iterator[list[Ring]]:
+    """Ground that each capture's camera sees, as longitudes and latitudes; several rings where it crosses ±180°."""
+    straight = _straight(plan, part).tolist()
+    for index, at in enumerate(range(*part.indices(len(plan)))):
+        yield cut_at_antimeridian(*_footprint(plan, at, straight=straight[index]))
+
+
+def footprint_ring(plan: Plan, index: int) -> Ring:
+    """Longitudes (continuous) and latitudes of a capture's footprint.
+
+    Its corners; where it is so large that its edges are bent on a map, or the horizon or a pole is in the picture,
+    the outline of what is seen. Around a pole that goes once around the world and back along the pole's parallel.
+    """
+    return _footprint(plan, index, straight=bool(_straight(plan, slice(index, index + 1))[0]))
+
+
+def cut_at_antimeridian(lon_deg: Floats, lat_deg: Floats) -> list[Ring]:
+    """Ring cut where it crosses ±180°, each part within them (RFC 7946, section 3.1.9).
+
+    Parameters
+    ----------
+    lon_deg, lat_deg : array (n,)
+        Ring without its closing corner, n >= 3 or none; longitudes continuous.
+    """
+    if len(lon_deg) < 3:
+        return []
+    low, high = float(lon_deg.min()), float(lon_deg.max())
+    if low >= -180.0 and high <= 180.0:
+        return [(lon_deg, lat_deg)]
+    first = int(np.floor((low + 180.0) / 360.0))
+    last = int(np.ceil((high + 180.0) / 360.0))
+    rings = []
+    for turn in range(first, max(last, first + 1)):
+        west = 360.0 * turn - 180.0
+        lon, lat = cut_half_plane(*cut_half_plane(lon_deg, lat_deg, 0, west, 1.0), 0, west + 360.0, -1.0)
+        if len(lon) >= 3 and float(lon.max()) > float(lon.min()):
+            rings.append((np.clip(lon - 360.0 * turn, -180.0, 180.0), lat))
+    return rings
+
+
+def cut_line(lon_deg: Floats, *values: Floats) -> list[tuple[Floats, ...]]:
+    """Line through places in their order, cut where it crosses ±180°; from each to the next the shorter way around.
+
+    Parameters
+    ----------
+    lon_deg : array (n,)
+    values : array (n,) each
+        Latitudes, heights: whatever goes straight from place to place.
+
+    Returns
+    -------
+    list of (longitudes, values ...)
+        Parts of two places or more, longitudes within ±180; one part of one place where there is but one.
+    """
+    lon = np.unwrap(np.asarray(lon_deg, np.float64), period=360.0)
+    turn = np.floor((lon + 180.0) / 360.0)
+    leaves = np.flatnonzero(np.diff(turn))
+    # Where each leg that crosses meets the antimeridian, and the values there.
+    edge = 360.0 * np.maximum(turn[leaves], turn[leaves + 1]) - 180.0
+    share = (edge - lon[leaves]) / (lon[leaves + 1] - lon[leaves])
+    crossings = [edge, *(row[leaves] + share * (row[leaves + 1] - row[leaves]) for row in values)]
+    parts = []
+    for number, (first, last) in enumerate(zip([0, *(leaves + 1)], [*(leaves + 1), len(lon)])):
+        come, go = slice(max(number - 1, 0), number), slice(number, number + 1)
+        part_lon, *rest = (
+            np.concatenate([crossing[come], row[first:last], crossing[go]])
+            for crossing, row in zip(crossings, (lon, *values))
+        )
+        parts.append((part_lon - 360.0 * turn[first], *rest))
+    return parts
+
+
+def _footprint(plan: Plan, index: int, *, straight: bool) -> Ring:
+    if straight:
+        # Corners come as north-west, north-east, south-east, south-west: clockwise.
+        return plan.corners.lon_deg[index, ::-1], plan.corners.lat_deg[index, ::-1]
+    seen = plan.outline(index)
+    lon, lat = seen.dlon_deg + plan.lon_deg[index], seen.lat_deg
+    if seen.pole:
+        turn = 360.0 * seen.pole
+        lon = np.concatenate([lon, lon[:1] + turn, lon[:1] + turn, lon[:1]])
+        lat = np.concatenate([lat, lat[:1], [90.0 * seen.pole] * 2])
+    return lon, lat
+
+
+def _straight(plan: Plan, part: slice) -> NDArray[np.bool_]:
+    """Which footprints are drawn by their four corners alone."""
+    lat, lon, hit = (values[part] for values in plan.corners)
+    wide_deg = np.ptp(lon, axis=1) * np.cos(np.radians(plan.lat_deg[part]))
+    small = np.maximum(np.ptp(lat, axis=1), wide_deg) < _STRAIGHT_DEG
+    return np.asarray(small & hit.all(axis=1) & (plan.poles[part] == 0))
+
+
+def _rectangles(west: float, south: float, east: float, north: float) -> list[Ring]:
+    """Rectangle in EPSG:3857, in two where it crosses the antimeridian."""
+    shift = _WORLD_M * ((west + HALF_WORLD_M) // _WORLD_M)
+    spans = [(west - shift, min(east - shift, HALF_WORLD_M))]
+    if east - shift > HALF_WORLD_M:
+        spans.append((-HALF_WORLD_M, east - shift - _WORLD_M))
+    return [
+        (np.array([left, right, right, left]), np.array([south, south, north, north]))
+        for left, right in spans
+    ]
+
+
+def _clipped_to_map(lon_deg: Floats, lat_deg: Floats) -> Ring:
+    """What a ring has within the latitudes of the map; nothing where it lies beyond."""
+    lon, lat = cut_half_plane(lon_deg, lat_deg, 1, MAX_LAT_DEG, -1.0)
+    return cut_half_plane(lon, lat, 1, -MAX_LAT_DEG, 1.0)

@@ -1,0 +1,179 @@
+"""Camera frames out of tiles: the picture a turned camera, or one high above a round Earth, really takes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import PartError
+from ..geodesy.mercator import PixelGrid, lon_to_u
+from ..geodesy.view import Patches, Samples, View
+from ..imagery.source import Part, Window
+from .map_frame import checked
+from .resampling import sample
+
+Floats = NDArray[np.float64]
+Pixels = NDArray[np.uint8]
+
+#: Samples of single pixels gathered in one go.
+_BATCH = 1 << 16
+
+
+def camera_parts(view: View, lon_deg: float) -> list[Part]:
+    """Tiles that a camera frame is made from, each once; ``dx_px`` is the left edge that it counts from, not wrapped.
+
+    Parts of a camera frame have no place in the picture: their offsets are their places in the world at their zoom.
+    """
+    size = view.grid.tile_px
+    return [
+        Part(Window(zoom, column % (1 << zoom) * size, row * size, size, size), column * size, row * size)
+        for zoom, column, row in view.tiles(lon_deg)
+    ]
+
+
+class _Ground(NamedTuple):
+    """The part of one zoom's pixels that a picture sees, and where its upper left corner lies in the world."""
+
+    pixels: Pixels
+    missing: NDArray[np.bool_] | None
+    left_px: int
+    top_px: int
+
+
+def render(
+    view: View, lon_deg: float, parts: Sequence[Part], pixels: Mapping[Window, Pixels], kernel: str
+) -> Pixels:
+    """Make the picture of a camera frame.
+
+    Parameters
+    ----------
+    view : View
+    lon_deg : float
+        Of the camera.
+    parts : sequence of Part
+        As `camera_parts` gave them.
+    pixels : mapping of Window to array (tile_px, tile_px, 3 or 4) of uint8
+    kernel : str
+        nearest, bilinear, bicubic or lanczos; the last needs a view by rays.
+
+    Returns
+    -------
+    array (height_px, width_px, 3) of uint8
+        Black where ``view.hidden``.
+
+    Raises
+    ------
+    PartError
+        A part of another size than it was asked for, or without imagery where the picture shows it.
+    """
+    grounds = {zoom: _ground(zoom, parts, pixels) for zoom in {part.window.zoom for part in parts}}
+    u = float(lon_to_u(np.asarray(lon_deg)))
+    picture = np.zeros((view.height_px, view.width_px, 3), np.uint8)
+    for patches in view.patches:
+        ground = grounds[patches.zoom]
+        if view.rays is None:
+            _warp(picture, patches, ground, view.grid, u, kernel)
+        else:
+            for traced in view.traced(patches):
+                _gather(picture, traced, ground, view.grid, u, kernel)
+    for samples in view.samples:
+        _gather(picture, samples, grounds[samples.zoom], view.grid, u, kernel)
+    return picture
+
+
+def _ground(zoom: int, parts: Sequence[Part], pixels: Mapping[Window, Pixels]) -> _Ground:
+    """Tiles of one zoom side by side."""
+    here = [part for part in parts if part.window.zoom == zoom]
+    left, top = min(part.dx_px for part in here), min(part.dy_px for part in here)
+    right = max(part.dx_px + part.window.width_px for part in here)
+    bottom = max(part.dy_px + part.window.height_px for part in here)
+    ground = np.zeros((bottom - top, right - left, 3), np.uint8)
+    missing: NDArray[np.bool_] | None = None
+    for part in here:
+        tile = checked(part.window, pixels[part.window])
+        rows = slice(part.dy_px - top, part.dy_px - top + part.window.height_px)
+        columns = slice(part.dx_px - left, part.dx_px - left + part.window.width_px)
+        ground[rows, columns] = tile[..., :3]
+        if tile.shape[2] == 4 and not tile[..., 3].all():
+            missing = np.zeros(ground.shape[:2], bool) if missing is None else missing
+            missing[rows, columns] = tile[..., 3] == 0
+    return _Ground(ground, missing, left, top)
+
+
+def _refuse_missing(count: int) -> None:
+    if count:
+        raise PartError(f"no imagery at {count} of the samples that the picture is made of")
+
+
+def _warp(picture: Pixels, patches: Patches, ground: _Ground, grid: PixelGrid, u: float, kernel: str) -> None:
+    """Fill patches, each by the perspective through its corners."""
+    from PIL import Image
+
+    resampling: Any = {"nearest": Image.NEAREST, "bilinear": Image.BILINEAR, "bicubic": Image.BICUBIC}[kernel]
+    world = grid.world_px(patches.zoom)
+    image = Image.fromarray(ground.pixels)
+    absent = None if ground.missing is None else Image.fromarray(ground.missing.astype(np.uint8) * 255)
+    wide, high = patches.samples_x, patches.samples_y
+    x, y = (u + patches.du) * world - ground.left_px, patches.v * world - ground.top_px
+    width, height = ((patches.box[:, 2:] - patches.box[:, :2]) * (wide, high)).T
+    for box, size, coefficients in zip(
+        patches.box.tolist(),
+        zip(width.tolist(), height.tolist()),
+        _perspectives(x, y, width, height).tolist(),
+    ):
+        seen = image.transform(size, Image.PERSPECTIVE, coefficients, resampling)
+        if wide > 1 or high > 1:
+            seen = seen.reduce((wide, high))
+        left, top, right, bottom = box
+        picture[top:bottom, left:right] = np.asarray(seen)
+        if absent is not None:
+            hole = absent.transform(size, Image.PERSPECTIVE, coefficients, Image.BILINEAR)
+            _refuse_missing(int(np.count_nonzero(np.asarray(hole))))
+
+
+def _perspectives(x: Floats, y: Floats, width: NDArray[np.int64], height: NDArray[np.int64]) -> Floats:
+    """Coefficients (k, 8) of the perspectives that take rectangles of px to quadrilaterals.
+
+    In Pillow's order a, b, c, d, e, f, g, h of ((ax + by + c)/(gx + hy + 1), (dx + ey + f)/(gx + hy + 1)). Corners
+    (k, 4) come as upper left, lower left, lower right, upper right; solved as by Heckbert (1989) for the unit square.
+    """
+    x0, y0 = x[:, 0], y[:, 0]
+    (x3, x2, x1), (y3, y2, y1) = (x[:, 1:] - x[:, :1]).T, (y[:, 1:] - y[:, :1]).T
+    sum_x, sum_y = x2 - x1 - x3, y2 - y1 - y3
+    bend = (x1 - x2) * (y3 - y2) - (x3 - x2) * (y1 - y2)
+    g = (sum_x * (y3 - y2) - (x3 - x2) * sum_y) / bend
+    h = ((x1 - x2) * sum_y - sum_x * (y1 - y2)) / bend
+    columns = [
+        (x1 + g * (x1 + x0)) / width,
+        (x3 + h * (x3 + x0)) / height,
+        x0,
+        (y1 + g * (y1 + y0)) / width,
+        (y3 + h * (y3 + y0)) / height,
+        y0,
+        g / width,
+        h / height,
+    ]
+    return np.stack(columns, axis=1)
+
+
+def _gather(
+    picture: Pixels, samples: Samples, ground: _Ground, grid: PixelGrid, u: float, kernel: str
+) -> None:
+    """Fill single pixels, each with the mean of its samples."""
+    world = grid.world_px(samples.zoom)
+    count = samples.du.shape[1]
+    height, width = ground.pixels.shape[:2]
+    for start in range(0, len(samples.row), max(_BATCH // count, 1)):
+        part = slice(start, start + max(_BATCH // count, 1))
+        x = (u + samples.du[part].ravel()) * world - ground.left_px
+        y = samples.v[part].ravel() * world - ground.top_px
+        if ground.missing is not None:
+            near = ground.missing[
+                np.clip(y.astype(np.intp), 0, height - 1), np.clip(x.astype(np.intp), 0, width - 1)
+            ]
+            _refuse_missing(int(np.count_nonzero(near)))
+        values = sample(ground.pixels, x, y, kernel).reshape(-1, count, 3).mean(axis=1)
+        picture[samples.row[part], samples.column[part]] = np.clip(np.rint(values), 0, 255).astype(np.uint8)

@@ -1,0 +1,78 @@
+"""What the chosen methods cost on this machine: timed on a plan's own captures, with blank tiles."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+
+from ..geodesy.footprint import ground_corners
+from ..imagery.source import Part, Window, tile_parts
+from ..mission.layout.framing import ground_of
+from ..mission.plan import Plan
+from ..timing import clock_step_s
+from .camera_frame import camera_parts, render
+from .map_frame import assemble, window_of
+
+#: Captures whose footprints are timed; a million cost no more per capture.
+_FOOTPRINTS_TIMED = 10_000
+#: Runs, at least, and steps of the clock that they take together: some systems' are of 16 ms.
+_RUNS, _LEAST_STEPS = 3, 10
+
+
+class Cost(NamedTuple):
+    """Seconds on one core: all footprints of the plan, and one of its pictures, without fetching or encoding."""
+
+    footprints_s: float
+    picture_s: float
+
+    def text(self, images: int) -> str:
+        """Words for people."""
+        return (
+            f"footprints {_time_text(self.footprints_s)}, pictures {_time_text(self.picture_s)} each, "
+            f"{_time_text(self.picture_s * images)} of one core in all (timed here)"
+        )
+
+
+def _time_text(seconds: float) -> str:
+    if seconds < 1e-3:
+        return f"{max(seconds, 1e-6) * 1e6:.0f} µs"
+    return f"{seconds * 1e3:.3g} ms" if seconds < 1.0 else f"{seconds:.3g} s"
+
+
+def timed_cost(plan: Plan) -> Cost:
+    """Time the chosen methods on captures of the plan: some ten pictures' worth of work."""
+    few = plan.poses.take(np.arange(min(len(plan), _FOOTPRINTS_TIMED)))
+    camera, ground = plan.mission.camera, ground_of(plan.mission)
+    footprints_s = _own_s(lambda: ground_corners(camera, few, ground)) * len(plan) / len(few.lat_deg)
+    index = len(plan) // 2
+    if plan.size_px is None:
+        window = window_of(plan, index)
+        parts = tile_parts(
+            window._replace(left_px=round(window.left_px), top_px=round(window.top_px)), plan.grid
+        )
+        blank = _blank(parts)
+        return Cost(footprints_s, _own_s(lambda: assemble(window, parts, blank)))
+    view, lon = plan.view(index), float(plan.lon_deg[index])
+    parts = camera_parts(view, lon)
+    blank = _blank(parts)
+    return Cost(footprints_s, _own_s(lambda: render(view, lon, parts, blank, plan.mission.resampling)))
+
+
+def _blank(parts: list[Part]) -> dict[Window, np.ndarray[tuple[int, ...], np.dtype[np.uint8]]]:
+    return {
+        part.window: np.zeros((part.window.height_px, part.window.width_px, 3), np.uint8) for part in parts
+    }
+
+
+def _own_s(work: Callable[[], object]) -> float:
+    """Seconds that work takes of the processor, without what else the machine does meanwhile."""
+    work()  # what is only made once
+    least_s = _LEAST_STEPS * clock_step_s()
+    runs, start = 0, time.thread_time()
+    while runs < _RUNS or time.thread_time() - start < least_s:
+        work()
+        runs += 1
+    return (time.thread_time() - start) / runs

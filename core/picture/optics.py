@@ -1,0 +1,176 @@
+"""What a picture's camera was at the moment it was taken: its optics in px and mm, its height, and the time.
+
+The pinhole of a picture as it is written, its focal length and principal point in px, follows from the plan.
+Millimetres need a sensor: that of the data sheet where the mission's camera is one of those that ship, else one whose
+longer side is `NOMINAL_SENSOR_MM`. The pixels are as large as the focal length says they are, so that both give the
+picture's own field of view.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from datetime import datetime, timedelta
+from functools import lru_cache
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..geodesy.camera import Camera
+from ..geodesy.mercator import lat_to_v, lon_to_u
+from ..mission.cameras import shipped_cameras
+from ..mission.layout.framing import ground_of
+from ..mission.mission import utc_time
+from ..mission.plan import Plan
+
+Floats = NDArray[np.float64]
+
+#: Longer side of the sensor of cameras that are known by their field of view alone: that of 35 mm film.
+NOMINAL_SENSOR_MM = 36.0
+#: Least accuracy that is stated, as good as satellites give it to a drone (RTK): readers take 0 for unknown.
+FINEST_ACCURACY_M = 0.01
+#: Two cameras are the same where the field of view and the shape of the picture agree to the last digits.
+_SAME = 1e-9
+
+
+class Body(NamedTuple):
+    """A camera's model, and its focal length in mm."""
+
+    model: str
+    focal_length_mm: float
+
+
+@lru_cache(maxsize=8)
+def body_of(camera: Camera) -> Body:
+    """Body of a mission's camera; the model says that it is simulated.
+
+    The user's own cameras are not looked at: the same mission gives the same files everywhere.
+    """
+    focal_length_mm = NOMINAL_SENSOR_MM / (2.0 * max(camera.half_tangents))
+    for preset in shipped_cameras():
+        own = preset.camera
+        if math.isclose(own.fov_deg, camera.fov_deg, rel_tol=_SAME) and math.isclose(
+            own.aspect_ratio, camera.aspect_ratio, rel_tol=_SAME
+        ):
+            return Body(f"{preset.name} (simulated)", preset.focal_length_mm or focal_length_mm)
+    return Body(f"FOV {camera.fov_deg:.6g} deg, {camera.aspect_ratio:.6g} to 1 (simulated)", focal_length_mm)
+
+
+class Optics(NamedTuple):
+    """Pinholes of pictures as they are written, arrays (n,) in px.
+
+    The focal lengths along a row and a column of the picture differ where the map's pixels are not square on the ground
+    (by up to 0.7 % in Web Mercator) or where pictures are resized to another shape. The principal point counts from the
+    upper left corner; in a map frame, whose edges lie on whole pixels, it is up to about a pixel off the middle.
+    """
+
+    width_px: Floats
+    height_px: Floats
+    focal_x_px: Floats
+    focal_y_px: Floats
+    centre_x_px: Floats
+    centre_y_px: Floats
+
+    def accuracy_m(self, agl_m: Floats) -> tuple[Floats, Floats]:
+        """How far off a camera seems, across and in height, to readers that know but one focal length and the middle.
+
+        The poses themselves are exact.
+        """
+        off_x = (self.centre_x_px - self.width_px / 2.0) / self.focal_x_px
+        off_y = (self.centre_y_px - self.height_px / 2.0) / self.focal_y_px
+        unequal = np.abs(self.focal_x_px - self.focal_y_px) / (self.focal_x_px + self.focal_y_px)
+        across, in_height = agl_m * np.hypot(off_x, off_y), agl_m * unequal
+        return FINEST_ACCURACY_M + across, FINEST_ACCURACY_M + in_height
+
+
+def optics_of(plan: Plan, at: NDArray[np.int64]) -> Optics:
+    """Optics of some of a plan's pictures, by their indices (k,)."""
+    width, height = (np.asarray(size[at], np.float64) for size in (plan.width_px, plan.height_px))
+    if plan.size_px is None:
+        pinhole = _map_frames(plan, at)
+    else:
+        tan_x, tan_y = plan.mission.camera.half_tangents
+        pinhole = (width / (2.0 * tan_x), height / (2.0 * tan_y), width / 2.0, height / 2.0)
+    focal_x, focal_y, centre_x, centre_y = pinhole
+    if plan.mission.img_size is None:
+        return Optics(width, height, focal_x, focal_y, centre_x, centre_y)
+    wide, high = (np.full(len(at), float(size)) for size in plan.mission.img_size[:2])
+    x, y = wide / width, high / height
+    return Optics(wide, high, focal_x * x, focal_y * y, centre_x * x, centre_y * y)
+
+
+def _map_frames(plan: Plan, at: NDArray[np.int64]) -> tuple[Floats, Floats, Floats, Floats]:
+    """Focal lengths and principal point of the camera that looks straight down and sees a map frame."""
+    world_px = float(plan.grid.world_px(plan.zoom))
+    lat, ground = plan.lat_deg[at], ground_of(plan.mission)
+    # Pixels of the map for each radian that the camera's ground moves along: a metre is 1/N cos or 1/M of one.
+    px_per_rad = plan.agl_m[at] * world_px / (2.0 * math.pi * np.cos(np.radians(lat)))
+    left, top = (np.asarray(values[at], np.float64) for values in plan.windows[:2])
+    # A camera and its window may be told on either side of the antimeridian.
+    across = np.mod(lon_to_u(plan.lon_deg[at]) * world_px - left + world_px / 2.0, world_px) - world_px / 2.0
+    down = lat_to_v(lat) * world_px - top
+    return (
+        px_per_rad / ground.normal_radius_m(lat),
+        px_per_rad / ground.meridional_radius_m(lat),
+        across,
+        down,
+    )
+
+
+@dataclass(frozen=True)
+class Exposure:
+    """What a picture's tags say of its camera beyond the pose.
+
+    Parameters
+    ----------
+    body : Body
+    size_px : (width, height)
+    focal_px : (x, y)
+        Focal lengths, along a row and a column.
+    centre_px : (x, y)
+        Principal point from the upper left corner.
+    altitude_m : float
+        Height over the WGS84 ellipsoid.
+    accuracy_m : (across, in height)
+        As in `Optics.accuracy_m`.
+    taken : datetime or None
+        In UTC; None beyond the year 9999.
+    """
+
+    body: Body
+    size_px: tuple[int, int]
+    focal_px: tuple[float, float]
+    centre_px: tuple[float, float]
+    altitude_m: float
+    accuracy_m: tuple[float, float]
+    taken: datetime | None
+
+
+class Exposures:
+    """Exposures of a plan's captures; what they have in common is worked out once."""
+
+    def __init__(self, plan: Plan) -> None:
+        optics = optics_of(plan, np.arange(len(plan)))
+        self._columns = np.stack([*optics, *optics.accuracy_m(plan.agl_m)], axis=1)
+        self._body, self._ground_height_m = body_of(plan.mission.camera), plan.mission.ground_height_m
+        self._agl_m, self._start, self._times_s = plan.agl_m, utc_time(plan.mission.start), plan.times_s
+
+    def at(self, index: int) -> Exposure:
+        """Exposure of one capture."""
+        width, height, focal_x, focal_y, centre_x, centre_y, *accuracy = self._columns[index].tolist()
+        return Exposure(
+            self._body,
+            (int(width), int(height)),
+            (focal_x, focal_y),
+            (centre_x, centre_y),
+            self._ground_height_m + self._agl_m[index].item(),
+            (accuracy[0], accuracy[1]),
+            self._taken(index),
+        )
+
+    def _taken(self, index: int) -> datetime | None:
+        try:
+            return self._start + timedelta(seconds=self._times_s[index].item())
+        except OverflowError:
+            return None

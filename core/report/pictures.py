@@ -1,0 +1,400 @@
+"""Pictures of one capture by any method: their seconds, bytes, and errors in grey levels."""
+
+from __future__ import annotations
+
+import io
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from PIL import Image
+
+from ..capture.metadata import Description
+from ..capture.records import job_of
+from ..capture.writers import JPEG_QUALITY, Place, geotiff, jpeg, png
+from ..errors import PartError
+from ..geodesy.accuracy import Scene
+from ..geodesy.frames import map_windows
+from ..geodesy.view import view
+from ..imagery.source import Part, Source, Window, tile_parts
+from ..imagery.world import World, WorldSource
+from ..mission.layout.framing import ground_of, sampled_zooms
+from ..mission.plan import Plan
+from ..picture.camera_frame import camera_parts, render
+from ..picture.map_frame import assemble, resized, window_of
+from ..picture.resampling import KERNELS, sample
+from ..timing import Effort, Seconds, timed_together
+from .positions import scene_of, spread
+
+Pixels = NDArray[np.uint8]
+#: Kernel that only single samples can have: it needs a ray for every pixel.
+BY_RAYS = "lanczos"
+#: Larger pictures are timed on so many pixels of theirs, and the time is scaled: a report must end.
+_MOST_PX = 2_000_000
+#: Captures that are tried for a picture where parts of the source are missing.
+_TRIES = 3
+Floats = NDArray[np.float64]
+#: Side of the patch that kernels are measured on, px, and what it is taken with around it for their reach.
+_PATCH_PX, _MARGIN_PX = 112, 8
+#: Where between four pixels the samples lie: halfway is worst for every kernel, the others are what pictures hold, too.
+_OFFSETS = ((0.5, 0.5), (0.25, 0.5), (0.25, 0.75))
+#: Edges of the bands of spatial frequency, cycles a px; the last is that of the finest pattern that pixels hold.
+BANDS = (0.0, 0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.35, 0.4, 0.45, 0.5, 0.71)
+#: JPEG qualities that are compared; that of the project's own files is among them.
+_QUALITIES = (75, 85, JPEG_QUALITY)
+#: Kernel that stands for the truth where nothing better is known.
+_FINEST = "lanczos"
+
+
+class Way(NamedTuple):
+    """How a camera frame is made: tolerance of its mesh in px (0 for rays) and kernel."""
+
+    tolerance_px: float
+    kernel: str
+
+
+class Made(NamedTuple):
+    """Seconds that a capture's picture takes, and the bytes of its file."""
+
+    seconds: Seconds
+    size_bytes: int
+
+
+@dataclass(frozen=True)
+class Bench:
+    """What pictures are timed on.
+
+    Attributes
+    ----------
+    plan : Plan
+    tiles : Tiles
+    effort : Effort
+    index : int
+        Of the capture.
+    """
+
+    plan: Plan
+    tiles: Tiles
+    effort: Effort
+    index: int = 0
+
+    @classmethod
+    def of(cls, plan: Plan, tiles: Tiles, effort: Effort) -> Bench:
+        """Bench of a capture whose picture the source has: the one in the middle, or another.
+
+        Raises
+        ------
+        PartError, SourceError
+            Where none can be had.
+        """
+        tries = [len(plan) // 2, *spread(len(plan), _TRIES).tolist()]
+        for index in tries[:-1]:
+            found = cls(plan, tiles, effort, index)
+            try:
+                found.own_picture()
+            except PartError:
+                continue
+            return found
+        last = cls(plan, tiles, effort, tries[-1])
+        last.own_picture()
+        return last
+
+    @property
+    def planned_px(self) -> tuple[int, int]:
+        """Planned width and height of the capture's picture."""
+        return int(self.plan.width_px[self.index]), int(self.plan.height_px[self.index])
+
+    @property
+    def size_px(self) -> tuple[int, int]:
+        """Width and height of the pictures that are timed: as planned, or of fewer pixels where those are many."""
+        width, height = self.planned_px
+        shrink = math.sqrt(min(_MOST_PX / (width * height), 1.0))
+        return max(round(width * shrink), 1), max(round(height * shrink), 1)
+
+    @property
+    def enlarged(self) -> float:
+        """Pixels of the planned picture for each one that is timed."""
+        (width, height), (own_width, own_height) = self.planned_px, self.size_px
+        return width * height / (own_width * own_height)
+
+    @property
+    def lon_deg(self) -> float:
+        """Of the capture's camera."""
+        return float(self.plan.lon_deg[self.index])
+
+    def _scene(self) -> Scene:
+        width, height = self.size_px
+        scene = scene_of(self.plan, np.array([self.index], np.intp))
+        return replace(scene, width_px=float(width), height_px=float(height))
+
+    def camera_frames(self, ways: Sequence[Way], *, map_frame: bool) -> tuple[list[Made], Made | None]:
+        """Camera frames of the capture and, if asked for, its map frame, timed in the same rounds.
+
+        The captures of a row share their view, whose seconds count once a row.
+        """
+        plan, scene = self.plan, self._scene()
+        zooms, rows = sampled_zooms(plan.mission, plan.grid), len(plan.poses.runs()[0])
+        kinds = list(dict.fromkeys((way.tolerance_px, way.kernel == BY_RAYS) for way in ways))
+        looks = [partial(view, scene, plan.grid, zooms, kind[0], by_rays=kind[1]) for kind in kinds]
+        seen = {kind: look() for kind, look in zip(kinds, looks)}
+        draws: list[Callable[[], Pixels]] = []
+        for way in ways:
+            one = seen[way.tolerance_px, way.kernel == BY_RAYS]
+            parts = camera_parts(one, self.lon_deg)
+            draws.append(partial(render, one, self.lon_deg, parts, self.tiles.of(parts), way.kernel))
+        if map_frame:
+            draws.append(self._map_frame())
+        works: list[Callable[[], Any]] = [*looks, *draws]
+        done = timed_together(works, self.effort)
+        looking = {kind: seconds for kind, (_, seconds) in zip(kinds, done)}
+        found = []
+        for way, (picture, drawing) in zip(ways, done[len(kinds) :]):
+            seconds = drawing + looking[way.tolerance_px, way.kernel == BY_RAYS] * (rows / len(plan))
+            found.append(Made(seconds * self.enlarged, self._file_bytes(picture)))
+        if not map_frame:
+            return found, None
+        picture, seconds = done[-1]
+        return found, Made(seconds * self.enlarged, self._file_bytes(picture))
+
+    def _map_frame(self) -> Callable[[], Pixels]:
+        """What makes the map frame of the capture."""
+        plan = self.plan
+        if plan.size_px is None:
+            window = window_of(plan, self.index)
+        else:
+            pose = plan.poses.take(np.array([self.index]))
+            windows = map_windows(plan.mission.camera, pose, plan.grid, plan.zoom, ground_of(plan.mission))
+            left, top, width, height = (part[0].item() for part in windows)
+            window = Window(plan.zoom, left, top, width, height)
+        if self.enlarged > 1.0 and plan.grid.centre_decimals is None:
+            window = _middle(window, self.size_px)
+        parts = self.tiles.source.parts(window)
+        return partial(assemble, window, parts, self.tiles.of(parts))
+
+    def own_picture(self) -> Pixels:
+        """Picture of the capture by the plan's own methods, at the size that it is written in."""
+        plan = self.plan
+        if plan.size_px is None:
+            return resized(self._map_frame()(), plan.mission.img_size)
+        scene, zooms = self._scene(), sampled_zooms(plan.mission, plan.grid)
+        kernel, tolerance = plan.mission.resampling, plan.accuracy.mesh_tolerance_px
+        seen = view(scene, plan.grid, zooms, tolerance, by_rays=kernel == BY_RAYS)
+        parts = camera_parts(seen, self.lon_deg)
+        picture = render(seen, self.lon_deg, parts, self.tiles.of(parts), kernel)
+        return resized(picture, plan.mission.img_size)
+
+    def _file_bytes(self, picture: Pixels) -> int:
+        """Bytes of a picture's file in the mission's format and at its size."""
+        plan, source = self.plan, self.tiles.source
+        sized = resized(picture, plan.mission.img_size)
+        found = file_bytes(plan, source, self.index, self.tiles.map_type, sized)
+        return found if plan.mission.img_size else round(found * self.enlarged)
+
+
+def _middle(window: Window, size_px: tuple[int, int]) -> Window:
+    """The middle of a window, no larger than a size."""
+    width, height = (min(own, most) for own, most in zip(window[3:], size_px))
+    left = window.left_px + (window.width_px - width) // 2
+    top = window.top_px + (window.height_px - height) // 2
+    return Window(window.zoom, left, top, width, height)
+
+
+class Tiles:
+    """Pixels of a source's parts by window.
+
+    Parameters
+    ----------
+    source : Source
+    map_type : str
+    """
+
+    def __init__(self, source: Source, map_type: str) -> None:
+        self.source = source
+        self.map_type = map_type
+        self._pixels: dict[Window, Pixels] = {}
+
+    def __len__(self) -> int:
+        return len(self._pixels)
+
+    def of(self, parts: Sequence[Part]) -> dict[Window, Pixels]:
+        """Pixels of some parts; those not there yet are fetched.
+
+        Raises
+        ------
+        PartError, SourceError
+            As `Source.fetch` does.
+        """
+        for part in parts:
+            if part.window not in self._pixels:
+                self._pixels[part.window] = self.source.fetch(self.map_type, part.window)
+        return {part.window: self._pixels[part.window] for part in parts}
+
+
+@dataclass(frozen=True)
+class KernelError:
+    """Error of one kernel in grey levels: RMS of all, and by `BANDS`."""
+
+    kernel: str
+    rms: float
+    by_band: tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class Resampling:
+    """Errors of the kernels between the pixels of one zoom of a source.
+
+    Attributes
+    ----------
+    zoom : int
+    truth : str
+        What the errors are against.
+    signal : tuple of float
+        RMS of the picture itself about its mean, by band.
+    kernels : tuple of KernelError
+    """
+
+    zoom: int
+    truth: str
+    signal: tuple[float, ...]
+    kernels: tuple[KernelError, ...]
+
+
+@dataclass(frozen=True)
+class Encoding:
+    """A way to store a picture: its error in grey levels, bytes, and seconds; whether the mission has it."""
+
+    name: str
+    rms: float
+    size_bytes: int
+    seconds: Seconds
+    chosen: bool
+
+
+def resampling(plan: Plan, tiles: Tiles, index: int) -> Resampling:
+    """Errors of the kernels at the zoom, and around the middle, of a capture's window.
+
+    Raises
+    ------
+    PartError, SourceError
+        As `Source.fetch` does.
+    """
+    side = _PATCH_PX + 2 * _MARGIN_PX
+    world = plan.grid.world_px(plan.zoom)
+    left, top, width, height = (float(values[index]) for values in plan.windows)
+    x0 = round(left + (width - side) / 2.0)
+    y0 = min(max(round(top + (height - side) / 2.0), 0), world - side)
+    window = Window(plan.zoom, x0, y0, side, side)
+    parts = tile_parts(window, plan.grid)
+    image = assemble(window, parts, tiles.of(parts))
+    known = _world_of(tiles.source)
+    kernels = [kernel for kernel in KERNELS if known is not None or kernel != _FINEST]
+    errors: dict[str, list[Floats]] = {kernel: [] for kernel in kernels}
+    signals = []
+    row, column = np.mgrid[0:_PATCH_PX, 0:_PATCH_PX] + _MARGIN_PX
+    for across, down in _OFFSETS:
+        x, y = column.ravel() + 0.5 + across, row.ravel() + 0.5 + down
+        if known is None:
+            truth = np.asarray(sample(image, x, y, _FINEST), np.float64)
+        else:
+            u, v = (x0 + x) / world, (y0 + y) / world
+            truth = np.asarray(known.colour(tiles.map_type, u, v, plan.zoom), np.float64)
+        signals.append(_spectrum(truth - truth.mean(axis=0)))
+        for kernel in kernels:
+            errors[kernel].append(sample(image, x, y, kernel).astype(np.float64) - truth)
+    return Resampling(
+        plan.zoom,
+        "the embedded world's own continuous value"
+        if known
+        else f"{_FINEST} resampling, as the source's truth between its pixels is not known",
+        tuple(np.sqrt(np.mean(signals, axis=0)).tolist()),
+        tuple(
+            KernelError(
+                kernel,
+                float(np.sqrt(np.mean(np.square(errors[kernel])))),
+                tuple(np.sqrt(np.mean([_spectrum(error) for error in errors[kernel]], axis=0)).tolist()),
+            )
+            for kernel in kernels
+        ),
+    )
+
+
+def _world_of(source: Source) -> World | None:
+    return source.world if isinstance(source, WorldSource) else None
+
+
+def _spectrum(values: Floats) -> Floats:
+    """Mean square of a patch (pixels, channels) in each band; the bands sum to about that of the whole patch."""
+    patch = values.reshape(_PATCH_PX, _PATCH_PX, -1)
+    # Hann's window keeps the patch's edges from spilling into all bands.
+    hann = np.hanning(_PATCH_PX + 2)[1:-1]
+    weight = hann[:, np.newaxis] * hann
+    power = np.abs(np.fft.fft2(patch * weight[..., np.newaxis], axes=(0, 1))) ** 2
+    power = power.mean(axis=-1) / (_PATCH_PX**2 * np.sum(weight**2))
+    frequency = np.fft.fftfreq(_PATCH_PX, 1.0)
+    radius = np.hypot(frequency[:, np.newaxis], frequency)
+    return np.histogram(radius, bins=np.array(BANDS), weights=power)[0]
+
+
+def encodings(
+    plan: Plan, source: Source, index: int, map_type: str, picture: Pixels, effort: Effort
+) -> list[Encoding]:
+    """What a picture loses and takes as each kind of file.
+
+    Parameters
+    ----------
+    picture : array (h, w), (h, w, 3) of uint8
+        Of capture ``index``, as it would be written.
+    """
+    place, about = _about(plan, source, index, map_type)
+    own = plan.mission.image_format
+    ways: list[tuple[str, bool, Callable[[], bytes]]] = [
+        (
+            f"JPEG, quality {quality}",
+            own == "jpg" and quality == JPEG_QUALITY,
+            partial(_jpeg, picture, quality),
+        )
+        for quality in _QUALITIES
+    ]
+    for name, ending in (("PNG, lossless", "png"), ("GeoTIFF, deflate, lossless", "tif")):
+        ways.append((name, own == ending, partial(encoded, ending, picture, place, about)))
+    timed = timed_together([way for _, _, way in ways], effort)
+    return [
+        Encoding(name, _loss(picture, data), len(data), seconds, chosen)
+        for (name, chosen, _), (data, seconds) in zip(ways, timed)
+    ]
+
+
+def encoded(ending: str, picture: Pixels, place: Place, about: Description) -> bytes:
+    """Return the bytes of a picture's own file."""
+    if ending == "tif":
+        return geotiff(picture, place, about)
+    return jpeg(picture, about) if ending == "jpg" else png(picture, about)
+
+
+def file_bytes(plan: Plan, source: Source, index: int, map_type: str, picture: Pixels) -> int:
+    """Size of a picture in the mission's format."""
+    place, about = _about(plan, source, index, map_type)
+    return len(encoded(plan.mission.image_format, picture, place, about))
+
+
+def _about(plan: Plan, source: Source, index: int, map_type: str) -> tuple[Place, Description]:
+    job = job_of(plan, index, source, map_type, Path())
+    return job.place, job.description
+
+
+def _jpeg(picture: Pixels, quality: int) -> bytes:
+    buffer = io.BytesIO()
+    Image.fromarray(picture).save(buffer, "JPEG", quality=quality, subsampling=0)
+    return buffer.getvalue()
+
+
+def _loss(picture: Pixels, data: bytes) -> float:
+    """RMS difference of a picture and what is read back."""
+    with Image.open(io.BytesIO(data)) as opened:
+        read = np.asarray(opened, np.float64)
+    return float(np.sqrt(np.mean(np.square(read - picture))))

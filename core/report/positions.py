@@ -1,0 +1,280 @@
+"""Errors of position: methods against the exact camera, worked out anew in numpy's long double."""
+
+from __future__ import annotations
+
+from typing import Any, Optional
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import InvalidInput
+from ..geodesy.accuracy import Scene
+from ..geodesy.camera import CORNERS, Camera, Poses
+from ..geodesy.footprint import Footprint, outline
+from ..geodesy.frames import map_frame_edges
+from ..geodesy.view import Cells, ImageRays, mesh
+from ..mission.layout.framing import ground_of
+from ..mission.plan import Plan
+
+Floats = NDArray[np.float64]
+#: An error in px; None where nothing could be compared.
+Error = Optional[float]
+#: Captures whose errors are measured, spread over the rows.
+_CAPTURES = 400
+#: Captures whose outlines are measured where the corners look past the Earth.
+_OUTLINES = 4
+#: Points along each axis of a map frame that are compared, and of each cell of a mesh.
+_FRAME_POINTS, _CELL_POINTS = 9, 5
+#: Cells of a mesh that are compared: those of the greatest bounds, and as many spread over the image.
+_CELLS = 300
+#: Images whose meshes are compared.
+_IMAGES = 3
+#: Rays along the longer side of an image that are compared.
+_RAYS = 48
+#: Long double arrays: numpy's name for their type depends on the platform.
+Long = NDArray[Any]
+#: Roundings of a coordinate in Earth's frame that may add up in a difference of two.
+_ROUNDINGS = 8.0
+
+
+def spread(count: int, most: int) -> NDArray[np.intp]:
+    """At most so many indices, first and last included, evenly spread over the first ``count``."""
+    indices: NDArray[np.intp] = np.unique(
+        np.round(np.linspace(0, count - 1, min(count, most))).astype(np.intp)
+    )
+    return indices
+
+
+def scene_of(plan: Plan, which: NDArray[np.intp]) -> Scene:
+    """Scene of some captures of a plan, in px of their planned images."""
+    width, height = (np.asarray(size[which], np.float64) for size in (plan.width_px, plan.height_px))
+    return Scene(plan.mission.camera, width, height, plan.poses.take(which), ground_of(plan.mission))
+
+
+def bounds_scene(plan: Plan) -> Scene:
+    """Scene whose bounds hold for all of a plan, as it was chosen by: every row once."""
+    scene = scene_of(plan, np.asarray(plan.poses.runs()[0], np.intp))
+    if plan.size_px is not None:
+        return scene
+    # Pictures of one row differ by a pixel at most, as each edge is rounded on its own.
+    return Scene(scene.camera, scene.width_px + 1.0, scene.height_px + 1.0, scene.poses, scene.ground)
+
+
+def captures(plan: Plan) -> NDArray[np.intp]:
+    """Captures that errors are measured on, spread over the rows."""
+    return spread(len(plan), _CAPTURES)
+
+
+def footprint_error_px(plan: Plan, footprint: Footprint) -> Error:
+    """Greatest error of a method's corners, and of the exact outline where corners look past the Earth.
+
+    Longitudes are those of the plan, so that the rounding of a position in degrees is in the error.
+    """
+    scene = scene_of(plan, captures(plan))
+    found = footprint(scene.camera, scene.poses, CORNERS, scene.ground)
+    x, y = (np.broadcast_to(np.array(CORNERS)[:, axis], found.lat_deg.shape) for axis in (0, 1))
+    dlon = found.lon_deg - scene.poses.lon_deg[:, np.newaxis]
+    errors = errors_px(scene, found.lat_deg, dlon, x, y)[found.hit]
+    worst = float(errors.max()) if errors.size else None
+    if found.hit.all():
+        return worst
+    for index in spread(len(plan), _OUTLINES).tolist():
+        one = scene_of(plan, np.array([index], np.intp))
+        ring = outline(
+            one.camera,
+            float(one.poses.lat_deg[0]),
+            float(one.poses.agl_m[0]),
+            _attitude(one.poses),
+            one.ground,
+        )
+        x, y = ring.image_xy.T[:, np.newaxis]
+        inside = np.hypot(x, y) <= np.sqrt(2.0)
+        errors = errors_px(one, ring.lat_deg[np.newaxis], ring.dlon_deg[np.newaxis], x, y)[inside]
+        worst = max(worst or 0.0, float(errors.max(initial=0.0)))
+    return worst
+
+
+def _attitude(poses: Poses) -> tuple[float, float, float]:
+    yaw, tilt, roll = (float(angle[0]) for angle in poses.attitude)
+    return yaw, tilt, roll
+
+
+def map_frame_error_px(plan: Plan) -> Error:
+    """Greatest error inside map frames, before their edges are rounded to the source's pixels.
+
+    Rounding moves the frame, not what it shows: the picture says where it lies to the last digit.
+    """
+    scene = scene_of(plan, captures(plan))
+    edges = map_frame_edges(scene.camera, scene.poses, scene.ground)
+    along, down = (part.ravel() for part in np.meshgrid(*(np.linspace(0.0, 1.0, _FRAME_POINTS),) * 2))
+    west, east, top, bottom = (edge[:, np.newaxis] for edge in edges)
+    du, v = west + (east - west) * along, top + (bottom - top) * down
+    x, y = (np.broadcast_to(part, v.shape) for part in (2.0 * along - 1.0, 1.0 - 2.0 * down))
+    return float(map_errors_px(scene, du, v, x, y).max())
+
+
+def mesh_error_px(plan: Plan, tolerance_px: float) -> Error:
+    """Greatest error of camera frames whose pixels are placed by a mesh; by rays where the tolerance is 0.
+
+    Pixels outside a mesh's cells are traced there, too. None where no ground is seen that is on the map.
+    """
+    found: list[float] = []
+    for index in spread(len(plan), _IMAGES).tolist():
+        scene = scene_of(plan, np.array([index], np.intp))
+        rays = ImageRays.of(scene)
+        cells = mesh(rays, tolerance_px)
+        if len(cells.loose):
+            found += _traced(rays)
+        if len(cells.box):
+            found.append(_worst(scene, *_inside(cells)))
+    return max(found, default=None)
+
+
+def _traced(rays: ImageRays) -> list[float]:
+    """Greatest error of rays through an image, none where it sees no ground that is on the map."""
+    across, down = rays.scene.one_size_px
+    step = max(across, down) / _RAYS
+    x, y = (
+        part.ravel()
+        for part in np.meshgrid(np.arange(0.5, across + 0.5, step), np.arange(0.5, down + 0.5, step))
+    )
+    du, v, hit = rays.map_points(x, y)
+    hit &= (v >= 0.0) & (v <= 1.0)
+    return [_worst(rays.scene, du[hit], v[hit], x[hit], y[hit])] if hit.any() else []
+
+
+def _inside(cells: Cells) -> tuple[Floats, Floats, Floats, Floats]:
+    """Map and image positions of points inside cells: on the perspective that takes each one's corners to the map."""
+    worst = np.argsort(cells.bound_px)[-_CELLS:]
+    some = np.union1d(worst, spread(len(cells.box), _CELLS))
+    box, du, v = cells.box[some].astype(np.float64), cells.du[some], cells.v[some]
+    share = np.linspace(0.0, 1.0, _CELL_POINTS)
+    s, t = (part.ravel() for part in np.meshgrid(share, share))
+    # Solved as eight equations for the unit square, about a corner and in units of the cell: nothing small is lost.
+    unit = np.maximum(np.ptp(du, axis=1), np.ptp(v, axis=1))[:, np.newaxis]
+    across, down = (du - du[:, :1]) / unit, (v - v[:, :1]) / unit
+    corner_s, corner_t = np.array([0.0, 0.0, 1.0, 1.0]), np.array([0.0, 1.0, 1.0, 0.0])
+    system = np.zeros((len(some), 8, 8))
+    system[:, :4, 0], system[:, :4, 1], system[:, :4, 2] = corner_s, corner_t, 1.0
+    system[:, 4:, 3:6] = system[:, :4, :3]
+    wanted = np.concatenate([across, down], axis=1)
+    system[:, :, 6], system[:, :, 7] = -np.tile(corner_s, 2) * wanted, -np.tile(corner_t, 2) * wanted
+    found = np.linalg.solve(system, wanted[..., np.newaxis])[..., 0][:, :, np.newaxis]
+    depth = 1.0 + found[:, 6] * s + found[:, 7] * t
+    map_u = du[:, :1] + unit * (found[:, 0] * s + found[:, 1] * t + found[:, 2]) / depth
+    map_v = v[:, :1] + unit * (found[:, 3] * s + found[:, 4] * t + found[:, 5]) / depth
+    x = box[:, :1] + (box[:, 2:3] - box[:, :1]) * s
+    y = box[:, 1:2] + (box[:, 3:] - box[:, 1:2]) * t
+    return map_u.ravel(), map_v.ravel(), x.ravel(), y.ravel()
+
+
+def _worst(scene: Scene, du: Floats, v: Floats, x_px: Floats, y_px: Floats) -> float:
+    """Greatest error of map positions for points of the image in px from its upper left corner."""
+    x, y = 2.0 * x_px / scene.width_px - 1.0, 1.0 - 2.0 * y_px / scene.height_px
+    return float(map_errors_px(scene, *(part[np.newaxis] for part in (du, v, x, y))).max())
+
+
+def map_frame_problem(plan: Plan) -> str:
+    """Why captures have no map frame at all, whatever its error; empty where they have one."""
+    scene = scene_of(plan, captures(plan))
+    try:
+        edges = map_frame_edges(scene.camera, scene.poses, scene.ground)
+    except InvalidInput as wrong:
+        return str(wrong)
+    if (edges.top_v < 0.0).any() or (edges.bottom_v > 1.0).any():
+        return "it reaches beyond the map's latitudes"
+    return ""
+
+
+def floor_px(scene: Scene) -> float:
+    """Error of the reference itself in px: smaller ones cannot be told from none."""
+    rounding_m = _ROUNDINGS * float(np.finfo(np.longdouble).eps) * scene.ground.a_m
+    # An image coordinate also ends at float64, in which the method's own is given.
+    of_image = float(np.finfo(np.float64).eps) * float(np.max(scene.half_diagonal_px))
+    return rounding_m / float(np.min(scene.nadir_px_m)) + of_image
+
+
+def map_errors_px(scene: Scene, du: Floats, v: Floats, x: Floats, y: Floats) -> Floats:
+    """As `errors_px` of map positions: world fractions (n, k) from the camera's meridian and from the map's north.
+
+    They become degrees in long double: in float64 that is as wrong as what is measured.
+    """
+    across, down = (np.asarray(part, np.longdouble) for part in (du, v))
+    lat: Long = np.arctan(np.sinh(_radians((0.5 - down) * 360))) / _radians(np.ones_like(down))
+    return errors_px(scene, lat, across * 360, x, y)
+
+
+def errors_px(scene: Scene, lat_deg: Long, dlon_deg: Long, x: Floats, y: Floats) -> Floats:
+    """Distances in the image between where ground points are put and where the exact camera sees them.
+
+    Parameters
+    ----------
+    scene : Scene
+        Of n poses.
+    lat_deg, dlon_deg : array (n, k)
+        Ground points: geodetic latitude, and longitude from the camera's.
+    x, y : array (n, k)
+        Image points (right, up) at which a method puts them, -1..1.
+
+    Returns
+    -------
+    array (n, k)
+        px; infinite for points behind the camera.
+    """
+    seen_x, seen_y, in_front = _seen(scene, lat_deg, dlon_deg)
+    width, height = (
+        np.broadcast_to(np.asarray(size, np.float64), scene.poses.lat_deg.shape)[:, np.newaxis]
+        for size in (scene.width_px, scene.height_px)
+    )
+    across, up = (seen_x - x) * width / 2.0, (seen_y - y) * height / 2.0
+    return np.where(in_front, np.hypot(across, up), np.inf).astype(np.float64)
+
+
+def _seen(scene: Scene, lat_deg: Long, dlon_deg: Long) -> tuple[Long, Long, NDArray[np.bool_]]:
+    """Image points of ground points, and whether they are in front of the camera."""
+    a, b = np.longdouble(scene.ground.a_m), np.longdouble(scene.ground.b_m)
+    e2 = (a - b) * (a + b) / a**2
+    sin, cos = _sin_cos(scene.poses.lat_deg[:, np.newaxis])
+    normal = a / np.sqrt(1 - e2 * sin**2)
+    agl = scene.poses.agl_m[:, np.newaxis].astype(np.longdouble)
+    point_sin, point_cos = _sin_cos(lat_deg)
+    point_normal = a / np.sqrt(1 - e2 * point_sin**2)
+    lon_sin, lon_cos = _sin_cos(dlon_deg)
+    outward = point_normal * point_cos * lon_cos - (normal + agl) * cos
+    east = point_normal * point_cos * lon_sin
+    polar = point_normal * (1 - e2) * point_sin - (normal * (1 - e2) + agl) * sin
+    return _image(
+        scene.camera, scene.poses.attitude, (east, cos * polar - sin * outward, cos * outward + sin * polar)
+    )
+
+
+def _image(
+    camera: Camera, attitude: tuple[Floats, Floats, Floats], enu: tuple[Long, Long, Long]
+) -> tuple[Long, Long, NDArray[np.bool_]]:
+    """Turn east, north, up by yaw, tilt and roll, and project."""
+    (sin_yaw, cos_yaw), (sin_tilt, cos_tilt), (sin_roll, cos_roll) = (
+        _sin_cos(angle[:, np.newaxis]) for angle in attitude
+    )
+    east, north, up = enu
+    forward: Long = sin_yaw * east + cos_yaw * north
+    right: Long = cos_yaw * east - sin_yaw * north
+    down: Long = -up
+    forward, down = cos_tilt * forward - sin_tilt * down, sin_tilt * forward + cos_tilt * down
+    right, down = cos_roll * right + sin_roll * down, cos_roll * down - sin_roll * right
+    in_front = np.asarray(down > 0)
+    depth = np.where(in_front, down, 1)
+    fov = np.asarray(camera.fov_deg, np.longdouble)
+    # Above a right angle through the complement, where the argument of the tangent itself would lose digits.
+    half = np.tan(_radians(fov) / 2) if camera.fov_deg <= 90.0 else 1 / np.tan(_radians(180 - fov) / 2)
+    tan_y = half / np.hypot(np.longdouble(1), np.longdouble(camera.aspect_ratio))
+    tan_x = tan_y * np.longdouble(camera.aspect_ratio)
+    return right / depth / tan_x, forward / depth / tan_y, in_front
+
+
+def _radians(angle_deg: Long) -> Long:
+    return np.asarray(angle_deg * (np.arctan(np.longdouble(1)) / 45))
+
+
+def _sin_cos(angle_deg: Long) -> tuple[Long, Long]:
+    angle = _radians(np.asarray(angle_deg, np.longdouble))
+    return np.sin(angle), np.cos(angle)

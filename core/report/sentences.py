@@ -1,0 +1,279 @@
+"""What a report says in sentences."""
+
+from __future__ import annotations
+
+import math
+
+from ..imagery.source import Source
+from ..mission.area import Box, Points, Polygon
+from ..mission.estimate import area_text, length_text, percent
+from ..mission.mission import Mission
+from ..mission.plan import Plan
+from ..mission.wind import Wind
+from .measure import Measurement
+from .tables import displaced_text, metres_text, px_text, share_text
+from .wind import MOVED, TOGETHER, TURNED, Spread, WindEffect
+
+#: Condition numbers up to which a scene is benign, and up to which it is only sensitive.
+_BENIGN, _SENSITIVE = 10.0, 1000.0
+#: What a work-precision diagram shows.
+DIAGRAM = (
+    "Each line is a stage, each marker one of its methods; left is more exact, down is cheaper. Filled markers are "
+    "measured, level whiskers reach to the bound that was known beforehand, upright ones span the quartiles of the "
+    "time, rings mark what was chosen, and the dashed line is the error budget. What has no error of its own stands at "
+    "the left."
+)
+#: What a time is.
+TIMES = (
+    "A time is processor time of one thread, without fetching and without writing files: the median and, in brackets, "
+    "the quartiles of several rounds. Methods of a stage take turns in each round, in any order, and are compared "
+    "round by round. They cannot be told apart where the quartiles of their ratio lie on either side of 1, or where "
+    "methods that take equally long would agree in as many rounds in more than one case of twenty."
+)
+
+
+def mission_title(plan: Plan) -> str:
+    """A mission in a few words."""
+    mission = plan.mission
+    pictures = f"{len(plan):,} picture{'s' if len(plan) > 1 else ''}"
+    above = f"{pictures} from {length_text(mission.agl_m)}, {_place(mission)}{_looking(mission, ', ')}"
+    return ", ".join(filter(None, (above, wind_text(mission.wind))))
+
+
+def _looking(mission: Mission, before: str) -> str:
+    angles = (("yaw", mission.yaw_deg), ("tilt", mission.tilt_deg), ("roll", mission.roll_deg))
+    turned = ", ".join(f"{name} {angle:g}°" for name, angle in angles if angle)
+    return f"{before}{turned}" if turned else ""
+
+
+def wind_text(wind: Wind | None) -> str:
+    """Wind in a few words; empty in still air."""
+    if wind is None or wind.speed_m_per_s == 0.0:
+        return ""
+    gusts = f"turbulence {100.0 * wind.turbulence:.3g} %" if wind.turbulence else "without gusts"
+    return f"wind of {wind.speed_m_per_s:g} m/s from {wind.from_deg:g}°, {gusts}"
+
+
+def _place(mission: Mission) -> str:
+    area = mission.area
+    if isinstance(area, Points):
+        lat, lon, _ = area.poses[0]
+    else:
+        box = area.bounds
+        lat, lon = (box.north_deg + box.south_deg) / 2.0, box.west_deg + box.span_deg / 2.0
+    lon = (lon + 180.0) % 360.0 - 180.0
+    return (
+        f"around {abs(lat):.4g}° {'N' if lat >= 0.0 else 'S'}, {abs(lon):.5g}° {'E' if lon >= 0.0 else 'W'}"
+    )
+
+
+def mission_facts(plan: Plan, source: Source, map_type: str) -> list[tuple[str, str]]:
+    """Label and value of what the mission asks for."""
+    mission, camera = plan.mission, plan.mission.camera
+    width, height = int(plan.width_px.max()), int(plan.height_px.max())
+    frames = "map frames: north-up rectangles of the source's own pixels"
+    if plan.size_px is not None:
+        frames = f"camera frames: what the camera sees, resampled ({mission.resampling})"
+    facts = [
+        ("area", _area(mission)),
+        (
+            "flight",
+            (
+                f"{len(plan):,} pictures in {plan.rows:,} row{'s' if plan.rows > 1 else ''}, "
+                f"{length_text(mission.agl_m)} above "
+                f"ground{_looking(mission, ', camera turned by ') or ', camera straight down and north-up'}"
+            ),
+        ),
+        (
+            "camera",
+            (
+                f"{camera.fov_deg:g}° across the diagonal, {camera.aspect_ratio:.4g} : 1, "
+                f"{metres_text(plan.camera_gsd_m_per_px)} of ground a pixel straight below"
+            ),
+        ),
+        ("pictures", f"{frames}, up to {width} × {height} px, zoom {plan.zoom}, {mission.image_format}"),
+        ("source", f"{source.title}, measured on {map_type}"),
+    ]
+    wind = wind_text(mission.wind)
+    if wind:
+        facts.append(("wind", f"{wind}, flown at {mission.airspeed_m_per_s:g} m/s"))
+    return facts
+
+
+def _area(mission: Mission) -> str:
+    area = mission.area
+    if isinstance(area, Points):
+        return f"{len(area.poses):,} point{'s' if len(area.poses) > 1 else ''}, {_place(mission)}"
+    kind = "polygon" if isinstance(area, Polygon) else "box"
+    box: Box = area.bounds
+    return (
+        f"{kind} of {area_text(area.area_m2())}, latitude {box.south_deg:g}° to {box.north_deg:g}°, longitude "
+        f"{box.west_deg:g}° to {box.east_deg:g}°"
+    )
+
+
+def verdict(plan: Plan, found: Measurement) -> tuple[bool, str]:
+    """Whether all that was measured kept its bounds, and the sentence that says so."""
+    accuracy = plan.accuracy
+    budget = f"budget of {accuracy.budget_px:g} px"
+    if accuracy.bound_px <= accuracy.budget_px:
+        sums = f"The methods' bounds sum to {px_text(accuracy.bound_px)}, within the {budget}."
+    else:
+        sums = f"The methods' bounds sum to {px_text(accuracy.bound_px)}, more than the {budget}: that was accepted."
+    error = f"Measured on this mission's own captures their errors sum to {px_text(found.error_px)}"
+    broken = [
+        f"{one.method.name} by {px_text(one.error_px)} where {px_text(one.method.bound_px)} were its bound"
+        for one in found.chosen
+        if not one.within and one.error_px is not None
+    ]
+    if broken:
+        return False, f"{sums} {error}: NOT within the bounds, {' and '.join(broken)}."
+    words = f"{sums} {error}: within the bounds."
+    if not found.within:
+        words += " A method that was not chosen broke its bound; the table below says which."
+    return found.within, words
+
+
+def condition_text(condition: float) -> str:
+    """What the condition number of a scene means."""
+    if math.isinf(condition):
+        return (
+            "The condition number is infinite: the horizon is in the picture, where the least change of the camera's "
+            "attitude moves the ground that a pixel sees without limit. The arithmetic stays exact there; it is the "
+            "pose that no one knows that well."
+        )
+    effect = (
+        f"The condition number is {condition:.3g}: what goes in (height, angles, latitude) wrong by a millionth moves "
+        f"the ground seen by up to {condition:.3g} millionths of its distance."
+    )
+    if condition <= _BENIGN:
+        return f"{effect} That is benign: errors of the pose are hardly enlarged."
+    if condition <= _SENSITIVE:
+        return f"{effect} That is sensitive: positions far from the camera need a well-known pose."
+    return f"{effect} That is ill-conditioned: positions near the horizon are no better than the pose."
+
+
+def terrain_text(px_per_m: float) -> str:
+    """What relief may add to the errors."""
+    if math.isinf(px_per_m):
+        return (
+            "The ground is taken as smooth, at one height. Relief is not in the bounds: at the horizon it "
+            "may move what is seen without limit."
+        )
+    return (
+        "The ground is taken as smooth, at one height. Relief is not in the bounds: every metre that the "
+        f"real ground is higher or lower may add up to {px_per_m:.2g} px, {10.0 * px_per_m:.2g} px for a "
+        "house or a tree of 10 m."
+    )
+
+
+def saving_notes(plan: Plan, found: Measurement) -> list[str]:
+    """What has to be said about what was left out."""
+    notes = []
+    left = {one.what for one in found.left_out}
+    if "resampling" in left:
+        notes.append(
+            "Without resampling a map frame shows exactly the source's pixels; with it every picture would "
+            "have been a camera frame, and its grey levels off by what the table of kernels says."
+        )
+    if "wind" in left and plan.size_px is None:
+        notes.append(
+            "Wind would also turn the camera, and so need camera frames; its own row counts the flight alone."
+        )
+    return notes
+
+
+def how_measured(found: Measurement) -> list[str]:
+    """How times and errors were measured."""
+    width, height = found.planned_px
+    notes = [
+        (
+            "An error is the distance in the image between where a method puts a ground point and where the "
+            "exact camera, worked out anew in long double, sees it. That reference is itself good to "
+            f"{px_text(found.floor_px)}; smaller ones are shown as below it."
+        ),
+        (
+            "Errors are the greatest over captures spread over the mission's rows; pixels are those of the "
+            f"planned picture, {width} × {height} px."
+        ),
+        (
+            "Rounding a map frame's edges to whole source pixels is not an error: the picture says where it "
+            "lies, exactly."
+        ),
+        (
+            f"{TIMES} Rounds after one to warm up: {_rounds(found)}. What the captures of a row share is counted "
+            f"once a row. The source's parts were fetched beforehand ({found.parts} of them) and kept in memory."
+        ),
+    ]
+    if found.timed_px != found.planned_px:
+        wide, high = found.timed_px
+        notes.append(
+            f"Pictures were timed at {wide} × {high} px, and seconds and bytes scaled by the number of pixels."
+        )
+    return notes
+
+
+def _rounds(found: Measurement) -> str:
+    seconds = [one.seconds for stage in found.stages.values() for one in stage if one.seconds]
+    fewest, most = (end(len(one.rounds) for one in seconds) for end in (min, max))
+    few = "" if all(one.spread_known for one in seconds) else ", too few for quartiles"
+    return (f"{fewest} to {most}" if fewest < most else f"{most}") + few
+
+
+def wind_effect_text(effect: WindEffect) -> list[str]:
+    """What wind does to the camera, and to what the images show of the area."""
+    text = []
+    if not effect.displacements:
+        text.append(
+            "Steady wind neither moves nor turns the camera: the aircraft holds its place in it, and the mount of the "
+            "camera takes out the lean and the crab. It changes the time of the flight alone."
+        )
+    else:
+        moved, turned, together = (
+            next(one for one in effect.displacements if one.what == what)
+            for what in (MOVED, TURNED, TOGETHER)
+        )
+        text.append(
+            f"Gusts move the camera by {_spread_text(moved.size, 'm')}, which shifts the ground in the picture by "
+            f"{_spread_text(moved.px)}. They turn it by {_spread_text(turned.size, 'deg')}, which shifts the ground by "
+            f"{_spread_text(turned.px)}. Both together shift it by {_spread_text(together.px)}. "
+            "The images show what the camera sees from where it really is, and state that pose: the shift is no error "
+            "of their places, but it changes which ground they show."
+        )
+    figures = effect.figures
+    if "coverage" in figures:
+        calm, wind = (percent(share, exact=share == 1.0) for share in figures["coverage"])
+        said = [f"Coverage is {wind} in this wind, {calm} in still air"]
+        for way in ("along", "across"):
+            if f"least_overlap_{way}_rows" in figures:
+                calm, wind = (share_text(share) for share in figures[f"least_overlap_{way}_rows"])
+                said.append(f"the least overlap {way} rows {wind} instead of {calm}")
+        text.append("; ".join(said) + ".")
+    return text
+
+
+def _spread_text(found: Spread | None, unit: str = "px") -> str:
+    if found is None:
+        return "an amount that no corner tells, as none shows ground"
+    rms, usual, most = (displaced_text(size, unit) for size in found)
+    return f"{rms} (rms; {usual} for 95 % of the captures, {most} at most)"
+
+
+def wind_notes(effect: WindEffect) -> list[str]:
+    """What has to be said about the figures of wind."""
+    notes = []
+    if effect.displacements:
+        notes.append(
+            "The shift in the picture is that of the ground that the camera was meant to see in its corners and its "
+            "middle, the most of the five."
+        )
+        if effect.compared < len(effect.flown):
+            notes[0] += (
+                f" It is of {effect.compared:,} captures, spread over the mission; metres and degrees are of all."
+            )
+    if (effect.calm.size_px is None) != (effect.flown.size_px is None):
+        notes.append(
+            "In still air the images are map frames, in wind camera frames, which cover the largest north-up rectangle "
+            "inside what they see."
+        )
+    return notes

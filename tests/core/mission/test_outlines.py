@@ -1,0 +1,117 @@
+"""What is drawn of a plan: cut once at the antimeridian, and the same ground in degrees and on the map."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from pyproj import Transformer
+from terrainav.core.geodesy.ellipsoid import WGS84
+from terrainav.core.geodesy.mercator import HALF_WORLD_M, MAX_LAT_DEG, PixelGrid
+from terrainav.core.mission.area import Box, Points
+from terrainav.core.mission.mission import Mission
+from terrainav.core.mission.outlines import (
+    cut_at_antimeridian,
+    cut_line,
+    footprint_ring,
+    footprints_deg,
+    metres,
+    pictures_m,
+)
+from terrainav.core.mission.plan import plan
+
+GRID = PixelGrid()
+TO_MAP = Transformer.from_crs(4326, 3857, always_xy=True)
+ACROSS = Box(-16.5, 179.995, -16.505, -179.995)
+SCENES = {
+    "map frames": Mission(Box(35.1425, -89.868, 35.1385, -89.863), 120.0),
+    "map frames across": Mission(ACROSS, 120.0),
+    "camera frames": Mission(Box(35.1425, -89.868, 35.1385, -89.863), 120.0, yaw_deg=30.0, tilt_deg=20.0),
+    "camera frames across": Mission(ACROSS, 120.0, yaw_deg=45.0),
+    "bent": Mission(Points(((35.0, 179.7, 40e3), (-60.0, 20.0, 40e3))), 40e3, tilt_deg=30.0, yaw_deg=80.0),
+    "horizon": Mission(Points(((35.0, 179.9, 3e3),)), 3e3, tilt_deg=70.0, yaw_deg=90.0),
+    "pole": Mission(Points(((70.0, -90.0, 8e6),)), 8e6),
+}
+
+
+def area(ring):
+    """Signed area of a ring, positive where it runs counter-clockwise."""
+    x, y = (np.asarray(part, np.float64) - np.mean(part) for part in ring)
+    return float(np.sum(x * np.roll(y, -1) - np.roll(x, -1) * y)) / 2.0
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_rings_are_counter_clockwise_within_the_world_and_lose_no_ground(name):
+    made = plan(SCENES[name], GRID)
+    for index, rings in enumerate(footprints_deg(made)):
+        whole = footprint_ring(made, index)
+        assert sum(map(area, rings)) == pytest.approx(area(whole), rel=1e-9)
+        for lon, lat in rings:
+            assert area((lon, lat)) > 0.0
+            assert np.abs(lon).max() <= 180.0
+            assert np.abs(lat).max() <= 90.0
+    crosses = any(len(rings) > 1 for rings in footprints_deg(made))
+    assert crosses == ("across" in name or name in ("bent", "horizon", "pole"))
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_pictures_on_the_map_are_the_frames_that_files_state_or_what_the_camera_sees(name):
+    made = plan(SCENES[name], GRID)
+    west, south, east, north = made.edges_m
+    for index, (rings, seen) in enumerate(zip(pictures_m(made), footprints_deg(made))):
+        for x, y in rings:
+            assert area((x, y)) > 0.0
+            assert np.abs(x).max() <= HALF_WORLD_M
+        if made.size_px is None:
+            size = (east[index] - west[index]) * (north[index] - south[index])
+            assert sum(map(area, rings)) == pytest.approx(size, rel=1e-9)
+            assert {float(value) for _, y in rings for value in y} == {south[index], north[index]}
+            continue
+        if name == "pole":
+            # What lies beyond the map is cut off.
+            assert max(y.max() for _, y in rings) == pytest.approx(
+                float(metres(0.0, MAX_LAT_DEG)[1]), abs=1e-3
+            )
+            continue
+        assert len(rings) == len(seen)
+        for ring, degrees in zip(rings, seen):
+            assert np.stack(ring) == pytest.approx(np.stack(TO_MAP.transform(*degrees)), abs=1e-6)
+
+
+@pytest.mark.parametrize("name", ["map frames across", "camera frames", "bent"])
+def test_a_part_of_a_plan_is_drawn_as_in_the_whole(name):
+    made = plan(SCENES[name], GRID)
+    for draw in (footprints_deg, pictures_m):
+        whole = list(draw(made))
+        for part in (slice(1, None), slice(0, len(made), 2)):
+            some = list(draw(made, part))
+            assert len(some) == len(whole[part])
+            for ours, theirs in zip(some, whole[part]):
+                assert all(np.array_equal(a, b) for one, two in zip(ours, theirs) for a, b in zip(one, two))
+
+
+@given(st.floats(-400, 400), st.floats(1e-3, 170.0), st.floats(-80, 79), st.floats(1e-3, 1.0))
+def test_a_box_is_cut_into_what_each_turn_of_the_earth_has_of_it(west, width, south, height):
+    lon, lat = west + np.array([0.0, width, width, 0.0]), south + np.array([0.0, 0.0, height, height])
+    parts = cut_at_antimeridian(lon, lat)
+    assert 1 <= len(parts) <= 2
+    assert sum(float(np.ptp(x)) for x, _ in parts) == pytest.approx(width, abs=1e-9)
+    total = sum(WGS84.ring_area_m2(x, y) for x, y in parts)
+    assert total == pytest.approx(WGS84.ring_area_m2(lon, lat), rel=1e-6)
+
+
+def test_nothing_is_cut_into_nothing():
+    assert cut_at_antimeridian(np.empty(0), np.empty(0)) == []
+
+
+@given(st.lists(st.tuples(st.floats(-179.9, 179.9), st.floats(-80, 80)), min_size=1, max_size=8))
+def test_lines_keep_their_places_and_take_the_shorter_way(places):
+    lon, lat = np.array(places).T
+    parts = cut_line(lon, lat)
+    assert all(np.abs(x).max() <= 180.0 for x, _ in parts)
+    went = sum(float(np.abs(np.diff(x)).sum()) for x, _ in parts)
+    shorter = (np.diff(lon) + 180.0) % 360.0 - 180.0
+    assert went == pytest.approx(float(np.abs(shorter).sum()), abs=1e-6)
+    drawn = {(round(float(x), 9), round(float(y), 9)) for part in parts for x, y in zip(*part)}
+    assert {(round(x, 9), round(y, 9)) for x, y in places} <= drawn

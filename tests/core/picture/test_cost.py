@@ -1,0 +1,40 @@
+"""What methods cost: time of the processor, and not of the clock on the wall."""
+
+from __future__ import annotations
+
+import time
+
+import pytest
+from terrainav.core.geodesy.mercator import PixelGrid
+from terrainav.core.mission.area import Box
+from terrainav.core.mission.mission import Mission
+from terrainav.core.mission.plan import plan
+from terrainav.core.picture import cost
+from terrainav.core.picture.cost import timed_cost
+
+MISSION = Mission(Box(35.16, -89.90, 35.155, -89.893), 120.0, zoom=17)
+SLEEP_S = 0.2
+
+
+@pytest.mark.parametrize(("part", "changes"), [("assemble", {}), ("render", {"tilt_deg": 30.0})])
+def test_waiting_for_others_costs_nothing(monkeypatch, part, changes):
+    """As on a machine that gives its processors to others."""
+    work = getattr(cost, part)
+
+    def interrupted(*arguments):
+        time.sleep(SLEEP_S)
+        return work(*arguments)
+
+    monkeypatch.setattr(cost, part, interrupted)
+    found = timed_cost(plan(MISSION.with_(**changes), PixelGrid()))
+    assert 0.0 < found.picture_s < SLEEP_S
+    assert found.footprints_s > 0.0
+
+
+def test_a_coarse_clock_is_given_work_enough(monkeypatch):
+    steps = iter(range(10**9))
+    # A clock that goes on by a step of 16 ms at every hundredth look.
+    monkeypatch.setattr(cost.time, "thread_time", lambda: next(steps) // 100 * 0.016)
+    done = []
+    assert cost._own_s(lambda: done.append(1)) > 0.0
+    assert len(done) > 100
