@@ -21,6 +21,7 @@ from ..limits import MAX_METADATA_CHARACTERS, MAX_QUERY_S, MAX_STORED_TILE_BYTES
 from ..text import one_line, whole_number
 from .cache.tilefile import connect, fault
 from .decode import decode
+from .named import FileSource
 from .policy import Policy
 from .source import Part, Pixels, Window, tile_parts
 from .tiles import Tile, tile_address
@@ -49,6 +50,16 @@ _TILE = (
     "WHERE zoom_level = ? AND tile_column = ? AND tile_row = ? LIMIT 1"
 )
 _SAMPLE = "SELECT CASE WHEN length(tile_data) <= ? THEN tile_data END FROM tiles LIMIT 1"
+
+
+class MBTilesFile(FileSource):
+    """An MBTiles file as a mission names it."""
+
+    def open(self) -> MBTilesSource:
+        """Open the file; raises InvalidInput as `open_mbtiles` does, and where a date is asked for."""
+        if self.options.date:
+            raise InvalidInput(f"date {self.options.date!r}: {self.text} has no dates to choose from")
+        return open_mbtiles(self.text)
 
 
 class MBTilesSource:

@@ -9,6 +9,7 @@ from __future__ import annotations
 import base64
 import hashlib
 import hmac
+import os
 from urllib.parse import quote, urlencode, urlsplit
 
 import numpy as np
@@ -16,8 +17,10 @@ import numpy as np
 from ..errors import InvalidInput
 from ..geodesy.frames import Windows, window_centres
 from ..geodesy.mercator import PixelGrid
+from .catalogue.entry import CatalogueEntry
 from .client import Client
 from .decode import decode
+from .named import SourceOptions
 from .placeholder import Placeholder
 from .policy import Policy
 from .requests_transport import RequestsTransport
@@ -199,6 +202,23 @@ class StaticMapSource:
         query["key"] = self._key
         url = f"{self._url}?{urlencode(query, quote_via=quote, safe='')}"
         return sign(url, self._secret) if self._secret else url
+
+
+def open_entry(entry: CatalogueEntry, _date: str, key: str | None, options: SourceOptions) -> StaticMapSource:
+    """Source of the pictures that an entry describes, asked for with a key."""
+    return StaticMapSource(
+        key or "",
+        options.secret or (os.environ.get(entry.signing_env) if entry.signing_env else None),
+        scale=entry.grid(options.tile_px).scale,
+        name=entry.name,
+        title=entry.title,
+        attribution=entry.attribution,
+        policy=entry.policy,
+        placeholder=PLACEHOLDER.with_files(entry.placeholder.with_files(options.placeholders).sha256),
+        url=os.environ.get("TERRAINAV_GOOGLE_URL", GOOGLE_URL),
+        transport=options.transport,
+        connections=options.connections,
+    )
 
 
 def sign(url: str, secret: str) -> str:

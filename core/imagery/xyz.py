@@ -11,9 +11,10 @@ from ..errors import InvalidInput, SourceError
 from ..geodesy.mercator import PixelGrid
 from .cache.tile_cache import TileCache
 from .cache.tilestore import TileStore
-from .catalogue.entry import serving
+from .catalogue.entry import CatalogueEntry, serving
 from .client import Client
 from .decode import decode
+from .named import SourceOptions
 from .placeholder import Placeholder
 from .policy import Policy
 from .requests_transport import RequestsTransport
@@ -256,3 +257,21 @@ class XYZSource:
                 found = provider.title, provider.policy
             self._terms[host] = found
         return found
+
+
+def open_entry(entry: CatalogueEntry, date: str, key: str | None, options: SourceOptions) -> XYZSource:
+    """Source of the tiles that an entry describes, of a date, asked for with a key."""
+    return XYZSource(
+        entry.templates(date),
+        name=entry.name,
+        title=entry.title,
+        attribution=entry.credit(date),
+        grid=entry.grid(options.tile_px),
+        key=key,
+        date=date,
+        placeholder=entry.placeholder.with_files(options.placeholders),
+        policy=entry.policy,
+        transport=options.transport,
+        cache=options.cache,
+        connections=options.connections,
+    )

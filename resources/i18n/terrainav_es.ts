@@ -5554,7 +5554,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/catalogue/entry.py"/>
-        <location filename="../../core/imagery/opening.py"/>
+        <location filename="../../core/imagery/mbtiles.py"/>
         <source>date {0}: {1} has no dates to choose from</source>
         <translation>fecha {0}: {1} no tiene fechas que elegir</translation>
     </message>
@@ -5849,25 +5849,25 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>{0}: {1} no se puede leer ({2})</translation>
     </message>
     <message>
-        <location filename="../../core/imagery/opening.py"/>
+        <location filename="../../core/imagery/named.py"/>
         <source>source {0}: a file states no terms; name one of the sources that have some</source>
         <translation>fuente {0}: un archivo no indica condiciones; nombrar una de las fuentes que las tienen</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/named.py"/>
+        <source>{0} connections: must be 1 or more</source>
+        <translation>{0} conexiones: debe ser 1 o más</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/named.py"/>
+        <location filename="../../core/imagery/services/ogc.py"/>
+        <source>{0}: needs an API key: set the environment variable {1}</source>
+        <translation>{0}: necesita una clave API: definir la variable de entorno {1}</translation>
     </message>
     <message>
         <location filename="../../core/imagery/opening.py"/>
         <source>source {0}: is a map of QGIS and can be captured inside QGIS only; name a file, a URL template or a name of the catalogue</source>
         <translation>fuente {0}: es un mapa de QGIS y solo se puede capturar dentro de QGIS; nombrar un archivo, una plantilla de URL o un nombre del catálogo</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/opening.py"/>
-        <source>{0} connections: must be 1 or more</source>
-        <translation>{0} conexiones: debe ser 1 o más</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/opening.py"/>
-        <location filename="../../core/imagery/services/capabilities.py"/>
-        <source>{0}: needs an API key: set the environment variable {1}</source>
-        <translation>{0}: necesita una clave API: definir la variable de entorno {1}</translation>
     </message>
     <message>
         <location filename="../../core/imagery/placeholder.py"/>

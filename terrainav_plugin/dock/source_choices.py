@@ -102,12 +102,10 @@ def _of_connection(name: str) -> SourceChoice:
 
 def template_limits(template: str) -> str:
     """What the provider of a URL template allows, as HTML; empty where the template is not right (yet)."""
-    from ...core.imagery.opening import entry_of, is_template
+    from ...core.imagery.opening import kind_of, named_source
 
-    if not is_template(template):
-        return ""
     try:
-        return limits_html(entry_of(template))
+        return limits_html(named_source(template).entry) if kind_of(template) == "template" else ""
     except TerrAInavError:
         return ""
 

@@ -230,9 +230,11 @@ def address_of(layer: QgsRasterLayer) -> Address | None:
 
 
 def _of_service(name: str, tiles: Tiles) -> CatalogueEntry:
-    from ...core.imagery.services.ogc import service_entry
+    from ...core.imagery.named import SourceOptions
+    from ...core.imagery.opening import named_source
 
-    return service_entry(name, key=tiles._connection.key or None, transport=tiles._transport)  # noqa: SLF001
+    options = SourceOptions(key=tiles._connection.key or None, transport=tiles._transport)  # noqa: SLF001
+    return named_source(name, options).entry
 
 
 def _premultiplied(pixels: Pixels) -> Pixels:

@@ -18,8 +18,9 @@ from terrainav.core.imagery.cache.freshness import freshness
 from terrainav.core.imagery.client import Client
 from terrainav.core.imagery.decode import decode
 from terrainav.core.imagery.mbtiles import open_mbtiles
+from terrainav.core.imagery.named import SourceOptions
+from terrainav.core.imagery.opening import named_source
 from terrainav.core.imagery.raster.trust import drivers_for
-from terrainav.core.imagery.services.ogc import layers, service_entry
 from terrainav.core.imagery.source import Window
 from terrainav.core.imagery.transport import Response, check_length, joined, redirect_target, unpacked
 from terrainav.core.limits import MAX_LINE_CHARACTERS
@@ -76,6 +77,16 @@ METADATA = {
 VRT = """<VRTDataset rasterXSize="8" rasterYSize="8"><SRS>EPSG:3857</SRS><VRTRasterBand dataType="Byte" band="1">
 <SimpleSource><SourceFilename relativeToVRT="1">own.tif</SourceFilename><SourceBand>1</SourceBand></SimpleSource>
 </VRTRasterBand></VRTDataset>"""
+
+
+def service_entry(name, **options):
+    """Entry of a layer, from the capabilities of its service."""
+    return named_source(name, SourceOptions(**options)).entry
+
+
+def layers(name, **options):
+    """Layers that a service offers."""
+    return named_source(name, SourceOptions(**options)).layers()
 
 
 class _Answer:

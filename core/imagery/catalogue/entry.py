@@ -6,6 +6,7 @@ import os
 import re
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field, fields, replace
+from functools import lru_cache
 from typing import Any
 from urllib.parse import quote
 
@@ -20,7 +21,11 @@ from .dates import Dates
 
 #: Environment variable with the key of a user's own template.
 KEY_ENV = "TERRAINAV_KEY"
-KINDS = ("world", "xyz", "static-map")
+#: Kinds of pixels, and the module that has each: its `open_entry` makes a source of an entry. Named and not imported,
+#: as what they need is large, and the world stands above this room.
+KINDS = {"world": ".world.source", "xyz": ".xyz", "static-map": ".staticmap"}
+#: What grids have beside tiles and zooms: Static Maps limits its pictures, and keeps so many decimals of their centres.
+_GRIDS: dict[str, dict[str, Any]] = {"static-map": {"max_size_px": 640, "centre_decimals": 6}}
 #: West, south, east and north of the whole map.
 WORLD_DEG = (-180.0, -90.0, 180.0, 90.0)
 #: What every entry states.
@@ -205,7 +210,8 @@ class CatalogueEntry:
         # The shipped entries' bounds are those of a country; a service's are those of its imagery.
         ends = self.user and self.bounds_deg != WORLD_DEG
         extent = extent_of_box(*self.bounds_deg) if ends else None
-        return PixelGrid(size, self.min_zoom, self.max_zoom, self.native_zoom, extent=extent)
+        more = _GRIDS.get(self.kind, {})
+        return PixelGrid(size, self.min_zoom, self.max_zoom, self.native_zoom, extent=extent, **more)
 
     def serves(self, host: str) -> bool:
         """Whether a host is this provider's."""
@@ -278,6 +284,7 @@ def _check_kinds(name: str, data: Mapping[str, Any]) -> None:
                 raise InvalidInput(f"catalogue entry {name!r}: {one} with {value!r}: must be {words}")
 
 
+@lru_cache(maxsize=1)
 def shipped() -> tuple[CatalogueEntry, ...]:
     """Return the entries of ``resources/sources.json``, the embedded world first."""
     return tuple(CatalogueEntry.from_dict(name, data) for name, data in read_json("sources.json").items())

@@ -3,13 +3,50 @@
 from __future__ import annotations
 
 import difflib
+from functools import cached_property
+from typing import Protocol
 
 from ...errors import InvalidInput
-from ..source import Source
-from .entry import CatalogueEntry, shipped
-from .user_sources import shelf, user_sources
+from ..keys import environment_key
+from ..named import EntrySource
+from ..policy import Policy
+from ..template import Template
+from .entry import CatalogueEntry, shipped, under_provider
+from .user_sources import described, shelf, user_sources
 
-__all__ = ["CatalogueEntry", "alternatives", "check_policy", "entry_named", "sources"]
+
+class CatalogueName(EntrySource):
+    """A source by its name in the catalogue or among the user's own."""
+
+    @property
+    def is_local(self) -> bool:
+        """Whether it is the embedded world."""
+        return self.entry.kind == "world"
+
+    def _find(self) -> CatalogueEntry:
+        return entry_named(self.text)
+
+
+class URLTemplate(EntrySource):
+    """Tiles by a URL template."""
+
+    @cached_property
+    def _template(self) -> Template:
+        return Template(self.text)
+
+    @property
+    def needs_key(self) -> bool:
+        """Whether a key stands in it, be it right otherwise or not."""
+        return "{key}" in self.text
+
+    def environment_key(self) -> str | None:
+        """Return the environment's key, if that is for its hosts."""
+        return environment_key(self._template.hosts, named_by_user=self.options.named_by_user)
+
+    def _find(self) -> CatalogueEntry:
+        # A provider's terms hold however its tiles are asked for.
+        data = described(self.text, tile_px=self.options.tile_px or 256, max_zoom=self.options.max_zoom)
+        return under_provider(CatalogueEntry.from_dict(self._template.text, data, user=True))
 
 
 def sources() -> tuple[CatalogueEntry, ...]:
@@ -69,8 +106,21 @@ def alternatives(
     )
 
 
+class _WithTerms(Protocol):
+    """A source, or what a text names one by."""
+
+    @property
+    def title(self) -> str: ...
+
+    @property
+    def map_types(self) -> tuple[str, ...]: ...
+
+    @property
+    def policy(self) -> Policy: ...
+
+
 def check_policy(
-    source: Source,
+    source: _WithTerms,
     requests: int,
     *,
     accept_terms: bool = False,
@@ -81,7 +131,7 @@ def check_policy(
 
     Parameters
     ----------
-    source : Source
+    source : Source or NamedSource
     requests : int
         Unique parts of the run, over all map types.
     accept_terms : bool
@@ -91,7 +141,7 @@ def check_policy(
 
     Raises
     ------
-    SourceError
+    TermsError
         Quoting the terms and, where nothing can be done about them, naming sources that allow it.
     """
     instead = alternatives(map_types or source.map_types, bounds_deg) if source.policy.stops(requests) else ()

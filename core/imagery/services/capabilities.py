@@ -12,9 +12,8 @@ from urllib.parse import parse_qsl, quote, urlencode, urlsplit, urlunsplit
 from ...errors import InvalidInput, PartError, SourceError, TerrAInavError
 from ...limits import MAX_CAPABILITIES_BYTES
 from ...text import MASK, Secrets, one_line
-from ..catalogue.entry import KEY_ENV, WORLD_DEG
+from ..catalogue.entry import WORLD_DEG
 from ..client import Client
-from ..keys import environment_key
 from ..policy import Policy
 from ..requests_transport import RequestsTransport
 from ..template import check_address
@@ -132,20 +131,14 @@ class Document:
         return self.secrets.replaced(text, "{key}")
 
 
-def fetched(
-    service: Service, key: str | None, transport: Transport | None, *, named_by_user: bool = False
-) -> Document:
-    """Capabilities of a service.
+def fetched(service: Service, key: str, transport: Transport | None) -> Document:
+    """Capabilities of a service, asked for with the key where its address has {key}.
 
     Raises
     ------
     SourceError
-        They cannot be had, are too large, or something else is at the address; or the key is missing, or for others.
+        They cannot be had, are too large, or something else is at the address.
     """
-    needs_key = "{key}" in service.address
-    key = (key or environment_key([service.host], named_by_user=named_by_user) or "") if needs_key else ""
-    if needs_key and not key:
-        raise SourceError(f"{service.host}: needs an API key: set the environment variable {KEY_ENV}")
     used = RequestsTransport(1, max_body_bytes=MAX_CAPABILITIES_BYTES) if transport is None else transport
     url = service.document_url(key)
     secrets = (key,) if key else ()

@@ -43,7 +43,7 @@ def wms_layers(document: Document) -> list[Offered]:
 
 
 def wms_entry(name: str, document: Document, tile_px: int) -> CatalogueEntry:
-    """Entry of one layer or several above each other; raises as `ogc.service_entry` does."""
+    """Entry of one layer or several above each other; raises as `ogc.ServiceLayer` does."""
     version, service = _service(document)
     choices = document.service.choices
     contents = {key: layer.title for key, layer in service.contents.items()}

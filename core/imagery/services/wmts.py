@@ -46,7 +46,7 @@ def wmts_layers(document: Document) -> list[Offered]:
 
 
 def wmts_entry(name: str, document: Document) -> CatalogueEntry:
-    """Entry of a layer; raises InvalidInput and SourceError as `ogc.service_entry` does."""
+    """Entry of a layer; raises InvalidInput and SourceError as `ogc.ServiceLayer` does."""
     service = _service(document)
     choices = document.service.choices
     contents = {key: layer.title for key, layer in service.contents.items()}

@@ -5,6 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from ...geodesy.mercator import PixelGrid
+from ..catalogue.entry import CatalogueEntry
+from ..named import SourceOptions
 from ..policy import Policy
 from ..source import Part, Pixels, Window, tile_parts
 from .lattice import TILE_PX
@@ -46,3 +48,8 @@ class WorldSource:
 
     def close(self) -> None:
         """Do nothing: it holds nothing."""
+
+
+def open_entry(_entry: CatalogueEntry, _date: str, _key: str | None, options: SourceOptions) -> WorldSource:
+    """Return the world of the seed that is asked for."""
+    return WorldSource(options.seed)

@@ -10,7 +10,8 @@ import warnings
 
 import pytest
 from terrainav.core.errors import InvalidInput, SourceError
-from terrainav.core.imagery.services.ogc import layers, service_entry
+from terrainav.core.imagery.named import SourceOptions
+from terrainav.core.imagery.opening import named_source
 from terrainav.core.imagery.transport import Response
 from terrainav.core.limits import MAX_XML_ATTRIBUTES, MAX_XML_DEPTH, MAX_XML_ELEMENTS
 
@@ -40,6 +41,16 @@ WMS_TYPE = (
     '<!DOCTYPE WMT_MS_Capabilities SYSTEM "http://schemas.opengis.net/wms/1.1.1/WMS_MS_Capabilities.dtd"'
     " [\n <!ELEMENT VendorSpecificCapabilities EMPTY>\n ]>"
 )
+
+
+def service_entry(name, **options):
+    """Entry of a layer, from the capabilities of its service."""
+    return named_source(name, SourceOptions(**options)).entry
+
+
+def layers(name, **options):
+    """Layers that a service offers."""
+    return named_source(name, SourceOptions(**options)).layers()
 
 
 class Answering:

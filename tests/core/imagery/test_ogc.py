@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 from terrainav.core.errors import InvalidInput, PartError, SourceError
 from terrainav.core.geodesy.mercator import extent_of_box
-from terrainav.core.imagery.opening import open_source
-from terrainav.core.imagery.services.ogc import layers, service_entry
+from terrainav.core.imagery.named import SourceOptions
+from terrainav.core.imagery.opening import named_source, open_source
 from terrainav.core.imagery.source import Window
 from terrainav.core.imagery.transport import Response
 
@@ -39,6 +39,16 @@ QUAD = matrix_set("GoogleMapsCompatible", [matrix(str(zoom), zoom) for zoom in r
 DUTCH = matrix_set(
     "EPSG:28992", [matrix("0", 0, corner=(-285401.92, 903402.0), scale=0.1)], "urn:ogc:def:crs:EPSG::28992"
 )
+
+
+def service_entry(name, **options):
+    """Entry of a layer, from the capabilities of its service."""
+    return named_source(name, SourceOptions(**options)).entry
+
+
+def layers(name, **options):
+    """Layers that a service offers."""
+    return named_source(name, SourceOptions(**options)).layers()
 
 
 @pytest.fixture(autouse=True)

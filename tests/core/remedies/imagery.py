@@ -14,7 +14,7 @@ from terrainav.core.imagery.cache.tile_cache import TileCache
 from terrainav.core.imagery.catalogue import user_sources
 from terrainav.core.imagery.catalogue.dates import Dates
 from terrainav.core.imagery.catalogue.listing import entry_named
-from terrainav.core.imagery.opening import entry_of, is_file, open_source
+from terrainav.core.imagery.opening import is_file, named_source, open_source
 from terrainav.core.imagery.policy import Policy
 from terrainav.core.imagery.raster import files as raster_files
 from terrainav.core.imagery.raster import open_raster
@@ -145,7 +145,7 @@ def _come_back(case: Case) -> None:
     case.follow("resume then", lambda: asked.get("u", "w").body == b"here")
 
 
-@remedy("imagery/opening.py", "{}: needs an API key: set the environment variable {}")
+@remedy("imagery/named.py", "{}: needs an API key: set the environment variable {}")
 def _key(case: Case) -> None:
     for name in ("TERRAINAV_KEY", "TERRAINAV_MAPBOX_KEY"):
         case.monkeypatch.delenv(name, raising=False)
@@ -168,10 +168,12 @@ def _of_qgis(case: Case) -> None:
     case.follow("a name of the catalogue", lambda: opened("usgs"))
 
 
-@remedy("imagery/opening.py", "source {}: a file states no terms; name one of the sources that have some")
+@remedy("imagery/named.py", "source {}: a file states no terms; name one of the sources that have some")
 def _no_terms(case: Case) -> None:
-    case.refused(lambda: entry_of("ortho.tif"))
-    case.follow("name one of the sources that have some", lambda: bool(entry_of("usgs").policy.terms))
+    case.refused(lambda: named_source("ortho.tif").entry)
+    case.follow(
+        "name one of the sources that have some", lambda: bool(named_source("usgs").entry.policy.terms)
+    )
 
 
 ASKS = Policy(bulk_allowed="ask", max_tiles=10, terms="Ask first.")
@@ -397,7 +399,7 @@ def _which_layer(case: Case) -> None:
         case.follow("`terrainav sources show` lists them", lambda: "ortho" in listed and "topo" in listed)
 
 
-@remedy("imagery/services/capabilities.py", "{}: needs an API key: set the environment variable {}")
+@remedy("imagery/services/ogc.py", "{}: needs an API key: set the environment variable {}")
 def _key_of_service(case: Case) -> None:
     case.monkeypatch.delenv("TERRAINAV_KEY", raising=False)
     with one_layer() as server:

@@ -1,0 +1,277 @@
+"""A source as a text names it: understood once, and asked for all else that there is to know of it."""
+
+from __future__ import annotations
+
+import importlib
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+from ..errors import InvalidInput, SourceError
+from ..geodesy.mercator import PixelGrid
+from .catalogue.entry import KINDS, CatalogueEntry
+from .placeholder import Placeholder
+from .policy import Policy
+from .source import Source
+
+if TYPE_CHECKING:
+    from .cache.tile_cache import TileCache
+    from .services.capabilities import Offered
+    from .transport import Transport
+
+
+@dataclass(frozen=True)
+class SourceOptions:
+    """What is wanted of a source, and how it is to be asked.
+
+    Parameters
+    ----------
+    seed : int
+        Of the embedded world.
+    key, secret : str or None
+        API key and signing secret; None for those of the environment.
+    date : str or None
+        Of the imagery, where the source has several; None for its default.
+    tile_px : int or None
+        Size of tiles; None for the source's own, 256 for a template.
+    max_zoom : int or None
+        Highest zoom of a template; None for 22. Catalogue entries know theirs.
+    connections : int
+        Requests under way at once, where the provider allows so many.
+    transport : Transport or None
+        None for one of its own over requests.
+    cache : TileCache or None
+        Where tiles are kept for later runs, as far as the provider allows it; None for nowhere.
+    placeholders : tuple of str
+        Files of the provider that count as missing, beside those it is known for, by their SHA-256 or 16 of its digits.
+    named_by_user : bool
+        The user has named the source himself, and no file has: where it is an address with {key}, the environment's
+        key is for its host. Otherwise that goes to the hosts of TERRAINAV_KEY_HOSTS alone.
+    """
+
+    seed: int = 2024
+    key: str | None = None
+    secret: str | None = None
+    date: str | None = None
+    tile_px: int | None = None
+    max_zoom: int | None = None
+    connections: int = 8
+    transport: Transport | None = None
+    cache: TileCache | None = None
+    placeholders: tuple[str, ...] = ()
+    named_by_user: bool = False
+
+    def __post_init__(self) -> None:
+        if self.connections < 1:
+            raise InvalidInput(f"{self.connections} connections: must be 1 or more")
+        object.__setattr__(self, "placeholders", Placeholder().with_files(self.placeholders).sha256)
+
+
+class NamedSource(ABC):
+    """A source as a mission names it; each kind of them is a class of its own, in the table of `opening`.
+
+    Making one reads nothing, and neither does asking for what the text itself tells: `is_local`, `needs_key`,
+    `stated_policy`, `environment_key`. For the rest a file may be opened or a service asked for its capabilities, once;
+    it raises InvalidInput and SourceError as `open` does. No key is needed until `open`, but by a service that wants
+    one with the request for its capabilities.
+
+    Parameters
+    ----------
+    text : str
+    options : SourceOptions
+    """
+
+    def __init__(self, text: str, options: SourceOptions) -> None:
+        self.text, self.options = text, options
+
+    def __repr__(self) -> str:
+        return f"{type(self).__name__}({self.text!r})"
+
+    @property
+    def is_local(self) -> bool:
+        """Whether its pixels are on this machine: no request is made, and no terms hold."""
+        return False
+
+    @property
+    def needs_key(self) -> bool:
+        """Whether it cannot be had without an API key."""
+        return False
+
+    @property
+    def stated_policy(self) -> Policy | None:
+        """What its provider allows; None where only the service could tell."""
+        return self.policy
+
+    def environment_key(self) -> str | None:
+        """Return the key that the environment has for it; raises SourceError where that key is for other hosts."""
+        return None
+
+    def layers(self) -> list[Offered] | None:
+        """Layers to choose from, where the text names a service and none of them yet; None for every other source."""
+        return None
+
+    @property
+    def entry(self) -> CatalogueEntry:
+        """All that is known of it; raises InvalidInput for a file, of which no terms are known."""
+        raise InvalidInput(
+            f"source {self.text}: a file states no terms; name one of the sources that have some"
+        )
+
+    @property
+    @abstractmethod
+    def title(self) -> str:
+        """What people see."""
+
+    @property
+    @abstractmethod
+    def map_types(self) -> tuple[str, ...]:
+        """Map types it can tell apart; empty where it has one kind of picture only."""
+
+    @property
+    @abstractmethod
+    def grid(self) -> PixelGrid:
+        """Its pixels."""
+
+    @property
+    @abstractmethod
+    def policy(self) -> Policy:
+        """What its provider allows."""
+
+    @property
+    @abstractmethod
+    def date(self) -> str:
+        """Date of its imagery; empty where that is not known."""
+
+    @abstractmethod
+    def open(self) -> Source:
+        """Open it, to fetch pixels.
+
+        Raises
+        ------
+        InvalidInput
+            The name, date or tile size is unknown, or a template or placeholder is not valid.
+        SourceError
+            A key is needed and missing, or for other hosts; or the service or file cannot be read.
+        """
+
+
+class EntrySource(NamedSource):
+    """A source that an entry describes."""
+
+    @abstractmethod
+    def _find(self) -> CatalogueEntry:
+        """Find the entry; asked once."""
+
+    @cached_property
+    def entry(self) -> CatalogueEntry:
+        """All that is known of it."""
+        return self._find()
+
+    @property
+    def needs_key(self) -> bool:
+        """Whether its entry names an environment variable with a key."""
+        return self.entry.key_env is not None
+
+    def environment_key(self) -> str | None:
+        """Key of the variable that the entry names."""
+        return self.entry.key(None)
+
+    @property
+    def title(self) -> str:
+        """Title of the entry."""
+        return self.entry.title
+
+    @property
+    def map_types(self) -> tuple[str, ...]:
+        """Map types of the entry."""
+        return self.entry.map_types
+
+    @property
+    def policy(self) -> Policy:
+        """Terms of the entry."""
+        return self.entry.policy
+
+    @cached_property
+    def grid(self) -> PixelGrid:
+        """Grid of the tile size asked for."""
+        return self.entry.grid(self.options.tile_px)
+
+    @cached_property
+    def date(self) -> str:
+        """Date asked for, or the default; empty where there is but one."""
+        return self.entry.date(self.options.date)
+
+    def open(self) -> Source:
+        """Open it with the key that is given, or with the environment's."""
+        entry, date, options = self.entry, self.date, self.options
+        key = options.key or (self.environment_key() if entry.key_env else None)
+        if entry.key_env and not key:
+            raise SourceError(
+                f"{entry.title}: needs an API key: set the environment variable {entry.key_env}"
+            )
+        pixels = importlib.import_module(KINDS[entry.kind], __package__)
+        source: Source = pixels.open_entry(entry, date, key, options)
+        return source
+
+
+class DescribedSource(EntrySource):
+    """A source whose entry is given, as that of a connection of QGIS is.
+
+    Parameters
+    ----------
+    entry : CatalogueEntry
+    options : SourceOptions
+    """
+
+    def __init__(self, entry: CatalogueEntry, options: SourceOptions) -> None:
+        super().__init__(entry.name, options)
+        self._given = entry
+
+    def _find(self) -> CatalogueEntry:
+        return self._given
+
+
+class FileSource(NamedSource):
+    """A file of pictures, on this machine; what it says of itself is read once."""
+
+    @property
+    def is_local(self) -> bool:
+        """Whether its pixels are on this machine: they are."""
+        return True
+
+    @property
+    def stated_policy(self) -> Policy:
+        """Terms that the file itself would state are not read."""
+        return Policy()
+
+    @cached_property
+    def _read(self) -> Source:
+        source = self.open()
+        source.close()
+        return source
+
+    @property
+    def title(self) -> str:
+        """Title that the file states, or its name."""
+        return self._read.title
+
+    @property
+    def map_types(self) -> tuple[str, ...]:
+        """None: a file has one kind of picture."""
+        return ()
+
+    @property
+    def grid(self) -> PixelGrid:
+        """Its pixels, up to its own zoom."""
+        return self._read.grid
+
+    @property
+    def policy(self) -> Policy:
+        """Licence that the file states."""
+        return self._read.policy
+
+    @property
+    def date(self) -> str:
+        """Date asked for, or that the file states."""
+        return self._read.date
