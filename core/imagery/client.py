@@ -16,7 +16,7 @@ from ..limits import MAX_LATE_PARTS, MAX_PART_S, MAX_REDIRECTS
 from ..text import Secrets, first_words, whole_number
 from ..unexpected import UnexpectedErrors
 from .cache.freshness import http_date_s
-from .transport import Response, Stop, Transport, TransportError, joined, redirect_target
+from .transport import Response, Transport, TransportError, joined, redirect_target
 
 #: Attempts at one part, the first included.
 TRIES = 5
@@ -27,7 +27,7 @@ LONGEST_WAIT_S = 30.0
 LONGEST_RETRY_AFTER_S = 120.0
 #: A server that gave no answer is taken to be out of reach for so long, where that saves asking in vain.
 OUT_OF_REACH_S = 30.0
-#: Seconds between two looks at whether the user cancelled.
+#: Seconds between two looks at whether the client was closed.
 _LOOK_S = 0.1
 
 _REFUSED = frozenset({401, 402, 403, 407, 451})
@@ -98,7 +98,6 @@ class _Request:
     """
 
     headers: Mapping[str, str] | None
-    cancelled: Stop | None
     allow: Callable[[str], object] | None
     taken_s: float = 0.0
     reason: str = ""
@@ -156,7 +155,6 @@ class Client:
         self,
         url: str,
         what: str,
-        cancelled: Stop | None = None,
         headers: Mapping[str, str] | None = None,
         allow: Callable[[str], object] | None = None,
     ) -> Response:
@@ -167,8 +165,6 @@ class Client:
         url : str
         what : str
             The part that is asked for, as errors name it.
-        cancelled : callable or None
-            Asked during every wait.
         headers : mapping or None
             To be sent with the request, such as conditions under which an answer is wanted.
         allow : callable or None
@@ -188,7 +184,7 @@ class Client:
                 f"{what}: not asked for, as the last {MAX_LATE_PARTS} parts had no answer in time; resume later"
             )
         tries = 1 if self._away.is_set() or self._late_parts >= MAX_LATE_PARTS else self._tries
-        request = _Request(headers, cancelled, allow)
+        request = _Request(headers, allow)
         for attempt in range(tries):
             try:
                 response = self._followed(url, what, request)
@@ -212,7 +208,7 @@ class Client:
             if attempt == tries - 1 or request.taken_s > MAX_PART_S or self._left_alone():
                 request.reason += _tried(attempt + 1)
                 break
-            self._pause(max(wait_s, self._backoff_s(url, attempt)), cancelled)
+            self._pause(max(wait_s, self._backoff_s(url, attempt)))
         raise self._given_up(what, request)
 
     def picture(
@@ -220,7 +216,6 @@ class Client:
         url: str,
         what: str,
         read: Callable[[Response], Picture],
-        cancelled: Stop | None = None,
         headers: Mapping[str, str] | None = None,
         allow: Callable[[str], object] | None = None,
     ) -> tuple[Response, Picture]:
@@ -238,10 +233,10 @@ class Client:
         PartError, SourceError, Cancelled
             As `get` does; PartError also where the answer is no picture.
         """
-        response, times = self.get(url, what, cancelled, headers, allow), 1
+        response, times = self.get(url, what, headers, allow), 1
         picture = self._picture_or_problem(response, read)
         if isinstance(picture, BrokenPictureError):
-            response, times = self.get(url, what, cancelled, _PAST_CACHES, allow), 2
+            response, times = self.get(url, what, _PAST_CACHES, allow), 2
             picture = self._picture_or_problem(response, read)
         if isinstance(picture, PartError):
             raise PartError(self.redacted(f"{what}: {picture}{_tried(times)}"))
@@ -295,19 +290,18 @@ class Client:
         raise TransportError(f"more than {MAX_REDIRECTS} redirects", again=False)
 
     def _attempt(self, url: str, origin: str, what: str, request: _Request) -> Response:
-        cancelled = request.cancelled
-        self._pause(self._pace.turn_s(), cancelled)
+        self._pause(self._pace.turn_s())
         while not self._free.acquire(timeout=_LOOK_S):
-            self._refuse_cancelled(cancelled)
+            self._refuse_closed()
         began_s = time.monotonic()
         try:
             # The server may have asked for a rest while this request waited for its turn.
             while held_s := self._pace.held_s():
-                self._pause(held_s, cancelled)
-            self._refuse_cancelled(cancelled)
+                self._pause(held_s)
+            self._refuse_closed()
             began_s = time.monotonic()
             more = {"origin": origin} if origin else {}
-            return self._transport.get(url, request.headers or None, cancelled, **more)
+            return self._transport.get(url, request.headers or None, **more)
         except TerrAInavError:
             raise
         except Exception as wrong:  # noqa: BLE001  (of whatever kind: it is one part's failure)
@@ -368,15 +362,12 @@ class Client:
         spread = int.from_bytes(digest[:4], "big") / 2**32
         return min(self._first_wait_s * 2.0**attempt, LONGEST_WAIT_S) * (0.5 + spread)
 
-    def _pause(self, seconds: float, cancelled: Stop | None) -> None:
-        until_s = time.monotonic() + seconds
-        self._refuse_cancelled(cancelled)
-        while (left_s := until_s - time.monotonic()) > 0.0:
-            self._closed.wait(min(left_s, _LOOK_S))
-            self._refuse_cancelled(cancelled)
+    def _pause(self, seconds: float) -> None:
+        self._closed.wait(max(seconds, 0.0))
+        self._refuse_closed()
 
-    def _refuse_cancelled(self, cancelled: Stop | None) -> None:
-        if self._closed.is_set() or (cancelled is not None and cancelled()):
+    def _refuse_closed(self) -> None:
+        if self._closed.is_set():
             raise Cancelled("cancelled while waiting for the network")
 
 

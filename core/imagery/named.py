@@ -193,14 +193,19 @@ class EntrySource(NamedSource):
         return self.entry.policy
 
     @cached_property
+    def _wanted(self) -> tuple[str, PixelGrid]:
+        """Date and grid that the options ask for; both are refused together, as a plan asks for the grid alone."""
+        return self.entry.date(self.options.date), self.entry.grid(self.options.tile_px)
+
+    @property
     def grid(self) -> PixelGrid:
         """Grid of the tile size asked for."""
-        return self.entry.grid(self.options.tile_px)
+        return self._wanted[1]
 
-    @cached_property
+    @property
     def date(self) -> str:
         """Date asked for, or the default; empty where there is but one."""
-        return self.entry.date(self.options.date)
+        return self._wanted[0]
 
     def open(self) -> Source:
         """Open it with the key that is given, or with the environment's."""

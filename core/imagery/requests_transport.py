@@ -24,7 +24,6 @@ from ..errors import Cancelled
 from ..limits import MAX_BODY_BYTES, MAX_FRAMING_BYTES
 from .transport import (
     Response,
-    Stop,
     Timeouts,
     TransportError,
     check_length,
@@ -94,13 +93,12 @@ class RequestsTransport:
         self,
         url: str,
         headers: Mapping[str, str] | None = None,
-        cancelled: Stop | None = None,
         *,
         origin: str = "",  # noqa: ARG002  (credentials of its own it has none)
     ) -> Response:
         """Answer of any status; see `Transport.get`."""
         problem: TransportError
-        with self._watch.over(cancelled, time.monotonic() + self._timeouts.whole_s) as exchange:
+        with self._watch.over(time.monotonic() + self._timeouts.whole_s) as exchange:
             try:
                 return self._answer(urlsplit(url), headers or {})
             except TransportError as failure:

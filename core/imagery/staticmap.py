@@ -25,7 +25,7 @@ from .placeholder import Placeholder
 from .policy import Policy
 from .requests_transport import RequestsTransport
 from .source import Part, Pixels, Received, Window
-from .transport import Response, Stop, Transport
+from .transport import Response, Transport
 
 GOOGLE_URL = "https://maps.googleapis.com/maps/api/staticmap"
 MAP_TYPES = ("satellite", "roadmap", "terrain")
@@ -119,7 +119,7 @@ class StaticMapSource:
         left_px = window.left_px % self.grid.world_px(window.zoom)
         return [Part(window._replace(left_px=left_px), 0, 0)]
 
-    def fetch(self, map_type: str, part: Window, cancelled: Stop | None = None) -> Pixels:
+    def fetch(self, map_type: str, part: Window) -> Pixels:
         """Pixels of a picture, (height_px, width_px, 3) uint8.
 
         Raises
@@ -138,9 +138,7 @@ class StaticMapSource:
                 response.body, part.width_px, part.height_px, response.headers.get("content-type", "")
             )
 
-        response, pixels = self._client.picture(
-            self._request(map_type, part, lat_deg, lon_deg), what, read, cancelled
-        )
+        response, pixels = self._client.picture(self._request(map_type, part, lat_deg, lon_deg), what, read)
         received = self.received
         if received is not None:
             received(part, response.body)

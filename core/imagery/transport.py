@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import zlib
 from collections.abc import Mapping
-from typing import Callable, NamedTuple, Protocol
+from typing import NamedTuple, Protocol
 from urllib.parse import urljoin, urlsplit
 
 from ..errors import TerrAInavError
@@ -21,8 +21,6 @@ _REDIRECTS = frozenset({301, 302, 303, 307, 308})
 #: What a body may be packed as although that was not asked for.
 _ZLIB = frozenset({"gzip", "x-gzip", "deflate"})
 _LONGEST_CODING = 40
-
-Stop = Callable[[], bool]
 
 
 class Response(NamedTuple):
@@ -61,7 +59,6 @@ class Transport(Protocol):
         self,
         url: str,
         headers: Mapping[str, str] | None = None,
-        cancelled: Stop | None = None,
         *,
         origin: str = "",
     ) -> Response:
@@ -71,7 +68,6 @@ class Transport(Protocol):
         ----------
         url : str
         headers : mapping or None
-        cancelled : callable or None
         origin : str
             URL that was asked first, where a redirect led from it to this one: credentials that a transport has of its
             own are for that server only.
@@ -81,7 +77,7 @@ class Transport(Protocol):
         TransportError
             No whole answer.
         Cancelled
-            Within half a second of ``cancelled`` answering true, or of `close`.
+            Within half a second of `close`.
         """
         ...
 

@@ -1,4 +1,4 @@
-"""Ends waits for the network that the user cancelled or that take too long.
+"""Ends waits for the network of a transport that is closed, and those that take too long.
 
 A blocking read of a socket ends when another thread shuts the socket down. One thread watches all requests of
 a transport, asks ten times a second, and goes when there is nothing to watch.
@@ -13,7 +13,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Callable
 
-#: Seconds between two looks at the requests under way: well within the half second a cancel may take.
+#: Seconds between two looks at the requests under way: well within the half second that closing may take.
 _LOOK_S = 0.1
 #: Looks at nothing before the thread goes.
 _IDLE_LOOKS = 20
@@ -32,16 +32,15 @@ class Exchange:
         Why it was given up: ``cancelled`` or ``late``; empty while it was not.
     """
 
-    def __init__(self, cancelled: Callable[[], bool] | None, deadline_s: float) -> None:
+    def __init__(self, deadline_s: float) -> None:
         self.ended = ""
-        self._cancelled = cancelled
         self._deadline_s = deadline_s
         self._socket: socket.socket | None = None
 
     def look(self, closed: bool) -> None:
         """Give the request up if it is time to."""
         if not self.ended:
-            if closed or (self._cancelled is not None and self._cancelled()):
+            if closed:
                 self.ended = "cancelled"
             elif time.monotonic() > self._deadline_s:
                 self.ended = "late"
@@ -75,9 +74,9 @@ class Watch:
         self._when_idle: list[Callable[[], None]] = []
 
     @contextmanager
-    def over(self, cancelled: Callable[[], bool] | None, deadline_s: float) -> Iterator[Exchange]:
+    def over(self, deadline_s: float) -> Iterator[Exchange]:
         """Watch over the request the calling thread makes within."""
-        exchange = Exchange(cancelled, deadline_s)
+        exchange = Exchange(deadline_s)
         self._current.exchange = exchange
         with self._lock:
             self._running.add(exchange)

@@ -21,7 +21,7 @@ from .requests_transport import RequestsTransport
 from .source import Part, Pixels, Received, Window, tile_parts
 from .template import MAP_TYPES, Template, host_of
 from .tiles import tile_address
-from .transport import Response, Stop, Transport
+from .transport import Response, Transport
 
 #: Hosts whose terms are kept at hand; a template has a few.
 _HOSTS = 64
@@ -120,7 +120,7 @@ class XYZSource:
         """Tiles that fill ``window``."""
         return tile_parts(window, self.grid)
 
-    def fetch(self, map_type: str, part: Window, cancelled: Stop | None = None) -> Pixels:
+    def fetch(self, map_type: str, part: Window) -> Pixels:
         """Pixels of a tile, (tile_px, tile_px, 3) uint8.
 
         Parameters
@@ -129,8 +129,6 @@ class XYZSource:
             One of ``map_types``; anything where that is empty.
         part : Window
             A tile of ``grid``.
-        cancelled : callable or None
-            Asked during every wait for the network.
 
         Raises
         ------
@@ -139,7 +137,7 @@ class XYZSource:
         PartError, SourceError
             As for every source.
         Cancelled
-            Within half a second of ``cancelled`` answering true.
+            Within half a second of `close`.
         """
         tile = tile_address(part, self.grid, self.title)
         url = self._template(map_type).url(
@@ -154,7 +152,7 @@ class XYZSource:
 
         def ask(headers: Mapping[str, str], read: Callable[[Response], Pixels]) -> tuple[Response, Pixels]:
             return self._client.picture(
-                url, str(tile), read, cancelled, headers, lambda asked: self._count(asked, counted)
+                url, str(tile), read, headers, lambda asked: self._count(asked, counted)
             )
 
         # What was read last, of the cache or of an answer, is what is returned.

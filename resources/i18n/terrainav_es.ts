@@ -5810,11 +5810,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/mbtiles.py"/>
-        <source>cancelled while waiting for the file</source>
-        <translation>cancelado mientras se esperaba al archivo</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/mbtiles.py"/>
         <source>its tiles are no pictures; must be png, jpg or webp</source>
         <translation>sus teselas no son imágenes; deben ser png, jpg o webp</translation>
     </message>

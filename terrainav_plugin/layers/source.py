@@ -158,10 +158,11 @@ class LayerSource:
         for drawn in self._snapshot.ground:
             if not drawn.layer.isInScaleRange(settings.scale()):
                 continue
-            if isinstance(drawn, Tiles):
-                pixels = drawn.pixels(tile, cancelled)
-            else:
-                pixels = self._pixels(drawn, settings, tile, cancelled)
+            pixels = (
+                drawn.pixels(tile)
+                if isinstance(drawn, Tiles)
+                else self._pixels(drawn, settings, tile, cancelled)
+            )
             if pixels is not None:
                 painter = QPainter(image)
                 painter.setCompositionMode(drawn.layer.blendMode())

@@ -88,7 +88,7 @@ class Tiles:
         self._lock = threading.Lock()
         self._opened: Source | None = None
 
-    def pixels(self, window: Window, cancelled: Callable[[], bool] | None) -> Pixels | None:
+    def pixels(self, window: Window) -> Pixels | None:
         """Premultiplied pixels of a tile of 256 px, (256, 256, 4) uint8; None where the server has none.
 
         Raises
@@ -110,7 +110,7 @@ class Tiles:
         left, top = (int(first) // grid.tile_px * grid.tile_px for first in (columns[0], rows[0]))
         tile = Window(zoom, left, top, grid.tile_px, grid.tile_px)
         try:
-            fetched = source.fetch("", tile, cancelled)
+            fetched = source.fetch("", tile)
         except NotThere:
             return None
         return self._coloured(_premultiplied(fetched[np.ix_(rows - top, columns - left)]))

@@ -26,7 +26,7 @@ class Answers:
         self.most_at_once = self.at_once = 0
         self.lock = threading.Lock()
 
-    def get(self, url, headers=None, cancelled=None, origin=""):
+    def get(self, url, headers=None, origin=""):
         with self.lock:
             self.asked.append((time.monotonic(), url))
             self.at_once += 1

@@ -59,7 +59,7 @@ class Answering:
     def __init__(self, body):
         self.body, self.asked = body, []
 
-    def get(self, url, headers=None, cancelled=None):
+    def get(self, url, headers=None):
         self.asked.append(url)
         return Response(200, {"content-type": "text/xml"}, self.body)
 

@@ -341,7 +341,7 @@ class InMemory:
     def __init__(self, body):
         self.body, self.closed = body, False
 
-    def get(self, url, headers=None, cancelled=None):
+    def get(self, url, headers=None):
         return Response(200, {"content-type": "text/xml"}, self.body)
 
     def close(self):

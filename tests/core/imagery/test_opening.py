@@ -244,7 +244,7 @@ def test_dates():
 )
 def test_dates_that_are_refused(name, date, says):
     with pytest.raises(InvalidInput, match=f"date '{date}': .*{says}"):
-        named_source(name, SourceOptions(date=date)).date  # noqa: B018
+        named_source(name, SourceOptions(date=date)).grid  # noqa: B018
 
 
 def test_a_release_is_asked_for_by_its_number():
@@ -300,7 +300,7 @@ class Answers:
         self.redirects, self.asked = redirects, Counter()
         self.tile = to_bytes(positions("satellite", 1, 0, 0, 256), "png")
 
-    def get(self, url, headers=None, cancelled=None, *, origin=""):
+    def get(self, url, headers=None, *, origin=""):
         host = urlsplit(url).hostname
         self.asked[host] += 1
         if host in self.redirects:
