@@ -19,8 +19,8 @@ from ..capture.records import job_of
 from ..capture.resample import KERNELS, sample
 from ..capture.writers import Place, geotiff, png
 from ..imagery.source import Source, Window, tile_parts
-from ..imagery.world import World, WorldSource
 from ..mission.plan import Plan
+from ..world import World, WorldSource
 from .tiles import Tiles
 from .timing import Effort, Seconds, timed_together
 

@@ -6495,41 +6495,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>redirección a algo que no es una URL</translation>
     </message>
     <message>
-        <location filename="../../core/imagery/world/samples.py"/>
-        <source>cells {0} pixels wide, smaller than a pixel</source>
-        <translation>celdas de {0} píxeles de ancho, menores que un píxel</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/world/world.py"/>
-        <source>map type {0}: the synthetic world has {1}</source>
-        <translation>tipo de mapa {0}: el mundo sintético tiene {1}</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/world/world.py"/>
-        <source>position outside the world: u must be finite and v from 0 to 1</source>
-        <translation>posición fuera del mundo: u debe ser finita y v estar entre 0 y 1</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/world/world.py"/>
-        <source>seed {0}: must be from 0 to 2**64 - 1</source>
-        <translation>semilla {0}: debe estar entre 0 y 2**64 - 1</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/world/world.py"/>
-        <source>tile x {0}, y {1} at zoom {2}: both must be from 0 to {3}</source>
-        <translation>tesela x {0}, y {1} con zoom {2}: ambas deben estar entre 0 y {3}</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/world/world.py"/>
-        <source>zoom {0} to {1}: must be from 0 to {2}</source>
-        <translation>zoom {0} a {1}: debe estar entre 0 y {2}</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/world/world.py"/>
-        <source>zoom {0}: must be from 0 to {1}</source>
-        <translation>zoom {0}: debe estar entre 0 y {1}</translation>
-    </message>
-    <message>
         <location filename="../../core/imagery/xyz.py"/>
         <source>source without a URL template: needs one</source>
         <translation>fuente sin plantilla de URL: necesita una</translation>

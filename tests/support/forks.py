@@ -98,8 +98,8 @@ def _main():
 
     import PIL.Image  # noqa: F401
     import terrainav.core.cli
-    import terrainav.core.imagery.world
     import terrainav.core.imagery.xyz
+    import terrainav.core.world
     from terrainav.core.capture import cost, runner  # noqa: F401
 
     import tests.support.sources  # noqa: F401

@@ -23,7 +23,7 @@ from .dates import Dates
 KEY_ENV = "TERRAINAV_KEY"
 #: Kinds of pixels, and the module that has each: its `open_entry` makes a source of an entry. Named and not imported,
 #: as what they need is large, and the world stands above this room.
-KINDS = {"world": ".world.source", "xyz": ".xyz", "static-map": ".staticmap"}
+KINDS = {"world": "..world.source", "xyz": ".xyz", "static-map": ".staticmap"}
 #: What grids have beside tiles and zooms: Static Maps limits its pictures, and keeps so many decimals of their centres.
 _GRIDS: dict[str, dict[str, Any]] = {"static-map": {"max_size_px": 640, "centre_decimals": 6}}
 #: West, south, east and north of the whole map.

@@ -8,11 +8,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from terrainav.core.imagery.world import World, parcels, trees
-from terrainav.core.imagery.world.parcels import Parcels, root_squares
-from terrainav.core.imagery.world.region import Region
-from terrainav.core.imagery.world.samples import Grid, Tiles
-from terrainav.core.imagery.world.shared import shared
+from terrainav.core.world import World, objects, parcels
+from terrainav.core.world.parcels import Parcels, root_squares
+from terrainav.core.world.region import Region
+from terrainav.core.world.samples import Grid, Tiles, shared
 
 SEED = 2024
 #: The paper's Agricenter, as world fractions.
@@ -110,24 +109,24 @@ def test_lines_are_counted_as_one_by_one(count):
 @pytest.mark.parametrize("zoom", [16, 17, 19, 22])
 def test_trees_are_planted_for_many_tiles_as_for_one(zoom, monkeypatch):
     """On the land as it is divided for each tile alone, too."""
-    squares, chance = [], trees._chance
+    squares, chance = [], objects._chance
 
     def noted(scene):
         squares.append((len(scene.samples.columns), scene.parcels.roots))
         return chance(scene)
 
-    monkeypatch.setattr(trees, "_chance", noted)
+    monkeypatch.setattr(objects, "_chance", noted)
     corner = at_a_corner_of_root_squares(min(zoom, 17))
     step = np.arange(2 if zoom == 16 else 4)
     x, y = (
         (place << max(zoom - 17, 0)) // step.size * step.size + shift.ravel()
         for place, shift in zip(corner, np.meshgrid(step, step))
     )
-    together = trees._chances(SEED, zoom, x, y)[0]
+    together = objects._chances(SEED, zoom, x, y)[0]
     of_all = [roots for count, roots in squares for _ in range(count)]
     squares.clear()
     for n in range(x.size):
-        alone = trees._chances(SEED, zoom, x[n : n + 1], y[n : n + 1])[0]
+        alone = objects._chances(SEED, zoom, x[n : n + 1], y[n : n + 1])[0]
         np.testing.assert_array_equal(together[n : n + 1], alone)
     assert sorted(of_all, key=str) == sorted((roots for _, roots in squares), key=str)
     assert zoom > 17 or len(set(of_all)) > 1
@@ -199,14 +198,14 @@ def test_what_went_wrong_is_tried_again():
 def test_connections_share_what_tiles_have_in_common(monkeypatch):
     x, y = (int(place * 2**18) // 4 * 4 for place in AGRICENTER)
     asked = []
-    stand = trees._stand.__wrapped__
+    stand = objects._stand.__wrapped__
 
     @shared(32)
     def counted(*arguments):
         asked.append(arguments)
         return stand(*arguments)
 
-    monkeypatch.setattr(trees, "_stand", counted)
+    monkeypatch.setattr(objects, "_stand", counted)
     with ThreadPoolExecutor(8) as pool:
         list(pool.map(lambda n: World(SEED).tile("satellite", 18, x + n % 8, y + n // 8), range(32)))
     assert len(asked) == 2

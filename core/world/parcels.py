@@ -9,9 +9,8 @@ from functools import cached_property
 
 import numpy as np
 
-from .division import ROOT, ROOT_M, WHOLE_ZOOM, divide, whole_division
+from .division import BORDER, HALF_WIDTH_M, ROOT, ROOT_M, WHOLE_ZOOM, divide, whole_division
 from .lattice import WORLD_M, Array, Window
-from .leaves import BORDER, HALF_WIDTH_M
 from .region import Region
 from .samples import Samples
 

@@ -12,8 +12,7 @@ from typing import Callable
 import numpy as np
 
 from .lattice import WORLD_M, Array, Window, cell_hash, refine, salt, signed
-from .samples import Grid, Samples
-from .shared import shared
+from .samples import Grid, Samples, shared
 
 FINEST_OCTAVE = 19
 """No regional quantity has octaves shorter than the cells of this level, 76 m."""

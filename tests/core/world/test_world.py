@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from terrainav.core.errors import InvalidInput
 from terrainav.core.imagery.source import Window
-from terrainav.core.imagery.world import World, WorldSource
+from terrainav.core.world import World, WorldSource
 
 STYLES = ("satellite", "roadmap", "terrain")
 WORLD = World(2024)

@@ -1,14 +1,18 @@
 """Where the world is evaluated: a tile's pixels, cells of several tiles, or scattered points, on any lattice.
 
-A position is an integer cell and a float32 fraction of it, exact at every level for pixel centres of every zoom.
+A position is an integer cell and a float32 fraction of it, exact at every level for pixel centres of every zoom. What
+neighbouring tiles have in common is worked out once (`shared`).
 """
 
 from __future__ import annotations
 
+import threading
 from abc import ABC, abstractmethod
+from collections import OrderedDict
+from collections.abc import Callable, Hashable
 from dataclasses import dataclass
-from functools import lru_cache
-from typing import NamedTuple
+from functools import lru_cache, wraps
+from typing import Any, Generic, NamedTuple, TypeVar
 
 import numpy as np
 
@@ -409,3 +413,46 @@ class Points(Samples):
         i, j = np.floor(column), np.floor(row)
         fx, fy = (column - i).astype(np.float32), (row - j).astype(np.float32)
         return PointCells(level, i.astype(np.int64), j.astype(np.int64), fx, fy, self.shape)
+
+
+Result = TypeVar("Result")
+
+
+class _Place(Generic[Result]):
+    """Where a result is, or will be: who holds the lock works it out."""
+
+    def __init__(self) -> None:
+        self.lock = threading.Lock()
+        self.results: list[Result] = []
+
+
+def shared(count: int) -> Callable[[Callable[..., Result]], Callable[..., Result]]:
+    """Remember the last `count` results of a function of hashable arguments, as `lru_cache` does.
+
+    Threads that ask for the same result at the same time wait for the one that works it out; with `lru_cache` each of
+    them would.
+    """
+
+    def remember(function: Callable[..., Result]) -> Callable[..., Result]:
+        places: OrderedDict[tuple[Hashable, ...], _Place[Result]] = OrderedDict()
+        guard = threading.Lock()
+
+        @wraps(function)
+        def ask(*arguments: Any) -> Result:
+            with guard:
+                place = places.get(arguments)
+                if place is None:
+                    place = places[arguments] = _Place()
+                    if len(places) > count:
+                        places.popitem(last=False)
+                else:
+                    places.move_to_end(arguments)
+            if not place.results:
+                with place.lock:
+                    if not place.results:
+                        place.results.append(function(*arguments))
+            return place.results[0]
+
+        return ask
+
+    return remember
