@@ -21,10 +21,10 @@ from .settings import Settings, credential_home
 
 if TYPE_CHECKING:
     from ..core.geodesy.mercator import PixelGrid
-    from ..core.imagery.named import NamedSource, SourceOptions
+    from ..core.imagery.http.transport import Transport
+    from ..core.imagery.opening import NamedSource, SourceOptions
     from ..core.imagery.policy import Policy
     from ..core.imagery.source import Source
-    from ..core.imagery.transport import Transport
     from ..core.mission.estimate import Costs
     from ..core.mission.mission import Mission
     from .network.transport import QgisTransport
@@ -208,7 +208,7 @@ def needs_key(source: str) -> bool:
 
 def _options(mission: Mission, **how: Any) -> SourceOptions:
     """What a mission wants of its source, and how it is to be asked."""
-    from ..core.imagery.named import SourceOptions
+    from ..core.imagery.opening import SourceOptions
 
     return SourceOptions(
         seed=mission.seed, date=mission.date or None, connections=Settings().connections, **how
@@ -217,8 +217,7 @@ def _options(mission: Mission, **how: Any) -> SourceOptions:
 
 def _named(name: str, options: SourceOptions | None = None) -> NamedSource:
     """Source of a name, or of a connection of QGIS."""
-    from ..core.imagery.named import DescribedSource, SourceOptions
-    from ..core.imagery.opening import named_source
+    from ..core.imagery.opening import DescribedSource, SourceOptions, named_source
 
     options = options or SourceOptions()
     if is_connection(name):
@@ -229,7 +228,7 @@ def _named(name: str, options: SourceOptions | None = None) -> NamedSource:
 
 def terms_problem(mission: Mission, requests: int) -> tuple[str, bool] | None:
     """What the source's terms say against a run, as HTML, and whether agreeing is enough; None where nothing."""
-    from ..core.imagery.catalogue.listing import alternatives
+    from ..core.imagery.catalogue import alternatives
     from ..core.imagery.policy import TermsError
 
     if is_of_qgis(mission.source):

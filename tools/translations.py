@@ -68,15 +68,15 @@ WORDS = (
     "core/dataset/table.py",
     "core/geodesy/accuracy.py",
     "core/imagery/cache/tilestore.py",
-    "core/imagery/catalogue/dates.py",
-    "core/imagery/catalogue/entry.py",
-    "core/imagery/catalogue/listing.py",
+    "core/imagery/entry.py",
+    "core/imagery/entry.py",
+    "core/imagery/catalogue.py",
     "core/imagery/policy.py",
-    "core/imagery/raster/dated.py",
+    "core/imagery/raster/source.py",
     "core/imagery/raster/source.py",
     "core/imagery/services/capabilities.py",
     "core/imagery/services/wms.py",
-    "core/imagery/tiles.py",
+    "core/imagery/source.py",
     "core/mission/camera_preset.py",
     "core/mission/choosing.py",
     "core/mission/coords.py",
@@ -98,7 +98,7 @@ WORDS = (
 )
 #: Single words for users, which nothing tells apart from names, and phrases of modules that have other texts too.
 PHRASES = {
-    "core/imagery/client.py": (
+    "core/imagery/http/client.py": (
         " (tried {0} times)",
         "{0}: not asked for, as the last {1} parts had no answer in time; resume later",
     ),

@@ -23,7 +23,7 @@ from .stopping import collected
 if TYPE_CHECKING:
     from ..capture.runner import CaptureResult, Failure, Progress, Repeat
     from ..imagery.cache.tile_cache import TileCache
-    from ..imagery.named import NamedSource
+    from ..imagery.opening import NamedSource
     from ..imagery.source import Source
     from ..mission.mission import Mission
     from ..mission.plan import Plan
@@ -56,8 +56,7 @@ def _settings(arguments: argparse.Namespace) -> tuple[Mission, dict[str, Any]]:
 
 
 def _named(mission: Mission, values: dict[str, Any], cache: TileCache | None = None) -> NamedSource:
-    from ..imagery.named import SourceOptions
-    from ..imagery.opening import named_source
+    from ..imagery.opening import SourceOptions, named_source
 
     return named_source(
         mission.source,
@@ -83,7 +82,7 @@ def _bounds_deg(worked_out: Plan) -> tuple[float, float, float, float]:
 
 
 def _check_terms(worked_out: Plan, source: Source, requests: int, accept_terms: bool) -> None:
-    from ..imagery.catalogue.listing import check_policy
+    from ..imagery.catalogue import check_policy
 
     check_policy(
         source,

@@ -13,7 +13,7 @@ from ..text import printable
 from .exits import DONE
 
 if TYPE_CHECKING:
-    from ..imagery.catalogue.entry import CatalogueEntry
+    from ..imagery.entry import CatalogueEntry
 
 _COLUMN = 22
 #: Characters of a line of what is longer than one.
@@ -27,8 +27,8 @@ def run_sources(arguments: argparse.Namespace) -> int:
 
 
 def _list(arguments: argparse.Namespace) -> int:
-    from ..imagery.catalogue.entry import shipped
-    from ..imagery.catalogue.user_sources import shelf
+    from ..imagery.catalogue import shelf
+    from ..imagery.entry import shipped
 
     own = shelf()
     entries = (*shipped(), *own.entries)
@@ -53,8 +53,7 @@ def _list(arguments: argparse.Namespace) -> int:
 
 
 def _show(arguments: argparse.Namespace) -> int:
-    from ..imagery.named import SourceOptions
-    from ..imagery.opening import named_source
+    from ..imagery.opening import SourceOptions, named_source
 
     source = named_source(arguments.source, SourceOptions(named_by_user=True))
     offered = source.layers()
@@ -109,9 +108,8 @@ def _described(entry: CatalogueEntry) -> list[tuple[str, str]]:
 
 
 def _add(arguments: argparse.Namespace) -> int:
-    from ..imagery.catalogue.user_sources import add, described
-    from ..imagery.named import SourceOptions
-    from ..imagery.opening import kind_of, named_source
+    from ..imagery.catalogue import add, described
+    from ..imagery.opening import SourceOptions, kind_of, named_source
     from ..imagery.placeholder import Placeholder
 
     given: dict[str, Any] = {
@@ -150,7 +148,7 @@ def _add(arguments: argparse.Namespace) -> int:
 
 
 def _remove(arguments: argparse.Namespace) -> int:
-    from ..imagery.catalogue.user_sources import remove
+    from ..imagery.catalogue import remove
 
     remove(arguments.name)
     print(f"{arguments.name} removed")

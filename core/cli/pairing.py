@@ -144,8 +144,7 @@ def _shared_options() -> list[Option]:
 
 def run_pairs(arguments: argparse.Namespace) -> int:
     """Capture pairs into a folder."""
-    from ..imagery.named import SourceOptions
-    from ..imagery.opening import named_source
+    from ..imagery.opening import SourceOptions, named_source
     from ..mission.settings import resolve
     from ..pairs.planning import plan_pairs
     from ..pairs.sheet import check_sheet, contact_sheet
@@ -253,7 +252,7 @@ def _capture(
     values: dict[str, Any],
     signals: list[int],
 ) -> PairResult:
-    from ..imagery.catalogue.listing import check_policy
+    from ..imagery.catalogue import check_policy
     from ..pairs.capturing import capture_pairs
 
     check_policy(

@@ -21,10 +21,9 @@ from ..limits import MAX_METADATA_CHARACTERS, MAX_QUERY_S, MAX_STORED_TILE_BYTES
 from ..text import one_line, whole_number
 from .cache.tilefile import connect, fault
 from .decode import decode
-from .named import FileSource
+from .opening import FileSource
 from .policy import Policy
-from .source import Part, Pixels, Window, tile_parts
-from .tiles import Tile, tile_address
+from .source import Part, Pixels, Tile, Window, tile_address, tile_parts
 
 #: Seconds one wait for a program that writes the file takes, so that a close is seen in between.
 _WAIT_S = 0.25

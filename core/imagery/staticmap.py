@@ -17,15 +17,15 @@ import numpy as np
 from ..errors import InvalidInput
 from ..geodesy.frames import Windows, window_centres
 from ..geodesy.mercator import PixelGrid
-from .catalogue.entry import CatalogueEntry
-from .client import Client
 from .decode import decode
-from .named import SourceOptions
-from .placeholder import Placeholder
+from .entry import CatalogueEntry
+from .http.client import Client
+from .http.requests_transport import RequestsTransport
+from .http.transport import Response, Transport
+from .opening import SourceOptions
+from .placeholder import Placeholder, Received
 from .policy import Policy
-from .requests_transport import RequestsTransport
-from .source import Part, Pixels, Received, Window
-from .transport import Response, Transport
+from .source import Part, Pixels, Window
 
 GOOGLE_URL = "https://maps.googleapis.com/maps/api/staticmap"
 MAP_TYPES = ("satellite", "roadmap", "terrain")

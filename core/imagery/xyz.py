@@ -11,17 +11,16 @@ from ..errors import InvalidInput, SourceError
 from ..geodesy.mercator import PixelGrid
 from .cache.tile_cache import TileCache
 from .cache.tilestore import TileStore
-from .catalogue.entry import CatalogueEntry, serving
-from .client import Client
 from .decode import decode
-from .named import SourceOptions
-from .placeholder import Placeholder
+from .entry import CatalogueEntry, serving
+from .http.client import Client
+from .http.requests_transport import RequestsTransport
+from .http.transport import Response, Transport
+from .opening import SourceOptions
+from .placeholder import Placeholder, Received
 from .policy import Policy
-from .requests_transport import RequestsTransport
-from .source import Part, Pixels, Received, Window, tile_parts
+from .source import Part, Pixels, Window, tile_address, tile_parts
 from .template import MAP_TYPES, Template, host_of
-from .tiles import tile_address
-from .transport import Response, Transport
 
 #: Hosts whose terms are kept at hand; a template has a few.
 _HOSTS = 64

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from ..errors import InvalidInput
 from ..geodesy.mercator import PixelGrid
-from ..imagery.catalogue.entry import CatalogueEntry
-from ..imagery.named import SourceOptions
+from ..imagery.entry import CatalogueEntry
+from ..imagery.opening import SourceOptions
 from ..imagery.policy import Policy
 from ..imagery.source import Part, Pixels, Window, tile_parts
 from .lattice import TILE_PX, Array

@@ -5424,294 +5424,60 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>caché: {0}; esta ejecución prescinde de ella</translation>
     </message>
     <message>
-        <location filename="../../core/imagery/catalogue/dates.py"/>
-        <source> from {0} to {1}</source>
-        <translation> de {0} a {1}</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/catalogue/dates.py"/>
-        <source>as the server takes them</source>
-        <translation>como las acepta el servidor</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/catalogue/dates.py"/>
-        <source>date {0}: must be one of those there are, such as {1}</source>
-        <translation>fecha {0}: debe ser una de las que hay, como {1}</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/catalogue/dates.py"/>
-        <source>date {0}: must be one the server takes; say which (--date)</source>
-        <translation>fecha {0}: debe ser una que acepte el servidor; indicar cuál (--date)</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/catalogue/dates.py"/>
-        <source>date {0}: must be {1}, from {2} to {3}</source>
-        <translation>fecha {0}: debe ser {1}, de {2} a {3}</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/catalogue/dates.py"/>
-        <source>dates of kind {0}: must be one of {1}</source>
-        <translation>fechas de clase {0}: debe ser una de {1}</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/catalogue/dates.py"/>
-        <source>dates of kind {0}: values are for listed ones, which need them</source>
-        <translation>fechas de clase {0}: los valores son para las enumeradas, que los necesitan</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/catalogue/dates.py"/>
-        <source>dates of kind {0}: values must be text</source>
-        <translation>fechas de tipo {0}: los valores deben ser texto</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/catalogue/dates.py"/>
-        <source>every day</source>
-        <translation>cada día</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/catalogue/dates.py"/>
-        <source>every year</source>
-        <translation>cada año</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/catalogue/dates.py"/>
-        <source>one must be asked for</source>
-        <translation>hay que pedir una</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/catalogue/dates.py"/>
-        <source>{0} by default</source>
-        <translation>{0} por defecto</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/catalogue/dates.py"/>
-        <source>{0} from {1} to {2}; {3}</source>
-        <translation>{0} de {1} a {2}; {3}</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/catalogue/entry.py"/>
-        <source>URLs are for xyz, which needs them</source>
-        <translation>las URL son para xyz, que las necesita</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/catalogue/entry.py"/>
-        <location filename="../../core/mission/mission.py"/>
-        <source>a list</source>
-        <translation>una lista</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/catalogue/entry.py"/>
-        <location filename="../../core/mission/mission.py"/>
-        <source>a number</source>
-        <translation>un número</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/catalogue/entry.py"/>
-        <location filename="../../core/mission/mission.py"/>
-        <source>a whole number</source>
-        <translation>un número entero</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/catalogue/entry.py"/>
-        <location filename="../../core/mission/mission.py"/>
-        <source>an object</source>
-        <translation>un objeto</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/catalogue/entry.py"/>
-        <source>bounds {0}: must be west, south, east, north in degrees</source>
-        <translation>límites {0}: deben ser oeste, sur, este, norte en grados</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/catalogue/entry.py"/>
-        <source>catalogue entry {0}: wrong or missing: {1}</source>
-        <translation>entrada del catálogo {0}: erróneo o ausente: {1}</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/catalogue/entry.py"/>
-        <source>catalogue entry {0}: {1}</source>
-        <translation>entrada del catálogo {0}: {1}</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/catalogue/entry.py"/>
-        <source>catalogue entry {0}: {1} is missing</source>
-        <translation>entrada del catálogo {0}: falta {1}</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/catalogue/entry.py"/>
-        <source>catalogue entry {0}: {1} is unknown; known are {2}</source>
-        <translation>entrada del catálogo {0}: {1} es desconocido; se conocen {2}</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/catalogue/entry.py"/>
-        <source>catalogue entry {0}: {1} with {2}: must be {3}</source>
-        <translation>entrada del catálogo {0}: {1} con {2}: debe ser {3}</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/catalogue/entry.py"/>
-        <source>catalogue entry {0}: {1} {2}: must be {3}</source>
-        <translation>entrada del catálogo {0}: {1} {2}: debe ser {3}</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/catalogue/entry.py"/>
-        <location filename="../../core/imagery/mbtiles.py"/>
-        <source>date {0}: {1} has no dates to choose from</source>
-        <translation>fecha {0}: {1} no tiene fechas que elegir</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/catalogue/entry.py"/>
-        <source>environment variable {0}: must be letters, digits and underscores, such as {1}</source>
-        <translation>variable de entorno {0}: debe constar de letras, cifras y guiones bajos, como {1}</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/catalogue/entry.py"/>
-        <source>kind {0}: must be one of {1}</source>
-        <translation>clase {0}: debe ser una de {1}</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/catalogue/entry.py"/>
-        <source>needs a title</source>
-        <translation>necesita un título</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/catalogue/entry.py"/>
-        <source>needs attribution and licence</source>
-        <translation>necesita atribución y licencia</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/catalogue/entry.py"/>
-        <source>needs terms and terms_url</source>
-        <translation>necesita terms y terms_url</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/catalogue/entry.py"/>
-        <source>text of one line</source>
-        <translation>texto de una línea</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/catalogue/entry.py"/>
-        <source>tile size {0} px: must be {1} or less</source>
-        <translation>tamaño de tesela {0} px: debe ser {1} o menos</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/catalogue/entry.py"/>
-        <source>tiles of {0} px: {1} has {2}</source>
-        <translation>teselas de {0} px: {1} tiene {2}</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/catalogue/entry.py"/>
-        <location filename="../../core/mission/mission.py"/>
-        <source>true or false</source>
-        <translation>verdadero o falso</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/catalogue/entry.py"/>
-        <source>whole numbers</source>
-        <translation>números enteros</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/catalogue/entry.py"/>
-        <source>{0}: has imagery of several dates; say which (--date)</source>
-        <translation>{0}: tiene imágenes de varias fechas; indicar cuál (--date)</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/catalogue/entry.py"/>
-        <source>{date} in a URL needs dates, {key} needs key_env</source>
-        <translation>{date} en una URL necesita fechas, {key} necesita key_env</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/catalogue/listing.py"/>
+        <location filename="../../core/imagery/catalogue.py"/>
         <source> (with --accept-terms)</source>
         <translation> (con --accept-terms)</translation>
     </message>
     <message>
-        <location filename="../../core/imagery/catalogue/listing.py"/>
+        <location filename="../../core/imagery/catalogue.py"/>
+        <source>catalogue entry {0}: must be an object</source>
+        <translation>entrada del catálogo {0}: debe ser un objeto</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/catalogue.py"/>
+        <source>catalogue entry {0}: must be of kind xyz</source>
+        <translation>entrada del catálogo {0}: debe ser de clase xyz</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/catalogue.py"/>
+        <source>date {0}: the URL has no {date} to put it in</source>
+        <translation>fecha {0}: la URL no tiene {date} donde ponerla</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/catalogue.py"/>
         <location filename="../../core/mission/presets.py"/>
         <source>did you mean {0}? </source>
         <translation>¿se quería decir {0}? </translation>
     </message>
     <message>
-        <location filename="../../core/imagery/catalogue/listing.py"/>
-        <source>source {0} is unknown: {1}`terrainav sources` lists the names; a file, a URL template with {z}, {x}, {y}, wmts:URL and wms:URL work as well</source>
-        <translation>fuente {0} desconocida: {1}`terrainav sources` enumera los nombres; también valen un archivo, una plantilla de URL con {z}, {x}, {y}, wmts:URL y wms:URL</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/catalogue/user_sources.py"/>
-        <source>catalogue entry {0}: must be an object</source>
-        <translation>entrada del catálogo {0}: debe ser un objeto</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/catalogue/user_sources.py"/>
-        <source>catalogue entry {0}: must be of kind xyz</source>
-        <translation>entrada del catálogo {0}: debe ser de clase xyz</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/catalogue/user_sources.py"/>
-        <source>date {0}: the URL has no {date} to put it in</source>
-        <translation>fecha {0}: la URL no tiene {date} donde ponerla</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/catalogue/user_sources.py"/>
+        <location filename="../../core/imagery/catalogue.py"/>
         <source>source name {0}: is one of the catalogue's; choose another</source>
         <translation>nombre de fuente {0}: es uno de los del catálogo; elegir otro</translation>
     </message>
     <message>
-        <location filename="../../core/imagery/catalogue/user_sources.py"/>
+        <location filename="../../core/imagery/catalogue.py"/>
         <source>source name {0}: is taken; choose another, or `terrainav sources remove` it</source>
         <translation>nombre de fuente {0}: ya está en uso; elegir otro, o eliminarla con `terrainav sources remove`</translation>
     </message>
     <message>
-        <location filename="../../core/imagery/catalogue/user_sources.py"/>
+        <location filename="../../core/imagery/catalogue.py"/>
         <source>source name {0}: must be lower-case letters, digits, hyphens and underscores, at most 64</source>
         <translation>nombre de fuente {0}: debe constar de minúsculas, cifras, guiones y guiones bajos, 64 como máximo</translation>
     </message>
     <message>
-        <location filename="../../core/imagery/catalogue/user_sources.py"/>
+        <location filename="../../core/imagery/catalogue.py"/>
+        <source>source {0} is unknown: {1}`terrainav sources` lists the names; a file, a URL template with {z}, {x}, {y}, wmts:URL and wms:URL work as well</source>
+        <translation>fuente {0} desconocida: {1}`terrainav sources` enumera los nombres; también valen un archivo, una plantilla de URL con {z}, {x}, {y}, wmts:URL y wms:URL</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/catalogue.py"/>
         <source>source {0}: is none of your own, which are {1}</source>
         <translation>fuente {0}: no es ninguna de las propias, que son {1}</translation>
     </message>
     <message>
-        <location filename="../../core/imagery/catalogue/user_sources.py"/>
+        <location filename="../../core/imagery/catalogue.py"/>
         <source>source {0}: is part of the catalogue, which stays as it is</source>
         <translation>fuente {0}: es parte del catálogo, que se queda como está</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/client.py"/>
-        <source> (tried {0} times)</source>
-        <translation> (intentado {0} veces)</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/client.py"/>
-        <location filename="../../core/imagery/requests_transport.py"/>
-        <location filename="../../terrainav_plugin/network/transport.py"/>
-        <location filename="../../terrainav_plugin/network/worker.py"/>
-        <source>cancelled while waiting for the network</source>
-        <translation>cancelado mientras se esperaba a la red</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/client.py"/>
-        <source>more than {0} redirects</source>
-        <translation>más de {0} redirecciones</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/client.py"/>
-        <source>{0} refuses: {1}</source>
-        <translation>{0} lo rechaza: {1}</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/client.py"/>
-        <source>{0}: not asked for, as the last {1} parts had no answer in time; resume later</source>
-        <translation>{0}: no se pidió, porque las últimas {1} partes no tuvieron respuesta a tiempo; reanude más tarde</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/client.py"/>
-        <source>{0}: {1}; ask for less at a time, or resume later</source>
-        <translation>{0}: {1}; pedir menos de una vez, o continuar más tarde</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/client.py"/>
-        <source>{0}: {1}; it asks to come back in {2} s: resume then</source>
-        <translation>{0}: {1}; pide volver dentro de {2} s: continuar entonces</translation>
     </message>
     <message>
         <location filename="../../core/imagery/decode.py"/>
@@ -5774,9 +5540,317 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>{0} en lugar de una imagen: {1}</translation>
     </message>
     <message>
-        <location filename="../../core/imagery/keys.py"/>
-        <source>{0}: {1} is not sent there, because a file names this host and not you; set {2}={3} if the key is for it</source>
-        <translation>{0}: {1} no se envía allí, porque este servidor lo nombra un archivo y no usted; definir {2}={3} si la clave es para él</translation>
+        <location filename="../../core/imagery/entry.py"/>
+        <source> from {0} to {1}</source>
+        <translation> de {0} a {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/entry.py"/>
+        <source>URLs are for xyz, which needs them</source>
+        <translation>las URL son para xyz, que las necesita</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/entry.py"/>
+        <location filename="../../core/mission/mission.py"/>
+        <source>a list</source>
+        <translation>una lista</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/entry.py"/>
+        <location filename="../../core/mission/mission.py"/>
+        <source>a number</source>
+        <translation>un número</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/entry.py"/>
+        <location filename="../../core/mission/mission.py"/>
+        <source>a whole number</source>
+        <translation>un número entero</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/entry.py"/>
+        <location filename="../../core/mission/mission.py"/>
+        <source>an object</source>
+        <translation>un objeto</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/entry.py"/>
+        <source>as the server takes them</source>
+        <translation>como las acepta el servidor</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/entry.py"/>
+        <source>bounds {0}: must be west, south, east, north in degrees</source>
+        <translation>límites {0}: deben ser oeste, sur, este, norte en grados</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/entry.py"/>
+        <source>catalogue entry {0}: wrong or missing: {1}</source>
+        <translation>entrada del catálogo {0}: erróneo o ausente: {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/entry.py"/>
+        <source>catalogue entry {0}: {1}</source>
+        <translation>entrada del catálogo {0}: {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/entry.py"/>
+        <source>catalogue entry {0}: {1} is missing</source>
+        <translation>entrada del catálogo {0}: falta {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/entry.py"/>
+        <source>catalogue entry {0}: {1} is unknown; known are {2}</source>
+        <translation>entrada del catálogo {0}: {1} es desconocido; se conocen {2}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/entry.py"/>
+        <source>catalogue entry {0}: {1} with {2}: must be {3}</source>
+        <translation>entrada del catálogo {0}: {1} con {2}: debe ser {3}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/entry.py"/>
+        <source>catalogue entry {0}: {1} {2}: must be {3}</source>
+        <translation>entrada del catálogo {0}: {1} {2}: debe ser {3}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/entry.py"/>
+        <source>date {0}: must be one of those there are, such as {1}</source>
+        <translation>fecha {0}: debe ser una de las que hay, como {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/entry.py"/>
+        <source>date {0}: must be one the server takes; say which (--date)</source>
+        <translation>fecha {0}: debe ser una que acepte el servidor; indicar cuál (--date)</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/entry.py"/>
+        <source>date {0}: must be {1}, from {2} to {3}</source>
+        <translation>fecha {0}: debe ser {1}, de {2} a {3}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/entry.py"/>
+        <location filename="../../core/imagery/mbtiles.py"/>
+        <source>date {0}: {1} has no dates to choose from</source>
+        <translation>fecha {0}: {1} no tiene fechas que elegir</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/entry.py"/>
+        <source>dates of kind {0}: must be one of {1}</source>
+        <translation>fechas de clase {0}: debe ser una de {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/entry.py"/>
+        <source>dates of kind {0}: values are for listed ones, which need them</source>
+        <translation>fechas de clase {0}: los valores son para las enumeradas, que los necesitan</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/entry.py"/>
+        <source>dates of kind {0}: values must be text</source>
+        <translation>fechas de tipo {0}: los valores deben ser texto</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/entry.py"/>
+        <source>environment variable {0}: must be letters, digits and underscores, such as {1}</source>
+        <translation>variable de entorno {0}: debe constar de letras, cifras y guiones bajos, como {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/entry.py"/>
+        <source>every day</source>
+        <translation>cada día</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/entry.py"/>
+        <source>every year</source>
+        <translation>cada año</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/entry.py"/>
+        <source>kind {0}: must be one of {1}</source>
+        <translation>clase {0}: debe ser una de {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/entry.py"/>
+        <source>needs a title</source>
+        <translation>necesita un título</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/entry.py"/>
+        <source>needs attribution and licence</source>
+        <translation>necesita atribución y licencia</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/entry.py"/>
+        <source>needs terms and terms_url</source>
+        <translation>necesita terms y terms_url</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/entry.py"/>
+        <source>one must be asked for</source>
+        <translation>hay que pedir una</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/entry.py"/>
+        <source>text of one line</source>
+        <translation>texto de una línea</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/entry.py"/>
+        <source>tile size {0} px: must be {1} or less</source>
+        <translation>tamaño de tesela {0} px: debe ser {1} o menos</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/entry.py"/>
+        <source>tiles of {0} px: {1} has {2}</source>
+        <translation>teselas de {0} px: {1} tiene {2}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/entry.py"/>
+        <location filename="../../core/mission/mission.py"/>
+        <source>true or false</source>
+        <translation>verdadero o falso</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/entry.py"/>
+        <source>whole numbers</source>
+        <translation>números enteros</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/entry.py"/>
+        <source>{0} by default</source>
+        <translation>{0} por defecto</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/entry.py"/>
+        <source>{0} from {1} to {2}; {3}</source>
+        <translation>{0} de {1} a {2}; {3}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/entry.py"/>
+        <source>{0}: has imagery of several dates; say which (--date)</source>
+        <translation>{0}: tiene imágenes de varias fechas; indicar cuál (--date)</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/entry.py"/>
+        <source>{date} in a URL needs dates, {key} needs key_env</source>
+        <translation>{date} en una URL necesita fechas, {key} necesita key_env</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/http/client.py"/>
+        <source> (tried {0} times)</source>
+        <translation> (intentado {0} veces)</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/http/client.py"/>
+        <location filename="../../core/imagery/http/requests_transport.py"/>
+        <location filename="../../terrainav_plugin/network/transport.py"/>
+        <location filename="../../terrainav_plugin/network/worker.py"/>
+        <source>cancelled while waiting for the network</source>
+        <translation>cancelado mientras se esperaba a la red</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/http/client.py"/>
+        <source>more than {0} redirects</source>
+        <translation>más de {0} redirecciones</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/http/client.py"/>
+        <source>redirect to something else than http or https</source>
+        <translation>redirección a algo distinto de http o https</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/http/client.py"/>
+        <source>redirect to something that is no URL</source>
+        <translation>redirección a algo que no es una URL</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/http/client.py"/>
+        <source>{0} refuses: {1}</source>
+        <translation>{0} lo rechaza: {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/http/client.py"/>
+        <source>{0}: not asked for, as the last {1} parts had no answer in time; resume later</source>
+        <translation>{0}: no se pidió, porque las últimas {1} partes no tuvieron respuesta a tiempo; reanude más tarde</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/http/client.py"/>
+        <source>{0}: {1}; ask for less at a time, or resume later</source>
+        <translation>{0}: {1}; pedir menos de una vez, o continuar más tarde</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/http/client.py"/>
+        <source>{0}: {1}; it asks to come back in {2} s: resume then</source>
+        <translation>{0}: {1}; pide volver dentro de {2} s: continuar entonces</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/http/requests_transport.py"/>
+        <location filename="../../terrainav_plugin/network/errors.py"/>
+        <source>connection to {0} broke off</source>
+        <translation>se cortó la conexión con {0}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/http/requests_transport.py"/>
+        <location filename="../../terrainav_plugin/network/worker.py"/>
+        <source>no answer from {0} for {1} s</source>
+        <translation>sin respuesta de {0} durante {1} s</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/http/requests_transport.py"/>
+        <location filename="../../terrainav_plugin/network/errors.py"/>
+        <source>no connection to {0}</source>
+        <translation>sin conexión con {0}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/http/requests_transport.py"/>
+        <location filename="../../terrainav_plugin/network/errors.py"/>
+        <source>no trusted connection to {0} (TLS)</source>
+        <translation>sin conexión de confianza con {0} (TLS)</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/http/requests_transport.py"/>
+        <location filename="../../terrainav_plugin/network/worker.py"/>
+        <source>no whole answer within {0} s</source>
+        <translation>sin respuesta completa en {0} s</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/http/requests_transport.py"/>
+        <location filename="../../terrainav_plugin/network/errors.py"/>
+        <location filename="../../terrainav_plugin/network/transport.py"/>
+        <location filename="../../terrainav_plugin/network/worker.py"/>
+        <source>the URL is not valid</source>
+        <translation>la URL no es válida</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/http/requests_transport.py"/>
+        <location filename="../../terrainav_plugin/network/errors.py"/>
+        <source>the proxy does not answer</source>
+        <translation>el proxy no responde</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/http/transport.py"/>
+        <source>a body packed as {0}, which was not asked for</source>
+        <translation>un cuerpo comprimido como {0}, que no se pidió</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/http/transport.py"/>
+        <source>a packed body that is broken</source>
+        <translation>un cuerpo comprimido que está dañado</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/http/transport.py"/>
+        <source>an answer of more than {0} header lines</source>
+        <translation>una respuesta de más de {0} líneas de cabecera</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/http/transport.py"/>
+        <source>body beyond {0} bytes</source>
+        <translation>cuerpo de más de {0} bytes</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/http/transport.py"/>
+        <source>body broke off after {0} of {1} bytes</source>
+        <translation>el cuerpo se cortó tras {0} de {1} bytes</translation>
     </message>
     <message>
         <location filename="../../core/imagery/mbtiles.py"/>
@@ -5844,25 +5918,25 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>{0}: {1} no se puede leer ({2})</translation>
     </message>
     <message>
-        <location filename="../../core/imagery/named.py"/>
+        <location filename="../../core/imagery/opening.py"/>
         <source>source {0}: a file states no terms; name one of the sources that have some</source>
         <translation>fuente {0}: un archivo no indica condiciones; nombrar una de las fuentes que las tienen</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/named.py"/>
-        <source>{0} connections: must be 1 or more</source>
-        <translation>{0} conexiones: debe ser 1 o más</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/named.py"/>
-        <location filename="../../core/imagery/services/ogc.py"/>
-        <source>{0}: needs an API key: set the environment variable {1}</source>
-        <translation>{0}: necesita una clave API: definir la variable de entorno {1}</translation>
     </message>
     <message>
         <location filename="../../core/imagery/opening.py"/>
         <source>source {0}: is a map of QGIS and can be captured inside QGIS only; name a file, a URL template or a name of the catalogue</source>
         <translation>fuente {0}: es un mapa de QGIS y solo se puede capturar dentro de QGIS; nombrar un archivo, una plantilla de URL o un nombre del catálogo</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/opening.py"/>
+        <source>{0} connections: must be 1 or more</source>
+        <translation>{0} conexiones: debe ser 1 o más</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/opening.py"/>
+        <location filename="../../core/imagery/services/ogc.py"/>
+        <source>{0}: needs an API key: set the environment variable {1}</source>
+        <translation>{0}: necesita una clave API: definir la variable de entorno {1}</translation>
     </message>
     <message>
         <location filename="../../core/imagery/placeholder.py"/>
@@ -5960,16 +6034,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>{0}: {1} peticiones, y como máximo {2} pasan sin {3}: {4}{5}; {6}</translation>
     </message>
     <message>
-        <location filename="../../core/imagery/raster/by_gdal.py"/>
-        <source>no format that GDAL knows</source>
-        <translation>ningún formato que GDAL conozca</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/raster/by_gdal.py"/>
-        <source>no values</source>
-        <translation>sin valores</translation>
-    </message>
-    <message>
         <location filename="../../core/imagery/raster/colours.py"/>
         <source>its bands ({0}) are neither a grey one nor red, green and blue</source>
         <translation>sus bandas ({0}) no son ni una gris ni rojo, verde y azul</translation>
@@ -5983,41 +6047,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/imagery/raster/colours.py"/>
         <source>values of band {0} are {1}, and pictures have 8 bits: choose the range to show, as by gdal_translate -ot Byte -scale</source>
         <translation>los valores de la banda {0} son {1}, y las imágenes tienen 8 bits: elegir el intervalo que se ha de mostrar, como con gdal_translate -ot Byte -scale</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/raster/dated.py"/>
-        <source>date {0}: must be YYYY-MM-DD, YYYY-MM or YYYY</source>
-        <translation>fecha {0}: debe ser AAAA-MM-DD, AAAA-MM o AAAA</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/raster/dated.py"/>
-        <source>say which date</source>
-        <translation>indicar qué fecha</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/raster/dated.py"/>
-        <source>there is none of {0}</source>
-        <translation>no hay ninguna de {0}</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/raster/dated.py"/>
-        <source>{0} earlier ones and </source>
-        <translation>{0} anteriores y </translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/raster/dated.py"/>
-        <source>{0}: say which date</source>
-        <translation>{0}: indicar qué fecha</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/raster/dated.py"/>
-        <source>{0}: {1}; dates there are: {2}{3}</source>
-        <translation>{0}: {1}; las fechas que hay son: {2}{3}</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/raster/files.py"/>
-        <source>raster files need rasterio: pip install terrainav[raster]</source>
-        <translation>los archivos ráster necesitan rasterio: pip install terrainav[raster]</translation>
     </message>
     <message>
         <location filename="../../core/imagery/raster/place.py"/>
@@ -6055,7 +6084,22 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>solo lo sitúan puntos de control: hacer antes un mapa con él, con gdalwarp</translation>
     </message>
     <message>
-        <location filename="../../core/imagery/raster/pool.py"/>
+        <location filename="../../core/imagery/raster/reading.py"/>
+        <source>no format that GDAL knows</source>
+        <translation>ningún formato que GDAL conozca</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/reading.py"/>
+        <source>no values</source>
+        <translation>sin valores</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/reading.py"/>
+        <source>raster files need rasterio: pip install terrainav[raster]</source>
+        <translation>los archivos ráster necesitan rasterio: pip install terrainav[raster]</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/reading.py"/>
         <source>{0}: closed</source>
         <translation>{0}: cerrado</translation>
     </message>
@@ -6063,6 +6107,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/imagery/raster/source.py"/>
         <source>; name one of those within, such as {0}</source>
         <translation>; nombrar uno de los que contiene, como {0}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/source.py"/>
+        <source>date {0}: must be YYYY-MM-DD, YYYY-MM or YYYY</source>
+        <translation>fecha {0}: debe ser AAAA-MM-DD, AAAA-MM o AAAA</translation>
     </message>
     <message>
         <location filename="../../core/imagery/raster/source.py"/>
@@ -6081,9 +6130,24 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/raster/source.py"/>
-        <location filename="../../core/imagery/tiles.py"/>
+        <source>say which date</source>
+        <translation>indicar qué fecha</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/source.py"/>
+        <source>there is none of {0}</source>
+        <translation>no hay ninguna de {0}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/source.py"/>
+        <location filename="../../core/imagery/source.py"/>
         <source>zoom {0}: {1} has {2} to {3}</source>
         <translation>zoom {0}: {1} tiene de {2} a {3}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/source.py"/>
+        <source>{0} earlier ones and </source>
+        <translation>{0} anteriores y </translation>
     </message>
     <message>
         <location filename="../../core/imagery/raster/source.py"/>
@@ -6117,8 +6181,18 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/raster/source.py"/>
+        <source>{0}: say which date</source>
+        <translation>{0}: indicar qué fecha</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/source.py"/>
         <source>{0}: there is no such file</source>
         <translation>{0}: no existe tal archivo</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/source.py"/>
+        <source>{0}: {1}; dates there are: {2}{3}</source>
+        <translation>{0}: {1}; las fechas que hay son: {2}{3}</translation>
     </message>
     <message>
         <location filename="../../core/imagery/raster/trust.py"/>
@@ -6169,50 +6243,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/imagery/raster/trust.py"/>
         <source>{0}: is a VRT with more in it than bands of files</source>
         <translation>{0}: es un VRT que contiene algo más que bandas de archivos</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/requests_transport.py"/>
-        <location filename="../../terrainav_plugin/network/errors.py"/>
-        <source>connection to {0} broke off</source>
-        <translation>se cortó la conexión con {0}</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/requests_transport.py"/>
-        <location filename="../../terrainav_plugin/network/worker.py"/>
-        <source>no answer from {0} for {1} s</source>
-        <translation>sin respuesta de {0} durante {1} s</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/requests_transport.py"/>
-        <location filename="../../terrainav_plugin/network/errors.py"/>
-        <source>no connection to {0}</source>
-        <translation>sin conexión con {0}</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/requests_transport.py"/>
-        <location filename="../../terrainav_plugin/network/errors.py"/>
-        <source>no trusted connection to {0} (TLS)</source>
-        <translation>sin conexión de confianza con {0} (TLS)</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/requests_transport.py"/>
-        <location filename="../../terrainav_plugin/network/worker.py"/>
-        <source>no whole answer within {0} s</source>
-        <translation>sin respuesta completa en {0} s</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/requests_transport.py"/>
-        <location filename="../../terrainav_plugin/network/errors.py"/>
-        <location filename="../../terrainav_plugin/network/transport.py"/>
-        <location filename="../../terrainav_plugin/network/worker.py"/>
-        <source>the URL is not valid</source>
-        <translation>la URL no es válida</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/requests_transport.py"/>
-        <location filename="../../terrainav_plugin/network/errors.py"/>
-        <source>the proxy does not answer</source>
-        <translation>el proxy no responde</translation>
     </message>
     <message>
         <location filename="../../core/imagery/services/capabilities.py"/>
@@ -6300,37 +6330,37 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>{0} {1}: {2} ofrece {3}</translation>
     </message>
     <message>
-        <location filename="../../core/imagery/services/parsing.py"/>
+        <location filename="../../core/imagery/services/safe_xml.py"/>
         <source>a document type or entities of its own, which are not read</source>
         <translation>tipo de documento o entidades propias, que no se leen</translation>
     </message>
     <message>
-        <location filename="../../core/imagery/services/parsing.py"/>
+        <location filename="../../core/imagery/services/safe_xml.py"/>
         <source>elements within each other, more than {0} deep</source>
         <translation>elementos unos dentro de otros, a más de {0} niveles</translation>
     </message>
     <message>
-        <location filename="../../core/imagery/services/parsing.py"/>
+        <location filename="../../core/imagery/services/safe_xml.py"/>
         <source>encoding {0}: must be {1}</source>
         <translation>codificación {0}: debe ser {1}</translation>
     </message>
     <message>
-        <location filename="../../core/imagery/services/parsing.py"/>
+        <location filename="../../core/imagery/services/safe_xml.py"/>
         <source>is not {0}; must be {1}, and say which</source>
         <translation>no es {0}; debe ser {1}, e indicar cuál</translation>
     </message>
     <message>
-        <location filename="../../core/imagery/services/parsing.py"/>
+        <location filename="../../core/imagery/services/safe_xml.py"/>
         <source>layers that pass on more than {0} properties to those within them</source>
         <translation>capas que transmiten más de {0} propiedades a las que contienen</translation>
     </message>
     <message>
-        <location filename="../../core/imagery/services/parsing.py"/>
+        <location filename="../../core/imagery/services/safe_xml.py"/>
         <source>more than {0} MB or {1} elements</source>
         <translation>más de {0} MB o {1} elementos</translation>
     </message>
     <message>
-        <location filename="../../core/imagery/services/parsing.py"/>
+        <location filename="../../core/imagery/services/safe_xml.py"/>
         <source>more than {0} attributes of one element</source>
         <translation>más de {0} atributos de un elemento</translation>
     </message>
@@ -6353,6 +6383,21 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/imagery/services/wmts.py"/>
         <source>layer {0} of {1}: has tiles in {2} only; needs a Web-Mercator quad, such as WebMercatorQuad or GoogleMapsCompatible</source>
         <translation>capa {0} de {1}: solo tiene teselas en {2}; necesita una cuadrícula Web Mercator, como WebMercatorQuad o GoogleMapsCompatible</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/source.py"/>
+        <source>tile {0}/{1}/{2}</source>
+        <translation>tesela {0}/{1}/{2}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/source.py"/>
+        <source>{0}: beyond the edge of the map</source>
+        <translation>{0}: más allá del borde del mapa</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/source.py"/>
+        <source>{0}: is no tile of {1} px</source>
+        <translation>{0}: no es una tesela de {1} px</translation>
     </message>
     <message>
         <location filename="../../core/imagery/staticmap.py"/>
@@ -6445,54 +6490,9 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>{0} con espacios o caracteres de control: debe ir sin ellos, o escritos %20</translation>
     </message>
     <message>
-        <location filename="../../core/imagery/tiles.py"/>
-        <source>tile {0}/{1}/{2}</source>
-        <translation>tesela {0}/{1}/{2}</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/tiles.py"/>
-        <source>{0}: beyond the edge of the map</source>
-        <translation>{0}: más allá del borde del mapa</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/tiles.py"/>
-        <source>{0}: is no tile of {1} px</source>
-        <translation>{0}: no es una tesela de {1} px</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/transport.py"/>
-        <source>a body packed as {0}, which was not asked for</source>
-        <translation>un cuerpo comprimido como {0}, que no se pidió</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/transport.py"/>
-        <source>a packed body that is broken</source>
-        <translation>un cuerpo comprimido que está dañado</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/transport.py"/>
-        <source>an answer of more than {0} header lines</source>
-        <translation>una respuesta de más de {0} líneas de cabecera</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/transport.py"/>
-        <source>body beyond {0} bytes</source>
-        <translation>cuerpo de más de {0} bytes</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/transport.py"/>
-        <source>body broke off after {0} of {1} bytes</source>
-        <translation>el cuerpo se cortó tras {0} de {1} bytes</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/transport.py"/>
-        <source>redirect to something else than http or https</source>
-        <translation>redirección a algo distinto de http o https</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/transport.py"/>
-        <source>redirect to something that is no URL</source>
-        <translation>redirección a algo que no es una URL</translation>
+        <location filename="../../core/imagery/template.py"/>
+        <source>{0}: {1} is not sent there, because a file names this host and not you; set {2}={3} if the key is for it</source>
+        <translation>{0}: {1} no se envía allí, porque este servidor lo nombra un archivo y no usted; definir {2}={3} si la clave es para él</translation>
     </message>
     <message>
         <location filename="../../core/imagery/xyz.py"/>

@@ -30,8 +30,8 @@ from ..settings import Settings, credential_home
 from ..task import Task
 
 if TYPE_CHECKING:
-    from ...core.imagery.catalogue.entry import CatalogueEntry
-    from ...core.imagery.named import NamedSource
+    from ...core.imagery.entry import CatalogueEntry
+    from ...core.imagery.opening import NamedSource
     from ...core.imagery.services.capabilities import Offered
 
 _ROOM_PX = (520, 420)
@@ -86,8 +86,7 @@ class _Capabilities(Task):
         super().finished(result)
 
     def _named(self, name: str) -> NamedSource:
-        from ...core.imagery.named import SourceOptions
-        from ...core.imagery.opening import named_source
+        from ...core.imagery.opening import SourceOptions, named_source
 
         return named_source(name, SourceOptions(key=self._service.key or None, transport=self._transport))
 
@@ -220,8 +219,7 @@ def kept(entry: CatalogueEntry, service: ServiceConnection, layer: str) -> str:
     TerrAInavError
         It cannot be kept.
     """
-    from ...core.imagery.catalogue.listing import sources
-    from ...core.imagery.catalogue.user_sources import add, shelf
+    from ...core.imagery.catalogue import add, shelf, sources
 
     taken = {known.name for known in sources()} | set(shelf().problems)
     plain = (

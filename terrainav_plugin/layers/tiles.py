@@ -29,7 +29,7 @@ from qgis.core import (
 )
 
 from ...core.errors import InvalidInput
-from ...core.imagery.client import NotThere
+from ...core.imagery.http.client import NotThere
 from ...core.imagery.source import Window
 from ..i18n import tr
 from .connections import Connection, connection_of
@@ -38,7 +38,7 @@ from .jobs import to_array, to_image
 if TYPE_CHECKING:
     from qgis.PyQt.QtGui import QImage
 
-    from ...core.imagery.catalogue.entry import CatalogueEntry
+    from ...core.imagery.entry import CatalogueEntry
     from ...core.imagery.policy import Policy
     from ...core.imagery.source import Source
 
@@ -230,8 +230,7 @@ def address_of(layer: QgsRasterLayer) -> Address | None:
 
 
 def _of_service(name: str, tiles: Tiles) -> CatalogueEntry:
-    from ...core.imagery.named import SourceOptions
-    from ...core.imagery.opening import named_source
+    from ...core.imagery.opening import SourceOptions, named_source
 
     options = SourceOptions(key=tiles._connection.key or None, transport=tiles._transport)  # noqa: SLF001
     return named_source(name, options).entry

@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from qgis.PyQt.QtCore import QEventLoop
 
 from ...core.errors import Cancelled
-from ...core.imagery.transport import Response, Timeouts, TransportError, user_agent
+from ...core.imagery.http.transport import Response, Timeouts, TransportError, user_agent
 from ...core.limits import MAX_BODY_BYTES
 from .exchange import Exchange, Terms
 from .worker import NetworkWorker, in_main_thread

@@ -15,14 +15,13 @@ from typing import Any
 import numpy as np
 from hypothesis import strategies as st
 from terrainav.core.imagery.cache.freshness import freshness
-from terrainav.core.imagery.client import Client
 from terrainav.core.imagery.decode import decode
+from terrainav.core.imagery.http.client import Client, joined, redirect_target
+from terrainav.core.imagery.http.transport import Response, check_length, unpacked
 from terrainav.core.imagery.mbtiles import open_mbtiles
-from terrainav.core.imagery.named import SourceOptions
-from terrainav.core.imagery.opening import named_source
+from terrainav.core.imagery.opening import SourceOptions, named_source
 from terrainav.core.imagery.raster.trust import drivers_for
 from terrainav.core.imagery.source import Window
-from terrainav.core.imagery.transport import Response, check_length, joined, redirect_target, unpacked
 from terrainav.core.limits import MAX_LINE_CHARACTERS
 from terrainav.core.text import Secrets, one_line, table_cell
 

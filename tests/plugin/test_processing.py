@@ -170,7 +170,7 @@ def test_packages_that_are_missing_are_named(provider, monkeypatch):
 
 
 def test_own_sources_are_choices_of_the_copy_that_runs(provider):
-    from terrainav.core.imagery.catalogue.user_sources import add, described
+    from terrainav.core.imagery.catalogue import add, described
 
     add("my-tiles", described("https://tiles.example.org/{z}/{x}/{y}.png"))
     listed = provider.algorithm("plan").parameterDefinition("SOURCE").options()

@@ -21,9 +21,9 @@ from qgis.PyQt.QtNetwork import QNetworkRequest
 from qgis.PyQt.QtWidgets import QApplication
 from terrainav.core.errors import Cancelled, PartError, TerrAInavError
 from terrainav.core.geodesy.mercator import PixelGrid
-from terrainav.core.imagery.client import Client
+from terrainav.core.imagery.http.client import Client
+from terrainav.core.imagery.http.transport import Timeouts, TransportError, user_agent
 from terrainav.core.imagery.source import Window
-from terrainav.core.imagery.transport import Timeouts, TransportError, user_agent
 from terrainav.core.imagery.xyz import XYZSource
 from terrainav.core.mission.area import Box
 from terrainav.core.mission.mission import Mission

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import InvalidInput
-from .files import Band, Box, Bytes, Facts, RasterFile
+from .reading import Band, Box, Bytes, Facts, RasterFile
 
 #: Colour interpretations whose values are neither red, green and blue nor greys.
 _OTHER_COLOURS = frozenset(

@@ -10,14 +10,15 @@ import importlib
 import os
 import re
 from collections.abc import Iterator
+from itertools import combinations
 from pathlib import Path
 from typing import Any
 from urllib.parse import unquote
 
 from ...errors import InvalidInput
+from ...files import is_there
 from ...limits import MAX_VRT_BYTES, MAX_VRT_DEPTH
 from ..template import check_address
-from .files import file_of_part
 
 #: Formats of pictures that name no other data, as GDAL calls them, and VRT, which is looked through.
 DRIVERS = tuple(
@@ -65,8 +66,21 @@ _NAMING = frozenset(
 #: Those whose text is no name, whatever it looks like.
 _TEXTS = frozenset("srs mdi description copyright targetsrs sourcesrs category".split())
 _ELSEWHERE = re.compile(r"/vsi|://|<|\bvrt:|^[a-z][a-z0-9_]+:", re.IGNORECASE)
+#: What GDAL's names of rasters within a file begin with, such as GPKG:ortho.gpkg:summer; a drive has one letter.
+_DRIVER = re.compile(r"[A-Z][A-Za-z0-9_]+:")
 #: Files beside a raster that GDAL opens with it.
 _BESIDE = (".ovr", ".msk")
+
+
+def file_of_part(name: str) -> str:
+    """Path of the file that GDAL's name of a raster within it is of, where it is there; empty for other names."""
+    if not _DRIVER.match(name):
+        return ""
+    pieces = re.split(r'[:"]', name)
+    spans = combinations(range(1, len(pieces) + 1), 2)
+    # The longest first: a path may hold colons.
+    paths = sorted((":".join(pieces[start:end]) for start, end in spans), key=len, reverse=True)
+    return next((path for path in paths if path and is_there(path)), "")
 
 
 def check_virtual(path: str) -> None:

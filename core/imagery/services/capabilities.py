@@ -12,13 +12,12 @@ from urllib.parse import parse_qsl, quote, urlencode, urlsplit, urlunsplit
 from ...errors import InvalidInput, PartError, SourceError, TerrAInavError
 from ...limits import MAX_CAPABILITIES_BYTES
 from ...text import MASK, Secrets, one_line
-from ..catalogue.entry import WORLD_DEG
-from ..client import Client
+from ..entry import WORLD_DEG
+from ..http.client import Client
+from ..http.transport import Transport
 from ..policy import Policy
-from ..requests_transport import RequestsTransport
 from ..template import check_address
-from ..transport import Transport
-from .parsing import UnreadableXMLError, root_of, written
+from .safe_xml import UnreadableXMLError, root_of, written
 
 #: Choices after the # of each kind of service.
 CHOICES = {
@@ -139,7 +138,7 @@ def fetched(service: Service, key: str, transport: Transport | None) -> Document
     SourceError
         They cannot be had, are too large, or something else is at the address.
     """
-    used = RequestsTransport(1, max_body_bytes=MAX_CAPABILITIES_BYTES) if transport is None else transport
+    used = _transport() if transport is None else transport
     url = service.document_url(key)
     secrets = (key,) if key else ()
     client = Client(used, service.host, connections=1, secrets=secrets, tries=_TRIES)
@@ -169,6 +168,12 @@ def fetched(service: Service, key: str, transport: Transport | None) -> Document
         if key or b"{key}" in written(root):
             _tell_keys_apart(root, document)
     return replace(document, root=root)
+
+
+def _transport() -> Transport:
+    from ..http.requests_transport import RequestsTransport
+
+    return RequestsTransport(1, max_body_bytes=MAX_CAPABILITIES_BYTES)
 
 
 def _tell_keys_apart(root: Any, document: Document) -> None:

@@ -13,10 +13,10 @@ from __future__ import annotations
 from functools import cached_property
 
 from ...errors import SourceError
-from ..catalogue.entry import KEY_ENV, CatalogueEntry, under_provider
-from ..keys import environment_key
-from ..named import EntrySource
+from ..entry import CatalogueEntry, under_provider
+from ..opening import EntrySource
 from ..policy import Policy
+from ..template import KEY_ENV, environment_key
 from .capabilities import Document, Offered, Service, fetched, reading
 from .wms import wms_entry, wms_layers
 from .wmts import wmts_entry, wmts_layers

@@ -495,7 +495,7 @@ def test_after_closing_nothing_is_stored(cache):
 
 
 def server_answer():
-    from terrainav.core.imagery.transport import Response
+    from terrainav.core.imagery.http.transport import Response
 
     return Response(200, {}, b"body")
 

@@ -6,8 +6,8 @@ import json
 
 import pytest
 from terrainav.core.errors import InvalidInput, SourceError
-from terrainav.core.imagery.catalogue.entry import CatalogueEntry, shipped
-from terrainav.core.imagery.catalogue.listing import alternatives, check_policy, entry_named, sources
+from terrainav.core.imagery.catalogue import alternatives, check_policy, entry_named, sources
+from terrainav.core.imagery.entry import CatalogueEntry, shipped
 from terrainav.core.imagery.opening import open_source
 from terrainav.core.imagery.policy import Policy
 from terrainav.core.imagery.template import Template

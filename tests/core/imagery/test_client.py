@@ -10,9 +10,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from terrainav.core.errors import Cancelled, PartError, SourceError
-from terrainav.core.imagery import client as client_module
-from terrainav.core.imagery.client import LONGEST_WAIT_S, Client, OutOfReach, Pace, retry_after_s
-from terrainav.core.imagery.transport import Response, TransportError, user_agent
+from terrainav.core.imagery.http import client as client_module
+from terrainav.core.imagery.http.client import LONGEST_WAIT_S, Client, OutOfReach, Pace, retry_after_s
+from terrainav.core.imagery.http.transport import Response, TransportError, user_agent
 from terrainav.core.limits import MAX_LATE_PARTS
 from terrainav.core.text import first_words
 

@@ -6,7 +6,7 @@ import datetime as dt
 
 import pytest
 from terrainav.core.errors import InvalidInput
-from terrainav.core.imagery.catalogue.dates import Dates, dates_of_dimension
+from terrainav.core.imagery.entry import Dates, dates_of_dimension
 
 RELEASES = {"2014-02-20": "10", "2018-06-27": "13161", "2020-10-14": "119"}
 

@@ -17,11 +17,11 @@ import pytest
 from terrainav.core.errors import Cancelled, PartError, SourceError, TerrAInavError
 from terrainav.core.geodesy.mercator import PixelGrid
 from terrainav.core.imagery.cache.tile_cache import TileCache
-from terrainav.core.imagery.client import Client
+from terrainav.core.imagery.http.client import Client
+from terrainav.core.imagery.http.requests_transport import RequestsTransport
+from terrainav.core.imagery.http.transport import Timeouts
 from terrainav.core.imagery.placeholder import Placeholder
-from terrainav.core.imagery.requests_transport import RequestsTransport
 from terrainav.core.imagery.source import Window
-from terrainav.core.imagery.transport import Timeouts
 from terrainav.core.imagery.xyz import XYZSource
 
 from tests.support.faults import FAULTS, QUOTA_WORDS, flat_placeholder

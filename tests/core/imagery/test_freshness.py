@@ -12,8 +12,8 @@ from terrainav.core.imagery.cache.freshness import (
     LONGEST_LIFETIME_S,
     cache_control,
     freshness,
-    http_date_s,
 )
+from terrainav.core.imagery.http.transport import http_date_s
 
 NOW_S = 1_700_000_000
 WEEK_S = 7 * 86400

@@ -10,9 +10,8 @@ import warnings
 
 import pytest
 from terrainav.core.errors import InvalidInput, SourceError
-from terrainav.core.imagery.named import SourceOptions
-from terrainav.core.imagery.opening import named_source
-from terrainav.core.imagery.transport import Response
+from terrainav.core.imagery.http.transport import Response
+from terrainav.core.imagery.opening import SourceOptions, named_source
 from terrainav.core.limits import MAX_XML_ATTRIBUTES, MAX_XML_DEPTH, MAX_XML_ELEMENTS
 
 from tests.support.services import (

@@ -15,10 +15,12 @@ gdal = pytest.importorskip("osgeo.gdal", reason="the tests make their rasters by
 from terrainav.core.errors import InvalidInput  # noqa: E402
 from terrainav.core.geodesy.mercator import HALF_WORLD_M, PixelGrid  # noqa: E402
 from terrainav.core.imagery.opening import open_source  # noqa: E402
-from terrainav.core.imagery.raster import open_raster  # noqa: E402
 from terrainav.core.imagery.raster import source as raster_source  # noqa: E402
-from terrainav.core.imagery.raster.by_gdal import GdalFile  # noqa: E402
-from terrainav.core.imagery.raster.by_rasterio import RasterioFile  # noqa: E402
+from terrainav.core.imagery.raster.reading import (  # noqa: E402
+    GdalFile,
+    RasterioFile,
+)
+from terrainav.core.imagery.raster.source import open_raster  # noqa: E402
 from terrainav.core.imagery.source import Window  # noqa: E402
 from terrainav.core.imagery.template import check_address, is_key_name  # noqa: E402
 

@@ -8,7 +8,7 @@ import pytest
 from terrainav.core.cli import main
 from terrainav.core.cli.exits import DONE, FAILED
 from terrainav.core.errors import InvalidInput, SourceError
-from terrainav.core.imagery.catalogue.user_sources import add, described
+from terrainav.core.imagery.catalogue import add, described
 from terrainav.core.imagery.opening import open_source
 from terrainav.core.imagery.source import Window
 from terrainav.core.imagery.template import Template
@@ -117,7 +117,7 @@ def test_a_service_of_a_file_does_not_get_the_key(server, kind):
     ],
 )
 def test_hosts_that_are_named(monkeypatch, hosts, host, goes):
-    from terrainav.core.imagery.keys import environment_key
+    from terrainav.core.imagery.template import environment_key
 
     monkeypatch.setenv("TERRAINAV_KEY_HOSTS", hosts)
     if goes:
@@ -137,8 +137,8 @@ def test_the_host_that_gets_a_key_is_written_out(mark):
 
 def test_a_redirect_does_not_carry_the_key(server):
     """Its target is what the server says, and nothing of the address that was asked."""
-    from terrainav.core.imagery.client import Client
-    from terrainav.core.imagery.requests_transport import RequestsTransport
+    from terrainav.core.imagery.http.client import Client
+    from terrainav.core.imagery.http.requests_transport import RequestsTransport
 
     from tests.support.services import ServiceServer
 

@@ -12,10 +12,9 @@ import numpy as np
 import pytest
 from terrainav.core.errors import InvalidInput, PartError, SourceError
 from terrainav.core.geodesy.mercator import extent_of_box
-from terrainav.core.imagery.named import SourceOptions
-from terrainav.core.imagery.opening import named_source, open_source
+from terrainav.core.imagery.http.transport import Response
+from terrainav.core.imagery.opening import SourceOptions, named_source, open_source
 from terrainav.core.imagery.source import Window
-from terrainav.core.imagery.transport import Response
 
 from tests.support import patterns
 from tests.support.services import (

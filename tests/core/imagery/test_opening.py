@@ -12,15 +12,13 @@ import pytest
 from PIL import Image
 from terrainav.core.errors import InvalidInput, SourceError
 from terrainav.core.imagery.cache.tile_cache import TileCache
-from terrainav.core.imagery.catalogue.entry import CatalogueEntry, shipped, under_provider
-from terrainav.core.imagery.catalogue.listing import check_policy, entry_named
-from terrainav.core.imagery.catalogue.user_sources import add, described
-from terrainav.core.imagery.named import SourceOptions
-from terrainav.core.imagery.opening import is_file, kind_of, named_source, open_source
+from terrainav.core.imagery.catalogue import add, check_policy, described, entry_named
+from terrainav.core.imagery.entry import CatalogueEntry, shipped, under_provider
+from terrainav.core.imagery.http.transport import Response
+from terrainav.core.imagery.opening import SourceOptions, is_file, kind_of, named_source, open_source
 from terrainav.core.imagery.policy import TermsError
 from terrainav.core.imagery.source import Window
 from terrainav.core.imagery.staticmap import StaticMapSource
-from terrainav.core.imagery.transport import Response
 from terrainav.core.imagery.xyz import XYZSource
 
 from tests.support.patterns import positions, to_bytes

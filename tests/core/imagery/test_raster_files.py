@@ -13,10 +13,12 @@ gdal = pytest.importorskip("osgeo.gdal", reason="the tests make their rasters by
 
 from terrainav.core.errors import Cancelled, InvalidInput, PartError, SourceError  # noqa: E402
 from terrainav.core.geodesy.mercator import HALF_WORLD_M, PixelGrid  # noqa: E402
-from terrainav.core.imagery.raster import open_raster  # noqa: E402
 from terrainav.core.imagery.raster import source as raster_source  # noqa: E402
-from terrainav.core.imagery.raster.by_gdal import GdalFile  # noqa: E402
-from terrainav.core.imagery.raster.by_rasterio import RasterioFile  # noqa: E402
+from terrainav.core.imagery.raster.reading import (  # noqa: E402
+    GdalFile,
+    RasterioFile,
+)
+from terrainav.core.imagery.raster.source import open_raster  # noqa: E402
 from terrainav.core.imagery.source import Window  # noqa: E402
 
 from tests.support import rasters  # noqa: E402
@@ -418,7 +420,7 @@ def test_a_huge_raster_without_overviews_serves_only_what_can_be_read(tmp_path, 
 HEADLESS = """
 import sys
 {before}
-from terrainav.core.imagery.raster import open_raster
+from terrainav.core.imagery.raster.source import open_raster
 from terrainav.core.imagery.source import Window
 source = open_raster({path!r})
 print(source.fetch("", Window({zoom}, {left}, {top}, 8, 8)).shape, *({{"rasterio", "osgeo"}} & sys.modules.keys()))
@@ -449,7 +451,7 @@ def test_without_either_library_the_way_to_one_is_named(values, tmp_path):
     code = (
         "import importlib.util as u; f = u.find_spec\n"
         "u.find_spec = lambda name, *rest: None if name in ('rasterio', 'osgeo') else f(name, *rest)\n"
-        "from terrainav.core.imagery.raster import open_raster\n"
+        "from terrainav.core.imagery.raster.source import open_raster\n"
         f"try: open_raster({str(path)!r})\nexcept ValueError as wrong: print(wrong)"
     )
     result = subprocess.run(

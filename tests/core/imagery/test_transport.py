@@ -17,11 +17,11 @@ import tracemalloc
 import numpy as np
 import pytest
 from terrainav.core.errors import Cancelled, PartError
-from terrainav.core.imagery import requests_transport
-from terrainav.core.imagery.client import Client
-from terrainav.core.imagery.requests_transport import RequestsTransport
+from terrainav.core.imagery.http import requests_transport
+from terrainav.core.imagery.http.client import Client
+from terrainav.core.imagery.http.requests_transport import RequestsTransport
+from terrainav.core.imagery.http.transport import Timeouts, TransportError
 from terrainav.core.imagery.source import Window
-from terrainav.core.imagery.transport import Timeouts, TransportError
 from terrainav.core.imagery.xyz import XYZSource
 
 from tests.support.patterns import positions

@@ -7,9 +7,9 @@ from dataclasses import replace
 
 import pytest
 from qgis.core import QgsApplication, QgsSettings
-from terrainav.core.imagery.catalogue.user_sources import add, described
+from terrainav.core.imagery.catalogue import add, described
+from terrainav.core.imagery.http.transport import TransportError
 from terrainav.core.imagery.opening import named_source
-from terrainav.core.imagery.transport import TransportError
 from terrainav.core.mission.area import Box
 from terrainav.core.mission.estimate import ONLINE, estimate
 from terrainav.core.mission.mission import Mission

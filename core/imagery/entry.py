@@ -1,29 +1,153 @@
-"""A source by name: where its tiles are, what they are, and what its provider allows."""
+"""Dates a source's imagery can be had of, and how its URLs write them."""
 
 from __future__ import annotations
 
+import bisect
+import datetime as dt
 import os
 import re
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass, field, fields, replace
 from functools import lru_cache
 from typing import Any
 from urllib.parse import quote
 
-from ...errors import InvalidInput
-from ...geodesy.mercator import PixelGrid, extent_of_box
-from ...limits import MAX_TILE_PX
-from ...resources import read_json
-from ..placeholder import Placeholder
-from ..policy import BULK, Policy
-from ..template import Template
-from .dates import Dates
+from ..errors import InvalidInput
+from ..geodesy.mercator import PixelGrid, extent_of_box
+from ..limits import MAX_TILE_PX
+from ..resources import read_json
+from .placeholder import Placeholder
+from .policy import BULK, Policy
+from .template import KEY_ENV, Template
 
-#: Environment variable with the key of a user's own template.
-KEY_ENV = "TERRAINAV_KEY"
+DATE_KINDS = ("day", "year", "listed", "any")
+#: Dates that an error names; `terrainav sources show` names more.
+_NAMED = 6
+_FORMS = {"day": "YYYY-MM-DD", "year": "YYYY"}
+#: Steps of a time dimension (ISO 8601) that are a day or a year.
+_STEPS = {"P1D": "day", "P1Y": "year"}
+
+
+@dataclass(frozen=True)
+class Dates:
+    """Dates a source's imagery can be had of.
+
+    Parameters
+    ----------
+    kind : str
+        ``day`` or ``year``: any of them, as YYYY-MM-DD or YYYY; ``listed``: those of ``values``; ``any``: whatever
+        the server takes.
+    first, last : str
+        Empty where they are not known, or go on.
+    default : str
+        What is taken where nothing is asked for. Empty, for ``any`` alone: a date must be asked for.
+    values : mapping
+        Of ``listed``: date to what stands for it in the URL.
+    """
+
+    kind: str
+    first: str = ""
+    default: str = ""
+    last: str = ""
+    values: Mapping[str, str] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        if self.kind not in DATE_KINDS:
+            raise InvalidInput(f"dates of kind {self.kind!r}: must be one of {', '.join(DATE_KINDS)}")
+        if (self.kind == "listed") != bool(self.values):
+            raise InvalidInput(f"dates of kind {self.kind!r}: values are for listed ones, which need them")
+        if not all(isinstance(text, str) for pair in self.values.items() for text in pair):
+            raise InvalidInput(f"dates of kind {self.kind!r}: values must be text")
+        if self.kind == "listed":
+            object.__setattr__(self, "first", min(self.values))
+            object.__setattr__(self, "last", max(self.values))
+        if self.default or self.kind != "any":
+            self.checked(self.default)
+
+    def checked(self, date: str) -> str:
+        """Return ``date``, refused where it is of another form, out of range or not among those there are."""
+        if self.kind == "listed":
+            if date not in self.values:
+                raise InvalidInput(
+                    f"date {date!r}: must be one of those there are, such as {self._near(date)}"
+                )
+        elif self.kind == "any":
+            if not date or not date.isprintable():
+                raise InvalidInput(f"date {date!r}: must be one the server takes; say which (--date)")
+        elif not self._in_range(date):
+            raise InvalidInput(
+                f"date {date!r}: must be {_FORMS[self.kind]}, from {self.first} to {self.last or 'now'}"
+            )
+        return date
+
+    def written(self, date: str) -> str:
+        """Return what stands for a date in the URL."""
+        return self.values.get(date, date)
+
+    def text(self) -> str:
+        """Words for people."""
+        default = f"{self.default} by default" if self.default else "one must be asked for"
+        if self.kind == "listed":
+            if len(self.values) <= _NAMED:
+                return f"{', '.join(sorted(self.values))}; {default}"
+            return f"{len(self.values)} from {self.first} to {self.last}; {default}"
+        span = f" from {self.first} to {self.last or 'now'}" if self.first else ""
+        form = {"day": "every day", "year": "every year", "any": "as the server takes them"}[self.kind]
+        return f"{form}{span}; {default}"
+
+    def _in_range(self, date: str) -> bool:
+        try:
+            dt.date.fromisoformat(date if self.kind == "day" else f"{date}-01-01")
+        except ValueError:
+            return False
+        return len(date) == len(_FORMS[self.kind]) and self.first <= date <= (self.last or _now())
+
+    def _near(self, date: str) -> str:
+        ordered = sorted(self.values)
+        at = bisect.bisect(ordered, date)
+        start = max(0, min(at - _NAMED // 2, len(ordered) - _NAMED))
+        return ", ".join(ordered[start : start + _NAMED])
+
+
+def _now() -> str:
+    """Latest day it is anywhere on Earth."""
+    return (dt.datetime.now(dt.timezone.utc) + dt.timedelta(hours=14)).date().isoformat()
+
+
+def dates_of_dimension(values: Iterable[str], default: str) -> Dates | None:
+    """Dates of the time dimension of a WMS or WMTS layer.
+
+    Parameters
+    ----------
+    values : iterable of str
+        Single times, and intervals written ``first/last/step``.
+    default : str
+        Empty where the server names none.
+    """
+    times = [value.strip() for value in values if value.strip()]
+    default = default.strip()
+    intervals = [time.split("/") for time in times if "/" in time]
+    if not times:
+        return Dates("any", default=default) if default else None
+    if not intervals:
+        listed = {time: time for time in (*times, default) if time}
+        return Dates("listed", default=default or max(times), values=listed)
+    first, last = min(ends[0] for ends in intervals), max(ends[1] for ends in intervals)
+    kinds = {_STEPS.get(ends[2] if len(ends) == 3 else "") for ends in intervals}
+    kind = kinds.pop() if len(kinds) == 1 and len(intervals) == len(times) else None
+    pattern = {"day": r"\d{4}-\d\d-\d\d", "year": r"\d{4}"}.get(kind or "", "(?!)")
+    if (
+        kind
+        and re.fullmatch(f"{pattern} {pattern}", f"{first} {last}")
+        and first <= (default or last) <= last
+    ):
+        return Dates(kind, first, default or last, last)
+    return Dates("any", first, default, last)
+
+
 #: Kinds of pixels, and the module that has each: its `open_entry` makes a source of an entry. Named and not imported,
 #: as what they need is large, and the world stands above this room.
-KINDS = {"world": "..world.source", "xyz": ".xyz", "static-map": ".staticmap"}
+PIXELS = {"world": "..world.source", "xyz": ".xyz", "static-map": ".staticmap"}
 #: What grids have beside tiles and zooms: Static Maps limits its pictures, and keeps so many decimals of their centres.
 _GRIDS: dict[str, dict[str, Any]] = {"static-map": {"max_size_px": 640, "centre_decimals": 6}}
 #: West, south, east and north of the whole map.
@@ -44,6 +168,8 @@ _KINDS_OF: dict[str, tuple[tuple[type, ...], str]] = {
     **dict.fromkeys(("map_types", "hosts", "tile_px", "bounds_deg", "levels"), _LIST),
     **dict.fromkeys(("urls", "dates", "placeholder"), _OBJECT),
 }
+#: What names of sources look like.
+NAME = re.compile(r"[a-z0-9][a-z0-9_-]{0,63}")
 _VARIABLE = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
 
 
@@ -136,8 +262,8 @@ class CatalogueEntry:
             raise InvalidInput(f"catalogue entry {name!r}: wrong or missing: {wrong}") from wrong
 
     def __post_init__(self) -> None:
-        if self.kind not in KINDS:
-            raise InvalidInput(f"kind {self.kind!r}: must be one of {', '.join(KINDS)}")
+        if self.kind not in PIXELS:
+            raise InvalidInput(f"kind {self.kind!r}: must be one of {', '.join(PIXELS)}")
         if (self.kind == "xyz") != bool(self.urls):
             raise InvalidInput("URLs are for xyz, which needs them")
         if not self.title:

@@ -6,21 +6,23 @@ network stack) has only `Transport` to fulfil; the one over requests is `request
 
 from __future__ import annotations
 
+import datetime as dt
 import zlib
 from collections.abc import Mapping
+from email.utils import parsedate_to_datetime
 from typing import NamedTuple, Protocol
-from urllib.parse import urljoin, urlsplit
 
-from ..errors import TerrAInavError
-from ..limits import MAX_HEADERS
-from ..text import one_line, whole_number
-from ..version import version
+from ...errors import TerrAInavError
+from ...limits import MAX_HEADERS
+from ...text import one_line, whole_number
+from ...version import version
 
 PROJECT_URL = "https://github.com/terrainav/terrainav"
-_REDIRECTS = frozenset({301, 302, 303, 307, 308})
 #: What a body may be packed as although that was not asked for.
 _ZLIB = frozenset({"gzip", "x-gzip", "deflate"})
 _LONGEST_CODING = 40
+#: A date of HTTP has 29 to 33 characters.
+_DATE_CHARACTERS = 64
 
 
 class Response(NamedTuple):
@@ -147,29 +149,18 @@ def unpacked(body: bytes, headers: Mapping[str, str], max_body_bytes: int) -> by
     raise TransportError("a packed body that is broken")
 
 
-def redirect_target(answer: Response) -> str | None:
-    """Where an answer points to, as it says it; None where it is not a redirect."""
-    return (answer.headers.get("location") or None) if answer.status in _REDIRECTS else None
-
-
-def joined(url: str, target: str) -> str:
-    """URL that a redirect from ``url`` leads to.
-
-    Raises
-    ------
-    TransportError
-        It is none, or of something else than http or https.
-    """
-    try:
-        led_to = urljoin(url, target)
-        scheme = urlsplit(led_to).scheme
-    except ValueError:
-        raise TransportError("redirect to something that is no URL", again=False) from None
-    if scheme not in ("http", "https"):
-        raise TransportError("redirect to something else than http or https", again=False)
-    return led_to
-
-
 def user_agent() -> str:
     """Return the name TerrAInav gives itself to servers."""
     return f"TerrAInav/{version()} (+{PROJECT_URL})"
+
+
+def http_date_s(text: str) -> float | None:
+    """Seconds since 1970 of a date as HTTP writes it, None of anything else."""
+    if len(text) > _DATE_CHARACTERS:
+        return None
+    try:
+        moment = parsedate_to_datetime(text)
+        # The oldest of the three forms names no zone, and means UTC (RFC 9110, 5.6.7).
+        return (moment if moment.tzinfo else moment.replace(tzinfo=dt.timezone.utc)).timestamp()
+    except (TypeError, ValueError, IndexError, OverflowError):
+        return None

@@ -10,13 +10,13 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from http import HTTPStatus
 from typing import Callable, TypeVar
+from urllib.parse import urljoin, urlsplit
 
-from ..errors import Cancelled, PartError, SourceError, TerrAInavError
-from ..limits import MAX_LATE_PARTS, MAX_PART_S, MAX_REDIRECTS
-from ..text import Secrets, first_words, whole_number
-from ..unexpected import UnexpectedErrors
-from .cache.freshness import http_date_s
-from .transport import Response, Transport, TransportError, joined, redirect_target
+from ...errors import Cancelled, PartError, SourceError, TerrAInavError
+from ...limits import MAX_LATE_PARTS, MAX_PART_S, MAX_REDIRECTS
+from ...text import Secrets, first_words, whole_number
+from ...unexpected import UnexpectedErrors
+from .transport import Response, Transport, TransportError, http_date_s
 
 #: Attempts at one part, the first included.
 TRIES = 5
@@ -31,6 +31,7 @@ OUT_OF_REACH_S = 30.0
 _LOOK_S = 0.1
 
 _REFUSED = frozenset({401, 402, 403, 407, 451})
+_REDIRECTS = frozenset({301, 302, 303, 307, 308})
 _NOT_THERE = frozenset({404, 410})
 _AGAIN = frozenset({408, 425, 429, 500, 502, 503, 504})
 _QUOTA = re.compile(
@@ -363,8 +364,11 @@ class Client:
         return min(self._first_wait_s * 2.0**attempt, LONGEST_WAIT_S) * (0.5 + spread)
 
     def _pause(self, seconds: float) -> None:
-        self._closed.wait(max(seconds, 0.0))
+        until_s = time.monotonic() + seconds
         self._refuse_closed()
+        while (left_s := until_s - time.monotonic()) > 0.0:
+            self._closed.wait(left_s)
+            self._refuse_closed()
 
     def _refuse_closed(self) -> None:
         if self._closed.is_set():
@@ -413,3 +417,26 @@ def _status_line(status: int) -> str:
         return f"{status} {HTTPStatus(status).phrase}"
     except ValueError:
         return str(status)
+
+
+def redirect_target(answer: Response) -> str | None:
+    """Where an answer points to, as it says it; None where it is not a redirect."""
+    return (answer.headers.get("location") or None) if answer.status in _REDIRECTS else None
+
+
+def joined(url: str, target: str) -> str:
+    """URL that a redirect from ``url`` leads to.
+
+    Raises
+    ------
+    TransportError
+        It is none, or of something else than http or https.
+    """
+    try:
+        led_to = urljoin(url, target)
+        scheme = urlsplit(led_to).scheme
+    except ValueError:
+        raise TransportError("redirect to something that is no URL", again=False) from None
+    if scheme not in ("http", "https"):
+        raise TransportError("redirect to something else than http or https", again=False)
+    return led_to

@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .files import Bytes
+from .reading import Bytes
 
 Floats = NDArray[np.float64]
 Sums = NDArray[np.unsignedinteger[Any]]
