@@ -51,11 +51,11 @@ TOLD = (
 )
 #: Modules in them of which the plugin makes no use.
 UNTOLD = (
-    "core/dataset/augment.py",
     "core/dataset/convert.py",
-    "core/dataset/keras_loader.py",
-    "core/dataset/loading.py",
-    "core/dataset/torch_loader.py",
+    "core/dataset/loading/augment.py",
+    "core/dataset/loading/batches.py",
+    "core/dataset/loading/keras_loader.py",
+    "core/dataset/loading/torch_loader.py",
     "core/dataset/vbn.py",
 )
 #: Modules whose texts are all for users: the parts of messages and figures, and reasons that others put into theirs.
@@ -63,16 +63,14 @@ WORDS = (
     "core/capture/cost.py",
     "core/capture/pipeline.py",
     "core/dataset/clean.py",
-    "core/dataset/deciding.py",
-    "core/dataset/images.py",
+    "core/dataset/entropy.py",
+    "core/dataset/dataset.py",
     "core/dataset/table.py",
     "core/geodesy/accuracy.py",
     "core/imagery/cache/tilestore.py",
     "core/imagery/entry.py",
-    "core/imagery/entry.py",
     "core/imagery/catalogue.py",
     "core/imagery/policy.py",
-    "core/imagery/raster/source.py",
     "core/imagery/raster/source.py",
     "core/imagery/services/capabilities.py",
     "core/imagery/services/wms.py",

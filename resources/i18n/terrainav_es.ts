@@ -4830,8 +4830,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/capture/folder.py"/>
+        <location filename="../../core/dataset/dataset.py"/>
         <location filename="../../core/dataset/folder.py"/>
-        <location filename="../../core/dataset/images.py"/>
         <source>folder {0}: cannot be read ({1})</source>
         <translation>carpeta {0}: no se puede leer ({1})</translation>
     </message>
@@ -4961,8 +4961,85 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/dataset/dataset.py"/>
+        <location filename="../../core/imagery/services/capabilities.py"/>
+        <source> and {0} more</source>
+        <translation> y {0} más</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/dataset.py"/>
         <source>channels {0}: must be 1 or 3</source>
         <translation>canales {0}: deben ser 1 o 3</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/dataset.py"/>
+        <source>file {0}: cannot be moved to {1} ({2}); run it again to finish, or undo to put all back</source>
+        <translation>archivo {0}: no se puede mover a {1} ({2}); ejecutarlo de nuevo para terminar, o deshacer para devolverlo todo a su sitio</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/dataset.py"/>
+        <source>folder {0}: the table has {1} in more than one row</source>
+        <translation>carpeta {0}: la tabla tiene {1} en más de una fila</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/dataset.py"/>
+        <source>folder {0}: {1} in it is no folder, which images are moved to; move it away</source>
+        <translation>carpeta {0}: {1}, en ella, no es una carpeta a la que mover imágenes; apartarlo</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/dataset.py"/>
+        <source>folder {0}: {1} in the table is no name of a file in it</source>
+        <translation>carpeta {0}: {1} en la tabla no es el nombre de un archivo en ella</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/dataset.py"/>
+        <source>folder {0}: {1} of the table {2} not there; put {3} back, or capture again (--resume)</source>
+        <translation>carpeta {0}: {1} de la tabla {2} no está en ella; reponga {3} o capture de nuevo (--resume)</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/dataset.py"/>
+        <source>folder {0}: {1} {2} in it and in {3} as well; remove one of the two</source>
+        <translation>carpeta {0}: {1} {2} en ella y también en {3}; quite uno de los dos</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/dataset.py"/>
+        <source>folder {0}: {1} {2} not in the table; finish the capture (--resume), or remove what does not belong to it</source>
+        <translation>carpeta {0}: {1} {2} no figura en la tabla; termine la captura (--resume) o quite lo que no le pertenece</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/dataset.py"/>
+        <source>image {0}: cannot be read (of no format that Pillow knows)</source>
+        <translation>imagen {0}: no se puede leer (no es de ningún formato que Pillow conozca)</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/dataset.py"/>
+        <location filename="../../core/dataset/ground.py"/>
+        <source>image {0}: cannot be read ({1})</source>
+        <translation>imagen {0}: no se puede leer ({1})</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/dataset.py"/>
+        <source>image {0}: has pixels of Pillow's mode {1}; 8-bit grey or colour would be right</source>
+        <translation>imagen {0}: tiene píxeles del modo {1} de Pillow; lo correcto es gris o color de 8 bits</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/dataset.py"/>
+        <source>image {0}: has {1} x {2} px, and {3} x {4} px in the table; capture it again, or put the table right</source>
+        <translation>imagen {0}: tiene {1} x {2} px, y {3} x {4} px en la tabla; captúrela de nuevo o corrija la tabla</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/dataset.py"/>
+        <source>image {0}: is PostScript, a program that is not run; an image of pixels would be right</source>
+        <translation>imagen {0}: es PostScript, un programa que no se ejecuta; lo correcto es una imagen de píxeles</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/dataset.py"/>
+        <source>image {0}: is not there; put it back, or capture it again (--resume)</source>
+        <translation>imagen {0}: no está; devuélvala a su sitio o captúrela de nuevo (--resume)</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/dataset.py"/>
+        <source>its pixels are damaged or cut off</source>
+        <translation>sus píxeles están dañados o cortados</translation>
     </message>
     <message>
         <location filename="../../core/dataset/dataset.py"/>
@@ -4975,45 +5052,14 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>tabla {0}: {1} {2} no está en la Tierra, la primera en Lat {3}, Lon {4}; Lat debe estar dentro de 90 grados y Lon dentro de 360</translation>
     </message>
     <message>
-        <location filename="../../core/dataset/deciding.py"/>
-        <source>stopped while entropies were worked out: nothing was changed</source>
-        <translation>detenido mientras se calculaban las entropías: no se ha cambiado nada</translation>
-    </message>
-    <message>
-        <location filename="../../core/dataset/decode.py"/>
-        <source>image {0}: cannot be read (of no format that Pillow knows)</source>
-        <translation>imagen {0}: no se puede leer (no es de ningún formato que Pillow conozca)</translation>
-    </message>
-    <message>
-        <location filename="../../core/dataset/decode.py"/>
-        <location filename="../../core/dataset/ground.py"/>
-        <source>image {0}: cannot be read ({1})</source>
-        <translation>imagen {0}: no se puede leer ({1})</translation>
-    </message>
-    <message>
-        <location filename="../../core/dataset/decode.py"/>
-        <source>image {0}: has pixels of Pillow's mode {1}; 8-bit grey or colour would be right</source>
-        <translation>imagen {0}: tiene píxeles del modo {1} de Pillow; lo correcto es gris o color de 8 bits</translation>
-    </message>
-    <message>
-        <location filename="../../core/dataset/decode.py"/>
-        <source>image {0}: has {1} x {2} px, and {3} x {4} px in the table; capture it again, or put the table right</source>
-        <translation>imagen {0}: tiene {1} x {2} px, y {3} x {4} px en la tabla; captúrela de nuevo o corrija la tabla</translation>
-    </message>
-    <message>
-        <location filename="../../core/dataset/decode.py"/>
-        <source>image {0}: is PostScript, a program that is not run; an image of pixels would be right</source>
-        <translation>imagen {0}: es PostScript, un programa que no se ejecuta; lo correcto es una imagen de píxeles</translation>
-    </message>
-    <message>
-        <location filename="../../core/dataset/decode.py"/>
-        <source>image {0}: is not there; put it back, or capture it again (--resume)</source>
-        <translation>imagen {0}: no está; devuélvala a su sitio o captúrela de nuevo (--resume)</translation>
-    </message>
-    <message>
         <location filename="../../core/dataset/entropy.py"/>
         <source>image of shape {0} and type {1}: must be (height, width) or (height, width, 3) of uint8 with at least one pixel</source>
         <translation>imagen de forma {0} y tipo {1}: debe ser (altura, anchura) o (altura, anchura, 3) de uint8 con al menos un píxel</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/entropy.py"/>
+        <source>stopped while entropies were worked out: nothing was changed</source>
+        <translation>detenido mientras se calculaban las entropías: no se ha cambiado nada</translation>
     </message>
     <message>
         <location filename="../../core/dataset/folder.py"/>
@@ -5036,36 +5082,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>carpeta {0}: las imágenes de su {1} están en {2} y también en {3}; retire una de las dos</translation>
     </message>
     <message>
-        <location filename="../../core/dataset/frames.py"/>
-        <source>frame {0}: PROJ knows no such system; give the code of another one</source>
-        <translation>sistema {0}: PROJ no lo conoce; indique el código de otro</translation>
-    </message>
-    <message>
-        <location filename="../../core/dataset/frames.py"/>
-        <source>frame {0}: is {1}, no projected system in metres, which labels need; give the code of one</source>
-        <translation>sistema {0}: es {1}, y no un sistema proyectado en metros, que las etiquetas necesitan; indique el código de uno</translation>
-    </message>
-    <message>
-        <location filename="../../core/dataset/frames.py"/>
-        <source>frame {0}: must be {1} or a code like EPSG:32616</source>
-        <translation>sistema {0}: debe ser {1} o un código como EPSG:32616</translation>
-    </message>
-    <message>
-        <location filename="../../core/dataset/frames.py"/>
-        <source>frame {0}: of {1} positions; needs one or more, with latitudes from -90 to 90</source>
-        <translation>sistema {0}: de {1} posiciones; necesita una o más, con latitudes de -90 a 90</translation>
-    </message>
-    <message>
-        <location filename="../../core/dataset/frames.py"/>
-        <source>frame {0}: {1} cannot hold all positions, such as {2}; choose mission or utm</source>
-        <translation>sistema {0}: {1} no abarca todas las posiciones, como {2}; elija mission o utm</translation>
-    </message>
-    <message>
-        <location filename="../../core/dataset/frames.py"/>
-        <source>frame {0}: {1} cannot hold all positions, such as {2}; choose {3}</source>
-        <translation>sistema {0}: {1} no abarca todas las posiciones, como {2}; elija {3}</translation>
-    </message>
-    <message>
         <location filename="../../core/dataset/ground.py"/>
         <source>folder {0}: the window of {1} in the table lies elsewhere than its Lat and Lon; put the table right, or split without blocks</source>
         <translation>carpeta {0}: la ventana de {1} en la tabla no está en su Lat y Lon; corrija la tabla o divida sin bloques</translation>
@@ -5081,45 +5097,34 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>{0}: no tiene fila de {1}; reponga el de la propia captura</translation>
     </message>
     <message>
-        <location filename="../../core/dataset/images.py"/>
-        <location filename="../../core/imagery/services/capabilities.py"/>
-        <source> and {0} more</source>
-        <translation> y {0} más</translation>
+        <location filename="../../core/dataset/labels.py"/>
+        <source>frame {0}: PROJ knows no such system; give the code of another one</source>
+        <translation>sistema {0}: PROJ no lo conoce; indique el código de otro</translation>
     </message>
     <message>
-        <location filename="../../core/dataset/images.py"/>
-        <source>file {0}: cannot be moved to {1} ({2}); run it again to finish, or undo to put all back</source>
-        <translation>archivo {0}: no se puede mover a {1} ({2}); ejecutarlo de nuevo para terminar, o deshacer para devolverlo todo a su sitio</translation>
+        <location filename="../../core/dataset/labels.py"/>
+        <source>frame {0}: is {1}, no projected system in metres, which labels need; give the code of one</source>
+        <translation>sistema {0}: es {1}, y no un sistema proyectado en metros, que las etiquetas necesitan; indique el código de uno</translation>
     </message>
     <message>
-        <location filename="../../core/dataset/images.py"/>
-        <source>folder {0}: the table has {1} in more than one row</source>
-        <translation>carpeta {0}: la tabla tiene {1} en más de una fila</translation>
+        <location filename="../../core/dataset/labels.py"/>
+        <source>frame {0}: must be {1} or a code like EPSG:32616</source>
+        <translation>sistema {0}: debe ser {1} o un código como EPSG:32616</translation>
     </message>
     <message>
-        <location filename="../../core/dataset/images.py"/>
-        <source>folder {0}: {1} in it is no folder, which images are moved to; move it away</source>
-        <translation>carpeta {0}: {1}, en ella, no es una carpeta a la que mover imágenes; apartarlo</translation>
+        <location filename="../../core/dataset/labels.py"/>
+        <source>frame {0}: of {1} positions; needs one or more, with latitudes from -90 to 90</source>
+        <translation>sistema {0}: de {1} posiciones; necesita una o más, con latitudes de -90 a 90</translation>
     </message>
     <message>
-        <location filename="../../core/dataset/images.py"/>
-        <source>folder {0}: {1} in the table is no name of a file in it</source>
-        <translation>carpeta {0}: {1} en la tabla no es el nombre de un archivo en ella</translation>
+        <location filename="../../core/dataset/labels.py"/>
+        <source>frame {0}: {1} cannot hold all positions, such as {2}; choose mission or utm</source>
+        <translation>sistema {0}: {1} no abarca todas las posiciones, como {2}; elija mission o utm</translation>
     </message>
     <message>
-        <location filename="../../core/dataset/images.py"/>
-        <source>folder {0}: {1} of the table {2} not there; put {3} back, or capture again (--resume)</source>
-        <translation>carpeta {0}: {1} de la tabla {2} no está en ella; reponga {3} o capture de nuevo (--resume)</translation>
-    </message>
-    <message>
-        <location filename="../../core/dataset/images.py"/>
-        <source>folder {0}: {1} {2} in it and in {3} as well; remove one of the two</source>
-        <translation>carpeta {0}: {1} {2} en ella y también en {3}; quite uno de los dos</translation>
-    </message>
-    <message>
-        <location filename="../../core/dataset/images.py"/>
-        <source>folder {0}: {1} {2} not in the table; finish the capture (--resume), or remove what does not belong to it</source>
-        <translation>carpeta {0}: {1} {2} no figura en la tabla; termine la captura (--resume) o quite lo que no le pertenece</translation>
+        <location filename="../../core/dataset/labels.py"/>
+        <source>frame {0}: {1} cannot hold all positions, such as {2}; choose {3}</source>
+        <translation>sistema {0}: {1} no abarca todas las posiciones, como {2}; elija {3}</translation>
     </message>
     <message>
         <location filename="../../core/dataset/labels.py"/>
@@ -5143,6 +5148,26 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/dataset/labels.py"/>
+        <source>scaler: has {0} means and {1} scales; need as many of each</source>
+        <translation>escalador: tiene {0} medias y {1} escalas; se necesitan tantas de unas como de otras</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/labels.py"/>
+        <source>scaler: mean {0}; must be finite numbers</source>
+        <translation>escalador: media {0}; deben ser números finitos</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/labels.py"/>
+        <source>scaler: scale {0}; must be finite numbers above 0</source>
+        <translation>escalador: escala {0}; deben ser números finitos mayores que 0</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/labels.py"/>
+        <source>scaler: {0} values to fit it to; needs one or more, all finite numbers</source>
+        <translation>escalador: {0} valores a los que ajustarlo; necesita uno o más, todos números finitos</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/labels.py"/>
         <source>{0}: a split was interrupted, so the parts of its map types may disagree; split again</source>
         <translation>{0}: se interrumpió una división, así que las partes de sus tipos de mapa pueden no coincidir; divida de nuevo</translation>
     </message>
@@ -5162,26 +5187,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/dataset/published.py"/>
         <source>table {0}: {1}{2}</source>
         <translation>tabla {0}: {1}{2}</translation>
-    </message>
-    <message>
-        <location filename="../../core/dataset/scaling.py"/>
-        <source>scaler: has {0} means and {1} scales; need as many of each</source>
-        <translation>escalador: tiene {0} medias y {1} escalas; se necesitan tantas de unas como de otras</translation>
-    </message>
-    <message>
-        <location filename="../../core/dataset/scaling.py"/>
-        <source>scaler: mean {0}; must be finite numbers</source>
-        <translation>escalador: media {0}; deben ser números finitos</translation>
-    </message>
-    <message>
-        <location filename="../../core/dataset/scaling.py"/>
-        <source>scaler: scale {0}; must be finite numbers above 0</source>
-        <translation>escalador: escala {0}; deben ser números finitos mayores que 0</translation>
-    </message>
-    <message>
-        <location filename="../../core/dataset/scaling.py"/>
-        <source>scaler: {0} values to fit it to; needs one or more, all finite numbers</source>
-        <translation>escalador: {0} valores a los que ajustarlo; necesita uno o más, todos números finitos</translation>
     </message>
     <message>
         <location filename="../../core/dataset/split.py"/>

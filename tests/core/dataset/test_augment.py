@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from PIL import Image
-from terrainav.core.dataset.augment import Augmentation, Change, changed
+from terrainav.core.dataset.loading.augment import Augmentation, Change, changed
 from terrainav.core.errors import InvalidInput
 
 ROOT = Path(__file__).resolve().parents[3]
@@ -164,7 +164,7 @@ def test_what_is_drawn_follows_from_seed_epoch_and_name_alone():
 DIGEST = "4b4c465f0c7e69c13d16f86f22604d1e9545fecc6e58409efdc61a43862197fc"
 PRINT_DIGEST = """
 import hashlib, sys
-from terrainav.core.dataset.augment import Augmentation
+from terrainav.core.dataset.loading.augment import Augmentation
 from PIL import Image
 whole = hashlib.sha256()
 greys = [bytes((i * k) % 251 for i in range(97 * 61)) for k in (3, 7, 11)]

@@ -14,12 +14,10 @@ from PIL import Image
 from pyproj import Geod
 from terrainav.core.capture.runner import capture
 from terrainav.core.dataset import ground
-from terrainav.core.dataset.blocks import near
-from terrainav.core.dataset.choices import PARTS
-from terrainav.core.dataset.ground import Boxes
-from terrainav.core.dataset.parts import GAP, part_of
+from terrainav.core.dataset.folder import PARTS
+from terrainav.core.dataset.ground import Boxes, near
 from terrainav.core.dataset.split import split
-from terrainav.core.dataset.table import Table
+from terrainav.core.dataset.table import GAP, Table, part_of
 from terrainav.core.errors import InvalidInput
 from terrainav.core.geodesy.ellipsoid import trace
 from terrainav.core.geodesy.footprint import image_points

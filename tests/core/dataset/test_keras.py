@@ -25,7 +25,7 @@ def folder(tmp_path):
 
 
 def keras_dataset(folder, *sizes, **choice):
-    from terrainav.core.dataset.keras_loader import KerasDataset
+    from terrainav.core.dataset.loading.keras_loader import KerasDataset
 
     return KerasDataset(folder, *sizes, **choice)
 
@@ -112,7 +112,7 @@ def test_without_keras_one_line_says_so(folder, monkeypatch):
 
 
 def test_the_module_has_nothing_else():
-    from terrainav.core.dataset import keras_loader
+    from terrainav.core.dataset.loading import keras_loader
 
     assert keras_loader.KerasDataset is keras_loader.KerasDataset
     with pytest.raises(AttributeError, match="KerasData"):

@@ -14,11 +14,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 from PIL import Image
-from terrainav.core.dataset.augment import Augmentation
-from terrainav.core.dataset.dataset import read_dataset
-from terrainav.core.dataset.decode import open_image
+from terrainav.core.dataset.dataset import open_image, read_dataset
 from terrainav.core.dataset.labels import labels_of
-from terrainav.core.dataset.loading import Batches, Samples, chunks, optional_module
+from terrainav.core.dataset.loading import Batches, Samples
+from terrainav.core.dataset.loading.augment import Augmentation
+from terrainav.core.dataset.loading.batches import chunks, optional_module
 from terrainav.core.errors import InvalidInput, OutputError
 
 from tests.support.command import command

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from terrainav.core.dataset.scaling import Scaler
+from terrainav.core.dataset.labels import Scaler
 from terrainav.core.errors import InvalidInput
 
 metres = st.floats(-2e7, 2e7)

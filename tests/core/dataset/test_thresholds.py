@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from terrainav.core.dataset.thresholds import otsu
+from terrainav.core.dataset.entropy import otsu
 
 
 def within_group_variance(values, threshold):

@@ -25,7 +25,7 @@ def folder(tmp_path):
 
 
 def torch_dataset(folder, **choice):
-    from terrainav.core.dataset.torch_loader import TorchDataset
+    from terrainav.core.dataset.loading.torch_loader import TorchDataset
 
     return TorchDataset(folder, **choice)
 
@@ -127,7 +127,7 @@ def test_without_pytorch_one_line_says_so(folder, monkeypatch):
 
 
 def test_the_module_has_nothing_else():
-    from terrainav.core.dataset import torch_loader
+    from terrainav.core.dataset.loading import torch_loader
 
     assert torch_loader.TorchDataset is torch_loader.TorchDataset
     with pytest.raises(AttributeError, match="TorchData"):

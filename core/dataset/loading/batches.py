@@ -16,15 +16,12 @@ from typing import Any, Union
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import InvalidInput, OutputError
+from ...errors import InvalidInput, OutputError
+from ..dataset import Dataset, ImageSet, open_image, read_dataset, some
+from ..folder import PARTS, TABLE_FILE, TRAIN
+from ..labels import LABELS_FILE, Labels, labels_of_tables
+from ..table import GAP, part_of, taken
 from .augment import Augmentation
-from .choices import PARTS, TRAIN
-from .dataset import Dataset, ImageSet, read_dataset
-from .decode import open_image
-from .folder import TABLE_FILE
-from .images import some
-from .labels import LABELS_FILE, Labels, labels_of_tables
-from .parts import GAP, part_of, taken
 
 Indices = Union[Sequence[int], NDArray[np.int64]]
 

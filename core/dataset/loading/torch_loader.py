@@ -9,9 +9,10 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import InvalidInput
-from .dataset import Dataset
-from .loading import Samples, chunks, optional_module
+from ...errors import InvalidInput
+from ..dataset import Dataset
+from . import Samples
+from .batches import chunks, optional_module
 
 
 class _Order:

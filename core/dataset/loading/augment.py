@@ -20,7 +20,7 @@ from typing import NamedTuple
 
 from PIL import Image
 
-from ..errors import InvalidInput
+from ...errors import InvalidInput
 
 #: Steps of the coefficients in 1 / px: 320 px from the centre they are off by 0.003 px at most.
 _STEPS = 65536

@@ -9,8 +9,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .dataset import Dataset
-from .loading import Samples, chunks, optional_module
+from ..dataset import Dataset
+from . import Samples
+from .batches import chunks, optional_module
 
 
 class _KerasSamples:
