@@ -35,6 +35,20 @@ from .vbn import read_vbn
 VBN_MAP_TYPE = "camera"
 #: Pillow's modes by the channels that are asked for.
 _MODES = {1: "L", 3: "RGB"}
+#: Files that one message names.
+_NAMED = 3
+#: What Pillow raises for a file that is no whole image, or too large a one.
+UNREADABLE = (OSError, ValueError, SyntaxError, Image.DecompressionBombError)
+#: Of Pillow's modes, those with eight bits or less: grey, and all that becomes RGB.
+_GREY, _COLOUR = (
+    ("1", "L", "LA", "La"),
+    ("RGB", "RGBA", "RGBa", "RGBX", "P", "PA", "CMYK", "YCbCr", "LAB", "HSV"),
+)
+#: A JPEG is decoded at half, a quarter or an eighth of its size where that is still so many times the size asked for;
+#: with less, the result begins to differ from that of the whole one.
+_SPARE = 2
+#: A size that is not known.
+_UNKNOWN_PX = (math.nan, math.nan)
 
 
 @dataclass(frozen=True, eq=False)
@@ -194,10 +208,6 @@ def _only(dataset: Dataset, map_types: Collection[str] | None) -> Dataset:
     if map_types is None:
         return dataset
     return Dataset(dataset.folder, dataset.layout, {one: dataset.image_set(one) for one in map_types})
-
-
-#: Files that one message names.
-_NAMED = 3
 
 
 @dataclass(frozen=True)
@@ -364,20 +374,6 @@ def some(names: Sequence[str]) -> str:
 
 def _is(names: Sequence[str]) -> str:
     return "is" if len(names) == 1 else "are"
-
-
-#: What Pillow raises for a file that is no whole image, or too large a one.
-UNREADABLE = (OSError, ValueError, SyntaxError, Image.DecompressionBombError)
-#: Of Pillow's modes, those with eight bits or less: grey, and all that becomes RGB.
-_GREY, _COLOUR = (
-    ("1", "L", "LA", "La"),
-    ("RGB", "RGBA", "RGBa", "RGBX", "P", "PA", "CMYK", "YCbCr", "LAB", "HSV"),
-)
-#: A JPEG is decoded at half, a quarter or an eighth of its size where that is still so many times the size asked for;
-#: with less, the result begins to differ from that of the whole one.
-_SPARE = 2
-#: A size that is not known.
-_UNKNOWN_PX = (math.nan, math.nan)
 
 
 def open_image(

@@ -20,6 +20,9 @@ from .table import Table
 
 #: Pixels made grey at a time: more than that no longer fit the processor's cache, and take three times as long.
 _BAND_PX = 1 << 19
+Floats = NDArray[np.float64]
+#: What long work tells of: the share done, 0 to 1; an answer of False stops it.
+Report = Callable[[float], bool]
 
 
 def entropy(image: NDArray[np.uint8]) -> float:
@@ -98,12 +101,6 @@ def otsu(values: NDArray[np.float64]) -> float | None:
     means = sums[gaps] / below, (sums[-1] - sums[gaps]) / above
     best = gaps[np.argmax(below * above * (means[1] - means[0]) ** 2)]
     return float((ordered[best] + ordered[best + 1]) / 2.0)
-
-
-Floats = NDArray[np.float64]
-
-#: What long work tells of: the share done, 0 to 1; an answer of False stops it.
-Report = Callable[[float], bool]
 
 
 @dataclass(frozen=True, eq=False)

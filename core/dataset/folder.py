@@ -28,6 +28,18 @@ _OVERLAP = re.compile(r"_\d+(\.\d+)?")
 SUPPLEMENT_FOLDER = "JPG2"
 #: Beside a table of the published dataset: the folder of its images.
 _RASTERS = "raster_images_*"
+#: The paper's: in its dataset, images below it lack significant detail.
+DEFAULT_ENTROPY = 2.1
+#: How folders of datasets may be laid out: ours and the paper's published ones, and the Night Vision supplement's.
+LAYOUTS = ("TerrAInav", "VBN")
+TRAIN, VALIDATION, TEST = PARTS = ("train", "validation", "test")
+#: The paper's.
+SHARES = (0.8, 0.1, 0.1)
+SEED = 2024
+#: How images are put in order, or by what they are split.
+WAYS = ("shuffled", "in-order", "blocks")
+#: Frames of labels that are chosen by name; else a code ``EPSG:…``.
+FRAMES = ("utm", "mercator", "mission")
 
 
 def map_type_folders(folder: str | os.PathLike[str]) -> dict[str, Path]:
@@ -134,17 +146,3 @@ def _listed(folder: Path) -> set[str]:
     except OSError as wrong:
         raise InvalidInput(f"folder {folder}: cannot be read ({wrong.strerror})") from wrong
     return found
-
-
-#: The paper's: in its dataset, images below it lack significant detail.
-DEFAULT_ENTROPY = 2.1
-#: How folders of datasets may be laid out: ours and the paper's published ones, and the Night Vision supplement's.
-LAYOUTS = ("TerrAInav", "VBN")
-TRAIN, VALIDATION, TEST = PARTS = ("train", "validation", "test")
-#: The paper's.
-SHARES = (0.8, 0.1, 0.1)
-SEED = 2024
-#: How images are put in order, or by what they are split.
-WAYS = ("shuffled", "in-order", "blocks")
-#: Frames of labels that are chosen by name; else a code ``EPSG:…``.
-FRAMES = ("utm", "mercator", "mission")

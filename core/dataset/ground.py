@@ -44,6 +44,20 @@ _FRAMES = 4096
 #: By this share of its size a camera frame's box is larger on each side: an edge bends between its points by a
 #: thousandth of its length at most, and kernels reach some pixels beyond an image's edge.
 _MARGIN = 1.0 / 32.0
+Numbers = NDArray[np.int64]
+#: Length of the equator, and of a degree of latitude on average, metres: for sizes of blocks, which are nominal.
+_EQUATOR_M, _DEGREE_M = 40_075_017.0, 111_195.0
+#: Below the ellipsoid's smallest radius of curvature, 6335 km: distances that are turned to angles come out too large.
+_RADIUS_M = 6_330_000.0
+#: Of a block: to this share centres are rounded, which in regular missions often lie right on a border, so that each
+#: machine finds the same one of two blocks.
+_ROUNDED = 2.0**-20
+#: Pairs that are compared at a time, to bound memory: some 100 MB.
+_PAIRS = 2_000_000
+#: Images whose sizes differ by less than this are looked for in one go.
+_ALIKE = 4.0
+#: Times that blocks are chosen anew, as images that are taken out change what the shares are of.
+_ROUNDS = 6
 
 
 class Boxes(NamedTuple):
@@ -234,23 +248,6 @@ def _corners(plan: Path, names: Sequence[str]) -> Floats:
     if missing:
         raise InvalidInput(f"{plan}: has no row of {next(iter(missing))}; put back the capture's own")
     return corners.reshape(-1, len(_CORNERS), 2)
-
-
-Numbers = NDArray[np.int64]
-
-#: Length of the equator, and of a degree of latitude on average, metres: for sizes of blocks, which are nominal.
-_EQUATOR_M, _DEGREE_M = 40_075_017.0, 111_195.0
-#: Below the ellipsoid's smallest radius of curvature, 6335 km: distances that are turned to angles come out too large.
-_RADIUS_M = 6_330_000.0
-#: Of a block: to this share centres are rounded, which in regular missions often lie right on a border, so that each
-#: machine finds the same one of two blocks.
-_ROUNDED = 2.0**-20
-#: Pairs that are compared at a time, to bound memory: some 100 MB.
-_PAIRS = 2_000_000
-#: Images whose sizes differ by less than this are looked for in one go.
-_ALIKE = 4.0
-#: Times that blocks are chosen anew, as images that are taken out change what the shares are of.
-_ROUNDS = 6
 
 
 def largest_side_m(boxes: Boxes) -> float:

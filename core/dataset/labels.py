@@ -38,6 +38,20 @@ LABELS_FILE = "labels.json"
 NAMES = ("easting_m", "northing_m")
 #: What stands in the file while a split is being written: where it is left, parts of map types may disagree.
 _UNFINISHED = '{"unfinished": "split"}\n'
+MERCATOR = "EPSG:3857"
+#: Where UTM ends and the Universal Polar Stereographic system begins, degrees (NGA.SIG.0012).
+_UTM_NORTH_DEG, _UTM_SOUTH_DEG = 84.0, -80.0
+#: WGS 84 / UPS with easting before northing.
+_UPS_NORTH, _UPS_SOUTH = "EPSG:5041", "EPSG:5042"
+#: Most that a position may be off after the way to a frame and back, metres: projections in their domain keep
+#: nanometres, shifts between datums, and an oblique plane beside a pole, some tenths of a millimetre.
+_ROUND_TRIP_M = 1e-3
+#: Most that a frame may enlarge the distance from the middle; Web Mercator enlarges 11.6 times where its map ends.
+#: A frame whose seam parts the images enlarges far more.
+_MOST_ENLARGED = 16.0
+#: Labels that spread less than this, in their unit, are all the same: for metres, a thousandth of a millimetre is noise
+#: of the projection, and to enlarge it to a standard deviation of 1 would teach noise.
+CONSTANT = 1e-6
 
 
 @dataclass(frozen=True)
@@ -212,19 +226,6 @@ def labels_of_tables(tables: Iterable[Table], frame: str = "utm") -> Labels:
     return labels_of(lat, lon, frame, training=training if training.any() else None)
 
 
-MERCATOR = "EPSG:3857"
-#: Where UTM ends and the Universal Polar Stereographic system begins, degrees (NGA.SIG.0012).
-_UTM_NORTH_DEG, _UTM_SOUTH_DEG = 84.0, -80.0
-#: WGS 84 / UPS with easting before northing.
-_UPS_NORTH, _UPS_SOUTH = "EPSG:5041", "EPSG:5042"
-#: Most that a position may be off after the way to a frame and back, metres: projections in their domain keep
-#: nanometres, shifts between datums, and an oblique plane beside a pole, some tenths of a millimetre.
-_ROUND_TRIP_M = 1e-3
-#: Most that a frame may enlarge the distance from the middle; Web Mercator enlarges 11.6 times where its map ends.
-#: A frame whose seam parts the images enlarges far more.
-_MOST_ENLARGED = 16.0
-
-
 @dataclass(frozen=True)
 class Frame:
     """A plane in metres, and the place that its longitudes are continuous with.
@@ -392,11 +393,6 @@ def _crs(code: str) -> CRS:
 def _transformer(code: str) -> Transformer:
     """From longitude and latitude on WGS84; costly to make, and used by one thread at a time."""
     return Transformer.from_crs(CRS.from_epsg(4326), _crs(code), always_xy=True)
-
-
-#: Labels that spread less than this, in their unit, are all the same: for metres, a thousandth of a millimetre is noise
-#: of the projection, and to enlarge it to a standard deviation of 1 would teach noise.
-CONSTANT = 1e-6
 
 
 @dataclass(frozen=True)

@@ -45,6 +45,10 @@ _FAULTS_NAMED = 3
 _BLOCK_BYTES = 1 << 20
 #: What some editors put before UTF-8.
 _MARK = "\ufeff"
+#: Column of the table: the part of an image. A table that has none is not split.
+SPLIT = "split"
+#: In place of a part: an image that is in none, as its ground is shared with another part or is too near to one.
+GAP = "gap"
 
 
 @dataclass(frozen=True, eq=False)
@@ -345,12 +349,6 @@ def _column(
         elif name in _WHOLE and not values[index].is_integer():
             faults.append((line, f"has {header} {cell!r}, not a whole number"))
     return values.astype(np.int64) if name in _WHOLE and not faults else values
-
-
-#: Column of the table: the part of an image. A table that has none is not split.
-SPLIT = "split"
-#: In place of a part: an image that is in none, as its ground is shared with another part or is too near to one.
-GAP = "gap"
 
 
 def part_of(table: Table) -> tuple[str, ...] | None:

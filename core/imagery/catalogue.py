@@ -16,6 +16,10 @@ from .placeholder import Placeholder
 from .policy import Policy
 from .template import KEY_ENV, Template, environment_key
 
+FILE = "sources.json"
+#: Zooms of a template of which nothing is said.
+DEFAULT_MAX_ZOOM = 22
+
 
 class CatalogueName(EntrySource):
     """A source by its name in the catalogue or among the user's own."""
@@ -148,11 +152,6 @@ def check_policy(
     """
     instead = alternatives(map_types or source.map_types, bounds_deg) if source.policy.stops(requests) else ()
     source.policy.check(source.title, requests, accept_terms, instead)
-
-
-FILE = "sources.json"
-#: Zooms of a template of which nothing is said.
-DEFAULT_MAX_ZOOM = 22
 
 
 class Shelf(NamedTuple):

@@ -26,6 +26,32 @@ _NAMED = 6
 _FORMS = {"day": "YYYY-MM-DD", "year": "YYYY"}
 #: Steps of a time dimension (ISO 8601) that are a day or a year.
 _STEPS = {"P1D": "day", "P1Y": "year"}
+#: Kinds of pixels, and the module that has each: its `open_entry` makes a source of an entry. Named and not imported,
+#: as what they need is large, and the world stands above this room.
+PIXELS = {"world": "..world.source", "xyz": ".xyz", "static-map": ".staticmap"}
+#: What grids have beside tiles and zooms: Static Maps limits its pictures, and keeps so many decimals of their centres.
+_GRIDS: dict[str, dict[str, Any]] = {"static-map": {"max_size_px": 640, "centre_decimals": 6}}
+#: West, south, east and north of the whole map.
+WORLD_DEG = (-180.0, -90.0, 180.0, 90.0)
+#: What every entry states.
+_NEEDED = ("title", "kind", "min_zoom", "max_zoom", "native_zoom")
+_TEXT = ((str,), "text of one line")
+_WHOLE = ((int,), "a whole number")
+_LIST = ((list, tuple), "a list")
+_OBJECT = ((Mapping,), "an object")
+#: Types of what an entry states, and words for them.
+_KINDS_OF: dict[str, tuple[tuple[type, ...], str]] = {
+    **dict.fromkeys(("title", "kind", "area", "attribution", "key_env", "signing_env"), _TEXT),
+    **dict.fromkeys(("bulk_allowed", "licence", "terms", "terms_url"), _TEXT),
+    **dict.fromkeys(("min_zoom", "max_zoom", "native_zoom", "max_tiles", "max_connections"), _WHOLE),
+    "requests_per_s": ((int, float), "a number"),
+    "cache_allowed": ((bool,), "true or false"),
+    **dict.fromkeys(("map_types", "hosts", "tile_px", "bounds_deg", "levels"), _LIST),
+    **dict.fromkeys(("urls", "dates", "placeholder"), _OBJECT),
+}
+#: What names of sources look like.
+NAME = re.compile(r"[a-z0-9][a-z0-9_-]{0,63}")
+_VARIABLE = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
 
 
 @dataclass(frozen=True)
@@ -143,34 +169,6 @@ def dates_of_dimension(values: Iterable[str], default: str) -> Dates | None:
     ):
         return Dates(kind, first, default or last, last)
     return Dates("any", first, default, last)
-
-
-#: Kinds of pixels, and the module that has each: its `open_entry` makes a source of an entry. Named and not imported,
-#: as what they need is large, and the world stands above this room.
-PIXELS = {"world": "..world.source", "xyz": ".xyz", "static-map": ".staticmap"}
-#: What grids have beside tiles and zooms: Static Maps limits its pictures, and keeps so many decimals of their centres.
-_GRIDS: dict[str, dict[str, Any]] = {"static-map": {"max_size_px": 640, "centre_decimals": 6}}
-#: West, south, east and north of the whole map.
-WORLD_DEG = (-180.0, -90.0, 180.0, 90.0)
-#: What every entry states.
-_NEEDED = ("title", "kind", "min_zoom", "max_zoom", "native_zoom")
-_TEXT = ((str,), "text of one line")
-_WHOLE = ((int,), "a whole number")
-_LIST = ((list, tuple), "a list")
-_OBJECT = ((Mapping,), "an object")
-#: Types of what an entry states, and words for them.
-_KINDS_OF: dict[str, tuple[tuple[type, ...], str]] = {
-    **dict.fromkeys(("title", "kind", "area", "attribution", "key_env", "signing_env"), _TEXT),
-    **dict.fromkeys(("bulk_allowed", "licence", "terms", "terms_url"), _TEXT),
-    **dict.fromkeys(("min_zoom", "max_zoom", "native_zoom", "max_tiles", "max_connections"), _WHOLE),
-    "requests_per_s": ((int, float), "a number"),
-    "cache_allowed": ((bool,), "true or false"),
-    **dict.fromkeys(("map_types", "hosts", "tile_px", "bounds_deg", "levels"), _LIST),
-    **dict.fromkeys(("urls", "dates", "placeholder"), _OBJECT),
-}
-#: What names of sources look like.
-NAME = re.compile(r"[a-z0-9][a-z0-9_-]{0,63}")
-_VARIABLE = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
 
 
 @dataclass(frozen=True)

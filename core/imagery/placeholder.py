@@ -22,6 +22,18 @@ PLACEHOLDER_REASON = "no imagery here: the provider's placeholder picture"
 #: Digits of a SHA-256 that name a file as surely as all 64 do, unless somebody makes another for the purpose.
 DIGEST_DIGITS = 16
 _DIGEST = re.compile(rf"[0-9a-f]{{{DIGEST_DIGITS},64}}")
+#: Called with a part and the file that its pixels were read of.
+Received = Callable[[Window, bytes], object]
+#: Places with the same file that are worth telling of.
+_LEAST_PLACES = 3
+#: Widths of a part that the farthest of them lie apart at least, from west to east or from north to south: nearer ones
+#: may be a pond. Tiles lie whole widths apart, so that no rounding decides. Where all of a run is narrower, they lie as
+#: far apart as it is wide.
+_FAR_PARTS = 3.5
+_DIGEST_BYTES = DIGEST_DIGITS // 2
+#: A place and its file: the digest's first bytes, and the part's place.
+_PLACE = np.dtype([("digest", ">u8"), ("zoom", "<i4"), ("left", "<f8"), ("top", "<f8"), ("width", "<f8")])
+Places = NDArray[np.void]
 
 
 @dataclass(frozen=True)
@@ -76,10 +88,6 @@ class Placeholder:
                 raise PartError("no imagery here: a picture of one colour, rgb({}, {}, {})".format(*colour))
 
 
-#: Called with a part and the file that its pixels were read of.
-Received = Callable[[Window, bytes], object]
-
-
 @runtime_checkable
 class Provided(Protocol):
     """A source whose parts are files of a provider.
@@ -94,20 +102,6 @@ class Provided(Protocol):
 
     placeholder: Placeholder
     received: Received | None
-
-
-#: Places with the same file that are worth telling of.
-_LEAST_PLACES = 3
-#: Widths of a part that the farthest of them lie apart at least, from west to east or from north to south: nearer ones
-#: may be a pond. Tiles lie whole widths apart, so that no rounding decides. Where all of a run is narrower, they lie as
-#: far apart as it is wide.
-_FAR_PARTS = 3.5
-_DIGEST_BYTES = DIGEST_DIGITS // 2
-
-#: A place and its file: the digest's first bytes, and the part's place.
-_PLACE = np.dtype([("digest", ">u8"), ("zoom", "<i4"), ("left", "<f8"), ("top", "<f8"), ("width", "<f8")])
-
-Places = NDArray[np.void]
 
 
 class Repeats:

@@ -47,6 +47,8 @@ _KEY_NAMES = re.compile(
     r"|((id|refresh|session|bearer|user)[-_]?)?token|user[-_]?key",
     re.IGNORECASE,
 )
+#: Environment variable with the hosts that the key is for, with commas or spaces between them.
+HOSTS_ENV = "TERRAINAV_KEY_HOSTS"
 
 
 @dataclass(frozen=True)
@@ -235,10 +237,6 @@ def bbox(z: int, x: int, y: int) -> str:
     # From the grid's lines on both sides, so that neighbours share an edge to the last digit.
     edges = (west, HALF_WORLD_M - (y + 1) * size_m, (x + 1) * size_m - HALF_WORLD_M, north)
     return ",".join(repr(edge) for edge in edges)
-
-
-#: Environment variable with the hosts that the key is for, with commas or spaces between them.
-HOSTS_ENV = "TERRAINAV_KEY_HOSTS"
 
 
 def environment_key(hosts: Iterable[str], *, named_by_user: bool) -> str | None:

@@ -22,6 +22,7 @@ RURAL_PER_SETTLED = 1.6
 
 _ROCK = (122, 112, 102)
 _SNOW = (240, 244, 250)
+_SEA_DEEP, _SEA_MID, _SEA_SHORE = (9, 26, 52), (20, 56, 86), (66, 118, 128)
 
 
 def _stops(x: Array, stops: tuple[float, ...]) -> list[Array]:
@@ -91,9 +92,6 @@ def wateriness(f: dict[str, Array]) -> Array:
         smoothstep(-0.6, 0.1, f["wet"]) * smoothstep(0.12, 0.24, f["heat"])
         * (np.float32(1) - np.float32(0.6) * smoothstep(0.2, 0.6, f["rough"]))
     )  # fmt: skip
-
-
-_SEA_DEEP, _SEA_MID, _SEA_SHORE = (9, 26, 52), (20, 56, 86), (66, 118, 128)
 
 
 def sea_colour(f: dict[str, Array]) -> Array:

@@ -22,6 +22,49 @@ BORDER, HEDGE, TRACK, LANE, ROAD, MAIN = range(6)
 HALF_WIDTH_M = (0.0, 2.5, 1.6, 3.2, 5.0, 8.0)
 
 FARM, WILD, TOWN = range(3)
+CROPS = (  # colour, weight on moist and on dry land, strength of its stripes, and of its speckle
+    ((118, 132, 66), 0.16, 0.04, 0.05, 0.10),  # pasture
+    ((86, 116, 52), 0.17, 0.05, 0.10, 0.06),  # maize
+    ((104, 136, 62), 0.14, 0.06, 0.10, 0.06),  # young grain
+    ((184, 162, 104), 0.13, 0.16, 0.07, 0.05),  # ripe grain
+    ((202, 186, 136), 0.08, 0.18, 0.10, 0.06),  # stubble
+    ((138, 114, 84), 0.10, 0.16, 0.09, 0.09),  # bare soil
+    ((112, 92, 70), 0.06, 0.05, 0.08, 0.08),  # moist soil
+    ((166, 146, 108), 0.05, 0.20, 0.05, 0.11),  # fallow
+    ((70, 104, 50), 0.07, 0.06, 0.13, 0.05),  # beans
+    ((198, 188, 82), 0.02, 0.01, 0.06, 0.05),  # rape in flower
+    ((142, 146, 90), 0.02, 0.03, 0.05, 0.10),  # meadow
+)
+TOWN_MEAN = (118, 122, 100)
+_LAWN, _YARD = (106, 122, 70), (146, 140, 126)
+_ROOFS = (
+    (146, 138, 130),
+    (112, 106, 102),
+    (164, 122, 98),
+    (178, 168, 154),
+    (132, 92, 74),
+    (196, 194, 190),
+    (96, 98, 104),
+    (154, 112, 88),
+)
+_HALL_ROOFS = ((196, 196, 194), (168, 170, 172), (142, 146, 152), (214, 212, 206))
+_LEAST_PLOT_M, HALL_M = 15.0, 46.0
+ROOT = 13
+"""Main roads bound squares of this level: 4.9 km."""
+
+_LEFT, _RIGHT, _TOP, _BOTTOM = range(4)
+_MAX_DEPTH = 22
+_TOWN_LATTICES = (  # level, share of the lattice's points with a town, least and largest radius in m
+    (10, 0.55, 1800.0, 5200.0),
+    (13, 0.60, 260.0, 1500.0),
+    (15, 0.10, 110.0, 300.0),
+)
+ROOT_M = WORLD_M / (1 << ROOT)
+_LEAST_PX = 3.0
+"""Pieces are divided while the halves are wider than this."""
+
+WHOLE_ZOOM = 14
+"""From this zoom on a tile touches few squares, which are divided whole and remembered."""
 
 
 @dataclass(frozen=True)
@@ -54,35 +97,6 @@ class Leaves:
     def length(self) -> Array:
         """Extent southward in m."""
         return self.y1 - self.y0
-
-
-CROPS = (  # colour, weight on moist and on dry land, strength of its stripes, and of its speckle
-    ((118, 132, 66), 0.16, 0.04, 0.05, 0.10),  # pasture
-    ((86, 116, 52), 0.17, 0.05, 0.10, 0.06),  # maize
-    ((104, 136, 62), 0.14, 0.06, 0.10, 0.06),  # young grain
-    ((184, 162, 104), 0.13, 0.16, 0.07, 0.05),  # ripe grain
-    ((202, 186, 136), 0.08, 0.18, 0.10, 0.06),  # stubble
-    ((138, 114, 84), 0.10, 0.16, 0.09, 0.09),  # bare soil
-    ((112, 92, 70), 0.06, 0.05, 0.08, 0.08),  # moist soil
-    ((166, 146, 108), 0.05, 0.20, 0.05, 0.11),  # fallow
-    ((70, 104, 50), 0.07, 0.06, 0.13, 0.05),  # beans
-    ((198, 188, 82), 0.02, 0.01, 0.06, 0.05),  # rape in flower
-    ((142, 146, 90), 0.02, 0.03, 0.05, 0.10),  # meadow
-)
-TOWN_MEAN = (118, 122, 100)
-_LAWN, _YARD = (106, 122, 70), (146, 140, 126)
-_ROOFS = (
-    (146, 138, 130),
-    (112, 106, 102),
-    (164, 122, 98),
-    (178, 168, 154),
-    (132, 92, 74),
-    (196, 194, 190),
-    (96, 98, 104),
-    (154, 112, 88),
-)
-_HALL_ROOFS = ((196, 196, 194), (168, 170, 172), (142, 146, 152), (214, 212, 206))
-_LEAST_PLOT_M, HALL_M = 15.0, 46.0
 
 
 @dataclass(frozen=True)
@@ -203,26 +217,6 @@ def _along(room: Array, size: Array, setback: Array, r: Array, near_side: Array)
     slack = np.maximum(room - size - 2 * setback, 0.0)
     start = np.minimum(setback, np.maximum(0.5 * (room - size), 0.0))
     return np.asarray(start + slack * np.where(near_side, np.where(r > 0.5, 0.985 + 0.015 * r, 0.015 * r), r))
-
-
-ROOT = 13
-"""Main roads bound squares of this level: 4.9 km."""
-
-_LEFT, _RIGHT, _TOP, _BOTTOM = range(4)
-_MAX_DEPTH = 22
-_TOWN_LATTICES = (  # level, share of the lattice's points with a town, least and largest radius in m
-    (10, 0.55, 1800.0, 5200.0),
-    (13, 0.60, 260.0, 1500.0),
-    (15, 0.10, 110.0, 300.0),
-)
-
-
-ROOT_M = WORLD_M / (1 << ROOT)
-_LEAST_PX = 3.0
-"""Pieces are divided while the halves are wider than this."""
-
-WHOLE_ZOOM = 14
-"""From this zoom on a tile touches few squares, which are divided whole and remembered."""
 
 
 @dataclass(frozen=True)

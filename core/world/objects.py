@@ -20,6 +20,24 @@ _EXACT_PIXEL_M = 2.5
 
 _REACH_M = 8.0
 """Nothing of a building, its shadow or the trees it keeps off is farther away."""
+LEVEL = 22
+"""Cells of 9.6 m hold a crown each."""
+
+FIRST_ZOOM = 15
+"""From here on crowns are drawn one by one, before as an even canopy."""
+
+CELL_M = WORLD_M / (1 << LEVEL)
+CANOPY = (50, 68, 40)
+_MEAN_LIGHT = 0.86
+"""Mean lightness of a crown, by which its colour is divided so that woods are as dark from afar as near."""
+
+_SHADOW_M, _SHADOW = 2.6, (18, 24, 22)
+_HUES = (30.0, 16.0, 4.0)
+_WOODED = 0.9
+"""A greater chance than this means a wood: crowns are wide and touch."""
+
+_DENSE = 0.25
+"""Below this share of cells with a tree it is quicker to gather those."""
 
 
 @dataclass(frozen=True)
@@ -105,26 +123,6 @@ def footprints(parcels: Parcels) -> Footprints | None:
         parcels.y - parcels.local(y0, 1),
         parcels.local(y1, 1) - parcels.y,
     )
-
-
-LEVEL = 22
-"""Cells of 9.6 m hold a crown each."""
-
-FIRST_ZOOM = 15
-"""From here on crowns are drawn one by one, before as an even canopy."""
-
-CELL_M = WORLD_M / (1 << LEVEL)
-CANOPY = (50, 68, 40)
-_MEAN_LIGHT = 0.86
-"""Mean lightness of a crown, by which its colour is divided so that woods are as dark from afar as near."""
-
-_SHADOW_M, _SHADOW = 2.6, (18, 24, 22)
-_HUES = (30.0, 16.0, 4.0)
-_WOODED = 0.9
-"""A greater chance than this means a wood: crowns are wide and touch."""
-
-_DENSE = 0.25
-"""Below this share of cells with a tree it is quicker to gather those."""
 
 
 @dataclass(frozen=True)

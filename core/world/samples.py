@@ -18,6 +18,8 @@ import numpy as np
 
 from .lattice import TILE_PX, WORLD_M, Array, Window
 
+Result = TypeVar("Result")
+
 
 def _taps(f: Array, derivative: bool) -> tuple[Array, Array, Array, Array]:
     """Weights of the four coefficients around fractions `f` (float32) of a cell: values, or slopes per cell."""
@@ -413,9 +415,6 @@ class Points(Samples):
         i, j = np.floor(column), np.floor(row)
         fx, fy = (column - i).astype(np.float32), (row - j).astype(np.float32)
         return PointCells(level, i.astype(np.int64), j.astype(np.int64), fx, fy, self.shape)
-
-
-Result = TypeVar("Result")
 
 
 class _Place(Generic[Result]):

@@ -27,6 +27,7 @@ _PAINTERS: dict[str, Callable[[Scene], Canvas]] = {
     "roadmap": roadmap,
     "terrain": terrain,
 }
+_KEPT_BYTES = 1 << 24
 
 
 def _painter(style: str) -> Callable[[Scene], Canvas]:
@@ -126,9 +127,6 @@ class World:
         if not (0 <= x < 1 << zoom and 0 <= y < 1 << zoom):
             raise InvalidInput(f"tile x {x}, y {y} at zoom {zoom}: both must be from 0 to {(1 << zoom) - 1}")
         return painter(Scene(self.seed, Grid(int(zoom), int(x), int(y)))).rounded()
-
-
-_KEPT_BYTES = 1 << 24
 
 
 class WorldSource:

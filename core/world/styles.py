@@ -22,6 +22,31 @@ _STRIPE_COUNT = 8192
 _STRIPES_PER_PX = 4
 _STRIPES = ((48.0, 0.5), (22.0, 0.55), (9.0, 0.6), (4.2, 0.55), (2.0, 0.5), (0.9, 0.45), (0.4, 0.4))
 """Spacing in metres and strength of the bands of which field stripes are made."""
+_HEDGE, _SOIL_TRACK = (62, 80, 44), (176, 156, 122)
+_ASPHALT = {LANE: (150, 146, 140), ROAD: (128, 126, 124), MAIN: (112, 112, 112)}
+_VERGE = (138, 138, 92)
+_MARKING, _MOTORWAY = (224, 206, 130), (134, 132, 130)
+_RIVER = (62, 84, 82)
+_LAKE = (44, 66, 76)
+_SHADOW, _SHADOW_M = (26, 30, 34), 2.6
+_FLOOR = (44, 52, 32)
+LAND = (242, 240, 233)
+WATER = (156, 200, 227)
+WOOD = (196, 224, 186)
+RESIDENTIAL = (229, 227, 224)
+BUILDING, BUILDING_EDGE = (206, 202, 197), (176, 170, 164)
+TRACK_INK, CASING = (214, 204, 186), (201, 196, 188)
+STREET, ROAD_FILL, MAIN_FILL = (255, 255, 255), (255, 250, 208), (252, 220, 132)
+MOTORWAY_FILL = (245, 176, 106)
+_CASING_M = 1.4
+_TINTS = (
+    (0.0, (190, 206, 172)),
+    (0.06, (206, 214, 178)),
+    (0.18, (224, 216, 176)),
+    (0.4, (212, 190, 152)),
+    (0.7, (190, 166, 142)),
+    (1.0, (236, 234, 236)),
+)
 
 
 def speckle(seed: int, samples: Samples, last_level: int) -> Array | None:
@@ -84,16 +109,6 @@ def stripes(seed: int, across_m: Array, pixel_m: float) -> Array:
     index &= _STRIPE_COUNT - 1
     out: Array = _stripe_table(seed, pixel_m).take(index.astype(np.intp), mode="clip")
     return out
-
-
-_HEDGE, _SOIL_TRACK = (62, 80, 44), (176, 156, 122)
-_ASPHALT = {LANE: (150, 146, 140), ROAD: (128, 126, 124), MAIN: (112, 112, 112)}
-_VERGE = (138, 138, 92)
-_MARKING, _MOTORWAY = (224, 206, 130), (134, 132, 130)
-_RIVER = (62, 84, 82)
-_LAKE = (44, 66, 76)
-_SHADOW, _SHADOW_M = (26, 30, 34), 2.6
-_FLOOR = (44, 52, 32)
 
 
 def satellite(scene: Scene) -> Canvas:
@@ -208,17 +223,6 @@ class _Land:
             objects.draw(canvas, cells, crowns, self.pixel_m, self.speckle, contrast, canopy)
 
 
-LAND = (242, 240, 233)
-WATER = (156, 200, 227)
-WOOD = (196, 224, 186)
-RESIDENTIAL = (229, 227, 224)
-BUILDING, BUILDING_EDGE = (206, 202, 197), (176, 170, 164)
-TRACK_INK, CASING = (214, 204, 186), (201, 196, 188)
-STREET, ROAD_FILL, MAIN_FILL = (255, 255, 255), (255, 250, 208), (252, 220, 132)
-MOTORWAY_FILL = (245, 176, 106)
-_CASING_M = 1.4
-
-
 def roadmap(scene: Scene) -> Canvas:
     """Draw the street map."""
     canvas = Canvas(LAND, scene.samples.shape)
@@ -257,16 +261,6 @@ def _draw_roads(canvas: Canvas, scene: Scene) -> None:
         d = lines[line]
         if d is not None:
             canvas.stroke(d, p, (HALF_WIDTH_M[line], 1.0, ink))
-
-
-_TINTS = (
-    (0.0, (190, 206, 172)),
-    (0.06, (206, 214, 178)),
-    (0.18, (224, 216, 176)),
-    (0.4, (212, 190, 152)),
-    (0.7, (190, 166, 142)),
-    (1.0, (236, 234, 236)),
-)
 
 
 def terrain(scene: Scene) -> Canvas:

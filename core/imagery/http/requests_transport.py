@@ -38,6 +38,10 @@ from .transport import (
 _CHUNK_BYTES = 1 << 16
 #: Hosts with a pool of connections each: a template's subdomains, and those that redirects lead to.
 _HOSTS = 64
+#: Seconds between two looks at the requests under way: well within the half second that closing may take.
+_LOOK_S = 0.1
+#: Looks at nothing before the thread goes.
+_IDLE_LOOKS = 20
 
 
 class _Host(NamedTuple):
@@ -312,12 +316,6 @@ def _pool_classes(watch: Watch, max_answer_bytes: int) -> dict[str, type[HTTPCon
         ConnectionCls = Secure
 
     return {"http": PlainPool, "https": SecurePool}
-
-
-#: Seconds between two looks at the requests under way: well within the half second that closing may take.
-_LOOK_S = 0.1
-#: Looks at nothing before the thread goes.
-_IDLE_LOOKS = 20
 
 
 class EndedError(OSError):

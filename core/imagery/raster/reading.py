@@ -21,6 +21,8 @@ Bytes = NDArray[np.uint8]
 
 #: GDAL's option for errors instead of grey where a JPEG is broken off.
 STRICT_JPEG = "GDAL_ERROR_ON_LIBJPEG_WARNING"
+#: What GDAL gives as the geotransform of a raster that has none.
+_NO_GEOTRANSFORM = (0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
 
 
 class Box(NamedTuple):
@@ -244,10 +246,6 @@ def _array(values: bytes | None, said: list[str], shape: tuple[int, ...]) -> Byt
     if said or values is None:
         raise ReadError(said[0] if said else "no values")
     return np.frombuffer(values, np.uint8).reshape(shape)
-
-
-#: What GDAL gives as the geotransform of a raster that has none.
-_NO_GEOTRANSFORM = (0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
 
 
 @contextmanager

@@ -5,6 +5,7 @@ from __future__ import annotations
 import sqlite3
 from collections import Counter
 from dataclasses import replace
+from importlib import import_module
 from urllib.parse import urlsplit
 
 import numpy as np
@@ -13,9 +14,17 @@ from PIL import Image
 from terrainav.core.errors import InvalidInput, SourceError
 from terrainav.core.imagery.cache.tile_cache import TileCache
 from terrainav.core.imagery.catalogue import add, check_policy, described, entry_named
-from terrainav.core.imagery.entry import CatalogueEntry, shipped, under_provider
+from terrainav.core.imagery.entry import PIXELS, CatalogueEntry, shipped, under_provider
 from terrainav.core.imagery.http.transport import Response
-from terrainav.core.imagery.opening import SourceOptions, is_file, kind_of, named_source, open_source
+from terrainav.core.imagery.opening import (
+    KINDS,
+    NamedSource,
+    SourceOptions,
+    is_file,
+    kind_of,
+    named_source,
+    open_source,
+)
 from terrainav.core.imagery.policy import TermsError
 from terrainav.core.imagery.source import Window
 from terrainav.core.imagery.staticmap import StaticMapSource
@@ -446,3 +455,12 @@ def test_terms_that_refuse_say_so_in_parts():
     with pytest.raises(TermsError) as raised:
         check_policy(named_source("google-static"), 10_000)
     assert raised.value.can_agree
+
+
+def test_every_kind_is_where_the_tables_say():
+    imagery = "terrainav.core.imagery"
+    for kind in KINDS:
+        assert issubclass(getattr(import_module(kind.module, imagery), kind.source), NamedSource)
+    for module in PIXELS.values():
+        assert callable(import_module(module, imagery).open_entry)
+    assert {entry.kind for entry in shipped()} <= set(PIXELS)
