@@ -14,8 +14,7 @@ from pathlib import Path
 
 from ..drawing import check_matplotlib
 from ..errors import Cancelled, InvalidInput
-from ..files import clear_partial
-from ..lock import open_locked
+from ..files import clear_partial, open_locked
 from .dataset import Images, Move
 from .entropy import Deciding, Report, deciding_entropies, otsu
 from .figures import draw_all

@@ -14,8 +14,8 @@ from typing import NamedTuple, Protocol
 
 from ...errors import TerrAInavError
 from ...limits import MAX_HEADERS
+from ...resources import version
 from ...text import one_line, whole_number
-from ...version import version
 
 PROJECT_URL = "https://github.com/terrainav/terrainav"
 #: What a body may be packed as although that was not asked for.

@@ -14,7 +14,7 @@ from terrainav.core.dataset.clean import clean, undo
 from terrainav.core.dataset.entropy import entropy
 from terrainav.core.dataset.table import REJECTED, Table
 from terrainav.core.errors import Cancelled, InvalidInput, OutputError
-from terrainav.core.lock import open_locked
+from terrainav.core.files import open_locked
 from terrainav.core.mission.area import Box
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
