@@ -10,7 +10,7 @@ from typing import Any, NamedTuple, Protocol
 
 from ..config import config_file, read_named, write_named
 from ..errors import InvalidInput
-from .entry import NAME, CatalogueEntry, shipped, under_provider
+from .entry import NAME, CatalogueEntry, shipped, shipped_data, shipped_entry, under_provider
 from .opening import EntrySource
 from .placeholder import Placeholder
 from .policy import Policy
@@ -68,16 +68,17 @@ def entry_named(name: str) -> CatalogueEntry:
     InvalidInput
         Naming those that are close.
     """
+    wanted = name.lower()
+    if wanted in shipped_data():
+        return shipped_entry(wanted)
     # The user's file, which may be broken, is read only for what is not in the catalogue.
-    entries = {entry.name: entry for entry in shipped()}
-    if name.lower() not in entries:
-        own = shelf()
-        if name.lower() in own.problems:
-            raise InvalidInput(own.problems[name.lower()])
-        entries.update((entry.name, entry) for entry in own.entries)
-    if name.lower() in entries:
-        return entries[name.lower()]
-    close = difflib.get_close_matches(name.lower(), entries, n=3, cutoff=0.5)
+    own = shelf()
+    if wanted in own.problems:
+        raise InvalidInput(own.problems[wanted])
+    entries = {entry.name: entry for entry in own.entries}
+    if wanted in entries:
+        return entries[wanted]
+    close = difflib.get_close_matches(wanted, [*shipped_data(), *entries], n=3, cutoff=0.5)
     hint = f"did you mean {' or '.join(close)}? " if close else ""
     raise InvalidInput(
         f"source {name!r} is unknown: {hint}`terrainav sources` lists the names; a file, a URL template with "
@@ -178,7 +179,7 @@ def shelf(folder: str | os.PathLike[str] | None = None) -> Shelf:
         The file cannot be read; names it.
     """
     path = config_file(FILE, folder)
-    taken = {entry.name for entry in shipped()}
+    taken = shipped_data()
     entries: list[CatalogueEntry] = []
     problems: dict[str, str] = {}
     for name, data in read_named(path, "sources").items():
@@ -285,7 +286,7 @@ def add(name: str, data: Mapping[str, Any], folder: str | os.PathLike[str] | Non
         The file cannot be written.
     """
     _check_name(name)
-    if any(entry.name == name for entry in shipped()):
+    if name in shipped_data():
         raise _of_the_catalogue(name)
     path = config_file(FILE, folder)
     known = read_named(path, "sources")
@@ -309,7 +310,7 @@ def remove(name: str, folder: str | os.PathLike[str] | None = None) -> None:
     path = config_file(FILE, folder)
     known = read_named(path, "sources")
     if name not in known:
-        if any(entry.name == name for entry in shipped()):
+        if name in shipped_data():
             raise InvalidInput(f"source {name!r}: is part of the catalogue, which stays as it is")
         raise InvalidInput(f"source {name!r}: is none of your own, which are {', '.join(known) or 'none'}")
     write_named(path, {other: data for other, data in known.items() if other != name})

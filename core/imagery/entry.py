@@ -8,7 +8,7 @@ import os
 import re
 from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass, field, fields, replace
-from functools import lru_cache
+from functools import cache, lru_cache
 from typing import Any
 from urllib.parse import quote
 
@@ -319,11 +319,11 @@ class CatalogueEntry:
         data = {name: value for name, value in data.items() if value not in (None, "", (), {}, WORLD_DEG)}
         for own, default in ((self.policy, Policy()), (self.dates, Dates("any"))):
             stated = {} if own is None else asdict(own)
-            told = {name: value for name, value in stated.items() if value != getattr(default, name)}
+            differing = {name: value for name, value in stated.items() if value != getattr(default, name)}
             if isinstance(own, Dates):
-                data["dates"] = {"kind": own.kind, **told}
+                data["dates"] = {"kind": own.kind, **differing}
             else:
-                data.update(told)
+                data.update(differing)
         return data
 
     def grid(self, tile_px: int | None = None) -> PixelGrid:
@@ -336,10 +336,6 @@ class CatalogueEntry:
         extent = extent_of_box(*self.bounds_deg) if ends else None
         more = _GRIDS.get(self.kind, {})
         return PixelGrid(size, self.min_zoom, self.max_zoom, self.native_zoom, extent=extent, **more)
-
-    def serves(self, host: str) -> bool:
-        """Whether a host is this provider's."""
-        return any(host == own or host.endswith("." + own) for own in self.hosts)
 
     def date(self, wanted: str | None) -> str:
         """Date of the imagery; empty where there is but one."""
@@ -408,15 +404,30 @@ def _check_kinds(name: str, data: Mapping[str, Any]) -> None:
                 raise InvalidInput(f"catalogue entry {name!r}: {one} with {value!r}: must be {words}")
 
 
-@lru_cache(maxsize=1)
 def shipped() -> tuple[CatalogueEntry, ...]:
     """Return the entries of ``resources/sources.json``, the embedded world first."""
-    return tuple(CatalogueEntry.from_dict(name, data) for name, data in read_json("sources.json").items())
+    return tuple(map(shipped_entry, shipped_data()))
+
+
+@lru_cache(maxsize=1)
+def shipped_data() -> Mapping[str, Mapping[str, Any]]:
+    """Return what ``resources/sources.json`` says of each source, by name."""
+    data: Mapping[str, Mapping[str, Any]] = read_json("sources.json")
+    return data
+
+
+@cache
+def shipped_entry(name: str) -> CatalogueEntry:
+    """Return the entry of a name in ``resources/sources.json``."""
+    return CatalogueEntry.from_dict(name, shipped_data()[name])
 
 
 def serving(host: str) -> CatalogueEntry | None:
     """Return the shipped entry of the provider a host belongs to."""
-    return next((entry for entry in shipped() if entry.serves(host)), None)
+    for name, data in shipped_data().items():
+        if any(host == own or host.endswith("." + own) for own in data.get("hosts", ())):
+            return shipped_entry(name)
+    return None
 
 
 def under_provider(entry: CatalogueEntry) -> CatalogueEntry:

@@ -202,8 +202,8 @@ def keys_in(address: str) -> list[str]:
     """Names of an address's parameters that hold keys, {key} apart."""
     before, _, after = address.partition("#")
     # Some servers take ; between parameters, and what stands after # may have been meant for the query.
-    told = f"{before.partition('?')[2]}&{after}".replace(";", "&")
-    return [name for name, value in parse_qsl(told) if is_key_name(name) and "{key}" not in value]
+    parameters = f"{before.partition('?')[2]}&{after}".replace(";", "&")
+    return [name for name, value in parse_qsl(parameters) if is_key_name(name) and "{key}" not in value]
 
 
 def is_key_name(name: str) -> bool:

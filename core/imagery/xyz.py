@@ -91,7 +91,7 @@ class XYZSource:
         self.grid = grid
         self.date = date
         self.policy = policy
-        self.map_types = self._told_apart()
+        self.map_types = self._map_types_of_templates()
         self.placeholder = placeholder
         self._alpha = alpha
         self.received: Received | None = None
@@ -193,22 +193,22 @@ class XYZSource:
     def _store(self, map_type: str) -> TileStore | None:
         """Tiles kept of a map type; None where none are to be kept."""
         # A source without map types has the same tiles whatever they are asked for as.
-        told = map_type if self.map_types else ""
+        kept_as = map_type if self.map_types else ""
         with self._lock:
-            if told not in self._stores and self._cache is not None:
-                self._stores[told] = self._cache.store(
+            if kept_as not in self._stores and self._cache is not None:
+                self._stores[kept_as] = self._cache.store(
                     self._template(map_type).text,
                     # A template may hold in its path what is not for everyone to see.
                     source=self._template(map_type).host if "{" in self.name else self.name,
                     title=self.title,
                     attribution=self.attribution,
-                    map_type=told,
+                    map_type=kept_as,
                     date=self.date,
                     tile_px=self.grid.tile_px,
                 )
-            return self._stores.get(told)
+            return self._stores.get(kept_as)
 
-    def _told_apart(self) -> tuple[str, ...]:
+    def _map_types_of_templates(self) -> tuple[str, ...]:
         if "" not in self._templates:
             return tuple(self._templates)
         return MAP_TYPES if "map_type" in self._templates[""].names else ()

@@ -112,7 +112,7 @@ def answer(given: tuple[int, dict[str, str], bytes]) -> None:
     response = Response(status, headers, body)
     freshness(headers, time.time())
     client = Client(_Answer(response), "P", secrets=(KEY,), tries=1, longest_retry_after_s=0.5)
-    said = client.words(response)
+    said = client.message(response)
     assert said.isprintable()
     assert KEY not in said
 

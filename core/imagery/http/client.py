@@ -251,7 +251,7 @@ class Client:
         """Return ``text`` without the keys, however they are written in it."""
         return self._secrets.masked(text)
 
-    def words(self, response: Response) -> str:
+    def message(self, response: Response) -> str:
         """Return the first line of what a provider says, for people, without the keys."""
         return first_words(response.body, response.headers.get("content-type", ""), self._secrets.masked)
 
@@ -328,17 +328,17 @@ class Client:
 
     def _without_secrets(self, response: Response) -> Response:
         """Leave out headers that quote a key: some are kept in files."""
-        told = "\n".join(response.headers.values())
-        if self.redacted(told) == told:
+        written = "\n".join(response.headers.values())
+        if self.redacted(written) == written:
             return response
         kept = {name: value for name, value in response.headers.items() if self.redacted(value) == value}
         return response._replace(headers=kept)
 
     def _judge(self, response: Response, what: str) -> str:
         """Reason to ask again; raises where asking again is of no use."""
-        words = self.words(response)
-        line = _status_line(response.status) + (f": {words}" if words else "")
-        if response.status in _REFUSED or (response.status >= 400 and _is_quota(response.status, words)):
+        message = self.message(response)
+        line = _status_line(response.status) + (f": {message}" if message else "")
+        if response.status in _REFUSED or (response.status >= 400 and _is_quota(response.status, message)):
             raise SourceError(f"{self._title} refuses: {line}")
         if response.status in _NOT_THERE:
             raise NotThere(f"{what}: {line}")
@@ -405,11 +405,11 @@ def retry_after_s(response: Response, now_s: float) -> float:
     return max(until_s - (now_s if since_s is None else since_s), 0.0)
 
 
-def _is_quota(status: int, words: str) -> bool:
+def _is_quota(status: int, message: str) -> bool:
     # Too many requests is what a rate limit says at first; only a spent quota ends the run at once.
     if status == HTTPStatus.TOO_MANY_REQUESTS:
-        return "quota" in words.lower() or "daily" in words.lower()
-    return bool(_QUOTA.search(words))
+        return "quota" in message.lower() or "daily" in message.lower()
+    return bool(_QUOTA.search(message))
 
 
 def _status_line(status: int) -> str:

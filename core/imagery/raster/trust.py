@@ -69,7 +69,7 @@ _ELSEWHERE = re.compile(r"/vsi|://|<|\bvrt:|^[a-z][a-z0-9_]+:", re.IGNORECASE)
 #: What GDAL's names of rasters within a file begin with, such as GPKG:ortho.gpkg:summer; a drive has one letter.
 _DRIVER = re.compile(r"[A-Z][A-Za-z0-9_]+:")
 #: Files beside a raster that GDAL opens with it.
-_BESIDE = (".ovr", ".msk")
+_COMPANIONS = (".ovr", ".msk")
 
 
 def file_of_part(name: str) -> str:
@@ -142,7 +142,7 @@ def _check(file: Path, folders: tuple[Path, ...], depth: int, seen: set[Path]) -
         )
     elif depth and head and not head.startswith(_MAGIC):
         raise InvalidInput(f"{file.name} is of no format of pictures that a VRT may read here")
-    for ending in _BESIDE:
+    for ending in _COMPANIONS:
         beside = file.with_name(file.name + ending)
         if beside.is_file():
             _check(beside, folders, depth + 1, seen)
@@ -217,7 +217,7 @@ class _Reader:
         self._text: list[str] = []
 
     def start(self, name: str, attributes: dict[str, str]) -> None:
-        self._told()
+        self._take_text()
         name, given = name.lower(), {one.lower(): value for one, value in attributes.items()}
         if self._is_name(self._open[-1]) if self._open else False:
             self.refuse()
@@ -229,7 +229,7 @@ class _Reader:
                 self.refuse()
 
     def end(self, _name: str) -> None:
-        self._told()
+        self._take_text()
         self._open.pop()
 
     def text(self, words: str) -> None:
@@ -243,7 +243,7 @@ class _Reader:
     def refuse(self, *_: object) -> None:
         raise InvalidInput(f"{self._vrt.name}: is a VRT with more in it than bands of files")
 
-    def _told(self) -> None:
+    def _take_text(self) -> None:
         words, self._text = "".join(self._text).strip(), []
         if not self._open or not words:
             return

@@ -157,8 +157,8 @@ def fetched(service: Service, key: str, transport: Transport | None) -> Document
     plain = body.replace(b"\0", b"")
     found = [kind for kind, root in _ROOTS.items() if re.search(root, plain)]
     if not found:
-        words = client.words(response)
-        raise document.wrong(f"no capabilities at this address{f': {words}' if words else ''}")
+        message = client.message(response)
+        raise document.wrong(f"no capabilities at this address{f': {message}' if message else ''}")
     if service.kind not in found:
         raise document.wrong(
             f"the capabilities at this address are of a {found[0].upper()}: write {found[0]}:URL"
@@ -166,7 +166,7 @@ def fetched(service: Service, key: str, transport: Transport | None) -> Document
     with reading(document):
         root = root_of(body)
         if key or b"{key}" in written(root):
-            _tell_keys_apart(root, document)
+            _mark_keys(root, document)
     return replace(document, root=root)
 
 
@@ -176,17 +176,17 @@ def _transport() -> Transport:
     return RequestsTransport(1, max_body_bytes=MAX_CAPABILITIES_BYTES)
 
 
-def _tell_keys_apart(root: Any, document: Document) -> None:
+def _mark_keys(root: Any, document: Document) -> None:
     """Put {key} where a document repeats the key, and nowhere else: one of its own is text, and is never filled."""
 
-    def told(text: str) -> str:
+    def with_key_marked(text: str) -> str:
         return document.without_key(text.replace("{key}", "%7Bkey%7D"))
 
     for element in root.iter():
         if element.text:
-            element.text = told(element.text)
+            element.text = with_key_marked(element.text)
         for name, value in element.items():
-            element.set(name, told(value))
+            element.set(name, with_key_marked(value))
 
 
 @contextmanager

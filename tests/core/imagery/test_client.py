@@ -225,10 +225,11 @@ def test_redirects_are_requests_with_a_turn_each(status):
         redirect("/b", status), redirect("c", status), answer(), requests_per_s=20.0
     )
     allowed = []
+    began = time.monotonic()
     client.get("http://h/a", "w", allow=allowed.append)
     assert [url for _, url in transport.asked] == ["http://h/a", "http://h/b", "http://h/c"] == allowed
-    times = [asked for asked, _ in transport.asked]
-    assert min(later - earlier for earlier, later in zip(times, times[1:])) > 0.9 / 20.0
+    # Turns are counted from the first: on a busy machine a late request may come close before the next.
+    assert all(asked >= began + turn / 20.0 for turn, (asked, _) in enumerate(transport.asked))
 
 
 def test_where_a_redirect_may_not_lead_it_is_not_followed():
