@@ -29,7 +29,7 @@ from terrainav.core.mission.plan import plan  # noqa: E402
 from tests.support import rasters  # noqa: E402
 
 # Beside a checkout, never inside it: USDA NAIP photographs of North Dakota on three dates, 5 m pixels, EPSG:26914.
-PHOTOGRAPHS = Path(__file__).resolve().parents[4] / "shared" / "data" / "naip"
+PHOTOGRAPHS = Path(__file__).resolve().parents[5] / "shared" / "data" / "naip"
 INSIDE_PHOTOGRAPHS = Box(47.028, -99.174, 47.012, -99.136)
 
 #: UTM 32, about 48° N, 9.1° E; 2 m pixels.

@@ -32,7 +32,7 @@ from tests.support.caching import CachingTileServer
 from tests.support.faults import flat_placeholder
 from tests.support.patterns import decode_position, positions
 
-ROOT = Path(__file__).resolve().parents[3]
+ROOT = Path(__file__).resolve().parents[4]
 HOUR = {"Cache-Control": "max-age=3600"}
 
 

@@ -15,7 +15,7 @@ from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 
 pytest.importorskip("torch")
-EXAMPLE = Path(__file__).resolve().parents[3] / "examples" / "train_position.py"
+EXAMPLE = Path(__file__).resolve().parents[4] / "examples" / "train_position.py"
 
 
 @pytest.fixture

@@ -13,7 +13,7 @@ from PIL import Image
 from terrainav.core.dataset.loading.augment import Augmentation, Change, changed
 from terrainav.core.errors import InvalidInput
 
-ROOT = Path(__file__).resolve().parents[3]
+ROOT = Path(__file__).resolve().parents[4]
 NAMES = [f"{column}_{row}_35.16_-89.9_17" for column in range(40) for row in range(25)]
 #: Positions of a smooth spot are measured on whole grey levels, which are cut: about a hundredth of a pixel.
 SPOT_TOLERANCE_PX = 0.03

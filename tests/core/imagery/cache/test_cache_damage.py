@@ -19,7 +19,7 @@ from tests.support.cached import ZOOM, source_of, tile
 from tests.support.caching import CachingTileServer
 from tests.support.patterns import positions, to_bytes
 
-ROOT = Path(__file__).resolve().parents[3]
+ROOT = Path(__file__).resolve().parents[4]
 HOUR = {"Cache-Control": "max-age=3600"}
 TILES = 12
 
