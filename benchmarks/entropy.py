@@ -218,9 +218,8 @@ def rate_lines(rows: list[Row]) -> list[str]:
 
 def dataset_lines(folder: Path, threshold: float) -> list[str]:
     """What thresholds do to a dataset; writes its figures."""
-    from terrainav.core.dataset.deciding import entropies_of
+    from terrainav.core.dataset.entropy import entropies_of, otsu
     from terrainav.core.dataset.figures import save_figures
-    from terrainav.core.dataset.thresholds import otsu
 
     paths = save_figures(folder, PICTURES, threshold)
     for path in paths:

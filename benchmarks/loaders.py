@@ -21,10 +21,9 @@ from typing import Any
 import numpy as np
 from PIL import Image
 from terrainav.core.capture.runner import capture
-from terrainav.core.dataset.augment import Augmentation
-from terrainav.core.dataset.dataset import read_dataset
-from terrainav.core.dataset.decode import open_image
+from terrainav.core.dataset.dataset import open_image, read_dataset
 from terrainav.core.dataset.loading import Batches, Samples
+from terrainav.core.dataset.loading.augment import Augmentation
 from terrainav.core.files import write_whole
 from terrainav.core.imagery.opening import open_source
 from terrainav.core.mission.area import Box
@@ -83,8 +82,8 @@ def loaders(
     folder: Path, map_type: str | None, augment: Augmentation | None
 ) -> dict[str, Callable[[], object]]:
     """Each loader's work: all batches once."""
-    from terrainav.core.dataset.keras_loader import KerasDataset
-    from terrainav.core.dataset.torch_loader import TorchDataset
+    from terrainav.core.dataset.loading.keras_loader import KerasDataset
+    from terrainav.core.dataset.loading.torch_loader import TorchDataset
 
     choice = {"map_type": map_type, "part": "all", "img_size": SIZE, "augment": augment}
     dataset = read_dataset(folder)

@@ -31,7 +31,7 @@ from qgis.PyQt.QtCore import QT_VERSION_STR, QEventLoop, QThread, QTimer, QUrl
 from qgis.PyQt.QtNetwork import QNetworkRequest
 from requests.adapters import HTTPAdapter
 from terrainav.core.capture.runner import capture
-from terrainav.core.imagery.requests_transport import RequestsTransport
+from terrainav.core.imagery.http.requests_transport import RequestsTransport
 from terrainav.core.imagery.xyz import XYZSource
 from terrainav.core.mission.area import Box
 from terrainav.core.mission.mission import Mission

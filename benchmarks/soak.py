@@ -37,10 +37,10 @@ from terrainav.core.errors import SourceError
 from terrainav.core.files import write_whole
 from terrainav.core.geodesy.mercator import PixelGrid
 from terrainav.core.imagery.cache.tile_cache import TileCache
-from terrainav.core.imagery.client import Client
+from terrainav.core.imagery.http.client import Client
+from terrainav.core.imagery.http.requests_transport import RequestsTransport
+from terrainav.core.imagery.http.transport import Timeouts
 from terrainav.core.imagery.placeholder import Placeholder
-from terrainav.core.imagery.requests_transport import RequestsTransport
-from terrainav.core.imagery.transport import Timeouts
 from terrainav.core.imagery.xyz import XYZSource
 from terrainav.core.mission.area import Box
 from terrainav.core.mission.mission import Mission

@@ -19,8 +19,7 @@ from pathlib import Path
 
 from loopback_server import LoopbackServer
 from terrainav.core.imagery.cache.tile_cache import TileCache
-from terrainav.core.imagery.source import Window
-from terrainav.core.imagery.tiles import Tile
+from terrainav.core.imagery.source import Tile, Window
 from terrainav.core.imagery.xyz import XYZSource
 
 ZOOM = 19

@@ -17,7 +17,6 @@ from typing import Any, NamedTuple
 from integrators import Flight, flight_diagram, flight_of, flight_table, integrators_text
 from terrainav.core.drawing import check_matplotlib
 from terrainav.core.files import make_folder, write_whole
-from terrainav.core.imagery.world import WorldSource
 from terrainav.core.mission.area import Area, Box, Points
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import Plan, plan
@@ -38,6 +37,7 @@ from terrainav.core.report.tables import (
     seconds_text,
 )
 from terrainav.core.timing import QUICK, THOROUGH
+from terrainav.core.world import WorldSource
 
 ROOT = Path(__file__).resolve().parents[1]
 AGRICENTER = Box(35.16, -89.90, 35.115, -89.823)

@@ -1,4 +1,4 @@
-"""Files that are there whole or not at all."""
+"""Files and folders: written whole or not at all, read within limits, held by one run at a time."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import contextlib
 import errno
 import os
 import stat
+import sys
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import IO
@@ -15,6 +16,26 @@ from .errors import InvalidInput, OutputError
 #: Ending of a file while it is being written. It is the same every time, so that what a killed run left behind
 #: is overwritten by the next one.
 PARTIAL_ENDING = ".part"
+#: What the systems say where somebody else has the lock. Anything else means that the file system has no locks
+#: (some network drives), which is no reason to refuse a capture.
+_HELD = frozenset({errno.EACCES, errno.EAGAIN, errno.EWOULDBLOCK, errno.EDEADLK})
+
+if sys.platform == "win32":
+    import msvcrt
+
+    #: Windows keeps other processes from reading what is locked: a byte that no file has.
+    _LOCKED_BYTE = 1 << 30
+
+    def _lock(file: int) -> None:
+        os.lseek(file, _LOCKED_BYTE, os.SEEK_SET)
+        msvcrt.locking(file, msvcrt.LK_NBLCK, 1)
+
+else:
+    import fcntl
+
+    def _lock(file: int) -> None:
+        # flock and not lockf, whose locks do not keep two captures of one process apart.
+        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
 
 
 def is_there(path: str | os.PathLike[str]) -> bool:
@@ -157,3 +178,33 @@ def _sync_folder(folder: Path) -> None:
         os.fsync(descriptor)
     finally:
         os.close(descriptor)
+
+
+def open_locked(path: Path) -> IO[bytes]:
+    """Open a file to append to it, for this run alone; it is made if it is not there.
+
+    Returns
+    -------
+    file
+        Unbuffered; the lock ends when it is closed.
+
+    Raises
+    ------
+    OutputError
+        Another run has it, or it cannot be written.
+    """
+    try:
+        # Not inherited by programs that the run starts, which may outlive it.
+        file = open_own(path, "ab", buffering=0)
+    except OSError as wrong:
+        raise OutputError(f"folder {path.parent}: cannot write {path.name} ({wrong.strerror})") from wrong
+    try:
+        _lock(file.fileno())
+    except OSError as wrong:
+        if wrong.errno in _HELD:
+            file.close()
+            raise OutputError(
+                f"folder {path.parent}: another run is at work in it; wait until it has ended or choose "
+                "another folder"
+            ) from wrong
+    return file

@@ -1,8 +1,9 @@
-"""What ships beside the code, in ``resources/``."""
+"""What ships beside the code: files of ``resources/``, and the version."""
 
 from __future__ import annotations
 
 import json
+from configparser import ConfigParser
 from pathlib import Path
 from typing import Any
 
@@ -17,3 +18,10 @@ def resource(name: str) -> Path:
 def read_json(name: str) -> Any:
     """Content of a JSON file in ``resources/``."""
     return json.loads(resource(name).read_text(encoding="utf-8"))
+
+
+def version() -> str:
+    """Version in ``metadata.txt``, which lies beside this package in the plugin folder and in a wheel."""
+    metadata = ConfigParser(interpolation=None)
+    metadata.read(Path(__file__).parents[1] / "metadata.txt", encoding="utf-8")
+    return metadata["general"]["version"]

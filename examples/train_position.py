@@ -14,8 +14,8 @@ import argparse
 import sys
 
 import torch
-from terrainav.core.dataset.augment import Augmentation
-from terrainav.core.dataset.torch_loader import TorchDataset
+from terrainav.core.dataset.loading.augment import Augmentation
+from terrainav.core.dataset.loading.torch_loader import TorchDataset
 from terrainav.core.errors import TerrAInavError
 from torch import nn
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import html
 from collections.abc import Callable
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 from urllib.parse import quote
 
 from qgis.core import QgsProject
@@ -21,11 +21,10 @@ from .settings import Settings, credential_home
 
 if TYPE_CHECKING:
     from ..core.geodesy.mercator import PixelGrid
-    from ..core.imagery.cache.tile_cache import TileCache
-    from ..core.imagery.catalogue.entry import CatalogueEntry
+    from ..core.imagery.http.transport import Transport
+    from ..core.imagery.opening import NamedSource, SourceOptions
     from ..core.imagery.policy import Policy
     from ..core.imagery.source import Source
-    from ..core.imagery.transport import Transport
     from ..core.mission.estimate import Costs
     from ..core.mission.mission import Mission
     from .network.transport import QgisTransport
@@ -61,13 +60,10 @@ def grid_of(mission: Mission) -> PixelGrid:
     try:
         if is_of_qgis(mission.source):
             return grid_of_layers(mission.source, QgsProject.instance())
-        source = _opened(mission, plan_only=True)
+        return _named(mission.source, _options(mission)).grid
     except (InvalidInput, SourceError) as wrong:
         field = "date" if str(wrong).startswith("date ") else "source"
         raise FormError({field: told(wrong).replace(" (--date)", "")}) from wrong
-    grid = source.grid
-    source.close()
-    return grid
 
 
 def grid_finder(mission: Mission) -> Callable[[], PixelGrid]:
@@ -88,26 +84,26 @@ def grid_finder(mission: Mission) -> Callable[[], PixelGrid]:
 
 def costs_of(name: str) -> Costs:
     """What a request to a source is assumed to take, for estimates."""
-    from ..core.imagery.opening import is_file
     from ..core.mission.estimate import OFFLINE, ONLINE
 
-    if name == WORLD or is_of_qgis(name) or is_file(name):
+    if is_of_qgis(name):
         return OFFLINE
-    # The entry of a service is in its capabilities, which planning has read and an estimate does not read again.
-    if name.startswith(("wmts:", "wms:")) or is_connection(name):
+    if is_connection(name):
         return ONLINE
-    return replace(ONLINE, requests_per_s=_entry_of(name).policy.requests_per_s)
+    source = _named(name)
+    if source.is_local:
+        return OFFLINE
+    # The terms of a service are in its capabilities, which planning has read and an estimate does not read again.
+    policy = source.stated_policy
+    return ONLINE if policy is None else replace(ONLINE, requests_per_s=policy.requests_per_s)
 
 
 def policy_of(name: str) -> Policy | None:
     """What the provider of a source allows; None where there is none, or only its network could tell."""
-    from ..core.imagery.opening import is_file
-
-    if name == WORLD or is_file(name) or name.startswith(("wmts:", "wms:")):
-        return None
     if is_of_qgis(name):
         return next(iter(policies_of_layers(name, QgsProject.instance())), (None, ""))[0]
-    return _entry_of(name).policy
+    source = _named(name)
+    return None if source.is_local else source.stated_policy
 
 
 def snapshot_for(mission: Mission) -> Snapshot | None:
@@ -135,13 +131,14 @@ def open_for_capture(
     """
     if snapshot is not None:
         return LayerSource(snapshot)
-    return _opened(
+    options = _options(
         mission,
         key=key,
         transport=transport,
         cache=Settings().tile_cache(),
         placeholders=(*Settings().missing_tiles, *placeholders),
     )
+    return _named(mission.source, options).open()
 
 
 def transport_for(source: str, connections: int | None = None) -> QgisTransport:
@@ -191,10 +188,8 @@ def credentials_problem(source: str) -> str:
     authcfg, is_key = Settings().authcfg(source), needs_key(source)
     # The command's way to hand a key over holds here as well, for hosts that the user has named with it.
     if is_key and not authcfg:
-        from ..core.imagery.opening import key_of_environment
-
         try:
-            if key_of_environment(source):
+            if _named(source).environment_key():
                 return ""
         except SourceError as wrong:
             return told(wrong)
@@ -203,63 +198,52 @@ def credentials_problem(source: str) -> str:
 
 def needs_key(source: str) -> bool:
     """Whether a source's addresses have a key in them; no network is asked."""
-    from ..core.imagery.opening import is_file, is_template
-
-    if is_connection(source) or is_of_qgis(source) or is_file(source):
+    if is_connection(source) or is_of_qgis(source):
         return False
-    if is_template(source) or "://" in source:
-        return "{key}" in source
     try:
-        return _entry_of(source).key_env is not None
+        return _named(source).needs_key
     except InvalidInput:
         return False
 
 
-def _opened(
-    mission: Mission,
-    *,
-    key: str | None = None,
-    transport: Transport | None = None,
-    cache: TileCache | None = None,
-    placeholders: tuple[str, ...] = (),
-    plan_only: bool = False,
-) -> Source:
-    from ..core.imagery.opening import open_entry, open_source
+def _options(mission: Mission, **how: Any) -> SourceOptions:
+    """What a mission wants of its source, and how it is to be asked."""
+    from ..core.imagery.opening import SourceOptions
 
-    options = {
-        "date": mission.date or None,
-        "connections": Settings().connections,
-        "transport": transport,
-        "cache": cache,
-        "placeholders": placeholders,
-        "plan_only": plan_only,
-    }
-    if is_connection(mission.source):
-        known = connection(mission.source)
-        return open_entry(known.entry(), key=known.key or None, **options)
-    return open_source(mission.source, seed=mission.seed, key=key, **options)
+    return SourceOptions(
+        seed=mission.seed, date=mission.date or None, connections=Settings().connections, **how
+    )
 
 
-def _entry_of(name: str) -> CatalogueEntry:
-    from ..core.imagery.opening import entry_of
+def _named(name: str, options: SourceOptions | None = None) -> NamedSource:
+    """Source of a name, or of a connection of QGIS."""
+    from ..core.imagery.opening import DescribedSource, SourceOptions, named_source
 
-    return connection(name).entry() if is_connection(name) else entry_of(name)
+    options = options or SourceOptions()
+    if is_connection(name):
+        known = connection(name)
+        return DescribedSource(known.entry(), replace(options, key=known.key or None))
+    return named_source(name, options)
 
 
 def terms_problem(mission: Mission, requests: int) -> tuple[str, bool] | None:
     """What the source's terms say against a run, as HTML, and whether agreeing is enough; None where nothing."""
-    from ..core.imagery.catalogue.listing import alternatives
+    from ..core.imagery.catalogue import alternatives
+    from ..core.imagery.policy import TermsError
 
     if is_of_qgis(mission.source):
         terms = policies_of_layers(mission.source, QgsProject.instance())
     else:
-        source = _opened(mission, plan_only=True)
+        source = _named(mission.source, _options(mission))
         terms = [(source.policy, source.title)]
-        source.close()
-    policy, title = next(((one, name) for one, name in terms if one.stops(requests)), (None, ""))
-    if policy is None:
+    try:
+        for policy, title in terms:
+            policy.check(title, requests)
+    except TermsError as wrong:
+        refused = wrong
+    else:
         return None
-    can_agree = policy.bulk_allowed == "ask"
+    policy, title, can_agree = refused.policy, refused.title, refused.can_agree
     without = tr("agreeing to its terms") if can_agree else tr("breaking its terms")
     text = tr("{title}: {requests} requests, and {most} at most pass without {without}.").format(
         title=title, requests=number_text(requests), most=number_text(policy.max_tiles), without=without
@@ -285,7 +269,7 @@ def tile_layer_uri(name: str, map_type: str, date: str = "") -> str:
         Where the source cannot be shown as such a layer.
     """
     known = connection(name) if is_connection(name) else None
-    entry = _entry_of(name)
+    entry = _named(name).entry
     chosen = entry.date(date or None)
     if not entry.urls:
         raise InvalidInput(

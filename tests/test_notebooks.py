@@ -16,15 +16,14 @@ import numpy as np
 import pytest
 from PIL import Image
 from terrainav.core.capture.runner import capture
-from terrainav.core.dataset.clean import DEFAULT_ENTROPY, REJECTED, clean
+from terrainav.core.dataset.clean import clean
 from terrainav.core.dataset.dataset import read_dataset
-from terrainav.core.dataset.deciding import deciding_entropies
-from terrainav.core.dataset.entropy import entropy
+from terrainav.core.dataset.entropy import deciding_entropies, entropy, otsu
+from terrainav.core.dataset.folder import DEFAULT_ENTROPY
 from terrainav.core.dataset.labels import LABELS_FILE, Labels
 from terrainav.core.dataset.loading import Samples
-from terrainav.core.dataset.parts import part_of
 from terrainav.core.dataset.split import split
-from terrainav.core.dataset.thresholds import otsu
+from terrainav.core.dataset.table import REJECTED, part_of
 from terrainav.core.imagery.opening import open_source
 from terrainav.core.mission.area import Box
 from terrainav.core.mission.mission import Mission

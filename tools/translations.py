@@ -52,11 +52,11 @@ TOLD = (
 )
 #: Modules in them of which the plugin makes no use.
 UNTOLD = (
-    "core/dataset/augment.py",
     "core/dataset/convert.py",
-    "core/dataset/keras_loader.py",
-    "core/dataset/loading.py",
-    "core/dataset/torch_loader.py",
+    "core/dataset/loading/augment.py",
+    "core/dataset/loading/batches.py",
+    "core/dataset/loading/keras_loader.py",
+    "core/dataset/loading/torch_loader.py",
     "core/dataset/vbn.py",
 )
 #: Modules whose texts are all for users: the parts of messages and figures, and reasons that others put into theirs.
@@ -64,20 +64,18 @@ WORDS = (
     "core/picture/cost.py",
     "core/capture/pipeline.py",
     "core/dataset/clean.py",
-    "core/dataset/deciding.py",
-    "core/dataset/images.py",
+    "core/dataset/entropy.py",
+    "core/dataset/dataset.py",
     "core/dataset/table.py",
     "core/geodesy/accuracy.py",
     "core/imagery/cache/tilestore.py",
-    "core/imagery/catalogue/dates.py",
-    "core/imagery/catalogue/entry.py",
-    "core/imagery/catalogue/listing.py",
+    "core/imagery/entry.py",
+    "core/imagery/catalogue.py",
     "core/imagery/policy.py",
-    "core/imagery/raster/dated.py",
     "core/imagery/raster/source.py",
     "core/imagery/services/capabilities.py",
     "core/imagery/services/wms.py",
-    "core/imagery/tiles.py",
+    "core/imagery/source.py",
     "core/mission/cameras.py",
     "core/mission/coords.py",
     "core/mission/estimate.py",
@@ -97,7 +95,7 @@ WORDS = (
 )
 #: Single words for users, which nothing tells apart from names, and phrases of modules that have other texts too.
 PHRASES = {
-    "core/imagery/client.py": (
+    "core/imagery/http/client.py": (
         " (tried {0} times)",
         "{0}: not asked for, as the last {1} parts had no answer in time; resume later",
     ),

@@ -9,8 +9,7 @@ from pathlib import Path
 
 from ..dataset.folder import FOOTPRINTS_FILE, JOURNAL_FILE, MISSION_FILE, PLAN_FILE, REJECTED_FOLDER
 from ..errors import InvalidInput, OutputError
-from ..files import PARTIAL_ENDING, make_folder, write_whole
-from ..lock import open_locked
+from ..files import PARTIAL_ENDING, make_folder, open_locked, write_whole
 from ..mission.export import write_plan
 from ..mission.mission import Mission
 from ..mission.plan import Plan

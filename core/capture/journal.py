@@ -17,9 +17,8 @@ from types import TracebackType
 from typing import IO, Any
 
 from ..errors import OutputError
-from ..files import open_own
+from ..files import open_locked, open_own
 from ..limits import MAX_JOURNAL_LINE_BYTES
-from ..lock import open_locked
 from ..safe_json import parse_json
 
 DONE = "done"

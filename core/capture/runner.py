@@ -18,9 +18,8 @@ from numpy.typing import NDArray
 from ..dataset.folder import JOURNAL_FILE, TABLE_FILE
 from ..dataset.table import other_columns
 from ..errors import InvalidInput, OutputError, PartError
-from ..imagery.placeholder import PLACEHOLDER_REASON
-from ..imagery.repeats import Repeats, corner
-from ..imagery.source import Part, Provided, Received, Source, Window
+from ..imagery.placeholder import PLACEHOLDER_REASON, Provided, Received, Repeats, corner
+from ..imagery.source import Part, Source, Window
 from ..limits import MAX_PICTURES_AT_ONCE_PX
 from ..mission.plan import Plan
 from ..picture.shot import parts_of

@@ -94,7 +94,7 @@ def _run(argv: Sequence[str]) -> int:
 
 
 def _print_version() -> int:
-    from ..version import version
+    from ..resources import version
 
     print(f"terrainav {version()}")
     return DONE

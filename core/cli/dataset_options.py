@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from ..dataset.choices import DEFAULT_ENTROPY, LAYOUTS, PARTS, TRAIN
+from ..dataset.folder import DEFAULT_ENTROPY, LAYOUTS, PARTS, TRAIN
 from .pairing import add_pairs
 from .parsing import add_json
 from .splitting import add_split

@@ -6,8 +6,8 @@ import argparse
 import json
 import os
 import sys
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Sequence
+from contextlib import closing
 from dataclasses import asdict, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -22,6 +22,8 @@ from .stopping import collected
 
 if TYPE_CHECKING:
     from ..capture.runner import CaptureResult, Failure, Progress, Repeat
+    from ..imagery.cache.tile_cache import TileCache
+    from ..imagery.opening import NamedSource
     from ..imagery.source import Source
     from ..mission.mission import Mission
     from ..mission.plan import Plan
@@ -53,24 +55,24 @@ def _settings(arguments: argparse.Namespace) -> tuple[Mission, dict[str, Any]]:
     return Mission.load(arguments.mission_file), {**resolve(given, config=arguments.config), NAMED: False}
 
 
-@contextmanager
-def _opened(mission: Mission, values: dict[str, Any], *, plan_only: bool) -> Iterator[Source]:
-    from ..imagery.opening import open_source
+def _named(mission: Mission, values: dict[str, Any], cache: TileCache | None = None) -> NamedSource:
+    from ..imagery.opening import SourceOptions, named_source
 
-    source = open_source(
+    return named_source(
         mission.source,
-        seed=mission.seed,
-        date=mission.date or None,
-        connections=values["connections"],
-        cache=None if plan_only else opened_cache(values),
-        placeholders=values["placeholder"] or (),
-        plan_only=plan_only,
-        named_by_user=values[NAMED],
+        SourceOptions(
+            seed=mission.seed,
+            date=mission.date or None,
+            connections=values["connections"],
+            cache=cache,
+            placeholders=tuple(values["placeholder"] or ()),
+            named_by_user=values[NAMED],
+        ),
     )
-    try:
-        yield source
-    finally:
-        source.close()
+
+
+def _opened(mission: Mission, values: dict[str, Any]) -> closing[Source]:
+    return closing(_named(mission, values, opened_cache(values)).open())
 
 
 def _bounds_deg(worked_out: Plan) -> tuple[float, float, float, float]:
@@ -80,7 +82,7 @@ def _bounds_deg(worked_out: Plan) -> tuple[float, float, float, float]:
 
 
 def _check_terms(worked_out: Plan, source: Source, requests: int, accept_terms: bool) -> None:
-    from ..imagery.catalogue.listing import check_policy
+    from ..imagery.catalogue import check_policy
 
     check_policy(
         source,
@@ -91,12 +93,12 @@ def _check_terms(worked_out: Plan, source: Source, requests: int, accept_terms: 
     )
 
 
-def _print_summary(worked_out: Plan, source: Source, values: dict[str, Any], as_json: bool) -> None:
+def _print_summary(worked_out: Plan, source: NamedSource, values: dict[str, Any], as_json: bool) -> None:
     from ..mission.estimate import OFFLINE, ONLINE, estimate
     from ..picture.cost import timed_cost
 
     policy = source.policy
-    costs = replace(OFFLINE if source.name == "world" else ONLINE, requests_per_s=policy.requests_per_s)
+    costs = replace(OFFLINE if source.is_local else ONLINE, requests_per_s=policy.requests_per_s)
     connections = policy.connections(values["connections"])
     summary = estimate(worked_out, costs, connections, os.cpu_count() or 1)
     cost = timed_cost(worked_out)
@@ -105,7 +107,7 @@ def _print_summary(worked_out: Plan, source: Source, values: dict[str, Any], as_
         print(json.dumps({**about, **summary.to_dict(), "cost": cost._asdict()}, indent=1))
         return
     lines = [("source", source.title + (f", {source.date}" if source.date else ""))]
-    if source.name != "world":
+    if not source.is_local:
         needed = worked_out.requests * len(worked_out.mission.map_types)
         more = f"; this mission takes {needed:,}" if policy.stops(needed) else ""
         lines.append(("terms", f"{policy.licence or 'licence not stated'}; {policy.text()}{more}"))
@@ -122,15 +124,15 @@ def run_plan(arguments: argparse.Namespace) -> int:
         if not path.endswith(".json"):
             check_plan_ending(path)
     mission, values = _settings(arguments)
-    with _opened(mission, values, plan_only=True) as source:
-        worked_out = plan(mission, source.grid)
-        for path in arguments.output:
-            if path.endswith(".json"):
-                mission.save(path)
-            else:
-                for note in write_plan(worked_out, path).notes:
-                    print(f"{path}: {note}", file=sys.stderr)
-        _print_summary(worked_out, source, values, arguments.json)
+    source = _named(mission, values)
+    worked_out = plan(mission, source.grid)
+    for path in arguments.output:
+        if path.endswith(".json"):
+            mission.save(path)
+        else:
+            for note in write_plan(worked_out, path).notes:
+                print(f"{path}: {note}", file=sys.stderr)
+    _print_summary(worked_out, source, values, arguments.json)
     return DONE
 
 
@@ -179,7 +181,7 @@ def run_capture(arguments: argparse.Namespace) -> int:
         raise InvalidInput("data folder '': must be the name of a folder, such as . for the current one")
     _print_notes(mission)
     bar = Bar(arguments.quiet)
-    with _opened(mission, values, plan_only=False) as source, collected() as signals:
+    with _opened(mission, values) as source, collected() as signals:
         result = _run(mission, source, values, arguments, bar, lambda: bool(signals))
     _print_result(result, arguments.json)
     if result.cancelled:
@@ -290,7 +292,7 @@ def run_report(arguments: argparse.Namespace) -> int:
 
     mission, values = _settings(arguments)
     _print_notes(mission)
-    with _opened(mission, values, plan_only=False) as source:
+    with _opened(mission, values) as source:
         worked_out = plan(mission, source.grid)
         _check_terms(worked_out, source, _REPORT_REQUESTS, arguments.accept_terms)
         page = write_report(worked_out, source, arguments.output, progress=_say)

@@ -13,7 +13,7 @@ from ..text import printable
 from .exits import DONE
 
 if TYPE_CHECKING:
-    from ..imagery.catalogue.entry import CatalogueEntry
+    from ..imagery.entry import CatalogueEntry
 
 _COLUMN = 22
 #: Characters of a line of what is longer than one.
@@ -27,8 +27,8 @@ def run_sources(arguments: argparse.Namespace) -> int:
 
 
 def _list(arguments: argparse.Namespace) -> int:
-    from ..imagery.catalogue.entry import shipped
-    from ..imagery.catalogue.user_sources import shelf
+    from ..imagery.catalogue import shelf
+    from ..imagery.entry import shipped
 
     own = shelf()
     entries = (*shipped(), *own.entries)
@@ -53,11 +53,11 @@ def _list(arguments: argparse.Namespace) -> int:
 
 
 def _show(arguments: argparse.Namespace) -> int:
-    from ..imagery.opening import entry_of
-    from ..imagery.services.ogc import is_service, layers, names_layer
+    from ..imagery.opening import SourceOptions, named_source
 
-    if is_service(arguments.source) and not names_layer(arguments.source):
-        offered = layers(arguments.source, named_by_user=True)
+    source = named_source(arguments.source, SourceOptions(named_by_user=True))
+    offered = source.layers()
+    if offered is not None:
         if arguments.json:
             print(json.dumps([{"name": layer.name, "title": layer.title} for layer in offered], indent=1))
             return DONE
@@ -66,7 +66,7 @@ def _show(arguments: argparse.Namespace) -> int:
         for layer in offered:
             print(printable(f"{layer.name:{_COLUMN}s} {layer.title}"))
         return DONE
-    entry = entry_of(arguments.source, named_by_user=True)
+    entry = source.entry
     if arguments.json:
         print(json.dumps(entry.to_dict(), indent=1))
         return DONE
@@ -108,9 +108,9 @@ def _described(entry: CatalogueEntry) -> list[tuple[str, str]]:
 
 
 def _add(arguments: argparse.Namespace) -> int:
-    from ..imagery.catalogue.user_sources import add, described
+    from ..imagery.catalogue import add, described
+    from ..imagery.opening import SourceOptions, kind_of, named_source
     from ..imagery.placeholder import Placeholder
-    from ..imagery.services.ogc import is_service, service_entry
 
     given: dict[str, Any] = {
         "title": arguments.title,
@@ -128,10 +128,11 @@ def _add(arguments: argparse.Namespace) -> int:
     if arguments.no_storing:
         given["cache_allowed"] = False
     placeholders = arguments.placeholder or ()
-    if is_service(arguments.url):
+    if kind_of(arguments.url) == "service":
         if arguments.default_date is not None:
             raise InvalidInput("--default-date: the dates of a service are those of its capabilities")
-        entry = service_entry(arguments.url, tile_px=arguments.tile_size, named_by_user=True)
+        asked = SourceOptions(tile_px=arguments.tile_size, named_by_user=True)
+        entry = named_source(arguments.url, asked).entry
         files = list(Placeholder().with_files(placeholders).sha256)
         data = {**entry.to_data(), **given, **({"placeholder": {"sha256": files}} if files else {})}
     else:
@@ -147,7 +148,7 @@ def _add(arguments: argparse.Namespace) -> int:
 
 
 def _remove(arguments: argparse.Namespace) -> int:
-    from ..imagery.catalogue.user_sources import remove
+    from ..imagery.catalogue import remove
 
     remove(arguments.name)
     print(f"{arguments.name} removed")

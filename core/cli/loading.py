@@ -13,8 +13,8 @@ from ..errors import InvalidInput
 from .exits import DONE
 
 if TYPE_CHECKING:
-    from ..dataset.augment import Augmentation
     from ..dataset.loading import Samples
+    from ..dataset.loading.augment import Augmentation
 
 #: Options that are also read from the environment and ``config.json``.
 _SETTINGS = ("img_size", "batch_size", "seed", "dataset")
@@ -56,12 +56,12 @@ def _opened(
         "augment": _augmentation(arguments),
     }
     if arguments.loader == "torch":
-        from ..dataset import torch_loader
+        from ..dataset.loading import torch_loader
 
         of_torch = torch_loader.TorchDataset(arguments.folder, **choice)
         return of_torch.samples, of_torch.batches(size, workers)
     if arguments.loader == "keras":
-        from ..dataset import keras_loader
+        from ..dataset.loading import keras_loader
 
         if workers:
             raise InvalidInput(
@@ -76,7 +76,7 @@ def _opened(
 
 
 def _augmentation(arguments: argparse.Namespace) -> Augmentation | str | None:
-    from ..dataset.augment import Augmentation
+    from ..dataset.loading.augment import Augmentation
 
     contrast, brightness = arguments.contrast, arguments.brightness
     if arguments.no_augment:

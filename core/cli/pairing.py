@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import json
 import sys
+from contextlib import closing
 from typing import TYPE_CHECKING, Any
 
 from ..errors import InvalidInput
@@ -143,7 +144,7 @@ def _shared_options() -> list[Option]:
 
 def run_pairs(arguments: argparse.Namespace) -> int:
     """Capture pairs into a folder."""
-    from ..imagery.opening import open_source
+    from ..imagery.opening import SourceOptions, named_source
     from ..mission.settings import resolve
     from ..pairs.planning import plan_pairs
     from ..pairs.sheet import check_sheet, contact_sheet
@@ -157,25 +158,23 @@ def run_pairs(arguments: argparse.Namespace) -> int:
     values = resolve(given, config=arguments.config)
     settings = _settings(arguments, values)
     places = _places(arguments, settings)
-    source = open_source(
+    named = named_source(
         settings.source,
-        seed=settings.seed,
-        date=settings.date or None,
-        connections=values["connections"],
-        cache=None if arguments.dry_run else opened_cache(values),
-        placeholders=values["placeholder"] or (),
-        plan_only=arguments.dry_run,
-        named_by_user=names_source(arguments),
+        SourceOptions(
+            seed=settings.seed,
+            date=settings.date or None,
+            connections=values["connections"],
+            cache=None if arguments.dry_run else opened_cache(values),
+            placeholders=tuple(values["placeholder"] or ()),
+            named_by_user=names_source(arguments),
+        ),
     )
-    try:
+    if arguments.dry_run:
+        _print_plan(plan_pairs(places, settings, named.grid), arguments.json)
+        return DONE
+    with closing(named.open()) as source, collected() as signals:
         worked_out = plan_pairs(places, settings, source.grid)
-        if arguments.dry_run:
-            _print_plan(worked_out, arguments.json)
-            return DONE
-        with collected() as signals:
-            result = _capture(worked_out, source, arguments, values, signals)
-    finally:
-        source.close()
+        result = _capture(worked_out, source, arguments, values, signals)
     _print_result(worked_out, result, arguments.json)
     if result.cancelled:
         print("terrainav: stopped; what is finished is kept, go on with --resume", file=sys.stderr)
@@ -253,7 +252,7 @@ def _capture(
     values: dict[str, Any],
     signals: list[int],
 ) -> PairResult:
-    from ..imagery.catalogue.listing import check_policy
+    from ..imagery.catalogue import check_policy
     from ..pairs.capturing import capture_pairs
 
     check_policy(

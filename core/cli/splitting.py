@@ -6,7 +6,7 @@ import argparse
 import json
 from typing import TYPE_CHECKING, Any
 
-from ..dataset.choices import FRAMES, SEED, SHARES, WAYS
+from ..dataset.folder import FRAMES, SEED, SHARES, WAYS
 from .exits import DONE
 from .parsing import add_json
 

@@ -1,1 +1,17 @@
-"""What a capture leaves: the table of its images, and what is worked out from them."""
+"""What becomes of captures: datasets read, cleaned, split, labelled, loaded, converted.
+
+folder     what files and folders are called, and what commands choose among
+table      ``meta_data.csv``, in and out
+dataset    a dataset as it is read: map types, tables, image files
+published  what names say beside the tables of the paper's published data
+vbn        the paper's Night Vision supplement
+entropy    how much there is to see in an image, and which entropy decides over it
+figures    diagrams of entropies
+clean      images with too little to see are marked and moved
+ground     the ground that images show, and blocks of it
+split      parts for training, validation and test
+labels     where images are, in metres of one frame, scaled
+convert    datasets of others as ours
+
+loading is a room of its own.
+"""

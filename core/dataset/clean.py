@@ -14,18 +14,13 @@ from pathlib import Path
 
 from ..drawing import check_matplotlib
 from ..errors import Cancelled, InvalidInput
-from ..files import clear_partial
-from ..lock import open_locked
-from .choices import DEFAULT_ENTROPY
-from .deciding import Deciding, Report, deciding_entropies
+from ..files import clear_partial, open_locked
+from .dataset import Images, Move
+from .entropy import Deciding, Report, deciding_entropies, otsu
 from .figures import draw_all
-from .folder import JOURNAL_FILE, TABLE_FILE, image_folder, map_type_folders
-from .images import Images, Move
-from .table import Table
-from .thresholds import otsu
+from .folder import DEFAULT_ENTROPY, JOURNAL_FILE, TABLE_FILE, image_folder, map_type_folders
+from .table import REJECTED, Table
 
-#: Column of the table: why an image is rejected; empty for one that is kept. A table that has none is not cleaned.
-REJECTED = "rejected"
 #: Of 256 grey levels, in bits.
 HIGHEST_ENTROPY = 8.0
 

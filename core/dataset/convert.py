@@ -14,11 +14,9 @@ from PIL import Image
 
 from ..errors import Cancelled, InvalidInput, OutputError
 from ..files import PARTIAL_ENDING, make_folder
-from .dataset import Dataset, ImageSet, read_dataset
-from .deciding import Report
-from .decode import UNREADABLE
+from .dataset import UNREADABLE, Dataset, ImageSet, read_dataset, some
+from .entropy import Report
 from .folder import MISSION_FILE, REJECTED_FOLDER, TABLE_FILE
-from .images import some
 from .published import framed
 from .table import Table
 

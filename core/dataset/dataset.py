@@ -1,21 +1,32 @@
-"""A dataset as it is read: its map types, each with a table and the images that the table names."""
+"""A dataset as it is read: its map types, each with a table and the image files that the table names."""
 
 from __future__ import annotations
 
+import contextlib
+import io
+import math
 import os
+import re
 from collections import Counter
-from collections.abc import Collection, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
+from PIL import Image, UnidentifiedImageError
 
-from ..errors import InvalidInput
-from .choices import LAYOUTS
-from .decode import open_image
-from .folder import REJECTED_FOLDER, TABLE_FILE, image_folder, map_type_folders, map_type_of
-from .images import Images, some
+from ..errors import InvalidInput, OutputError
+from .folder import (
+    LAYOUTS,
+    NAME,
+    REJECTED_FOLDER,
+    TABLE_FILE,
+    image_folder,
+    map_type_folders,
+    map_type_of,
+    raster_folders,
+)
 from .published import check_names
 from .table import Table
 from .vbn import read_vbn
@@ -24,6 +35,20 @@ from .vbn import read_vbn
 VBN_MAP_TYPE = "camera"
 #: Pillow's modes by the channels that are asked for.
 _MODES = {1: "L", 3: "RGB"}
+#: Files that one message names.
+_NAMED = 3
+#: What Pillow raises for a file that is no whole image, or too large a one.
+UNREADABLE = (OSError, ValueError, SyntaxError, Image.DecompressionBombError)
+#: Of Pillow's modes, those with eight bits or less: grey, and all that becomes RGB.
+_GREY, _COLOUR = (
+    ("1", "L", "LA", "La"),
+    ("RGB", "RGBA", "RGBa", "RGBX", "P", "PA", "CMYK", "YCbCr", "LAB", "HSV"),
+)
+#: A JPEG is decoded at half, a quarter or an eighth of its size where that is still so many times the size asked for;
+#: with less, the result begins to differ from that of the whole one.
+_SPARE = 2
+#: A size that is not known.
+_UNKNOWN_PX = (math.nan, math.nan)
 
 
 @dataclass(frozen=True, eq=False)
@@ -183,3 +208,240 @@ def _only(dataset: Dataset, map_types: Collection[str] | None) -> Dataset:
     if map_types is None:
         return dataset
     return Dataset(dataset.folder, dataset.layout, {one: dataset.image_set(one) for one in map_types})
+
+
+@dataclass(frozen=True)
+class Move:
+    """A file of the image ``stem``, from one place to another on the same file system."""
+
+    stem: str
+    origin: Path
+    target: Path
+
+    def carry_out(self) -> None:
+        """Move it; raises OutputError."""
+        try:
+            self.target.parent.mkdir(exist_ok=True)
+            os.replace(self.origin, self.target)
+        except OSError as wrong:
+            raise OutputError(
+                f"file {self.origin}: cannot be moved to {self.target.parent} ({wrong.strerror}); run it again to "
+                "finish, or undo to put all back"
+            ) from wrong
+
+
+class Images:
+    """What lies in a map type's folder and in its folder of rejected images, as it is now.
+
+    Raises
+    ------
+    InvalidInput
+        Where a folder cannot be read, or a file is in both.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder
+        there = (folder / REJECTED_FOLDER).is_dir()
+        self._kept, others = _files_and_others(folder)
+        self._rejected, beside = _files_and_others(folder / REJECTED_FOLDER) if there else (set(), set())
+        self._blocked = REJECTED_FOLDER in self._kept | others and not there
+        twice = sorted(self._kept & (self._rejected | beside) | self._rejected & others)
+        if twice:
+            raise InvalidInput(
+                f"folder {folder}: {some(twice)} {_is(twice)} in it and in {REJECTED_FOLDER} as well; remove one "
+                "of the two"
+            )
+
+    def check(self, names: Sequence[str], there: NDArray[np.bool_]) -> None:
+        """Raise InvalidInput where a table says otherwise than the files.
+
+        Parameters
+        ----------
+        names : sequence of str
+            Images, of all rows of the table.
+        there : array of bool
+            Those that have been made.
+        """
+        foreign = [
+            name for name in names if not name or name in (".", "..") or re.search(r"[/\\:\x00]", name)
+        ]
+        if foreign:
+            raise InvalidInput(
+                f"folder {self._folder}: {foreign[0]!r} in the table is no name of a file in it"
+            )
+        stems = Counter(Path(name).stem for name in names)
+        twice = [stem for stem, count in stems.items() if count > 1]
+        if twice:
+            raise InvalidInput(f"folder {self._folder}: the table has {some(twice)} in more than one row")
+        files = self._kept | self._rejected
+        lost = [name for name, made in zip(names, there.tolist()) if made and name not in files]
+        if lost:
+            raise InvalidInput(
+                f"folder {self._folder}: {some(lost)} of the table {_is(lost)} not there; put "
+                f"{'it' if len(lost) == 1 else 'them'} back, or capture again (--resume)"
+            )
+        endings = {Path(name).suffix for name in names}
+        unknown = sorted(
+            name
+            for name in files
+            if Path(name).suffix in endings
+            and NAME.fullmatch(Path(name).stem)
+            and Path(name).stem not in stems
+        )
+        if unknown:
+            raise InvalidInput(
+                f"folder {self._folder}: {some(unknown)} {_is(unknown)} not in the table; finish the capture "
+                "(--resume), or remove what does not belong to it"
+            )
+
+    def path(self, name: str) -> Path:
+        """Where an image lies."""
+        return self._folder / (REJECTED_FOLDER if name in self._rejected else "") / name
+
+    def moves(self, out: Iterable[str], back: Iterable[str]) -> tuple[list[Move], list[Move]]:
+        """Moves of images, by name, to the rejected ones and from there, with every file that belongs to them.
+
+        Those of a file that is there already are left out. Of one image, the image itself is the last that returns and
+        the first that leaves: what lies in the folder is whole.
+
+        Raises
+        ------
+        InvalidInput
+            Where a file is in the place of the folder that images would leave for.
+        """
+        leaving, returning = set(out), set(back)
+        if leaving and self._blocked:
+            raise InvalidInput(
+                f"folder {self._folder}: {REJECTED_FOLDER} in it is no folder, which images are moved to; move it away"
+            )
+        return (
+            self._moves(self._kept, leaving, self._folder, self._folder / REJECTED_FOLDER),
+            self._moves(self._rejected, returning, self._folder / REJECTED_FOLDER, self._folder)[::-1],
+        )
+
+    def all_back(self) -> list[Move]:
+        """Moves of all that lies among the rejected images."""
+        origin = self._folder / REJECTED_FOLDER
+        return [
+            Move(_stem(name, NAME.fullmatch), origin / name, self._folder / name)
+            for name in sorted(self._rejected)
+        ]
+
+    @staticmethod
+    def _moves(files: set[str], images: set[str], origin: Path, target: Path) -> list[Move]:
+        stems = {Path(name).stem: name for name in images}
+        found = []
+        for name in files:
+            stem = _stem(name, stems.__contains__)
+            if stem in stems:
+                found.append((stem, name != stems[stem], name))
+        return [Move(stem, origin / name, target / name) for stem, _, name in sorted(found)]
+
+    @staticmethod
+    def remove_if_empty(folder: Path) -> None:
+        """Remove the folder of rejected images of a map type where nothing lies in it."""
+        for one in (folder, *raster_folders(folder)):
+            with contextlib.suppress(OSError):
+                (one / REJECTED_FOLDER).rmdir()
+
+
+def _stem(name: str, known: Callable[[str], object]) -> str:
+    """Name of the image that a file belongs to: ``a.b`` of ``a.b.tif`` and of ``a.b.tif.aux.xml``."""
+    end = name.rfind(".")
+    while end > 0:
+        if known(name[:end]):
+            return name[:end]
+        end = name.rfind(".", 0, end)
+    return Path(name).stem
+
+
+def _files_and_others(folder: Path) -> tuple[set[str], set[str]]:
+    """Names of files in a folder, and of all else."""
+    try:
+        with os.scandir(folder) as entries:
+            kinds = {entry.name: entry.is_file() for entry in entries}
+    except OSError as wrong:
+        raise InvalidInput(f"folder {folder}: cannot be read ({wrong.strerror})") from wrong
+    files = {name for name, is_file in kinds.items() if is_file}
+    return files, kinds.keys() - files
+
+
+def some(names: Sequence[str]) -> str:
+    """The first names, and how many there are beside them."""
+    more = len(names) - _NAMED
+    return ", ".join(names[:_NAMED]) + (f" and {more:,} more" if more > 0 else "")
+
+
+def _is(names: Sequence[str]) -> str:
+    return "is" if len(names) == 1 else "are"
+
+
+def open_image(
+    path: str | os.PathLike[str],
+    img_size: tuple[int, int, int] | None = None,
+    said_px: tuple[float, float] = _UNKNOWN_PX,
+) -> Image.Image:
+    """Image of a file, grey (``L``) or ``RGB``, decoded whole.
+
+    Transparency is dropped: pixels keep the colours that they have below it. Colours become grey by ITU-R BT.601.
+    Images are resized with Pillow's bilinear filter, which takes the mean over all pixels that become one.
+
+    Parameters
+    ----------
+    path : path
+        GeoTIFF, JPEG, PNG or another format of Pillow's.
+    img_size : tuple (width, height, channels) or None
+        In px, and 1 (grey) or 3 (colour); None leaves both as they are.
+    said_px : tuple (width, height)
+        What the table says of the file, NaN where it says nothing.
+
+    Raises
+    ------
+    InvalidInput
+        A file that cannot be read, is PostScript, has more than eight bits a channel or another size than is said.
+    """
+    try:
+        # From memory: a compressed TIFF's file is closed by libtiff and by Pillow, and the second of them may close
+        # what another thread has opened in between.
+        with Image.open(io.BytesIO(Path(path).read_bytes())) as image:
+            if image.mode not in _GREY + _COLOUR:
+                raise InvalidInput(
+                    f"image {path}: has pixels of Pillow's mode {image.mode}; 8-bit grey or colour would be right"
+                )
+            if image.format == "EPS":
+                raise InvalidInput(
+                    f"image {path}: is PostScript, a program that is not run; an image of pixels would be right"
+                )
+            _check_size(path, image, said_px)
+            if img_size is None:
+                return _of_mode(image, "L" if image.mode in _GREY else "RGB")
+            width, height, channels = img_size
+            mode = "L" if channels == 1 else "RGB"
+            image.draft(mode, (_SPARE * width, _SPARE * height))
+            found = _of_mode(image, mode)
+            return found if found.size == (width, height) else found.resize((width, height), Image.BILINEAR)
+    except InvalidInput:
+        raise
+    except FileNotFoundError as wrong:
+        raise InvalidInput(
+            f"image {path}: is not there; put it back, or capture it again (--resume)"
+        ) from wrong
+    except UnidentifiedImageError as wrong:
+        raise InvalidInput(f"image {path}: cannot be read (of no format that Pillow knows)") from wrong
+    except UNREADABLE as wrong:
+        # Of a compressed TIFF's pixels Pillow tells libtiff's number alone.
+        what = "its pixels are damaged or cut off" if re.fullmatch(r"-?\d+", str(wrong)) else wrong
+        raise InvalidInput(f"image {path}: cannot be read ({what})") from wrong
+
+
+def _check_size(path: str | os.PathLike[str], image: Image.Image, said_px: tuple[float, float]) -> None:
+    if any(said == said and said != size for said, size in zip(said_px, image.size)):
+        raise InvalidInput(
+            f"image {path}: has {image.width} x {image.height} px, and {said_px[0]:g} x {said_px[1]:g} px in the "
+            "table; capture it again, or put the table right"
+        )
+
+
+def _of_mode(image: Image.Image, mode: str) -> Image.Image:
+    image.load()
+    return image if image.mode == mode else image.convert(mode)

@@ -15,8 +15,7 @@ from numpy.typing import NDArray
 
 from ..drawing import BLACK, BLUE, FONT, VERMILION, check_matplotlib, dress, new_figure, png
 from ..files import make_folder, write_whole
-from .deciding import Deciding, deciding_entropies
-from .thresholds import otsu
+from .entropy import Deciding, deciding_entropies, otsu
 
 Floats = NDArray[np.float64]
 

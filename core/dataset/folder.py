@@ -1,4 +1,4 @@
-"""The dataset folder: what its files are called, and which map types it holds."""
+"""The dataset folder: what its files are called, which map types it holds, what commands on it choose among."""
 
 from __future__ import annotations
 
@@ -19,12 +19,27 @@ REJECTED_FOLDER = "rejected"
 #: The map type whose entropies decide for all of a place, where there are such images.
 DECIDING = "roadmap"
 
+_DEGREES = r"-?\d+(?:\.\d+)?(?:e-\d+)?"
+#: Images' names without ending, of captures and of the published dataset: column, row, latitude, longitude, zoom.
+NAME = re.compile(rf"(\d+)_(\d+)_({_DEGREES})_({_DEGREES})_(\d+)")
 #: Folders of the published dataset end in the overlap of its images: `satellite_0`, `satellite_0.6`.
 _OVERLAP = re.compile(r"_\d+(\.\d+)?")
 #: Where the Night Vision supplement has its images, which have no table.
 SUPPLEMENT_FOLDER = "JPG2"
 #: Beside a table of the published dataset: the folder of its images.
 _RASTERS = "raster_images_*"
+#: The paper's: in its dataset, images below it lack significant detail.
+DEFAULT_ENTROPY = 2.1
+#: How folders of datasets may be laid out: ours and the paper's published ones, and the Night Vision supplement's.
+LAYOUTS = ("TerrAInav", "VBN")
+TRAIN, VALIDATION, TEST = PARTS = ("train", "validation", "test")
+#: The paper's.
+SHARES = (0.8, 0.1, 0.1)
+SEED = 2024
+#: How images are put in order, or by what they are split.
+WAYS = ("shuffled", "in-order", "blocks")
+#: Frames of labels that are chosen by name; else a code ``EPSG:…``.
+FRAMES = ("utm", "mercator", "mission")
 
 
 def map_type_folders(folder: str | os.PathLike[str]) -> dict[str, Path]:

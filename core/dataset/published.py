@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from ..errors import InvalidInput
 from ..geodesy.mercator import PixelGrid, lat_to_v, lon_to_u
-from .images import NAME
+from .folder import NAME
 from .table import Table
 
 Floats = NDArray[np.float64]

@@ -17,16 +17,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InvalidInput
-from .blocks import blocks_of, deviation, largest_side_m, parted
-from .choices import PARTS, SEED, SHARES, WAYS
 from .clean import held
 from .dataset import ImageSet, read_dataset
-from .folder import TABLE_FILE
-from .frames import middle_of
-from .ground import Boxes, boxes_of
-from .labels import LABELS_FILE, Labels, labels_of_tables, mark_unfinished
-from .parts import GAP, SPLIT, taken
-from .table import Table
+from .folder import PARTS, SEED, SHARES, TABLE_FILE, WAYS
+from .ground import Boxes, blocks_of, boxes_of, deviation, largest_side_m, parted
+from .labels import LABELS_FILE, Labels, labels_of_tables, mark_unfinished, middle_of
+from .table import GAP, SPLIT, Table, taken
 
 Numbers = NDArray[np.int64]
 

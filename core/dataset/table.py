@@ -1,4 +1,4 @@
-"""The table of a dataset, ``meta_data.csv``: in and out."""
+"""The table of a dataset, ``meta_data.csv``, in and out; and the parts that its column ``split`` says."""
 
 from __future__ import annotations
 
@@ -34,6 +34,8 @@ _TEXT = ("img_names", "source", "attribution", "imagery_date", "status", "reason
 _FOREIGN = ("source", "attribution", "imagery_date", "reason")
 #: Columns of whole numbers, written as such; readers of other datasets may find none in them.
 _PIXELS = ("left_px", "top_px", "width_px", "height_px", "image_width_px", "image_height_px")
+#: Column that is not ours alone: why an image is rejected; empty for one that is kept. A table without is not cleaned.
+REJECTED = "rejected"
 #: Rows that are text at a time.
 _ROWS_A_BLOCK = 2000
 #: Faults of a file that one message names.
@@ -43,6 +45,10 @@ _FAULTS_NAMED = 3
 _BLOCK_BYTES = 1 << 20
 #: What some editors put before UTF-8.
 _MARK = "\ufeff"
+#: Column of the table: the part of an image. A table that has none is not split.
+SPLIT = "split"
+#: In place of a part: an image that is in none, as its ground is shared with another part or is too near to one.
+GAP = "gap"
 
 
 @dataclass(frozen=True, eq=False)
@@ -343,3 +349,15 @@ def _column(
         elif name in _WHOLE and not values[index].is_integer():
             faults.append((line, f"has {header} {cell!r}, not a whole number"))
     return values.astype(np.int64) if name in _WHOLE and not faults else values
+
+
+def part_of(table: Table) -> tuple[str, ...] | None:
+    """Part of each row: one of `choices.PARTS`, `GAP`, or empty where the image is not taken; None without a split."""
+    return table.other.get(SPLIT)
+
+
+def taken(table: Table) -> NDArray[np.bool_]:
+    """Rows (n,) whose images are there and have not been rejected by cleaning."""
+    there = np.array([status != "failed" for status in table.status], np.bool_)
+    marks = table.other.get(REJECTED, ("",) * len(table))
+    return there & np.array([not mark for mark in marks], np.bool_)

@@ -22,6 +22,8 @@ POSITION = "Platform_position_LatLongAlt"
 ALTITUDE = "altitude_m"
 #: Keys that would be read as columns of ours: also an older spelling, and what clean and split write.
 _OURS = frozenset({*HEADERS, "row", "rejected", "split"})
+#: Faults that one message names.
+_NAMED = 3
 #: Ending of the images.
 _IMAGE_ENDING = ".jpg"
 #: Faults that one message names.

@@ -15,7 +15,7 @@ from PIL import GifImagePlugin, ImageFile, JpegImagePlugin, PngImagePlugin, WebP
 from ..errors import PartError
 from ..limits import MAX_JPEG_SCANS, MAX_JPEG_SEGMENTS, MAX_PICTURE_EXTRA_BYTES
 from ..text import first_words, one_line
-from .client import BrokenPictureError
+from .http.client import BrokenPictureError
 from .source import Pixels
 
 #: What must not follow 0xFF within the entropy-coded data of a JPEG (ITU-T T.81, B.1.1.5), and what may.

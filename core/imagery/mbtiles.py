@@ -24,12 +24,11 @@ from ..limits import (
 from ..text import one_line, whole_number
 from .cache.tilefile import connect, fault
 from .decode import decode, size_of
+from .opening import FileSource
 from .policy import Policy
-from .source import Part, Pixels, Window, tile_parts
-from .tiles import Tile, tile_address
-from .transport import Stop
+from .source import Part, Pixels, Tile, Window, tile_address, tile_parts
 
-#: Seconds one wait for a program that writes the file takes, so that a cancel is seen in between.
+#: Seconds one wait for a program that writes the file takes, so that a close is seen in between.
 _WAIT_S = 0.25
 #: Seconds all of them may take.
 _LONGEST_WAIT_S = 10.0
@@ -59,6 +58,16 @@ _TILE = (
     "WHERE zoom_level = ? AND tile_column = ? AND tile_row = ? LIMIT 1"
 )
 _SAMPLE = "SELECT CASE WHEN length(tile_data) <= ? THEN tile_data END FROM tiles LIMIT 1"
+
+
+class MBTilesFile(FileSource):
+    """An MBTiles file as a mission names it."""
+
+    def open(self) -> MBTilesSource:
+        """Open the file; raises InvalidInput as `open_mbtiles` does, and where a date is asked for."""
+        if self.options.date:
+            raise InvalidInput(f"date {self.options.date!r}: {self.text} has no dates to choose from")
+        return open_mbtiles(self.text)
 
 
 class MBTilesSource:
@@ -104,7 +113,7 @@ class MBTilesSource:
         """Tiles that fill ``window``."""
         return tile_parts(window, self.grid)
 
-    def fetch(self, map_type: str, part: Window, cancelled: Stop | None = None) -> Pixels:  # noqa: ARG002
+    def fetch(self, map_type: str, part: Window) -> Pixels:  # noqa: ARG002
         """Pixels of a tile, (tile_px, tile_px, 3 or 4) uint8.
 
         Raises
@@ -116,7 +125,7 @@ class MBTilesSource:
         Cancelled
         """
         tile = tile_address(part, self.grid, self.title)
-        body = self._body(tile, cancelled)
+        body = self._body(tile)
         if body is None:
             raise PartError(f"{tile}: is not in {Path(self.name).name}")
         try:
@@ -125,32 +134,31 @@ class MBTilesSource:
             raise PartError(f"{tile}: {reason}") from reason
 
     def close(self) -> None:
-        """Close the file; what other threads read of it ends first."""
+        """Close the file; what other threads read of it ends at once and raises Cancelled."""
+        self._clock.stop()
         with self._lock:
             if self._connection is not None:
                 self._connection.close()
                 self._connection = None
 
-    def _body(self, tile: Tile, cancelled: Stop | None) -> bytes | None:
+    def _body(self, tile: Tile) -> bytes | None:
         until_s = time.monotonic() + _LONGEST_WAIT_S
         while True:
-            if cancelled is not None and cancelled():
-                raise Cancelled("cancelled while waiting for the file")
             try:
-                return self._stored(tile, cancelled)
-            except sqlite3.Error as wrong:
-                if cancelled is not None and cancelled():
-                    raise Cancelled("cancelled while waiting for the file") from None
+                return self._stored(tile)
+            except sqlite3.Error as wrong:  # noqa: PERF203  (one that is busy is asked again)
+                if self._clock.stopped:
+                    raise Cancelled("the source was closed") from None
                 if self._clock.is_over():
                     raise _too_slow(str(tile)) from wrong
                 if fault(wrong) != "busy" or time.monotonic() > until_s:
                     raise PartError(f"{tile}: {Path(self.name).name} cannot be read ({wrong})") from wrong
 
-    def _stored(self, tile: Tile, cancelled: Stop | None) -> bytes | None:
+    def _stored(self, tile: Tile) -> bytes | None:
         with self._lock:
             if self._connection is None:
                 raise Cancelled("the source was closed")
-            self._clock.start(cancelled)
+            self._clock.start()
             row = self._connection.execute(
                 _TILE,
                 # Rows are counted from the south (TMS).
@@ -200,19 +208,19 @@ class _Clock:
 
     def __init__(self) -> None:
         self._until_s = 0.0
-        self._cancelled: Stop | None = None
+        self.stopped = False
 
-    def start(self, cancelled: Stop | None = None) -> None:
-        """Begin to count the time of a look-up, which ends at once where it is cancelled."""
-        self._until_s, self._cancelled = time.monotonic() + MAX_QUERY_S, cancelled
+    def start(self) -> None:
+        """Begin to count the time of a look-up."""
+        self._until_s = time.monotonic() + MAX_QUERY_S
+
+    def stop(self) -> None:
+        """End the look-up that is under way, and all that come."""
+        self.stopped = True
 
     def is_over(self) -> bool:
-        """Whether the time of the last look-up is over."""
-        return time.monotonic() > self._until_s
-
-    def __call__(self) -> bool:
-        """Whether SQLite is to stop; it asks from time to time."""
-        return self.is_over() or (self._cancelled is not None and self._cancelled())
+        """Whether the look-up is to end; SQLite asks from time to time."""
+        return self.stopped or time.monotonic() > self._until_s
 
 
 def _too_slow(what: str) -> PartError:
@@ -243,7 +251,7 @@ def _readable(file: Path, mode: str, clock: _Clock) -> sqlite3.Connection:
             connection.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, 2 * MAX_STORED_TILE_BYTES)
         connection.set_authorizer(_allowed)
         clock.start()
-        connection.set_progress_handler(clock, _STEPS)
+        connection.set_progress_handler(clock.is_over, _STEPS)
         connection.execute("SELECT count(*) FROM sqlite_master").fetchone()
     except sqlite3.Error:
         connection.close()

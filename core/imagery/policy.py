@@ -10,6 +10,33 @@ from ..errors import InvalidInput, SourceError
 BULK = ("yes", "ask", "no")
 
 
+class TermsError(SourceError):
+    """A run of more requests than a provider's terms let pass.
+
+    Parameters
+    ----------
+    title : str
+        The source, as people see it.
+    policy : Policy
+    requests : int
+    instead : tuple of str
+        Sources that allow it.
+    """
+
+    def __init__(self, title: str, policy: Policy, requests: int, instead: tuple[str, ...] = ()) -> None:
+        others = f"sources that allow it: {', '.join(instead)}" if instead else "take another source"
+        can_agree = policy.bulk_allowed == "ask"
+        way_out = "agree to the terms first (--accept-terms)" if can_agree else others
+        without = "agreeing to its terms" if can_agree else "breaking its terms"
+        super().__init__(
+            f"{title}: {requests:,} requests, and {policy.max_tiles:,} at most pass without {without}: "
+            f"{policy.terms}{f' ({policy.terms_url})' if policy.terms_url else ''}; {way_out}"
+        )
+        self.title, self.policy, self.requests, self.instead = title, policy, requests, instead
+        #: Whether agreeing to the terms is enough.
+        self.can_agree = can_agree
+
+
 @dataclass(frozen=True)
 class Policy:
     """A provider's terms, as far as a program can keep them.
@@ -75,18 +102,11 @@ class Policy:
 
         Raises
         ------
-        SourceError
+        TermsError
             Quoting the terms.
         """
-        if not self.stops(requests) or (self.bulk_allowed == "ask" and accept_terms):
-            return
-        others = f"sources that allow it: {', '.join(instead)}" if instead else "take another source"
-        way_out = others if self.bulk_allowed == "no" else "agree to the terms first (--accept-terms)"
-        without = "breaking its terms" if self.bulk_allowed == "no" else "agreeing to its terms"
-        raise SourceError(
-            f"{title}: {requests:,} requests, and {self.max_tiles:,} at most pass without {without}: "
-            f"{self.terms}{f' ({self.terms_url})' if self.terms_url else ''}; {way_out}"
-        )
+        if self.stops(requests) and not (self.bulk_allowed == "ask" and accept_terms):
+            raise TermsError(title, self, requests, instead)
 
     def stops(self, requests: int) -> bool:
         """Whether so many requests are more than pass without asking, or at all."""

@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Callable, NamedTuple, Protocol, runtime_checkable
+from typing import NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..errors import InvalidInput, PartError
 from ..geodesy.mercator import PixelGrid
 from .policy import Policy
-
-if TYPE_CHECKING:
-    from .placeholder import Placeholder
 
 Pixels = NDArray[np.uint8]
 
@@ -39,10 +37,6 @@ class Part(NamedTuple):
     window: Window
     dx_px: int
     dy_px: int
-
-
-#: Called with a part and the file that its pixels were read of.
-Received = Callable[[Window, bytes], object]
 
 
 class Source(Protocol):
@@ -106,22 +100,6 @@ class Source(Protocol):
         ...
 
 
-@runtime_checkable
-class Provided(Protocol):
-    """A source whose parts are files of a provider.
-
-    Attributes
-    ----------
-    placeholder : Placeholder
-        What the provider sends where it has nothing.
-    received : callable or None
-        Called with each part that is fetched, from the network or out of the cache, in the thread that asks.
-    """
-
-    placeholder: Placeholder
-    received: Received | None
-
-
 def tile_parts(window: Window, grid: PixelGrid) -> list[Part]:
     """Tiles of ``grid`` that fill a whole-numbered window, by rows; columns wrap around the world.
 
@@ -138,3 +116,44 @@ def tile_parts(window: Window, grid: PixelGrid) -> list[Part]:
         for row in range(top // size, (top + window.height_px - 1) // size + 1)
         for column in range(left // size, (left + window.width_px - 1) // size + 1)
     ]
+
+
+class Tile(NamedTuple):
+    """A tile: zoom, column counted from 180° W, row counted from the north."""
+
+    zoom: int
+    x: int
+    y: int
+
+    def __str__(self) -> str:
+        return f"tile {self.zoom}/{self.x}/{self.y}"
+
+
+def tile_address(part: Window, grid: PixelGrid, title: str) -> Tile:
+    """Address of the tile of ``grid`` that a part is.
+
+    Parameters
+    ----------
+    part : Window
+    grid : PixelGrid
+    title : str
+        The source, as errors name it.
+
+    Raises
+    ------
+    InvalidInput
+        The part is no tile of the grid, or of a zoom the source does not have.
+    PartError
+        The tile would be beyond the edge of the map.
+    """
+    size = grid.tile_px
+    x, left = divmod(part.left_px, size)
+    y, top = divmod(part.top_px, size)
+    if left or top or (part.width_px, part.height_px) != (size, size):
+        raise InvalidInput(f"{part}: is no tile of {size} px")
+    tile = Tile(int(part.zoom), int(x), int(y))
+    if not grid.min_zoom <= tile.zoom <= grid.max_zoom:
+        raise InvalidInput(f"zoom {tile.zoom}: {title} has {grid.min_zoom} to {grid.max_zoom}")
+    if not (0 <= tile.x < 1 << tile.zoom and 0 <= tile.y < 1 << tile.zoom):
+        raise PartError(f"{tile}: beyond the edge of the map")
+    return tile

@@ -9,6 +9,7 @@ from __future__ import annotations
 import base64
 import hashlib
 import hmac
+import os
 from urllib.parse import quote, urlencode, urlsplit
 
 import numpy as np
@@ -16,13 +17,15 @@ import numpy as np
 from ..errors import InvalidInput
 from ..geodesy.frames import Windows, window_centres
 from ..geodesy.mercator import PixelGrid
-from .client import Client
 from .decode import decode
-from .placeholder import Placeholder
+from .entry import CatalogueEntry
+from .http.client import Client
+from .http.requests_transport import RequestsTransport
+from .http.transport import Response, Transport
+from .opening import SourceOptions
+from .placeholder import Placeholder, Received
 from .policy import Policy
-from .requests_transport import RequestsTransport
-from .source import Part, Pixels, Received, Window
-from .transport import Response, Stop, Transport
+from .source import Part, Pixels, Window
 
 GOOGLE_URL = "https://maps.googleapis.com/maps/api/staticmap"
 MAP_TYPES = ("satellite", "roadmap", "terrain")
@@ -116,7 +119,7 @@ class StaticMapSource:
         left_px = window.left_px % self.grid.world_px(window.zoom)
         return [Part(window._replace(left_px=left_px), 0, 0)]
 
-    def fetch(self, map_type: str, part: Window, cancelled: Stop | None = None) -> Pixels:
+    def fetch(self, map_type: str, part: Window) -> Pixels:
         """Pixels of a picture, (height_px, width_px, 3) uint8.
 
         Raises
@@ -135,9 +138,7 @@ class StaticMapSource:
                 response.body, part.width_px, part.height_px, response.headers.get("content-type", "")
             )
 
-        response, pixels = self._client.picture(
-            self._request(map_type, part, lat_deg, lon_deg), what, read, cancelled
-        )
+        response, pixels = self._client.picture(self._request(map_type, part, lat_deg, lon_deg), what, read)
         received = self.received
         if received is not None:
             received(part, response.body)
@@ -199,6 +200,23 @@ class StaticMapSource:
         query["key"] = self._key
         url = f"{self._url}?{urlencode(query, quote_via=quote, safe='')}"
         return sign(url, self._secret) if self._secret else url
+
+
+def open_entry(entry: CatalogueEntry, _date: str, key: str | None, options: SourceOptions) -> StaticMapSource:
+    """Source of the pictures that an entry describes, asked for with a key."""
+    return StaticMapSource(
+        key or "",
+        options.secret or (os.environ.get(entry.signing_env) if entry.signing_env else None),
+        scale=entry.grid(options.tile_px).scale,
+        name=entry.name,
+        title=entry.title,
+        attribution=entry.attribution,
+        policy=entry.policy,
+        placeholder=PLACEHOLDER.with_files(entry.placeholder.with_files(options.placeholders).sha256),
+        url=os.environ.get("TERRAINAV_GOOGLE_URL", GOOGLE_URL),
+        transport=options.transport,
+        connections=options.connections,
+    )
 
 
 def sign(url: str, secret: str) -> str:

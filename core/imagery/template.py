@@ -1,16 +1,20 @@
-"""URL templates of tiles: ``{z}``, ``{x}``, ``{y}`` and what else providers write in them."""
+"""URL templates of tiles, with ``{z}``, ``{x}``, ``{y}`` and what else providers write; and keys in addresses."""
 
 from __future__ import annotations
 
 import itertools
+import os
 import re
 from collections.abc import Iterable
 from dataclasses import dataclass
 from urllib.parse import parse_qsl, quote, unquote, urlsplit
 
-from ..errors import InvalidInput
+from ..errors import InvalidInput, SourceError
 from ..geodesy.mercator import HALF_WORLD_M
 
+#: Environment variable with the key of a user's own address, which goes to hosts that the user has named, and to no
+#: other: an address in a mission file, a config file or a server's document may have been written by anybody.
+KEY_ENV = "TERRAINAV_KEY"
 #: What may stand in braces, and what stands for it.
 PLACEHOLDERS = {
     "z": "zoom",
@@ -47,6 +51,8 @@ _KEY_NAMES = re.compile(
     r"|pass([-_]?(code|phrase|w(or)?d))?|pwd|sig|tk",
     re.IGNORECASE,
 )
+#: Environment variable with the hosts that the key is for, with commas or spaces between them.
+HOSTS_ENV = "TERRAINAV_KEY_HOSTS"
 
 
 @dataclass(frozen=True)
@@ -203,8 +209,8 @@ def keys_in(address: str) -> list[str]:
     """Names of an address's parameters that hold keys, {key} apart."""
     before, _, after = address.partition("#")
     # Some servers take ; between parameters, and what stands after # may have been meant for the query.
-    told = f"{before.partition('?')[2]}&{after}".replace(";", "&")
-    return [name for name, value in parse_qsl(told) if is_key_name(name) and "{key}" not in value]
+    parameters = f"{before.partition('?')[2]}&{after}".replace(";", "&")
+    return [name for name, value in parse_qsl(parameters) if is_key_name(name) and "{key}" not in value]
 
 
 def is_key_name(name: str) -> bool:
@@ -238,3 +244,31 @@ def bbox(z: int, x: int, y: int) -> str:
     # From the grid's lines on both sides, so that neighbours share an edge to the last digit.
     edges = (west, HALF_WORLD_M - (y + 1) * size_m, (x + 1) * size_m - HALF_WORLD_M, north)
     return ",".join(repr(edge) for edge in edges)
+
+
+def environment_key(hosts: Iterable[str], *, named_by_user: bool) -> str | None:
+    """Return the environment's key for an address that holds ``{key}``; None where there is none.
+
+    Parameters
+    ----------
+    hosts : iterable of str
+        All that the address leads to.
+    named_by_user : bool
+        Whether the user has named the address himself, for this run.
+
+    Raises
+    ------
+    SourceError
+        There is a key, and it is for other hosts.
+    """
+    key = os.environ.get(KEY_ENV)
+    if not key or named_by_user:
+        return key or None
+    known = os.environ.get(HOSTS_ENV, "").replace(",", " ").lower().split()
+    for host in hosts:
+        if not any(host == own or host.endswith("." + own) for own in (one.strip(".") for one in known)):
+            raise SourceError(
+                f"{host}: {KEY_ENV} is not sent there, because a file names this host and not you; "
+                f"set {HOSTS_ENV}={host} if the key is for it"
+            )
+    return key

@@ -11,16 +11,16 @@ from ..errors import InvalidInput, SourceError
 from ..geodesy.mercator import PixelGrid
 from .cache.tile_cache import TileCache
 from .cache.tilestore import TileStore
-from .catalogue.entry import serving
-from .client import Client
 from .decode import decode
-from .placeholder import Placeholder
+from .entry import CatalogueEntry, serving
+from .http.client import Client
+from .http.requests_transport import RequestsTransport
+from .http.transport import Response, Transport
+from .opening import SourceOptions
+from .placeholder import Placeholder, Received
 from .policy import Policy
-from .requests_transport import RequestsTransport
-from .source import Part, Pixels, Received, Window, tile_parts
+from .source import Part, Pixels, Window, tile_address, tile_parts
 from .template import MAP_TYPES, Template, host_of
-from .tiles import tile_address
-from .transport import Response, Stop, Transport
 
 #: Hosts whose terms are kept at hand; a template has a few.
 _HOSTS = 64
@@ -91,7 +91,7 @@ class XYZSource:
         self.grid = grid
         self.date = date
         self.policy = policy
-        self.map_types = self._told_apart()
+        self.map_types = self._map_types_of_templates()
         self.placeholder = placeholder
         self._alpha = alpha
         self.received: Received | None = None
@@ -119,7 +119,7 @@ class XYZSource:
         """Tiles that fill ``window``."""
         return tile_parts(window, self.grid)
 
-    def fetch(self, map_type: str, part: Window, cancelled: Stop | None = None) -> Pixels:
+    def fetch(self, map_type: str, part: Window) -> Pixels:
         """Pixels of a tile, (tile_px, tile_px, 3) uint8.
 
         Parameters
@@ -128,8 +128,6 @@ class XYZSource:
             One of ``map_types``; anything where that is empty.
         part : Window
             A tile of ``grid``.
-        cancelled : callable or None
-            Asked during every wait for the network.
 
         Raises
         ------
@@ -138,7 +136,7 @@ class XYZSource:
         PartError, SourceError
             As for every source.
         Cancelled
-            Within half a second of ``cancelled`` answering true.
+            Within half a second of `close`.
         """
         tile = tile_address(part, self.grid, self.title)
         url = self._template(map_type).url(
@@ -153,7 +151,7 @@ class XYZSource:
 
         def ask(headers: Mapping[str, str], read: Callable[[Response], Pixels]) -> tuple[Response, Pixels]:
             return self._client.picture(
-                url, str(tile), read, cancelled, headers, lambda asked: self._count(asked, counted)
+                url, str(tile), read, headers, lambda asked: self._count(asked, counted)
             )
 
         # What was read last, of the cache or of an answer, is what is returned.
@@ -195,22 +193,22 @@ class XYZSource:
     def _store(self, map_type: str) -> TileStore | None:
         """Tiles kept of a map type; None where none are to be kept."""
         # A source without map types has the same tiles whatever they are asked for as.
-        told = map_type if self.map_types else ""
+        kept_as = map_type if self.map_types else ""
         with self._lock:
-            if told not in self._stores and self._cache is not None:
-                self._stores[told] = self._cache.store(
+            if kept_as not in self._stores and self._cache is not None:
+                self._stores[kept_as] = self._cache.store(
                     self._template(map_type).text,
                     # A template may hold in its path what is not for everyone to see.
                     source=self._template(map_type).host if "{" in self.name else self.name,
                     title=self.title,
                     attribution=self.attribution,
-                    map_type=told,
+                    map_type=kept_as,
                     date=self.date,
                     tile_px=self.grid.tile_px,
                 )
-            return self._stores.get(told)
+            return self._stores.get(kept_as)
 
-    def _told_apart(self) -> tuple[str, ...]:
+    def _map_types_of_templates(self) -> tuple[str, ...]:
         if "" not in self._templates:
             return tuple(self._templates)
         return MAP_TYPES if "map_type" in self._templates[""].names else ()
@@ -256,3 +254,21 @@ class XYZSource:
                 found = provider.title, provider.policy
             self._terms[host] = found
         return found
+
+
+def open_entry(entry: CatalogueEntry, date: str, key: str | None, options: SourceOptions) -> XYZSource:
+    """Source of the tiles that an entry describes, of a date, asked for with a key."""
+    return XYZSource(
+        entry.templates(date),
+        name=entry.name,
+        title=entry.title,
+        attribution=entry.credit(date),
+        grid=entry.grid(options.tile_px),
+        key=key,
+        date=date,
+        placeholder=entry.placeholder.with_files(options.placeholders),
+        policy=entry.policy,
+        transport=options.transport,
+        cache=options.cache,
+        connections=options.connections,
+    )

@@ -15,10 +15,9 @@ from ..capture.journal import FAILED, Journal, Outcome
 from ..capture.runner import DEFAULT_CONNECTIONS, CaptureResult, Failure, Progress, Repeat, capture
 from ..dataset.folder import JOURNAL_FILE, MISSION_FILE, REJECTED_FOLDER
 from ..errors import InvalidInput, OutputError
-from ..files import make_folder, write_whole
+from ..files import make_folder, open_locked, write_whole
 from ..geodesy.mercator import wrap_lon_deg
 from ..imagery.source import Source
-from ..lock import open_locked
 from ..text import table_cell
 from .parts import TEST, TRAIN
 from .planning import DRONE, SATELLITE, PairPlan

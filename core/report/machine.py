@@ -10,7 +10,7 @@ import numpy as np
 import PIL
 import pyproj
 
-from ..version import version
+from ..resources import version
 
 #: Where Linux describes its processors.
 _CPUINFO = Path("/proc/cpuinfo")

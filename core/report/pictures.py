@@ -22,13 +22,13 @@ from ..geodesy.accuracy import Scene
 from ..geodesy.frames import map_windows
 from ..geodesy.view import view
 from ..imagery.source import Part, Source, Window, tile_parts
-from ..imagery.world import World, WorldSource
 from ..mission.layout.framing import ground_of, sampled_zooms
 from ..mission.plan import Plan
 from ..picture.camera_frame import camera_parts, render
 from ..picture.map_frame import assemble, resized, window_of
 from ..picture.resampling import KERNELS, sample
 from ..timing import Effort, Seconds, timed_together
+from ..world import World, WorldSource
 from .positions import scene_of, spread
 
 Pixels = NDArray[np.uint8]

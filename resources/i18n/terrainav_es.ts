@@ -4820,8 +4820,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/capture/folder.py"/>
+        <location filename="../../core/dataset/dataset.py"/>
         <location filename="../../core/dataset/folder.py"/>
-        <location filename="../../core/dataset/images.py"/>
         <source>folder {0}: cannot be read ({1})</source>
         <translation>carpeta {0}: no se puede leer ({1})</translation>
     </message>
@@ -4936,8 +4936,85 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/dataset/dataset.py"/>
+        <location filename="../../core/imagery/services/capabilities.py"/>
+        <source> and {0} more</source>
+        <translation> y {0} más</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/dataset.py"/>
         <source>channels {0}: must be 1 or 3</source>
         <translation>canales {0}: deben ser 1 o 3</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/dataset.py"/>
+        <source>file {0}: cannot be moved to {1} ({2}); run it again to finish, or undo to put all back</source>
+        <translation>archivo {0}: no se puede mover a {1} ({2}); ejecutarlo de nuevo para terminar, o deshacer para devolverlo todo a su sitio</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/dataset.py"/>
+        <source>folder {0}: the table has {1} in more than one row</source>
+        <translation>carpeta {0}: la tabla tiene {1} en más de una fila</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/dataset.py"/>
+        <source>folder {0}: {1} in it is no folder, which images are moved to; move it away</source>
+        <translation>carpeta {0}: {1}, en ella, no es una carpeta a la que mover imágenes; apartarlo</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/dataset.py"/>
+        <source>folder {0}: {1} in the table is no name of a file in it</source>
+        <translation>carpeta {0}: {1} en la tabla no es el nombre de un archivo en ella</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/dataset.py"/>
+        <source>folder {0}: {1} of the table {2} not there; put {3} back, or capture again (--resume)</source>
+        <translation>carpeta {0}: {1} de la tabla {2} no está en ella; reponga {3} o capture de nuevo (--resume)</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/dataset.py"/>
+        <source>folder {0}: {1} {2} in it and in {3} as well; remove one of the two</source>
+        <translation>carpeta {0}: {1} {2} en ella y también en {3}; quite uno de los dos</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/dataset.py"/>
+        <source>folder {0}: {1} {2} not in the table; finish the capture (--resume), or remove what does not belong to it</source>
+        <translation>carpeta {0}: {1} {2} no figura en la tabla; termine la captura (--resume) o quite lo que no le pertenece</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/dataset.py"/>
+        <source>image {0}: cannot be read (of no format that Pillow knows)</source>
+        <translation>imagen {0}: no se puede leer (no es de ningún formato que Pillow conozca)</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/dataset.py"/>
+        <location filename="../../core/dataset/ground.py"/>
+        <source>image {0}: cannot be read ({1})</source>
+        <translation>imagen {0}: no se puede leer ({1})</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/dataset.py"/>
+        <source>image {0}: has pixels of Pillow's mode {1}; 8-bit grey or colour would be right</source>
+        <translation>imagen {0}: tiene píxeles del modo {1} de Pillow; lo correcto es gris o color de 8 bits</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/dataset.py"/>
+        <source>image {0}: has {1} x {2} px, and {3} x {4} px in the table; capture it again, or put the table right</source>
+        <translation>imagen {0}: tiene {1} x {2} px, y {3} x {4} px en la tabla; captúrela de nuevo o corrija la tabla</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/dataset.py"/>
+        <source>image {0}: is PostScript, a program that is not run; an image of pixels would be right</source>
+        <translation>imagen {0}: es PostScript, un programa que no se ejecuta; lo correcto es una imagen de píxeles</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/dataset.py"/>
+        <source>image {0}: is not there; put it back, or capture it again (--resume)</source>
+        <translation>imagen {0}: no está; devuélvala a su sitio o captúrela de nuevo (--resume)</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/dataset.py"/>
+        <source>its pixels are damaged or cut off</source>
+        <translation>sus píxeles están dañados o cortados</translation>
     </message>
     <message>
         <location filename="../../core/dataset/dataset.py"/>
@@ -4950,45 +5027,14 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>tabla {0}: {1} {2} no está en la Tierra, la primera en Lat {3}, Lon {4}; Lat debe estar dentro de 90 grados y Lon dentro de 360</translation>
     </message>
     <message>
-        <location filename="../../core/dataset/deciding.py"/>
-        <source>stopped while entropies were worked out: nothing was changed</source>
-        <translation>detenido mientras se calculaban las entropías: no se ha cambiado nada</translation>
-    </message>
-    <message>
-        <location filename="../../core/dataset/decode.py"/>
-        <source>image {0}: cannot be read (of no format that Pillow knows)</source>
-        <translation>imagen {0}: no se puede leer (no es de ningún formato que Pillow conozca)</translation>
-    </message>
-    <message>
-        <location filename="../../core/dataset/decode.py"/>
-        <location filename="../../core/dataset/ground.py"/>
-        <source>image {0}: cannot be read ({1})</source>
-        <translation>imagen {0}: no se puede leer ({1})</translation>
-    </message>
-    <message>
-        <location filename="../../core/dataset/decode.py"/>
-        <source>image {0}: has pixels of Pillow's mode {1}; 8-bit grey or colour would be right</source>
-        <translation>imagen {0}: tiene píxeles del modo {1} de Pillow; lo correcto es gris o color de 8 bits</translation>
-    </message>
-    <message>
-        <location filename="../../core/dataset/decode.py"/>
-        <source>image {0}: has {1} x {2} px, and {3} x {4} px in the table; capture it again, or put the table right</source>
-        <translation>imagen {0}: tiene {1} x {2} px, y {3} x {4} px en la tabla; captúrela de nuevo o corrija la tabla</translation>
-    </message>
-    <message>
-        <location filename="../../core/dataset/decode.py"/>
-        <source>image {0}: is PostScript, a program that is not run; an image of pixels would be right</source>
-        <translation>imagen {0}: es PostScript, un programa que no se ejecuta; lo correcto es una imagen de píxeles</translation>
-    </message>
-    <message>
-        <location filename="../../core/dataset/decode.py"/>
-        <source>image {0}: is not there; put it back, or capture it again (--resume)</source>
-        <translation>imagen {0}: no está; devuélvala a su sitio o captúrela de nuevo (--resume)</translation>
-    </message>
-    <message>
         <location filename="../../core/dataset/entropy.py"/>
         <source>image of shape {0} and type {1}: must be (height, width) or (height, width, 3) of uint8 with at least one pixel</source>
         <translation>imagen de forma {0} y tipo {1}: debe ser (altura, anchura) o (altura, anchura, 3) de uint8 con al menos un píxel</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/entropy.py"/>
+        <source>stopped while entropies were worked out: nothing was changed</source>
+        <translation>detenido mientras se calculaban las entropías: no se ha cambiado nada</translation>
     </message>
     <message>
         <location filename="../../core/dataset/folder.py"/>
@@ -5011,36 +5057,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>carpeta {0}: las imágenes de su {1} están en {2} y también en {3}; retire una de las dos</translation>
     </message>
     <message>
-        <location filename="../../core/dataset/frames.py"/>
-        <source>frame {0}: PROJ knows no such system; give the code of another one</source>
-        <translation>sistema {0}: PROJ no lo conoce; indique el código de otro</translation>
-    </message>
-    <message>
-        <location filename="../../core/dataset/frames.py"/>
-        <source>frame {0}: is {1}, no projected system in metres, which labels need; give the code of one</source>
-        <translation>sistema {0}: es {1}, y no un sistema proyectado en metros, que las etiquetas necesitan; indique el código de uno</translation>
-    </message>
-    <message>
-        <location filename="../../core/dataset/frames.py"/>
-        <source>frame {0}: must be {1} or a code like EPSG:32616</source>
-        <translation>sistema {0}: debe ser {1} o un código como EPSG:32616</translation>
-    </message>
-    <message>
-        <location filename="../../core/dataset/frames.py"/>
-        <source>frame {0}: of {1} positions; needs one or more, with latitudes from -90 to 90</source>
-        <translation>sistema {0}: de {1} posiciones; necesita una o más, con latitudes de -90 a 90</translation>
-    </message>
-    <message>
-        <location filename="../../core/dataset/frames.py"/>
-        <source>frame {0}: {1} cannot hold all positions, such as {2}; choose mission or utm</source>
-        <translation>sistema {0}: {1} no abarca todas las posiciones, como {2}; elija mission o utm</translation>
-    </message>
-    <message>
-        <location filename="../../core/dataset/frames.py"/>
-        <source>frame {0}: {1} cannot hold all positions, such as {2}; choose {3}</source>
-        <translation>sistema {0}: {1} no abarca todas las posiciones, como {2}; elija {3}</translation>
-    </message>
-    <message>
         <location filename="../../core/dataset/ground.py"/>
         <source>folder {0}: the window of {1} in the table lies elsewhere than its Lat and Lon; put the table right, or split without blocks</source>
         <translation>carpeta {0}: la ventana de {1} en la tabla no está en su Lat y Lon; corrija la tabla o divida sin bloques</translation>
@@ -5056,45 +5072,34 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>{0}: no tiene fila de {1}; reponga el de la propia captura</translation>
     </message>
     <message>
-        <location filename="../../core/dataset/images.py"/>
-        <location filename="../../core/imagery/services/capabilities.py"/>
-        <source> and {0} more</source>
-        <translation> y {0} más</translation>
+        <location filename="../../core/dataset/labels.py"/>
+        <source>frame {0}: PROJ knows no such system; give the code of another one</source>
+        <translation>sistema {0}: PROJ no lo conoce; indique el código de otro</translation>
     </message>
     <message>
-        <location filename="../../core/dataset/images.py"/>
-        <source>file {0}: cannot be moved to {1} ({2}); run it again to finish, or undo to put all back</source>
-        <translation>archivo {0}: no se puede mover a {1} ({2}); ejecutarlo de nuevo para terminar, o deshacer para devolverlo todo a su sitio</translation>
+        <location filename="../../core/dataset/labels.py"/>
+        <source>frame {0}: is {1}, no projected system in metres, which labels need; give the code of one</source>
+        <translation>sistema {0}: es {1}, y no un sistema proyectado en metros, que las etiquetas necesitan; indique el código de uno</translation>
     </message>
     <message>
-        <location filename="../../core/dataset/images.py"/>
-        <source>folder {0}: the table has {1} in more than one row</source>
-        <translation>carpeta {0}: la tabla tiene {1} en más de una fila</translation>
+        <location filename="../../core/dataset/labels.py"/>
+        <source>frame {0}: must be {1} or a code like EPSG:32616</source>
+        <translation>sistema {0}: debe ser {1} o un código como EPSG:32616</translation>
     </message>
     <message>
-        <location filename="../../core/dataset/images.py"/>
-        <source>folder {0}: {1} in it is no folder, which images are moved to; move it away</source>
-        <translation>carpeta {0}: {1}, en ella, no es una carpeta a la que mover imágenes; apartarlo</translation>
+        <location filename="../../core/dataset/labels.py"/>
+        <source>frame {0}: of {1} positions; needs one or more, with latitudes from -90 to 90</source>
+        <translation>sistema {0}: de {1} posiciones; necesita una o más, con latitudes de -90 a 90</translation>
     </message>
     <message>
-        <location filename="../../core/dataset/images.py"/>
-        <source>folder {0}: {1} in the table is no name of a file in it</source>
-        <translation>carpeta {0}: {1} en la tabla no es el nombre de un archivo en ella</translation>
+        <location filename="../../core/dataset/labels.py"/>
+        <source>frame {0}: {1} cannot hold all positions, such as {2}; choose mission or utm</source>
+        <translation>sistema {0}: {1} no abarca todas las posiciones, como {2}; elija mission o utm</translation>
     </message>
     <message>
-        <location filename="../../core/dataset/images.py"/>
-        <source>folder {0}: {1} of the table {2} not there; put {3} back, or capture again (--resume)</source>
-        <translation>carpeta {0}: {1} de la tabla {2} no está en ella; reponga {3} o capture de nuevo (--resume)</translation>
-    </message>
-    <message>
-        <location filename="../../core/dataset/images.py"/>
-        <source>folder {0}: {1} {2} in it and in {3} as well; remove one of the two</source>
-        <translation>carpeta {0}: {1} {2} en ella y también en {3}; quite uno de los dos</translation>
-    </message>
-    <message>
-        <location filename="../../core/dataset/images.py"/>
-        <source>folder {0}: {1} {2} not in the table; finish the capture (--resume), or remove what does not belong to it</source>
-        <translation>carpeta {0}: {1} {2} no figura en la tabla; termine la captura (--resume) o quite lo que no le pertenece</translation>
+        <location filename="../../core/dataset/labels.py"/>
+        <source>frame {0}: {1} cannot hold all positions, such as {2}; choose {3}</source>
+        <translation>sistema {0}: {1} no abarca todas las posiciones, como {2}; elija {3}</translation>
     </message>
     <message>
         <location filename="../../core/dataset/labels.py"/>
@@ -5118,6 +5123,26 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/dataset/labels.py"/>
+        <source>scaler: has {0} means and {1} scales; need as many of each</source>
+        <translation>escalador: tiene {0} medias y {1} escalas; se necesitan tantas de unas como de otras</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/labels.py"/>
+        <source>scaler: mean {0}; must be finite numbers</source>
+        <translation>escalador: media {0}; deben ser números finitos</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/labels.py"/>
+        <source>scaler: scale {0}; must be finite numbers above 0</source>
+        <translation>escalador: escala {0}; deben ser números finitos mayores que 0</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/labels.py"/>
+        <source>scaler: {0} values to fit it to; needs one or more, all finite numbers</source>
+        <translation>escalador: {0} valores a los que ajustarlo; necesita uno o más, todos números finitos</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/labels.py"/>
         <source>{0}: a split was interrupted, so the parts of its map types may disagree; split again</source>
         <translation>{0}: se interrumpió una división, así que las partes de sus tipos de mapa pueden no coincidir; divida de nuevo</translation>
     </message>
@@ -5137,26 +5162,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/dataset/published.py"/>
         <source>table {0}: {1}{2}</source>
         <translation>tabla {0}: {1}{2}</translation>
-    </message>
-    <message>
-        <location filename="../../core/dataset/scaling.py"/>
-        <source>scaler: has {0} means and {1} scales; need as many of each</source>
-        <translation>escalador: tiene {0} medias y {1} escalas; se necesitan tantas de unas como de otras</translation>
-    </message>
-    <message>
-        <location filename="../../core/dataset/scaling.py"/>
-        <source>scaler: mean {0}; must be finite numbers</source>
-        <translation>escalador: media {0}; deben ser números finitos</translation>
-    </message>
-    <message>
-        <location filename="../../core/dataset/scaling.py"/>
-        <source>scaler: scale {0}; must be finite numbers above 0</source>
-        <translation>escalador: escala {0}; deben ser números finitos mayores que 0</translation>
-    </message>
-    <message>
-        <location filename="../../core/dataset/scaling.py"/>
-        <source>scaler: {0} values to fit it to; needs one or more, all finite numbers</source>
-        <translation>escalador: {0} valores a los que ajustarlo; necesita uno o más, todos números finitos</translation>
     </message>
     <message>
         <location filename="../../core/dataset/split.py"/>
@@ -5394,294 +5399,60 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>caché: {0}; esta ejecución prescinde de ella</translation>
     </message>
     <message>
-        <location filename="../../core/imagery/catalogue/dates.py"/>
-        <source> from {0} to {1}</source>
-        <translation> de {0} a {1}</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/catalogue/dates.py"/>
-        <source>as the server takes them</source>
-        <translation>como las acepta el servidor</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/catalogue/dates.py"/>
-        <source>date {0}: must be one of those there are, such as {1}</source>
-        <translation>fecha {0}: debe ser una de las que hay, como {1}</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/catalogue/dates.py"/>
-        <source>date {0}: must be one the server takes; say which (--date)</source>
-        <translation>fecha {0}: debe ser una que acepte el servidor; indicar cuál (--date)</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/catalogue/dates.py"/>
-        <source>date {0}: must be {1}, from {2} to {3}</source>
-        <translation>fecha {0}: debe ser {1}, de {2} a {3}</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/catalogue/dates.py"/>
-        <source>dates of kind {0}: must be one of {1}</source>
-        <translation>fechas de clase {0}: debe ser una de {1}</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/catalogue/dates.py"/>
-        <source>dates of kind {0}: values are for listed ones, which need them</source>
-        <translation>fechas de clase {0}: los valores son para las enumeradas, que los necesitan</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/catalogue/dates.py"/>
-        <source>dates of kind {0}: values must be text</source>
-        <translation>fechas de tipo {0}: los valores deben ser texto</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/catalogue/dates.py"/>
-        <source>every day</source>
-        <translation>cada día</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/catalogue/dates.py"/>
-        <source>every year</source>
-        <translation>cada año</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/catalogue/dates.py"/>
-        <source>one must be asked for</source>
-        <translation>hay que pedir una</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/catalogue/dates.py"/>
-        <source>{0} by default</source>
-        <translation>{0} por defecto</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/catalogue/dates.py"/>
-        <source>{0} from {1} to {2}; {3}</source>
-        <translation>{0} de {1} a {2}; {3}</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/catalogue/entry.py"/>
-        <source>URLs are for xyz, which needs them</source>
-        <translation>las URL son para xyz, que las necesita</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/catalogue/entry.py"/>
-        <location filename="../../core/mission/mission.py"/>
-        <source>a list</source>
-        <translation>una lista</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/catalogue/entry.py"/>
-        <location filename="../../core/mission/mission.py"/>
-        <source>a number</source>
-        <translation>un número</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/catalogue/entry.py"/>
-        <location filename="../../core/mission/mission.py"/>
-        <source>a whole number</source>
-        <translation>un número entero</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/catalogue/entry.py"/>
-        <location filename="../../core/mission/mission.py"/>
-        <source>an object</source>
-        <translation>un objeto</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/catalogue/entry.py"/>
-        <source>bounds {0}: must be west, south, east, north in degrees</source>
-        <translation>límites {0}: deben ser oeste, sur, este, norte en grados</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/catalogue/entry.py"/>
-        <source>catalogue entry {0}: wrong or missing: {1}</source>
-        <translation>entrada del catálogo {0}: erróneo o ausente: {1}</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/catalogue/entry.py"/>
-        <source>catalogue entry {0}: {1}</source>
-        <translation>entrada del catálogo {0}: {1}</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/catalogue/entry.py"/>
-        <source>catalogue entry {0}: {1} is missing</source>
-        <translation>entrada del catálogo {0}: falta {1}</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/catalogue/entry.py"/>
-        <source>catalogue entry {0}: {1} is unknown; known are {2}</source>
-        <translation>entrada del catálogo {0}: {1} es desconocido; se conocen {2}</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/catalogue/entry.py"/>
-        <source>catalogue entry {0}: {1} with {2}: must be {3}</source>
-        <translation>entrada del catálogo {0}: {1} con {2}: debe ser {3}</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/catalogue/entry.py"/>
-        <source>catalogue entry {0}: {1} {2}: must be {3}</source>
-        <translation>entrada del catálogo {0}: {1} {2}: debe ser {3}</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/catalogue/entry.py"/>
-        <location filename="../../core/imagery/opening.py"/>
-        <source>date {0}: {1} has no dates to choose from</source>
-        <translation>fecha {0}: {1} no tiene fechas que elegir</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/catalogue/entry.py"/>
-        <source>environment variable {0}: must be letters, digits and underscores, such as {1}</source>
-        <translation>variable de entorno {0}: debe constar de letras, cifras y guiones bajos, como {1}</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/catalogue/entry.py"/>
-        <source>kind {0}: must be one of {1}</source>
-        <translation>clase {0}: debe ser una de {1}</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/catalogue/entry.py"/>
-        <source>needs a title</source>
-        <translation>necesita un título</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/catalogue/entry.py"/>
-        <source>needs attribution and licence</source>
-        <translation>necesita atribución y licencia</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/catalogue/entry.py"/>
-        <source>needs terms and terms_url</source>
-        <translation>necesita terms y terms_url</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/catalogue/entry.py"/>
-        <source>text of one line</source>
-        <translation>texto de una línea</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/catalogue/entry.py"/>
-        <source>tile size {0} px: must be {1} or less</source>
-        <translation>tamaño de tesela {0} px: debe ser {1} o menos</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/catalogue/entry.py"/>
-        <source>tiles of {0} px: {1} has {2}</source>
-        <translation>teselas de {0} px: {1} tiene {2}</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/catalogue/entry.py"/>
-        <location filename="../../core/mission/mission.py"/>
-        <source>true or false</source>
-        <translation>verdadero o falso</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/catalogue/entry.py"/>
-        <source>whole numbers</source>
-        <translation>números enteros</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/catalogue/entry.py"/>
-        <source>{0}: has imagery of several dates; say which (--date)</source>
-        <translation>{0}: tiene imágenes de varias fechas; indicar cuál (--date)</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/catalogue/entry.py"/>
-        <source>{date} in a URL needs dates, {key} needs key_env</source>
-        <translation>{date} en una URL necesita fechas, {key} necesita key_env</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/catalogue/listing.py"/>
+        <location filename="../../core/imagery/catalogue.py"/>
         <source> (with --accept-terms)</source>
         <translation> (con --accept-terms)</translation>
     </message>
     <message>
-        <location filename="../../core/imagery/catalogue/listing.py"/>
+        <location filename="../../core/imagery/catalogue.py"/>
+        <source>catalogue entry {0}: must be an object</source>
+        <translation>entrada del catálogo {0}: debe ser un objeto</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/catalogue.py"/>
+        <source>catalogue entry {0}: must be of kind xyz</source>
+        <translation>entrada del catálogo {0}: debe ser de clase xyz</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/catalogue.py"/>
+        <source>date {0}: the URL has no {date} to put it in</source>
+        <translation>fecha {0}: la URL no tiene {date} donde ponerla</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/catalogue.py"/>
         <location filename="../../core/mission/cameras.py"/>
         <source>did you mean {0}? </source>
         <translation>¿se quería decir {0}? </translation>
     </message>
     <message>
-        <location filename="../../core/imagery/catalogue/listing.py"/>
-        <source>source {0} is unknown: {1}`terrainav sources` lists the names; a file, a URL template with {z}, {x}, {y}, wmts:URL and wms:URL work as well</source>
-        <translation>fuente {0} desconocida: {1}`terrainav sources` enumera los nombres; también valen un archivo, una plantilla de URL con {z}, {x}, {y}, wmts:URL y wms:URL</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/catalogue/user_sources.py"/>
-        <source>catalogue entry {0}: must be an object</source>
-        <translation>entrada del catálogo {0}: debe ser un objeto</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/catalogue/user_sources.py"/>
-        <source>catalogue entry {0}: must be of kind xyz</source>
-        <translation>entrada del catálogo {0}: debe ser de clase xyz</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/catalogue/user_sources.py"/>
-        <source>date {0}: the URL has no {date} to put it in</source>
-        <translation>fecha {0}: la URL no tiene {date} donde ponerla</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/catalogue/user_sources.py"/>
+        <location filename="../../core/imagery/catalogue.py"/>
         <source>source name {0}: is one of the catalogue's; choose another</source>
         <translation>nombre de fuente {0}: es uno de los del catálogo; elegir otro</translation>
     </message>
     <message>
-        <location filename="../../core/imagery/catalogue/user_sources.py"/>
+        <location filename="../../core/imagery/catalogue.py"/>
         <source>source name {0}: is taken; choose another, or `terrainav sources remove` it</source>
         <translation>nombre de fuente {0}: ya está en uso; elegir otro, o eliminarla con `terrainav sources remove`</translation>
     </message>
     <message>
-        <location filename="../../core/imagery/catalogue/user_sources.py"/>
+        <location filename="../../core/imagery/catalogue.py"/>
         <source>source name {0}: must be lower-case letters, digits, hyphens and underscores, at most 64</source>
         <translation>nombre de fuente {0}: debe constar de minúsculas, cifras, guiones y guiones bajos, 64 como máximo</translation>
     </message>
     <message>
-        <location filename="../../core/imagery/catalogue/user_sources.py"/>
+        <location filename="../../core/imagery/catalogue.py"/>
+        <source>source {0} is unknown: {1}`terrainav sources` lists the names; a file, a URL template with {z}, {x}, {y}, wmts:URL and wms:URL work as well</source>
+        <translation>fuente {0} desconocida: {1}`terrainav sources` enumera los nombres; también valen un archivo, una plantilla de URL con {z}, {x}, {y}, wmts:URL y wms:URL</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/catalogue.py"/>
         <source>source {0}: is none of your own, which are {1}</source>
         <translation>fuente {0}: no es ninguna de las propias, que son {1}</translation>
     </message>
     <message>
-        <location filename="../../core/imagery/catalogue/user_sources.py"/>
+        <location filename="../../core/imagery/catalogue.py"/>
         <source>source {0}: is part of the catalogue, which stays as it is</source>
         <translation>fuente {0}: es parte del catálogo, que se queda como está</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/client.py"/>
-        <source> (tried {0} times)</source>
-        <translation> (intentado {0} veces)</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/client.py"/>
-        <location filename="../../core/imagery/requests_transport.py"/>
-        <location filename="../../terrainav_plugin/network/transport.py"/>
-        <location filename="../../terrainav_plugin/network/worker.py"/>
-        <source>cancelled while waiting for the network</source>
-        <translation>cancelado mientras se esperaba a la red</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/client.py"/>
-        <source>more than {0} redirects</source>
-        <translation>más de {0} redirecciones</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/client.py"/>
-        <source>{0} refuses: {1}</source>
-        <translation>{0} lo rechaza: {1}</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/client.py"/>
-        <source>{0}: not asked for, as the last {1} parts had no answer in time; resume later</source>
-        <translation>{0}: no se pidió, porque las últimas {1} partes no tuvieron respuesta a tiempo; reanude más tarde</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/client.py"/>
-        <source>{0}: {1}; ask for less at a time, or resume later</source>
-        <translation>{0}: {1}; pedir menos de una vez, o continuar más tarde</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/client.py"/>
-        <source>{0}: {1}; it asks to come back in {2} s: resume then</source>
-        <translation>{0}: {1}; pide volver dentro de {2} s: continuar entonces</translation>
     </message>
     <message>
         <location filename="../../core/imagery/decode.py"/>
@@ -5744,9 +5515,322 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>{0} en lugar de una imagen: {1}</translation>
     </message>
     <message>
-        <location filename="../../core/imagery/keys.py"/>
-        <source>{0}: {1} is not sent there, because a file names this host and not you; set {2}={3} if the key is for it</source>
-        <translation>{0}: {1} no se envía allí, porque este servidor lo nombra un archivo y no usted; definir {2}={3} si la clave es para él</translation>
+        <location filename="../../core/imagery/entry.py"/>
+        <source> from {0} to {1}</source>
+        <translation> de {0} a {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/entry.py"/>
+        <source>URLs are for xyz, which needs them</source>
+        <translation>las URL son para xyz, que las necesita</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/entry.py"/>
+        <location filename="../../core/mission/mission.py"/>
+        <source>a list</source>
+        <translation>una lista</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/entry.py"/>
+        <location filename="../../core/mission/mission.py"/>
+        <source>a number</source>
+        <translation>un número</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/entry.py"/>
+        <location filename="../../core/mission/mission.py"/>
+        <source>a whole number</source>
+        <translation>un número entero</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/entry.py"/>
+        <location filename="../../core/mission/mission.py"/>
+        <source>an object</source>
+        <translation>un objeto</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/entry.py"/>
+        <source>as the server takes them</source>
+        <translation>como las acepta el servidor</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/entry.py"/>
+        <source>bounds {0}: must be west, south, east, north in degrees</source>
+        <translation>límites {0}: deben ser oeste, sur, este, norte en grados</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/entry.py"/>
+        <source>catalogue entry {0}: wrong or missing: {1}</source>
+        <translation>entrada del catálogo {0}: erróneo o ausente: {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/entry.py"/>
+        <source>catalogue entry {0}: {1}</source>
+        <translation>entrada del catálogo {0}: {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/entry.py"/>
+        <source>catalogue entry {0}: {1} is missing</source>
+        <translation>entrada del catálogo {0}: falta {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/entry.py"/>
+        <source>catalogue entry {0}: {1} is unknown; known are {2}</source>
+        <translation>entrada del catálogo {0}: {1} es desconocido; se conocen {2}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/entry.py"/>
+        <source>catalogue entry {0}: {1} with {2}: must be {3}</source>
+        <translation>entrada del catálogo {0}: {1} con {2}: debe ser {3}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/entry.py"/>
+        <source>catalogue entry {0}: {1} {2}: must be {3}</source>
+        <translation>entrada del catálogo {0}: {1} {2}: debe ser {3}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/entry.py"/>
+        <source>date {0}: must be one of those there are, such as {1}</source>
+        <translation>fecha {0}: debe ser una de las que hay, como {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/entry.py"/>
+        <source>date {0}: must be one the server takes; say which (--date)</source>
+        <translation>fecha {0}: debe ser una que acepte el servidor; indicar cuál (--date)</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/entry.py"/>
+        <source>date {0}: must be {1}, from {2} to {3}</source>
+        <translation>fecha {0}: debe ser {1}, de {2} a {3}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/entry.py"/>
+        <location filename="../../core/imagery/mbtiles.py"/>
+        <source>date {0}: {1} has no dates to choose from</source>
+        <translation>fecha {0}: {1} no tiene fechas que elegir</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/entry.py"/>
+        <source>dates of kind {0}: must be one of {1}</source>
+        <translation>fechas de clase {0}: debe ser una de {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/entry.py"/>
+        <source>dates of kind {0}: values are for listed ones, which need them</source>
+        <translation>fechas de clase {0}: los valores son para las enumeradas, que los necesitan</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/entry.py"/>
+        <source>dates of kind {0}: values must be text</source>
+        <translation>fechas de tipo {0}: los valores deben ser texto</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/entry.py"/>
+        <source>environment variable {0}: must be letters, digits and underscores, such as {1}</source>
+        <translation>variable de entorno {0}: debe constar de letras, cifras y guiones bajos, como {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/entry.py"/>
+        <source>every day</source>
+        <translation>cada día</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/entry.py"/>
+        <source>every year</source>
+        <translation>cada año</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/entry.py"/>
+        <source>kind {0}: must be one of {1}</source>
+        <translation>clase {0}: debe ser una de {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/entry.py"/>
+        <source>needs a title</source>
+        <translation>necesita un título</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/entry.py"/>
+        <source>needs attribution and licence</source>
+        <translation>necesita atribución y licencia</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/entry.py"/>
+        <source>needs terms and terms_url</source>
+        <translation>necesita terms y terms_url</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/entry.py"/>
+        <source>one must be asked for</source>
+        <translation>hay que pedir una</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/entry.py"/>
+        <source>text of one line</source>
+        <translation>texto de una línea</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/entry.py"/>
+        <source>tile size {0} px: must be {1} or less</source>
+        <translation>tamaño de tesela {0} px: debe ser {1} o menos</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/entry.py"/>
+        <source>tile_px []: needs the width of its tiles, such as [256]</source>
+        <translation>tile_px []: falta el ancho de las teselas, por ejemplo [256]</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/entry.py"/>
+        <source>tiles of {0} px: {1} has {2}</source>
+        <translation>teselas de {0} px: {1} tiene {2}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/entry.py"/>
+        <location filename="../../core/mission/mission.py"/>
+        <source>true or false</source>
+        <translation>verdadero o falso</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/entry.py"/>
+        <source>whole numbers</source>
+        <translation>números enteros</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/entry.py"/>
+        <source>{0} by default</source>
+        <translation>{0} por defecto</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/entry.py"/>
+        <source>{0} from {1} to {2}; {3}</source>
+        <translation>{0} de {1} a {2}; {3}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/entry.py"/>
+        <source>{0}: has imagery of several dates; say which (--date)</source>
+        <translation>{0}: tiene imágenes de varias fechas; indicar cuál (--date)</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/entry.py"/>
+        <source>{date} in a URL needs dates, {key} needs key_env</source>
+        <translation>{date} en una URL necesita fechas, {key} necesita key_env</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/http/client.py"/>
+        <source> (tried {0} times)</source>
+        <translation> (intentado {0} veces)</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/http/client.py"/>
+        <location filename="../../core/imagery/http/requests_transport.py"/>
+        <location filename="../../terrainav_plugin/network/transport.py"/>
+        <location filename="../../terrainav_plugin/network/worker.py"/>
+        <source>cancelled while waiting for the network</source>
+        <translation>cancelado mientras se esperaba a la red</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/http/client.py"/>
+        <source>more than {0} redirects</source>
+        <translation>más de {0} redirecciones</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/http/client.py"/>
+        <source>redirect to something else than http or https</source>
+        <translation>redirección a algo distinto de http o https</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/http/client.py"/>
+        <source>redirect to something that is no URL</source>
+        <translation>redirección a algo que no es una URL</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/http/client.py"/>
+        <source>{0} refuses: {1}</source>
+        <translation>{0} lo rechaza: {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/http/client.py"/>
+        <source>{0}: not asked for, as the last {1} parts had no answer in time; resume later</source>
+        <translation>{0}: no se pidió, porque las últimas {1} partes no tuvieron respuesta a tiempo; reanude más tarde</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/http/client.py"/>
+        <source>{0}: {1}; ask for less at a time, or resume later</source>
+        <translation>{0}: {1}; pedir menos de una vez, o continuar más tarde</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/http/client.py"/>
+        <source>{0}: {1}; it asks to come back in {2} s: resume then</source>
+        <translation>{0}: {1}; pide volver dentro de {2} s: continuar entonces</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/http/requests_transport.py"/>
+        <location filename="../../terrainav_plugin/network/errors.py"/>
+        <source>connection to {0} broke off</source>
+        <translation>se cortó la conexión con {0}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/http/requests_transport.py"/>
+        <location filename="../../terrainav_plugin/network/worker.py"/>
+        <source>no answer from {0} for {1} s</source>
+        <translation>sin respuesta de {0} durante {1} s</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/http/requests_transport.py"/>
+        <location filename="../../terrainav_plugin/network/errors.py"/>
+        <source>no connection to {0}</source>
+        <translation>sin conexión con {0}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/http/requests_transport.py"/>
+        <location filename="../../terrainav_plugin/network/errors.py"/>
+        <source>no trusted connection to {0} (TLS)</source>
+        <translation>sin conexión de confianza con {0} (TLS)</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/http/requests_transport.py"/>
+        <location filename="../../terrainav_plugin/network/worker.py"/>
+        <source>no whole answer within {0} s</source>
+        <translation>sin respuesta completa en {0} s</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/http/requests_transport.py"/>
+        <location filename="../../terrainav_plugin/network/errors.py"/>
+        <location filename="../../terrainav_plugin/network/transport.py"/>
+        <location filename="../../terrainav_plugin/network/worker.py"/>
+        <source>the URL is not valid</source>
+        <translation>la URL no es válida</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/http/requests_transport.py"/>
+        <location filename="../../terrainav_plugin/network/errors.py"/>
+        <source>the proxy does not answer</source>
+        <translation>el proxy no responde</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/http/transport.py"/>
+        <source>a body packed as {0}, which was not asked for</source>
+        <translation>un cuerpo comprimido como {0}, que no se pidió</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/http/transport.py"/>
+        <source>a packed body that is broken</source>
+        <translation>un cuerpo comprimido que está dañado</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/http/transport.py"/>
+        <source>an answer of more than {0} header lines</source>
+        <translation>una respuesta de más de {0} líneas de cabecera</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/http/transport.py"/>
+        <source>body beyond {0} bytes</source>
+        <translation>cuerpo de más de {0} bytes</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/http/transport.py"/>
+        <source>body broke off after {0} of {1} bytes</source>
+        <translation>el cuerpo se cortó tras {0} de {1} bytes</translation>
     </message>
     <message>
         <location filename="../../core/imagery/mbtiles.py"/>
@@ -5767,11 +5851,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/imagery/mbtiles.py"/>
         <source>MBTiles {0}: {1}</source>
         <translation>MBTiles {0}: {1}</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/mbtiles.py"/>
-        <source>cancelled while waiting for the file</source>
-        <translation>cancelado mientras se esperaba al archivo</translation>
     </message>
     <message>
         <location filename="../../core/imagery/mbtiles.py"/>
@@ -5840,7 +5919,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/opening.py"/>
-        <location filename="../../core/imagery/services/capabilities.py"/>
+        <location filename="../../core/imagery/services/ogc.py"/>
         <source>{0}: needs an API key: set the environment variable {1}</source>
         <translation>{0}: necesita una clave API: definir la variable de entorno {1}</translation>
     </message>
@@ -5940,16 +6019,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>{0}: {1} peticiones, y como máximo {2} pasan sin {3}: {4}{5}; {6}</translation>
     </message>
     <message>
-        <location filename="../../core/imagery/raster/by_gdal.py"/>
-        <source>no format that GDAL knows</source>
-        <translation>ningún formato que GDAL conozca</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/raster/by_gdal.py"/>
-        <source>no values</source>
-        <translation>sin valores</translation>
-    </message>
-    <message>
         <location filename="../../core/imagery/raster/colours.py"/>
         <source>its bands ({0}) are neither a grey one nor red, green and blue</source>
         <translation>sus bandas ({0}) no son ni una gris ni rojo, verde y azul</translation>
@@ -5963,41 +6032,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/imagery/raster/colours.py"/>
         <source>values of band {0} are {1}, and pictures have 8 bits: choose the range to show, as by gdal_translate -ot Byte -scale</source>
         <translation>los valores de la banda {0} son {1}, y las imágenes tienen 8 bits: elegir el intervalo que se ha de mostrar, como con gdal_translate -ot Byte -scale</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/raster/dated.py"/>
-        <source>date {0}: must be YYYY-MM-DD, YYYY-MM or YYYY</source>
-        <translation>fecha {0}: debe ser AAAA-MM-DD, AAAA-MM o AAAA</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/raster/dated.py"/>
-        <source>say which date</source>
-        <translation>indicar qué fecha</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/raster/dated.py"/>
-        <source>there is none of {0}</source>
-        <translation>no hay ninguna de {0}</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/raster/dated.py"/>
-        <source>{0} earlier ones and </source>
-        <translation>{0} anteriores y </translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/raster/dated.py"/>
-        <source>{0}: say which date</source>
-        <translation>{0}: indicar qué fecha</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/raster/dated.py"/>
-        <source>{0}: {1}; dates there are: {2}{3}</source>
-        <translation>{0}: {1}; las fechas que hay son: {2}{3}</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/raster/files.py"/>
-        <source>raster files need rasterio: pip install terrainav[raster]</source>
-        <translation>los archivos ráster necesitan rasterio: pip install terrainav[raster]</translation>
     </message>
     <message>
         <location filename="../../core/imagery/raster/place.py"/>
@@ -6035,7 +6069,22 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>solo lo sitúan puntos de control: hacer antes un mapa con él, con gdalwarp</translation>
     </message>
     <message>
-        <location filename="../../core/imagery/raster/pool.py"/>
+        <location filename="../../core/imagery/raster/reading.py"/>
+        <source>no format that GDAL knows</source>
+        <translation>ningún formato que GDAL conozca</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/reading.py"/>
+        <source>no values</source>
+        <translation>sin valores</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/reading.py"/>
+        <source>raster files need rasterio: pip install terrainav[raster]</source>
+        <translation>los archivos ráster necesitan rasterio: pip install terrainav[raster]</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/reading.py"/>
         <source>{0}: closed</source>
         <translation>{0}: cerrado</translation>
     </message>
@@ -6043,6 +6092,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/imagery/raster/source.py"/>
         <source>; name one of those within, such as {0}</source>
         <translation>; nombrar uno de los que contiene, como {0}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/source.py"/>
+        <source>date {0}: must be YYYY-MM-DD, YYYY-MM or YYYY</source>
+        <translation>fecha {0}: debe ser AAAA-MM-DD, AAAA-MM o AAAA</translation>
     </message>
     <message>
         <location filename="../../core/imagery/raster/source.py"/>
@@ -6061,9 +6115,24 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/raster/source.py"/>
-        <location filename="../../core/imagery/tiles.py"/>
+        <source>say which date</source>
+        <translation>indicar qué fecha</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/source.py"/>
+        <source>there is none of {0}</source>
+        <translation>no hay ninguna de {0}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/source.py"/>
+        <location filename="../../core/imagery/source.py"/>
         <source>zoom {0}: {1} has {2} to {3}</source>
         <translation>zoom {0}: {1} tiene de {2} a {3}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/source.py"/>
+        <source>{0} earlier ones and </source>
+        <translation>{0} anteriores y </translation>
     </message>
     <message>
         <location filename="../../core/imagery/raster/source.py"/>
@@ -6097,8 +6166,18 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/raster/source.py"/>
+        <source>{0}: say which date</source>
+        <translation>{0}: indicar qué fecha</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/source.py"/>
         <source>{0}: there is no such file</source>
         <translation>{0}: no existe tal archivo</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/source.py"/>
+        <source>{0}: {1}; dates there are: {2}{3}</source>
+        <translation>{0}: {1}; las fechas que hay son: {2}{3}</translation>
     </message>
     <message>
         <location filename="../../core/imagery/raster/trust.py"/>
@@ -6154,50 +6233,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/imagery/raster/trust.py"/>
         <source>{0}: is a VRT with more in it than bands of files</source>
         <translation>{0}: es un VRT que contiene algo más que bandas de archivos</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/requests_transport.py"/>
-        <location filename="../../terrainav_plugin/network/errors.py"/>
-        <source>connection to {0} broke off</source>
-        <translation>se cortó la conexión con {0}</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/requests_transport.py"/>
-        <location filename="../../terrainav_plugin/network/worker.py"/>
-        <source>no answer from {0} for {1} s</source>
-        <translation>sin respuesta de {0} durante {1} s</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/requests_transport.py"/>
-        <location filename="../../terrainav_plugin/network/errors.py"/>
-        <source>no connection to {0}</source>
-        <translation>sin conexión con {0}</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/requests_transport.py"/>
-        <location filename="../../terrainav_plugin/network/errors.py"/>
-        <source>no trusted connection to {0} (TLS)</source>
-        <translation>sin conexión de confianza con {0} (TLS)</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/requests_transport.py"/>
-        <location filename="../../terrainav_plugin/network/worker.py"/>
-        <source>no whole answer within {0} s</source>
-        <translation>sin respuesta completa en {0} s</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/requests_transport.py"/>
-        <location filename="../../terrainav_plugin/network/errors.py"/>
-        <location filename="../../terrainav_plugin/network/transport.py"/>
-        <location filename="../../terrainav_plugin/network/worker.py"/>
-        <source>the URL is not valid</source>
-        <translation>la URL no es válida</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/requests_transport.py"/>
-        <location filename="../../terrainav_plugin/network/errors.py"/>
-        <source>the proxy does not answer</source>
-        <translation>el proxy no responde</translation>
     </message>
     <message>
         <location filename="../../core/imagery/services/capabilities.py"/>
@@ -6285,47 +6320,47 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>{0} {1}: {2} ofrece {3}</translation>
     </message>
     <message>
-        <location filename="../../core/imagery/services/parsing.py"/>
+        <location filename="../../core/imagery/services/safe_xml.py"/>
         <source>a document type or entities of its own, which are not read</source>
         <translation>tipo de documento o entidades propias, que no se leen</translation>
     </message>
     <message>
-        <location filename="../../core/imagery/services/parsing.py"/>
+        <location filename="../../core/imagery/services/safe_xml.py"/>
         <source>elements within each other, more than {0} deep</source>
         <translation>elementos unos dentro de otros, a más de {0} niveles</translation>
     </message>
     <message>
-        <location filename="../../core/imagery/services/parsing.py"/>
+        <location filename="../../core/imagery/services/safe_xml.py"/>
         <source>encoding {0}: must be {1}</source>
         <translation>codificación {0}: debe ser {1}</translation>
     </message>
     <message>
-        <location filename="../../core/imagery/services/parsing.py"/>
+        <location filename="../../core/imagery/services/safe_xml.py"/>
         <source>is not {0}; must be {1}, and say which</source>
         <translation>no es {0}; debe ser {1}, e indicar cuál</translation>
     </message>
     <message>
-        <location filename="../../core/imagery/services/parsing.py"/>
+        <location filename="../../core/imagery/services/safe_xml.py"/>
         <source>layers that pass on more than {0} properties to those within them</source>
         <translation>capas que transmiten más de {0} propiedades a las que contienen</translation>
     </message>
     <message>
-        <location filename="../../core/imagery/services/parsing.py"/>
+        <location filename="../../core/imagery/services/safe_xml.py"/>
         <source>more than {0} MB or {1} elements</source>
         <translation>más de {0} MB o {1} elementos</translation>
     </message>
     <message>
-        <location filename="../../core/imagery/services/parsing.py"/>
+        <location filename="../../core/imagery/services/safe_xml.py"/>
         <source>more than {0} attributes of one element</source>
         <translation>más de {0} atributos de un elemento</translation>
     </message>
     <message>
-        <location filename="../../core/imagery/services/parsing.py"/>
+        <location filename="../../core/imagery/services/safe_xml.py"/>
         <source>more than {0} different names</source>
         <translation>más de {0} nombres distintos</translation>
     </message>
     <message>
-        <location filename="../../core/imagery/services/parsing.py"/>
+        <location filename="../../core/imagery/services/safe_xml.py"/>
         <source>more than {0} layers and styles</source>
         <translation>más de {0} capas y estilos</translation>
     </message>
@@ -6348,6 +6383,21 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/imagery/services/wmts.py"/>
         <source>layer {0} of {1}: has tiles in {2} only; needs a Web-Mercator quad, such as WebMercatorQuad or GoogleMapsCompatible</source>
         <translation>capa {0} de {1}: solo tiene teselas en {2}; necesita una cuadrícula Web Mercator, como WebMercatorQuad o GoogleMapsCompatible</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/source.py"/>
+        <source>tile {0}/{1}/{2}</source>
+        <translation>tesela {0}/{1}/{2}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/source.py"/>
+        <source>{0}: beyond the edge of the map</source>
+        <translation>{0}: más allá del borde del mapa</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/source.py"/>
+        <source>{0}: is no tile of {1} px</source>
+        <translation>{0}: no es una tesela de {1} px</translation>
     </message>
     <message>
         <location filename="../../core/imagery/staticmap.py"/>
@@ -6440,89 +6490,9 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>{0} con espacios o caracteres de control: debe ir sin ellos, o escritos %20</translation>
     </message>
     <message>
-        <location filename="../../core/imagery/tiles.py"/>
-        <source>tile {0}/{1}/{2}</source>
-        <translation>tesela {0}/{1}/{2}</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/tiles.py"/>
-        <source>{0}: beyond the edge of the map</source>
-        <translation>{0}: más allá del borde del mapa</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/tiles.py"/>
-        <source>{0}: is no tile of {1} px</source>
-        <translation>{0}: no es una tesela de {1} px</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/transport.py"/>
-        <source>a body packed as {0}, which was not asked for</source>
-        <translation>un cuerpo comprimido como {0}, que no se pidió</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/transport.py"/>
-        <source>a packed body that is broken</source>
-        <translation>un cuerpo comprimido que está dañado</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/transport.py"/>
-        <source>an answer of more than {0} header lines</source>
-        <translation>una respuesta de más de {0} líneas de cabecera</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/transport.py"/>
-        <source>body beyond {0} bytes</source>
-        <translation>cuerpo de más de {0} bytes</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/transport.py"/>
-        <source>body broke off after {0} of {1} bytes</source>
-        <translation>el cuerpo se cortó tras {0} de {1} bytes</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/transport.py"/>
-        <source>redirect to something else than http or https</source>
-        <translation>redirección a algo distinto de http o https</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/transport.py"/>
-        <source>redirect to something that is no URL</source>
-        <translation>redirección a algo que no es una URL</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/world/samples.py"/>
-        <source>cells {0} pixels wide, smaller than a pixel</source>
-        <translation>celdas de {0} píxeles de ancho, menores que un píxel</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/world/world.py"/>
-        <source>map type {0}: the synthetic world has {1}</source>
-        <translation>tipo de mapa {0}: el mundo sintético tiene {1}</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/world/world.py"/>
-        <source>position outside the world: u must be finite and v from 0 to 1</source>
-        <translation>posición fuera del mundo: u debe ser finita y v estar entre 0 y 1</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/world/world.py"/>
-        <source>seed {0}: must be from 0 to 2**64 - 1</source>
-        <translation>semilla {0}: debe estar entre 0 y 2**64 - 1</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/world/world.py"/>
-        <source>tile x {0}, y {1} at zoom {2}: both must be from 0 to {3}</source>
-        <translation>tesela x {0}, y {1} con zoom {2}: ambas deben estar entre 0 y {3}</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/world/world.py"/>
-        <source>zoom {0} to {1}: must be from 0 to {2}</source>
-        <translation>zoom {0} a {1}: debe estar entre 0 y {2}</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/world/world.py"/>
-        <source>zoom {0}: must be from 0 to {1}</source>
-        <translation>zoom {0}: debe estar entre 0 y {1}</translation>
+        <location filename="../../core/imagery/template.py"/>
+        <source>{0}: {1} is not sent there, because a file names this host and not you; set {2}={3} if the key is for it</source>
+        <translation>{0}: {1} no se envía allí, porque este servidor lo nombra un archivo y no usted; definir {2}={3} si la clave es para él</translation>
     </message>
     <message>
         <location filename="../../core/imagery/xyz.py"/>

@@ -23,7 +23,7 @@ from qgis.PyQt.QtWidgets import (
     QWidget,
 )
 
-from ...core.dataset.clean import DEFAULT_ENTROPY
+from ...core.dataset.folder import DEFAULT_ENTROPY
 from ..i18n import number_text, tr
 from ..plain import plain_label
 from .chart import DECIMALS, HIGHEST, LOWEST

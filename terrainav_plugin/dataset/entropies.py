@@ -9,10 +9,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.dataset.clean import REJECTED
-from ...core.dataset.deciding import Report, deciding_entropies
+from ...core.dataset.entropy import Report, deciding_entropies, otsu
 from ...core.dataset.folder import REJECTED_FOLDER
-from ...core.dataset.thresholds import otsu
+from ...core.dataset.table import REJECTED
 
 Floats = NDArray[np.float64]
 Numbers = NDArray[np.int64]

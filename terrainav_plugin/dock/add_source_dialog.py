@@ -56,7 +56,7 @@ class AddSourceDialog(QDialog):
 
     def accept(self) -> None:
         """Keep the source; stay open where that is not possible."""
-        from ...core.imagery.catalogue.user_sources import add
+        from ...core.imagery.catalogue import add
 
         try:
             add(self.name.text().strip(), self._data())
@@ -180,7 +180,7 @@ class AddSourceDialog(QDialog):
         self.name.setText(re.sub(r"[^a-z0-9]+", "-", host).strip("-")[:64])
 
     def _data(self) -> dict[str, Any]:
-        from ...core.imagery.catalogue.user_sources import described
+        from ...core.imagery.catalogue import described
 
         return described(
             self.url.text().strip(),
@@ -199,7 +199,7 @@ class AddSourceDialog(QDialog):
 
     def _check(self) -> None:
         """Say what is wrong, and under which limits it would be used."""
-        from ...core.imagery.catalogue.entry import CatalogueEntry, under_provider
+        from ...core.imagery.entry import CatalogueEntry, under_provider
 
         dated = "{date}" in self.url.text()
         for widget in (self._date_label, self._date_row):
@@ -233,7 +233,7 @@ def _line(name: str, tip: str) -> QLineEdit:
 
 def _name_problem(name: str) -> dict[str, str]:
     """Message for a name that is not right, or taken."""
-    from ...core.imagery.catalogue.listing import sources
+    from ...core.imagery.catalogue import sources
 
     if not _NAME.fullmatch(name):
         return {"name": tr("must be lower-case letters, digits, hyphens and underscores, at most 64")}

@@ -157,7 +157,7 @@ class ImageryEntries(QgsCollapsibleGroupBoxBasic):
 
     def _is_dated(self, choice: SourceChoice | None) -> bool:
         """Whether there may be a date to choose; a service says so only once it is asked."""
-        from ...core.imagery.services.ogc import is_service
+        from ...core.imagery.opening import is_service
 
         if choice is not None:
             return bool(choice.dates) or "{date}" in choice.name

@@ -72,12 +72,12 @@ class KeysTable(QTableWidget):
 
 def _in_need() -> dict[str, str]:
     """Titles of the sources that need a key, by name."""
-    from ...core.imagery.catalogue.listing import sources
+    from ...core.imagery.catalogue import sources
 
     try:
         return {entry.name: entry.title for entry in sources() if entry.key_env is not None}
     except TerrAInavError:
         # The chooser of sources tells what is wrong with the user's own.
-        from ...core.imagery.catalogue.entry import shipped
+        from ...core.imagery.entry import shipped
 
         return {entry.name: entry.title for entry in shipped() if entry.key_env is not None}

@@ -241,8 +241,7 @@ def _box(state: FormState, checks: _Checks) -> Box | None:
 
 def state_of(mission: Mission, folder: str, like: FormState | None = None) -> FormState:
     """State that asks for ``mission`` again, in the unit and the terms of another state; otherwise in metres."""
-    from ...core.imagery.opening import is_template
-    from ...core.imagery.services.ogc import is_service
+    from ...core.imagery.opening import is_address
 
     state = FormState(
         fov_deg=mission.camera.fov_deg,
@@ -254,7 +253,7 @@ def state_of(mission: Mission, folder: str, like: FormState | None = None) -> Fo
         more=_more(mission),
         **{name: getattr(mission, name) for name in _SAME},
     )
-    if is_template(mission.source) or is_service(mission.source):
+    if is_address(mission.source):
         state = replace(state, source=URL_TEMPLATE, template=mission.source)
     if mission.wind is not None:
         state = replace(

@@ -30,7 +30,8 @@ from ..settings import Settings, credential_home
 from ..task import Task
 
 if TYPE_CHECKING:
-    from ...core.imagery.catalogue.entry import CatalogueEntry
+    from ...core.imagery.entry import CatalogueEntry
+    from ...core.imagery.opening import NamedSource
     from ...core.imagery.services.capabilities import Offered
 
 _ROOM_PX = (520, 420)
@@ -66,13 +67,10 @@ class _Capabilities(Task):
 
     def work(self) -> None:
         """Ask."""
-        from ...core.imagery.services.ogc import service_entry
-
         with closing(self._transport):
             if self._layer:
                 chosen = f"{_CHOICES[self.kind]}={quote(self._layer, safe='')}"
-                name = f"{self.kind}:{self._service.address}#{chosen}"
-                self.entry = service_entry(name, key=self._service.key or None, transport=self._transport)
+                self.entry = self._named(f"{self.kind}:{self._service.address}#{chosen}").entry
             else:
                 self._find_layers()
 
@@ -87,17 +85,19 @@ class _Capabilities(Task):
         self._transport.close()
         super().finished(result)
 
+    def _named(self, name: str) -> NamedSource:
+        from ...core.imagery.opening import SourceOptions, named_source
+
+        return named_source(name, SourceOptions(key=self._service.key or None, transport=self._transport))
+
     def _find_layers(self) -> None:
         """QGIS's connections do not say which of the two they lead to."""
-        from ...core.imagery.services.ogc import layers
-
         kinds = ("wmts", "wms") if "wmts" in self._service.address.lower() else ("wms", "wmts")
         problems: list[str] = []
         for kind in kinds:
             self.kind = kind
             try:
-                name = f"{kind}:{self._service.address}"
-                self.layers = layers(name, key=self._service.key or None, transport=self._transport)
+                self.layers = self._named(f"{kind}:{self._service.address}").layers() or []
             except SourceError as wrong:
                 problems.append(str(wrong))
             else:
@@ -219,8 +219,7 @@ def kept(entry: CatalogueEntry, service: ServiceConnection, layer: str) -> str:
     TerrAInavError
         It cannot be kept.
     """
-    from ...core.imagery.catalogue.listing import sources
-    from ...core.imagery.catalogue.user_sources import add, shelf
+    from ...core.imagery.catalogue import add, shelf, sources
 
     taken = {known.name for known in sources()} | set(shelf().problems)
     plain = (

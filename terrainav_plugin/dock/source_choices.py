@@ -24,13 +24,13 @@ from ..layers.snapshot import is_of_qgis, layer_choices
 from .choices import CATALOGUE, CONNECTION, FILE, OWN, PROJECT, REGIONAL, SERVICE, SourceChoice
 
 if TYPE_CHECKING:
-    from ...core.imagery.catalogue.entry import CatalogueEntry
+    from ...core.imagery.entry import CatalogueEntry
 
 
 def source_choices(project: QgsProject) -> tuple[list[SourceChoice], str]:
     """Entries of the source chooser, the embedded world first; and what is wrong with the user's own sources."""
-    from ...core.imagery.catalogue.entry import shipped
-    from ...core.imagery.catalogue.user_sources import shelf
+    from ...core.imagery.catalogue import shelf
+    from ...core.imagery.entry import shipped
 
     wrong = ""
     entries = list(shipped())
@@ -87,7 +87,7 @@ def _of_entry(entry: CatalogueEntry) -> SourceChoice:
 def _group(entry: CatalogueEntry) -> int:
     if entry.user:
         return OWN
-    from ...core.imagery.catalogue.entry import WORLD_DEG
+    from ...core.imagery.entry import WORLD_DEG
 
     return CATALOGUE if entry.bounds_deg == WORLD_DEG else REGIONAL
 
@@ -102,12 +102,10 @@ def _of_connection(name: str) -> SourceChoice:
 
 def template_limits(template: str) -> str:
     """What the provider of a URL template allows, as HTML; empty where the template is not right (yet)."""
-    from ...core.imagery.opening import entry_of, is_template
+    from ...core.imagery.opening import kind_of, named_source
 
-    if not is_template(template):
-        return ""
     try:
-        return limits_html(entry_of(template))
+        return limits_html(named_source(template).entry) if kind_of(template) == "template" else ""
     except TerrAInavError:
         return ""
 

@@ -84,7 +84,7 @@ class SourceShelf(QObject):
 
     def remove(self) -> None:
         """Forget the user's own source that is chosen, after asking."""
-        from ...core.imagery.catalogue.user_sources import remove
+        from ...core.imagery.catalogue import remove
 
         choice = self._imagery.choice()
         answer = QMessageBox.question(

@@ -15,7 +15,7 @@ from ...core.text import whole_number
 from ..i18n import told, tr
 
 if TYPE_CHECKING:
-    from ...core.imagery.catalogue.entry import CatalogueEntry
+    from ...core.imagery.entry import CatalogueEntry
 
 #: What sources that are connections of QGIS to XYZ tiles are named by.
 XYZ = "qgis:xyz/"
@@ -69,8 +69,8 @@ class Connection:
         InvalidInput
             Its address is none that tiles can be had from.
         """
-        from ...core.imagery.catalogue.entry import CatalogueEntry, under_provider
-        from ...core.imagery.catalogue.user_sources import described
+        from ...core.imagery.catalogue import described
+        from ...core.imagery.entry import CatalogueEntry, under_provider
         from ...core.imagery.template import keys_in
 
         keys = keys_in(self.url)

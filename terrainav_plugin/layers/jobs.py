@@ -48,7 +48,6 @@ class Jobs:
         image: QImage,
         settings: QgsMapSettings,
         layers: Sequence[QgsMapLayer],
-        cancelled: Callable[[], bool] | None = None,
     ) -> None:
         """Draw ``layers``, the uppermost first, over what ``image`` shows.
 
@@ -62,7 +61,7 @@ class Jobs:
         painter = QPainter(image)
         try:
             job = QgsMapRendererCustomPainterJob(settings, painter)
-            with self.watched(job.cancelWithoutBlocking, cancelled) as going_on:
+            with self.watched(job.cancelWithoutBlocking) as going_on:
                 with self.preparing:
                     job.prepare()
                 # What was asked to end before it was prepared does not know of it.
@@ -74,14 +73,12 @@ class Jobs:
         refuse_errors(job.errors())
 
     @contextmanager
-    def watched(
-        self, end: Callable[[], None], cancelled: Callable[[], bool] | None
-    ) -> Iterator[Callable[[], bool]]:
+    def watched(self, end: Callable[[], None]) -> Iterator[Callable[[], bool]]:
         """Watch over something that is being drawn: ``end`` ends it, maybe more than once.
 
         Yields whether it may still go on; raises at the end as `draw` does.
         """
-        job = _Job(end, time.monotonic() + self._longest_s, cancelled)
+        job = _Job(end, time.monotonic() + self._longest_s)
         with self._lock:
             if self._closed.is_set():
                 raise Cancelled(_WORDS)
@@ -122,7 +119,7 @@ class Jobs:
                     job.end()
 
     def _reason(self, job: _Job) -> str:
-        if self._closed.is_set() or (job.cancelled is not None and job.cancelled()):
+        if self._closed.is_set():
             return _CANCELLED
         if time.monotonic() > job.until_s:
             return f"QGIS had not drawn it after {self._longest_s:.0f} s"
@@ -130,10 +127,10 @@ class Jobs:
 
 
 class _Job:
-    """Something that is being drawn: until when it may, who may cancel it, and why it was ended."""
+    """Something that is being drawn: until when it may, and why it was ended."""
 
-    def __init__(self, end: Callable[[], None], until_s: float, cancelled: Callable[[], bool] | None) -> None:
-        self.end, self.until_s, self.cancelled = end, until_s, cancelled
+    def __init__(self, end: Callable[[], None], until_s: float) -> None:
+        self.end, self.until_s = end, until_s
         self.reason = ""
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from queue import SimpleQueue
 from typing import NamedTuple
 
@@ -50,7 +49,6 @@ class Pipes:
         extent: QgsRectangle,
         size: tuple[int, int],
         jobs: Jobs,
-        cancelled: Callable[[], bool] | None = None,
     ) -> NDArray[np.uint8]:
         """Premultiplied pixels of an extent in the layer's own CRS, (height, width, 4) uint8.
 
@@ -63,7 +61,7 @@ class Pipes:
         feedback = QgsRasterBlockFeedback()
         pipe = self._idle.get()
         try:
-            with jobs.watched(feedback.cancel, cancelled):
+            with jobs.watched(feedback.cancel):
                 block = pipe.last.block(1, extent, *size, feedback)
         finally:
             self._idle.put(pipe)

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import math
 import struct
-from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -62,7 +61,6 @@ def sampled(
     edges_m: tuple[float, float, float, float],
     size: tuple[int, int],
     jobs: Jobs,
-    cancelled: Callable[[], bool] | None = None,
 ) -> Pixels | None:
     """Pixels of a layer where a picture's pixels have their centres.
 
@@ -89,7 +87,7 @@ def sampled(
     if not inside.any():
         return None
     cells = _cells(layer, x.reshape(height, width), y.reshape(height, width), inside)
-    shown = pipes.block(_extent(layer, cells), (cells.width, cells.height), jobs, cancelled)
+    shown = pipes.block(_extent(layer, cells), (cells.width, cells.height), jobs)
     columns, rows = x[inside] / cells.factor - cells.left, y[inside] / cells.factor - cells.top
     picture = np.zeros((height * width, 4), np.uint8)
     kernel = kernel_of(layer)

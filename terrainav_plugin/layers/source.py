@@ -12,7 +12,6 @@ from __future__ import annotations
 
 import threading
 from collections import OrderedDict
-from collections.abc import Callable
 from concurrent.futures import Future
 
 import numpy as np
@@ -30,7 +29,6 @@ from .snapshot import FILE_PROVIDER, Snapshot
 from .tiles import Tiles
 
 Pixels = NDArray[np.uint8]
-Stop = Callable[[], bool]
 
 #: Tiles of ground kept for the next pictures that show them (64 MB).
 _KEPT_TILES = 256
@@ -71,7 +69,7 @@ class LayerSource:
         left_px = window.left_px % self.grid.world_px(window.zoom)
         return [Part(window._replace(left_px=left_px), 0, 0)]
 
-    def fetch(self, map_type: str, part: Window, cancelled: Stop | None = None) -> Pixels:  # noqa: ARG002
+    def fetch(self, map_type: str, part: Window) -> Pixels:  # noqa: ARG002
         """Pixels of a part, (height_px, width_px, 3) uint8, or 4 where something is missing.
 
         Raises
@@ -79,16 +77,16 @@ class LayerSource:
         PartError
             QGIS reports an error, takes too long, or nothing of the drawings is there.
         Cancelled
-            Within half a second of `close`, or of ``cancelled`` answering true.
+            Within half a second of `close`.
         """
         if not self._snapshot.drawing:
-            shown = self._tile(part, cancelled)
+            shown = self._tile(part)
             return self._on_paper(shown, shown[..., 3] == 0)
-        ground = self._ground(part, cancelled) if self._snapshot.ground else None
+        ground = self._ground(part) if self._snapshot.ground else None
         image = blank(part.width_px, part.height_px) if ground is None else to_image(ground)
         settings = self._settings(part)
         settings.setExtentBuffer(_REACH_PX * self.grid.resolution_m_per_px(part.zoom))
-        self._jobs.draw(image, settings, self._snapshot.drawing, cancelled)
+        self._jobs.draw(image, settings, self._snapshot.drawing)
         shown = to_array(image)
         if ground is None:
             # Between the features of a drawing there is paper, but a picture without any shows nothing.
@@ -117,11 +115,11 @@ class LayerSource:
             return np.ascontiguousarray(picture)
         return np.dstack([picture, np.where(missing, 0, 255).astype(np.uint8)])
 
-    def _ground(self, window: Window, cancelled: Stop | None) -> Pixels:
+    def _ground(self, window: Window) -> Pixels:
         """Ground below a window, put together from its tiles."""
         ground = np.empty((window.height_px, window.width_px, 4), np.uint8)
         for part in tile_parts(window, self.grid):
-            tile = self._tile(part.window, cancelled)
+            tile = self._tile(part.window)
             x, y = max(part.dx_px, 0), max(part.dy_px, 0)
             right = min(part.dx_px + part.window.width_px, window.width_px)
             bottom = min(part.dy_px + part.window.height_px, window.height_px)
@@ -130,7 +128,7 @@ class LayerSource:
             ]
         return ground
 
-    def _tile(self, tile: Window, cancelled: Stop | None) -> Pixels:
+    def _tile(self, tile: Window) -> Pixels:
         """Premultiplied pixels of a tile of ground; drawn once while it is wanted by several."""
         with self._lock:
             known = self._tiles.get(tile)
@@ -143,7 +141,7 @@ class LayerSource:
         if known is not None:
             return known.result()
         try:
-            pixels = self._draw_tile(tile, cancelled)
+            pixels = self._draw_tile(tile)
         except BaseException as wrong:
             mine.set_exception(wrong)
             with self._lock:
@@ -152,16 +150,13 @@ class LayerSource:
         mine.set_result(pixels)
         return pixels
 
-    def _draw_tile(self, tile: Window, cancelled: Stop | None) -> Pixels:
+    def _draw_tile(self, tile: Window) -> Pixels:
         image = blank(tile.width_px, tile.height_px)
         settings = self._settings(tile)
         for drawn in self._snapshot.ground:
             if not drawn.layer.isInScaleRange(settings.scale()):
                 continue
-            if isinstance(drawn, Tiles):
-                pixels = drawn.pixels(tile, cancelled)
-            else:
-                pixels = self._pixels(drawn, settings, tile, cancelled)
+            pixels = drawn.pixels(tile) if isinstance(drawn, Tiles) else self._pixels(drawn, settings, tile)
             if pixels is not None:
                 painter = QPainter(image)
                 painter.setCompositionMode(drawn.layer.blendMode())
@@ -174,18 +169,17 @@ class LayerSource:
         pipes: Pipes,
         settings: QgsMapSettings,
         tile: Window,
-        cancelled: Stop | None,
     ) -> Pixels | None:
         """Pixels of one layer; None where it shows nothing."""
         layer, size = pipes.layer, (tile.width_px, tile.height_px)
         if layer.providerType() == FILE_PROVIDER:
-            return sampled(pipes, settings, self._edges(tile), size, self._jobs, cancelled)
+            return sampled(pipes, settings, self._edges(tile), size, self._jobs)
         extent = settings.extent()
         if layer.crs() == settings.destinationCrs():
             extent.grow(-_INSET_PX * self.grid.resolution_m_per_px(tile.zoom))
-            return pipes.block(extent, size, self._jobs, cancelled)
+            return pipes.block(extent, size, self._jobs)
         image = blank(*size)
-        self._jobs.draw(image, settings, [layer], cancelled)
+        self._jobs.draw(image, settings, [layer])
         return to_array(image)
 
     def _edges(self, window: Window) -> tuple[float, float, float, float]:

@@ -29,7 +29,7 @@ from qgis.core import (
 )
 
 from ...core.errors import InvalidInput
-from ...core.imagery.client import NotThere
+from ...core.imagery.http.client import NotThere
 from ...core.imagery.source import Window
 from ..i18n import tr
 from .connections import Connection, connection_of
@@ -38,7 +38,7 @@ from .jobs import to_array, to_image
 if TYPE_CHECKING:
     from qgis.PyQt.QtGui import QImage
 
-    from ...core.imagery.catalogue.entry import CatalogueEntry
+    from ...core.imagery.entry import CatalogueEntry
     from ...core.imagery.policy import Policy
     from ...core.imagery.source import Source
 
@@ -88,7 +88,7 @@ class Tiles:
         self._lock = threading.Lock()
         self._opened: Source | None = None
 
-    def pixels(self, window: Window, cancelled: Callable[[], bool] | None) -> Pixels | None:
+    def pixels(self, window: Window) -> Pixels | None:
         """Premultiplied pixels of a tile of 256 px, (256, 256, 4) uint8; None where the server has none.
 
         Raises
@@ -110,7 +110,7 @@ class Tiles:
         left, top = (int(first) // grid.tile_px * grid.tile_px for first in (columns[0], rows[0]))
         tile = Window(zoom, left, top, grid.tile_px, grid.tile_px)
         try:
-            fetched = source.fetch("", tile, cancelled)
+            fetched = source.fetch("", tile)
         except NotThere:
             return None
         return self._coloured(_premultiplied(fetched[np.ix_(rows - top, columns - left)]))
@@ -230,9 +230,10 @@ def address_of(layer: QgsRasterLayer) -> Address | None:
 
 
 def _of_service(name: str, tiles: Tiles) -> CatalogueEntry:
-    from ...core.imagery.services.ogc import service_entry
+    from ...core.imagery.opening import SourceOptions, named_source
 
-    return service_entry(name, key=tiles._connection.key or None, transport=tiles._transport)  # noqa: SLF001
+    options = SourceOptions(key=tiles._connection.key or None, transport=tiles._transport)  # noqa: SLF001
+    return named_source(name, options).entry
 
 
 def _premultiplied(pixels: Pixels) -> Pixels:

@@ -13,8 +13,7 @@ import numpy as np
 
 from ...core.capture.georeference import WEB_MERCATOR_WKT
 from ...core.capture.metadata import xml_text
-from ...core.dataset.folder import JOURNAL_FILE, TABLE_FILE
-from ...core.dataset.images import NAME
+from ...core.dataset.folder import JOURNAL_FILE, NAME, TABLE_FILE
 from ...core.errors import OutputError
 from ...core.files import write_whole
 from ..i18n import tr

@@ -7,7 +7,7 @@ from typing import Callable
 from qgis.PyQt.QtCore import QUrl
 from qgis.PyQt.QtNetwork import QNetworkReply, QNetworkRequest
 
-from ...core.imagery.transport import Response, check_length, too_long, unpacked
+from ...core.imagery.http.transport import Response, check_length, too_long, unpacked
 from ...core.limits import MAX_HEADERS
 from .errors import is_of_status, problem
 

@@ -6,7 +6,7 @@ from typing import Any
 
 from qgis.PyQt.QtNetwork import QNetworkReply
 
-from ...core.imagery.transport import TransportError
+from ...core.imagery.http.transport import TransportError
 
 _Error = QNetworkReply.NetworkError
 #: Answers with a status that says what is wrong: to be judged by those who asked.

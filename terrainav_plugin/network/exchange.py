@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from typing import NamedTuple
 from urllib.parse import urlsplit
 
-from ...core.imagery.transport import Response, Timeouts
+from ...core.imagery.http.transport import Response, Timeouts
 
 
 class Terms(NamedTuple):

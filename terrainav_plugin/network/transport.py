@@ -9,12 +9,12 @@ from collections.abc import Mapping
 from qgis.PyQt.QtCore import QEventLoop
 
 from ...core.errors import Cancelled
-from ...core.imagery.transport import Response, Stop, Timeouts, TransportError, user_agent
+from ...core.imagery.http.transport import Response, Timeouts, TransportError, user_agent
 from ...core.limits import MAX_BODY_BYTES
 from .exchange import Exchange, Terms
 from .worker import NetworkWorker, in_main_thread
 
-#: Seconds between two looks at whether the user cancelled: well within the half second a cancel may take.
+#: Seconds of one wait for an outcome.
 _LOOK_S = 0.1
 
 
@@ -72,7 +72,6 @@ class QgisTransport:
         self,
         url: str,
         headers: Mapping[str, str] | None = None,
-        cancelled: Stop | None = None,
         *,
         origin: str = "",
     ) -> Response:
@@ -87,7 +86,7 @@ class QgisTransport:
             self._waiting.add(exchange)
             self._worker.asked.emit(exchange)
         try:
-            _await(exchange, cancelled)
+            _await(exchange)
         finally:
             with self._lock:
                 self._waiting.discard(exchange)
@@ -109,17 +108,10 @@ class QgisTransport:
             self._free()
 
 
-def _await(exchange: Exchange, cancelled: Stop | None) -> None:
-    """Wait for the outcome, of which the worker takes care within the limits of time.
-
-    Raises
-    ------
-    Cancelled
-    """
+def _await(exchange: Exchange) -> None:
+    """Wait for the outcome, of which the worker takes care within the limits of time, or `close`."""
     main = in_main_thread()
     while not exchange.done.is_set():
-        if cancelled is not None and cancelled():
-            raise _cancelled()
         if main:
             # The worker looks after requests under way, so events are never far.
             QEventLoop().processEvents(

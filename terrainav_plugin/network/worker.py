@@ -33,7 +33,7 @@ from qgis.PyQt.QtNetwork import (
 )
 
 from ...core.errors import Cancelled
-from ...core.imagery.transport import TransportError, too_long, too_many_headers
+from ...core.imagery.http.transport import TransportError, too_long, too_many_headers
 from .answer import answer_of, has_too_many_headers
 from .exchange import Exchange, Terms
 

@@ -143,7 +143,7 @@ class WithImagery(Algorithm):
 
 def check_terms(worked_out: Plan, source: Source, requests: int, *, accepted: bool) -> None:
     """Raise SourceError where the source's terms do not let a run pass."""
-    from ...core.imagery.catalogue.listing import check_policy
+    from ...core.imagery.catalogue import check_policy
 
     box = worked_out.mission.area.bounds
     check_policy(

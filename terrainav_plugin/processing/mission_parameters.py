@@ -335,7 +335,7 @@ def _sources(listed: bool) -> tuple[str, ...]:
     shipped = tuple(read_json("sources.json"))
     if listed:
         return shipped
-    from ...core.imagery.catalogue.user_sources import user_sources
+    from ...core.imagery.catalogue import user_sources
 
     try:
         return (*shipped, *(entry.name for entry in user_sources()))

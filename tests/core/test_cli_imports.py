@@ -85,7 +85,11 @@ def test_what_is_not_used_is_not_imported(line, unused, tmp_path):
 
 
 def test_a_source_on_the_network_has_what_it_needs(tmp_path):
-    """The plan of one opens it, and so the modules that the embedded world goes without do come."""
+    """A plan asks nobody for tiles; a capture does, and so the modules that the embedded world goes without do come."""
     codes, modules = run("plan --coords 35.14_-89.86_120 --source osm --accept-error", cwd=tmp_path)
     assert codes == [0]
+    assert not modules & {"requests", "urllib3", "PIL"}
+    nowhere = "--source http://127.0.0.1:9/{z}/{x}/{y}.png"
+    codes, modules = run(f"capture --coords 35.14_-89.86_120 --data-dir out {nowhere}", cwd=tmp_path)
+    assert codes == [1]
     assert "requests" in modules

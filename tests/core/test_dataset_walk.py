@@ -12,11 +12,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from terrainav.core.dataset.choices import PARTS
 from terrainav.core.dataset.dataset import read_dataset
+from terrainav.core.dataset.folder import PARTS
 from terrainav.core.dataset.labels import LABELS_FILE, Labels
 from terrainav.core.dataset.loading import Samples
-from terrainav.core.dataset.parts import part_of
+from terrainav.core.dataset.table import part_of
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGE = ROOT / "docs" / "datasets.md"

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from terrainav.core.capture.journal import Journal, Outcome
 from terrainav.core.dataset.labels import Labels, labels_of
 from terrainav.core.dataset.table import Table, other_columns
-from terrainav.core.imagery.catalogue.user_sources import described, shelf
+from terrainav.core.imagery.catalogue import described, shelf
 from terrainav.core.mission.cameras import camera_shelf
 from terrainav.core.safe_json import parse_json
 

@@ -15,13 +15,13 @@ from typing import Any
 import numpy as np
 from hypothesis import strategies as st
 from terrainav.core.imagery.cache.freshness import freshness
-from terrainav.core.imagery.client import Client
 from terrainav.core.imagery.decode import decode
+from terrainav.core.imagery.http.client import Client, joined, redirect_target
+from terrainav.core.imagery.http.transport import Response, check_length, unpacked
 from terrainav.core.imagery.mbtiles import open_mbtiles
+from terrainav.core.imagery.opening import SourceOptions, named_source
 from terrainav.core.imagery.raster.trust import drivers_for
-from terrainav.core.imagery.services.ogc import layers, service_entry
 from terrainav.core.imagery.source import Window
-from terrainav.core.imagery.transport import Response, check_length, joined, redirect_target, unpacked
 from terrainav.core.limits import MAX_LINE_CHARACTERS
 from terrainav.core.text import Secrets, one_line, table_cell
 
@@ -78,6 +78,16 @@ VRT = """<VRTDataset rasterXSize="8" rasterYSize="8"><SRS>EPSG:3857</SRS><VRTRas
 </VRTRasterBand></VRTDataset>"""
 
 
+def service_entry(name, **options):
+    """Entry of a layer, from the capabilities of its service."""
+    return named_source(name, SourceOptions(**options)).entry
+
+
+def layers(name, **options):
+    """Layers that a service offers."""
+    return named_source(name, SourceOptions(**options)).layers()
+
+
 class _Answer:
     """A transport with one answer, whatever is asked."""
 
@@ -102,7 +112,7 @@ def answer(given: tuple[int, dict[str, str], bytes]) -> None:
     response = Response(status, headers, body)
     freshness(headers, time.time())
     client = Client(_Answer(response), "P", secrets=(KEY,), tries=1, longest_retry_after_s=0.5)
-    said = client.words(response)
+    said = client.message(response)
     assert said.isprintable()
     assert KEY not in said
 

@@ -519,21 +519,6 @@ def test_cancel_ends_a_service_that_does_not_answer(server):
         source.fetch("satellite", Window(ZOOM, 0, 0, 256, 256))
 
 
-def test_cancelled_is_asked_while_drawing(server):
-    server.fail("stall")
-    source = opened(source_name(tiles_layer(server)))
-    asked = threading.Event()
-    threading.Timer(0.3, asked.set).start()
-
-    def work():
-        with pytest.raises(Cancelled):
-            source.fetch("satellite", Window(ZOOM, 256 * 5, 256 * 6, 256, 256), asked.is_set)
-        return True
-
-    assert off_the_main_thread(work)
-    source.close()
-
-
 def test_drawing_that_takes_too_long_is_a_failed_part():
     """A map that a service draws when it is asked."""
     over = threading.Event()

@@ -167,7 +167,7 @@ def test_names_and_titles_of_a_service_and_its_refusal(desk, secret, qtbot):
 
 def test_names_of_files_and_folders(desk, secret, tmp_path):
     """Of a raster, of a mission's folder, and of a source that the user has kept."""
-    from terrainav.core.imagery.catalogue.user_sources import add, described
+    from terrainav.core.imagery.catalogue import add, described
 
     title = f"Own {secret.mark}"
     add("own", described("https://own.example/{z}/{x}/{y}", title=title, attribution=title))

@@ -33,7 +33,7 @@ from qgis.PyQt.QtGui import QImage
 from terrainav.core.dataset.table import Table
 from terrainav.core.geodesy.camera import Camera
 from terrainav.core.geodesy.mercator import HALF_WORLD_M
-from terrainav.core.imagery.opening import open_source
+from terrainav.core.imagery.opening import named_source
 from terrainav.core.mission.area import Box, Points, Polygon
 from terrainav.core.mission.estimate import OFFLINE, estimate
 from terrainav.core.mission.mission import Mission
@@ -120,7 +120,7 @@ def features_of(path_or_layer):
 
 
 def planned(mission):
-    return plan(mission, open_source(mission.source, plan_only=True).grid)
+    return plan(mission, named_source(mission.source).grid)
 
 
 def memory_layer(kind, crs, geometries, fields="", rows=()):
@@ -170,7 +170,7 @@ def test_packages_that_are_missing_are_named(provider, monkeypatch):
 
 
 def test_own_sources_are_choices_of_the_copy_that_runs(provider):
-    from terrainav.core.imagery.catalogue.user_sources import add, described
+    from terrainav.core.imagery.catalogue import add, described
 
     add("my-tiles", described("https://tiles.example.org/{z}/{x}/{y}.png"))
     listed = provider.algorithm("plan").parameterDefinition("SOURCE").options()

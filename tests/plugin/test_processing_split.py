@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 from qgis.core import QgsProcessingException, QgsProcessingFeedback
 from terrainav.core.dataset.labels import Labels
-from terrainav.core.dataset.parts import part_of
-from terrainav.core.dataset.table import Table
+from terrainav.core.dataset.table import Table, part_of
 
 from tests.core.dataset.grounds import dataset_of
 

@@ -10,7 +10,7 @@ from osgeo import gdal
 from qgis.core import QgsProject, QgsVectorLayer
 from qgis.PyQt.QtCore import QTimer
 from qgis.PyQt.QtWidgets import QApplication, QDialogButtonBox, QFileDialog, QMessageBox
-from terrainav.core.imagery.catalogue.user_sources import user_sources
+from terrainav.core.imagery.catalogue import user_sources
 from terrainav.terrainav_plugin.dock.add_source_dialog import AddSourceDialog
 from terrainav.terrainav_plugin.dock.cache_dialog import CacheDialog
 
@@ -200,7 +200,7 @@ def test_cache_is_listed_and_cleared(shelf, tmp_path, screenshot):
 
 
 def test_own_source_is_removed_after_asking(shelf, monkeypatch):
-    from terrainav.core.imagery.catalogue.user_sources import add, described
+    from terrainav.core.imagery.catalogue import add, described
 
     desk = shelf
     add("mine", described("https://tiles.example.org/{z}/{x}/{y}.png", title="Mine"))

@@ -12,8 +12,8 @@ import pytest
 from qgis.core import Qgis, QgsApplication, QgsAuthMethodConfig, QgsOwsConnection, QgsProject, QgsSettings
 from qgis.PyQt.QtCore import QBuffer, QIODevice
 from qgis.PyQt.QtGui import QColor, QImage
-from terrainav.core.imagery.catalogue.entry import CatalogueEntry
-from terrainav.core.imagery.catalogue.user_sources import add, described, user_sources
+from terrainav.core.imagery.catalogue import add, described, user_sources
+from terrainav.core.imagery.entry import CatalogueEntry
 from terrainav.terrainav_plugin.credentials import problem_with
 from terrainav.terrainav_plugin.dock.service_dialog import kept
 from terrainav.terrainav_plugin.layers.connections import (

@@ -17,8 +17,8 @@ from qgis.core import (
     QgsAuthMethodConfig,
 )
 from qgis.PyQt.QtNetwork import QSslCertificate, QSslError
-from terrainav.core.imagery.client import Client
-from terrainav.core.imagery.transport import TransportError, user_agent
+from terrainav.core.imagery.http.client import Client
+from terrainav.core.imagery.http.transport import TransportError, user_agent
 
 from tests.plugin.transports import (  # noqa: F401  (fixtures)
     MASTER_PASSWORD,

@@ -12,8 +12,8 @@ import pytest
 from qgis.PyQt.QtCore import QTimer
 from qgis.PyQt.QtWidgets import QDialogButtonBox
 from terrainav.core.errors import Cancelled
-from terrainav.core.imagery.client import Client
-from terrainav.core.imagery.transport import Timeouts
+from terrainav.core.imagery.http.client import Client
+from terrainav.core.imagery.http.transport import Timeouts
 from terrainav.terrainav_plugin.network import worker as network_worker
 from terrainav.terrainav_plugin.network.transport import QgisTransport
 

@@ -15,7 +15,7 @@ from qgis.core import (
     QgsSettings,
 )
 from qgis.PyQt.QtWidgets import QApplication
-from terrainav.core.imagery.transport import Timeouts
+from terrainav.core.imagery.http.transport import Timeouts
 from terrainav.terrainav_plugin.network.transport import QgisTransport
 
 # What the promise of ending within half a second may miss on a busy machine, of 20 s and more.

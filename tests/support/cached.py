@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from terrainav.core.imagery.client import Client
-from terrainav.core.imagery.requests_transport import RequestsTransport
+from terrainav.core.imagery.http.client import Client
+from terrainav.core.imagery.http.requests_transport import RequestsTransport
+from terrainav.core.imagery.http.transport import Timeouts
 from terrainav.core.imagery.source import Window
-from terrainav.core.imagery.transport import Timeouts
 from terrainav.core.imagery.xyz import XYZSource
 
 ZOOM = 9

@@ -6,7 +6,7 @@ import os
 from typing import NamedTuple
 
 from terrainav.core.cli import main
-from terrainav.core.imagery.client import Client
+from terrainav.core.imagery.http.client import Client
 
 
 class Finished(NamedTuple):

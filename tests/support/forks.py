@@ -98,8 +98,8 @@ def _main():
 
     import PIL.Image  # noqa: F401
     import terrainav.core.cli
-    import terrainav.core.imagery.world
     import terrainav.core.imagery.xyz
+    import terrainav.core.world
     from terrainav.core.capture import runner  # noqa: F401
     from terrainav.core.picture import cost  # noqa: F401
 
@@ -217,7 +217,7 @@ def _run(request, told):
 
 def _hurry():
     """Let every attempt at a request end soon, and be the only one."""
-    from terrainav.core.imagery import client, requests_transport, transport
+    from terrainav.core.imagery.http import client, requests_transport, transport
 
     client.Client.__init__.__kwdefaults__["tries"] = 1
     transport.Timeouts.__new__.__defaults__ = soon = (5.0, 0.3, 0.6)

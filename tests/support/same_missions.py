@@ -14,11 +14,11 @@ from pathlib import Path
 import terrainav.core
 from terrainav.core.capture.runner import capture
 from terrainav.core.geodesy.camera import Camera
-from terrainav.core.imagery.world import WorldSource
 from terrainav.core.mission.area import Box, Points
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 from terrainav.core.mission.wind import Wind
+from terrainav.core.world import WorldSource
 
 from tests.support.libraries import inexact
 

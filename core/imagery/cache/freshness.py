@@ -2,22 +2,19 @@
 
 from __future__ import annotations
 
-import datetime as dt
 import re
 from collections.abc import Mapping
-from email.utils import parsedate_to_datetime
 from typing import NamedTuple
 
 from ...limits import MAX_HEADER_CHARACTERS
 from ...text import whole_number
+from ..http.transport import http_date_s
 
 #: Lifetime of an answer that says nothing of one, seconds: a week, the least the tile usage policy of
 #: OpenStreetMap asks of its users.
 HEURISTIC_LIFETIME_S = 7 * 86400
 #: What a longer lifetime counts as, seconds (RFC 9111, 1.2.2).
 LONGEST_LIFETIME_S = 2**31
-#: A date of HTTP has 29 to 33 characters.
-_DATE_CHARACTERS = 64
 _DIRECTIVE = re.compile(r"([\w!#$%&'*+.^`|~-]+)(?:\s*=\s*(\"(?:[^\"\\]|\\.)*\"|[^\s,]*))?")
 
 
@@ -102,18 +99,6 @@ def cache_control(text: str) -> dict[str, str]:
         if before is None or now is None or now < before:
             found[name.lower()] = plain
     return found
-
-
-def http_date_s(text: str) -> float | None:
-    """Seconds since 1970 of a date as HTTP writes it, None of anything else."""
-    if len(text) > _DATE_CHARACTERS:
-        return None
-    try:
-        moment = parsedate_to_datetime(text)
-        # The oldest of the three forms names no zone, and means UTC (RFC 9110, 5.6.7).
-        return (moment if moment.tzinfo else moment.replace(tzinfo=dt.timezone.utc)).timestamp()
-    except (TypeError, ValueError, IndexError, OverflowError):
-        return None
 
 
 def _sendable(value: str) -> str:

@@ -16,7 +16,7 @@ from urllib.parse import quote
 import numpy as np
 
 from ...geodesy.mercator import u_to_lon, v_to_lat
-from ..tiles import Tile
+from ..source import Tile
 from .freshness import Freshness
 
 #: Seconds a reader waits for another program's lock: cancelling must not take longer than half a second.

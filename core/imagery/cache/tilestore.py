@@ -12,10 +12,9 @@ from itertools import islice
 from typing import Callable
 
 from ...errors import PartError
-from ..client import NotThere, OutOfReach
-from ..source import Pixels
-from ..tiles import Tile
-from ..transport import Response
+from ..http.client import NotThere, OutOfReach
+from ..http.transport import Response
+from ..source import Pixels, Tile
 from .freshness import Freshness, freshness
 from .tilefile import BATCH_TILES, BrokenTileError, Kept, TileFile, fault
 

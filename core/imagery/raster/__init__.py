@@ -1,7 +1,9 @@
-"""Raster files in any coordinate reference system as sources of imagery."""
+"""Raster files in any coordinate reference system as sources of imagery.
 
-from __future__ import annotations
-
-from .source import RasterSource, open_raster
-
-__all__ = ["RasterSource", "open_raster"]
+trust       what GDAL may open: pictures on this machine, and no more than the user has named
+reading     the libraries that read them: facts, and pixels as they are stored
+colours     which bands make a picture, and what of it is no imagery
+place       where pixels lie on the Web-Mercator map, exactly
+resampling  colours of the map's pixels out of the raster's
+source      a raster file as a source on the map's pixel grid
+"""

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import InvalidInput
-from .files import Band, Box, Bytes, Facts, RasterFile
+from .reading import Band, Box, Bytes, Facts, RasterFile
 
 #: Colour interpretations whose values are neither red, green and blue nor greys.
 _OTHER_COLOURS = frozenset(
@@ -40,15 +40,6 @@ class Colours:
     alpha: int | None = None
     mask: int | None = None
     table: Bytes | None = None
-
-    @property
-    def always_there(self) -> bool:
-        """Whether every pixel has imagery."""
-        return (
-            (self.alpha, self.mask) == (None, None)
-            and None in self.nodata
-            and (self.table is None or bool(self.table[:, 3].all()))
-        )
 
     def read(self, file: RasterFile, box: Box) -> Bytes:
         """Colours of a box, (height, width, 4): red, green, blue, and 1 for imagery; all 0 where there is none.

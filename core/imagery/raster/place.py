@@ -14,7 +14,7 @@ from ...errors import InvalidInput
 from ...geodesy.mercator import HALF_WORLD_M, PixelGrid, extent_of_outline, fitting_zoom
 from ...geodesy.projections import through_proj
 from ..source import Window
-from .files import Facts
+from .reading import Facts
 
 Floats = NDArray[np.float64]
 

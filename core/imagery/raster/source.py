@@ -1,9 +1,13 @@
-"""A raster file as a source on the pixel grid of the Web-Mercator map."""
+"""A raster file as a source on the pixel grid of the Web-Mercator map; ``{date}`` in its path is one of several."""
 
 from __future__ import annotations
 
+import datetime as dt
+import glob
 import math
 import os
+import re
+from collections.abc import Mapping
 from functools import partial
 from pathlib import Path
 
@@ -13,15 +17,14 @@ from ...errors import InvalidInput, PartError, SourceError
 from ...geodesy.mercator import PixelGrid
 from ...limits import MAX_METADATA_CHARACTERS
 from ...text import printable
+from ..opening import FileSource
 from ..policy import Policy
 from ..source import Part, Pixels, Window, tile_parts
 from .colours import Colours, colours_of
-from .dated import date_of_tags, file_of
-from .files import Box, Bytes, Facts, ReadError, file_of_part, opener
-from .mean import MOST_PX, Boxes, Floats, Sums, boxes, means, reduced
 from .place import Place
-from .pool import Pool
-from .trust import check_virtual, drivers_for
+from .reading import Box, Bytes, Facts, Pool, ReadError, opener
+from .resampling import MOST_PX, Boxes, Floats, Sums, boxes, means, reduced
+from .trust import check_virtual, drivers_for, file_of_part
 
 #: Highest zoom served, by enlarging, where the raster's own is below: that of tiles.
 _MAX_ZOOM = 22
@@ -39,6 +42,20 @@ _STRIP_PX = 1 << 20
 _SLIVER_PX = 1e-5
 #: Tags that say whose a picture is, the best first.
 _CREDITS = ("TIFFTAG_COPYRIGHT", "COPYRIGHT", "EXIF_Copyright", "TIFFTAG_ARTIST")
+#: What stands for the date in a path.
+PLACEHOLDER = "{date}"
+_FORMS = re.compile(r"(\d{4})(?:([-_.]?)(\d\d)(?:\2(\d\d))?)?")
+_TAG = re.compile(r"(\d{4})[:-](\d\d)[:-](\d\d)")
+#: Dates named in a message.
+_MOST_NAMED = 10
+
+
+class RasterFile(FileSource):
+    """A raster file, or a path of such files with {date} in it."""
+
+    def open(self) -> RasterSource:
+        """Open the file, of the date that is asked for; raises InvalidInput as `open_raster` does."""
+        return open_raster(self.text, date=self.options.date or "")
 
 
 def open_raster(path: str | os.PathLike[str], *, date: str = "") -> RasterSource:
@@ -266,3 +283,84 @@ def _extent(over: Boxes, width: int, height: int, x: int, y: int) -> Box | None:
     last_x, last_y = (math.ceil(edge.max() - _SLIVER_PX) for edge in (right, bottom))
     last_x, last_y = min(last_x + -last_x % x, width), min(last_y + -last_y % y, height)
     return Box(first_x, first_y, last_x - first_x, last_y - first_y)
+
+
+def checked_date(text: str) -> str:
+    """Return a date as YYYY, YYYY-MM or YYYY-MM-DD; ``-`` may be ``_``, ``.`` or missing.
+
+    Raises
+    ------
+    InvalidInput
+        Another form, or a day that does not exist.
+    """
+    found = _FORMS.fullmatch(text)
+    numbers = [number for number in (found.group(1, 3, 4) if found else ()) if number]
+    try:
+        dt.date(*(int(number) for number in [*numbers, "01", "01"][:3]))
+    except (ValueError, TypeError):
+        numbers = []
+    if not numbers:
+        raise InvalidInput(f"date {text!r}: must be YYYY-MM-DD, YYYY-MM or YYYY")
+    return "-".join(numbers)
+
+
+def date_of_tags(tags: Mapping[str, str]) -> str:
+    """Day that a file states in the tag of TIFF, as YYYY-MM-DD; empty where it states none."""
+    found = _TAG.match(tags.get("TIFFTAG_DATETIME", ""))
+    try:
+        return dt.date(*(int(number) for number in found.groups())).isoformat() if found else ""
+    except ValueError:
+        return ""
+
+
+def file_of(path: str, date: str) -> tuple[str, str]:
+    """File that a path stands for, and the date.
+
+    Parameters
+    ----------
+    path : str
+        It may contain ``{date}``, also several times and in its folders.
+    date : str
+        Any of the forms of `checked_date`, whichever the files are named in; empty for none.
+
+    Returns
+    -------
+    path, date : str
+        The date as `checked_date` gives it.
+
+    Raises
+    ------
+    InvalidInput
+        There is no file of this date, or no date for a path that needs one; names the dates there are.
+    """
+    date = checked_date(date) if date else ""
+    if PLACEHOLDER not in path:
+        return path, date
+    if path.startswith("/vsi"):
+        if not date:
+            raise InvalidInput(f"{path}: say which date")
+        return path.replace(PLACEHOLDER, date), date
+    files = _files(path)
+    if date in files:
+        return files[date], date
+    dates = sorted(files)
+    named = ", ".join(dates[-_MOST_NAMED:]) or "none"
+    more = f"{len(dates) - _MOST_NAMED} earlier ones and " if len(dates) > _MOST_NAMED else ""
+    missing = f"there is none of {date}" if date else "say which date"
+    raise InvalidInput(f"{path}: {missing}; dates there are: {more}{named}")
+
+
+def _files(path: str) -> dict[str, str]:
+    """Files that a path with ``{date}`` stands for, by their dates."""
+    first, *more = os.path.normpath(path).split(PLACEHOLDER)
+    pattern = re.compile(re.escape(first) + "(.+?)" + r"\1".join(map(re.escape, more)), re.DOTALL)
+    found: dict[str, str] = {}
+    # Path.glob takes no pattern that begins with a root.
+    for name in sorted(glob.glob("*".join(map(glob.escape, [first, *more])))):  # noqa: PTH207
+        match = pattern.fullmatch(os.path.normpath(name))
+        if match and Path(name).is_file():
+            try:
+                found[checked_date(match.group(1))] = name
+            except InvalidInput:
+                continue
+    return found

@@ -12,6 +12,7 @@ import os
 import re
 import struct
 from collections.abc import Iterator
+from itertools import combinations
 from pathlib import Path
 from typing import Any
 from urllib.parse import unquote
@@ -20,7 +21,6 @@ from ...errors import InvalidInput
 from ...files import is_there
 from ...limits import MAX_VRT_BYTES, MAX_VRT_DEPTH
 from ..template import check_address
-from .files import file_of_part
 
 #: Formats of pictures that name no other data, as GDAL calls them, and VRT, which is looked through.
 DRIVERS = tuple(
@@ -83,8 +83,21 @@ _TIFF_METADATA = 42112
 _TIFF_FORMS = {42: ("I", 4, "H", "HHI4s", 12), 43: ("Q", 8, "Q", "HHQ8s", 20)}
 #: Entries of a directory; libtiff refuses those with more.
 _TIFF_ENTRIES = 4096
+#: What GDAL's names of rasters within a file begin with, such as GPKG:ortho.gpkg:summer; a drive has one letter.
+_DRIVER = re.compile(r"[A-Z][A-Za-z0-9_]+:")
 #: Files beside a raster that GDAL opens with it.
-_BESIDE = (".ovr", ".msk")
+_COMPANIONS = (".ovr", ".msk")
+
+
+def file_of_part(name: str) -> str:
+    """Path of the file that GDAL's name of a raster within it is of, where it is there; empty for other names."""
+    if not _DRIVER.match(name):
+        return ""
+    pieces = re.split(r'[:"]', name)
+    spans = combinations(range(1, len(pieces) + 1), 2)
+    # The longest first: a path may hold colons.
+    paths = sorted((":".join(pieces[start:end]) for start, end in spans), key=len, reverse=True)
+    return next((path for path in paths if path and is_there(path)), "")
 
 
 def check_virtual(path: str) -> None:
@@ -147,7 +160,7 @@ def _check(file: Path, folders: tuple[Path, ...], depth: int, seen: set[Path]) -
         )
     elif depth and head and not head.startswith(_MAGIC):
         raise InvalidInput(f"{file.name} is of no format of pictures that a VRT may read here")
-    for ending in _BESIDE:
+    for ending in _COMPANIONS:
         beside = file.with_name(file.name + ending)
         if is_there(beside):
             _check(beside, folders, depth + 1, seen)
@@ -263,7 +276,7 @@ class _Reader:
         self._text: list[str] = []
 
     def start(self, name: str, attributes: dict[str, str]) -> None:
-        self._told()
+        self._take_text()
         name, given = name.lower(), {one.lower(): value for one, value in attributes.items()}
         if self._is_name(self._open[-1]) if self._open else False:
             self.refuse()
@@ -278,7 +291,7 @@ class _Reader:
                 self.refuse()
 
     def end(self, _name: str) -> None:
-        self._told()
+        self._take_text()
         self._open.pop()
 
     def text(self, words: str) -> None:
@@ -292,7 +305,7 @@ class _Reader:
     def refuse(self, *_: object) -> None:
         raise InvalidInput(f"{self._vrt.name}: is a VRT with more in it than bands of files")
 
-    def _told(self) -> None:
+    def _take_text(self) -> None:
         words, self._text = "".join(self._text).strip(), []
         if not self._open or not words:
             return

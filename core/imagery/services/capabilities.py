@@ -12,14 +12,12 @@ from urllib.parse import parse_qsl, quote, urlencode, urlsplit, urlunsplit
 from ...errors import InvalidInput, PartError, SourceError, TerrAInavError
 from ...limits import MAX_CAPABILITIES_BYTES
 from ...text import MASK, Secrets, one_line
-from ..catalogue.entry import KEY_ENV, WORLD_DEG
-from ..client import Client
-from ..keys import environment_key
+from ..entry import WORLD_DEG
+from ..http.client import Client
+from ..http.transport import Transport
 from ..policy import Policy
-from ..requests_transport import RequestsTransport
 from ..template import check_address
-from ..transport import Transport
-from .parsing import UnreadableXMLError, root_of, written
+from .safe_xml import UnreadableXMLError, root_of, written
 
 #: Choices after the # of each kind of service.
 CHOICES = {
@@ -132,21 +130,15 @@ class Document:
         return self.secrets.replaced(text, "{key}")
 
 
-def fetched(
-    service: Service, key: str | None, transport: Transport | None, *, named_by_user: bool = False
-) -> Document:
-    """Capabilities of a service.
+def fetched(service: Service, key: str, transport: Transport | None) -> Document:
+    """Capabilities of a service, asked for with the key where its address has {key}.
 
     Raises
     ------
     SourceError
-        They cannot be had, are too large, or something else is at the address; or the key is missing, or for others.
+        They cannot be had, are too large, or something else is at the address.
     """
-    needs_key = "{key}" in service.address
-    key = (key or environment_key([service.host], named_by_user=named_by_user) or "") if needs_key else ""
-    if needs_key and not key:
-        raise SourceError(f"{service.host}: needs an API key: set the environment variable {KEY_ENV}")
-    used = RequestsTransport(1, max_body_bytes=MAX_CAPABILITIES_BYTES) if transport is None else transport
+    used = _transport() if transport is None else transport
     url = service.document_url(key)
     secrets = (key,) if key else ()
     client = Client(used, service.host, connections=1, secrets=secrets, tries=_TRIES)
@@ -165,8 +157,8 @@ def fetched(
     plain = body.replace(b"\0", b"")
     found = [kind for kind, root in _ROOTS.items() if re.search(root, plain)]
     if not found:
-        words = client.words(response)
-        raise document.wrong(f"no capabilities at this address{f': {words}' if words else ''}")
+        message = client.message(response)
+        raise document.wrong(f"no capabilities at this address{f': {message}' if message else ''}")
     if service.kind not in found:
         raise document.wrong(
             f"the capabilities at this address are of a {found[0].upper()}: write {found[0]}:URL"
@@ -174,21 +166,27 @@ def fetched(
     with reading(document):
         root = root_of(body)
         if key or b"{key}" in written(root):
-            _tell_keys_apart(root, document)
+            _mark_keys(root, document)
     return replace(document, root=root)
 
 
-def _tell_keys_apart(root: Any, document: Document) -> None:
+def _transport() -> Transport:
+    from ..http.requests_transport import RequestsTransport
+
+    return RequestsTransport(1, max_body_bytes=MAX_CAPABILITIES_BYTES)
+
+
+def _mark_keys(root: Any, document: Document) -> None:
     """Put {key} where a document repeats the key, and nowhere else: one of its own is text, and is never filled."""
 
-    def told(text: str) -> str:
+    def with_key_marked(text: str) -> str:
         return document.without_key(text.replace("{key}", "%7Bkey%7D"))
 
     for element in root.iter():
         if element.text:
-            element.text = told(element.text)
+            element.text = with_key_marked(element.text)
         for name, value in element.items():
-            element.set(name, told(value))
+            element.set(name, with_key_marked(value))
 
 
 @contextmanager

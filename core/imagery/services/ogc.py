@@ -10,72 +10,72 @@ OWSLib reads the documents; it is needed here only.
 
 from __future__ import annotations
 
-from ..catalogue.entry import CatalogueEntry, under_provider
-from ..transport import Transport
-from .capabilities import CHOICES, Offered, Service, fetched, reading
+from functools import cached_property
+
+from ...errors import SourceError
+from ..entry import CatalogueEntry, under_provider
+from ..opening import EntrySource
+from ..policy import Policy
+from ..template import KEY_ENV, environment_key
+from .capabilities import Document, Offered, Service, fetched, reading
 from .wms import wms_entry, wms_layers
 from .wmts import wmts_entry, wmts_layers
 
 
-def is_service(name: str) -> bool:
-    """Whether a source is named by a WMTS or WMS."""
-    return name.partition(":")[0].lower() in CHOICES and "://" in name
+class ServiceLayer(EntrySource):
+    """A layer of a WMTS or WMS as a mission names it."""
 
+    @cached_property
+    def service(self) -> Service:
+        """The service and what is wanted of it; raises InvalidInput where the text is not right."""
+        return Service.named(self.text)
 
-def names_layer(name: str) -> bool:
-    """Whether a service's name says which layer is wanted."""
-    return any(choice in Service.named(name).choices for choice in ("layer", "layers"))
+    @property
+    def needs_key(self) -> bool:
+        """Whether a key stands in its address."""
+        return "{key}" in self.text
 
+    @property
+    def stated_policy(self) -> Policy | None:
+        """None: the service states its terms with its capabilities."""
+        return None
 
-def service_entry(
-    name: str,
-    *,
-    key: str | None = None,
-    tile_px: int | None = None,
-    transport: Transport | None = None,
-    named_by_user: bool = False,
-) -> CatalogueEntry:
-    """Entry of a layer of a WMTS or WMS, from its capabilities.
+    def environment_key(self) -> str | None:
+        """Return the environment's key, if that is for its host."""
+        return environment_key([self.service.host], named_by_user=self.options.named_by_user)
 
-    Parameters
-    ----------
-    name : str
-        As this module's description says.
-    key : str or None
-        None for that of the environment variable TERRAINAV_KEY.
-    tile_px : int or None
-        Size of tiles asked of a WMS; that of a WMTS is as it is.
-    transport : Transport or None
-        None for one of its own.
-    named_by_user : bool
-        As for `open_source`.
+    def layers(self) -> list[Offered] | None:
+        """Layers that the service offers, where none is named yet."""
+        if "layer" in self.service.choices or "layers" in self.service.choices:
+            return None
+        document = self._document()
+        with reading(document):
+            return wmts_layers(document) if self.service.kind == "wmts" else wms_layers(document)
 
-    Raises
-    ------
-    InvalidInput
-        The name, or a choice in it, is not right; says which are.
-    SourceError
-        OWSLib is missing, or the capabilities cannot be had or read, or offer nothing in Web Mercator.
-    """
-    document = fetched(Service.named(name), key, transport, named_by_user=named_by_user)
-    with reading(document):
-        if document.service.kind == "wmts":
-            entry = wmts_entry(name, document)
-        else:
-            entry = wms_entry(name, document, tile_px or 256)
-    return under_provider(entry)
+    def _find(self) -> CatalogueEntry:
+        """Entry of the layer, from the capabilities, under its provider's terms where those are known.
 
+        Raises
+        ------
+        InvalidInput
+            The text, or a choice in it, is not right; says which are.
+        SourceError
+            OWSLib is missing, or the capabilities cannot be had or read, or offer nothing in Web Mercator.
+        """
+        document = self._document()
+        with reading(document):
+            if self.service.kind == "wmts":
+                entry = wmts_entry(self.text, document)
+            else:
+                entry = wms_entry(self.text, document, self.options.tile_px or 256)
+        return under_provider(entry)
 
-def layers(
-    name: str,
-    *,
-    key: str | None = None,
-    transport: Transport | None = None,
-    named_by_user: bool = False,
-) -> list[Offered]:
-    """Layers a service offers; raises as `service_entry` does."""
-    document = fetched(Service.named(name), key, transport, named_by_user=named_by_user)
-    with reading(document):
-        if document.service.kind == "wmts":
-            return wmts_layers(document)
-        return wms_layers(document)
+    def _document(self) -> Document:
+        key = None
+        if self.needs_key:
+            key = self.options.key or self.environment_key()
+            if not key:
+                raise SourceError(
+                    f"{self.service.host}: needs an API key: set the environment variable {KEY_ENV}"
+                )
+        return fetched(self.service, key or "", self.options.transport)

@@ -11,11 +11,10 @@ from urllib.parse import urljoin
 from ...errors import InvalidInput
 from ...geodesy.mercator import HALF_WORLD_M
 from ...text import one_line
-from ..catalogue.dates import Dates, dates_of_dimension
-from ..catalogue.entry import KEY_ENV, CatalogueEntry
-from ..catalogue.user_sources import DEFAULT_MAX_ZOOM
+from ..catalogue import DEFAULT_MAX_ZOOM
+from ..entry import CatalogueEntry, Dates, dates_of_dimension
 from ..placeholder import Placeholder
-from ..template import BBOX
+from ..template import BBOX, KEY_ENV
 from .capabilities import (
     NAMED,
     Document,
@@ -26,7 +25,7 @@ from .capabilities import (
     credit_of,
     policy_of,
 )
-from .parsing import written
+from .safe_xml import written
 from .wmts import with_query
 
 VERSIONS = ("1.3.0", "1.1.1")
@@ -43,7 +42,7 @@ def wms_layers(document: Document) -> list[Offered]:
 
 
 def wms_entry(name: str, document: Document, tile_px: int) -> CatalogueEntry:
-    """Entry of one layer or several above each other; raises as `ogc.service_entry` does."""
+    """Entry of one layer or several above each other; raises as `ogc.ServiceLayer` does."""
     version, service = _service(document)
     choices = document.service.choices
     contents = {key: layer.title for key, layer in service.contents.items()}

@@ -11,9 +11,9 @@ from urllib.parse import quote, urlencode, urljoin
 from ...errors import InvalidInput
 from ...geodesy.mercator import HALF_WORLD_M
 from ...text import one_line
-from ..catalogue.dates import Dates, dates_of_dimension
-from ..catalogue.entry import KEY_ENV, CatalogueEntry
+from ..entry import CatalogueEntry, Dates, dates_of_dimension
 from ..placeholder import Placeholder
+from ..template import KEY_ENV
 from .capabilities import (
     NAMED,
     Document,
@@ -24,7 +24,7 @@ from .capabilities import (
     credit_of,
     policy_of,
 )
-from .parsing import written
+from .safe_xml import written
 
 #: Metres of a pixel at scale 1:1, by which WMTS states scales (OGC 07-057r7, 6.1).
 _SCALE_PX_M = 0.28e-3
@@ -46,7 +46,7 @@ def wmts_layers(document: Document) -> list[Offered]:
 
 
 def wmts_entry(name: str, document: Document) -> CatalogueEntry:
-    """Entry of a layer; raises InvalidInput and SourceError as `ogc.service_entry` does."""
+    """Entry of a layer; raises InvalidInput and SourceError as `ogc.ServiceLayer` does."""
     service = _service(document)
     choices = document.service.choices
     contents = {key: layer.title for key, layer in service.contents.items()}

@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 from PIL import Image
 from terrainav.core.capture.runner import capture
-from terrainav.core.dataset import images
-from terrainav.core.dataset.clean import REJECTED, clean, undo
+from terrainav.core.dataset import dataset as images
+from terrainav.core.dataset.clean import clean, undo
 from terrainav.core.dataset.entropy import entropy
-from terrainav.core.dataset.table import Table
+from terrainav.core.dataset.table import REJECTED, Table
 from terrainav.core.errors import Cancelled, InvalidInput, OutputError
-from terrainav.core.lock import open_locked
+from terrainav.core.files import open_locked
 from terrainav.core.mission.area import Box
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan

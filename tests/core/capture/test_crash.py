@@ -16,7 +16,7 @@ from terrainav.core.capture.journal import Journal, Outcome
 from terrainav.core.capture.runner import capture
 from terrainav.core.dataset.table import Table
 from terrainav.core.errors import OutputError
-from terrainav.core.lock import open_locked
+from terrainav.core.files import open_locked
 from terrainav.core.mission.area import Box, Points
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
@@ -299,7 +299,7 @@ def test_a_second_capture_into_the_folder_is_refused(driver, tmp_path):
 
 
 def test_the_lock_of_a_killed_process_is_free(tmp_path):
-    held = "from terrainav.core.lock import open_locked; from pathlib import Path; import sys, time;"
+    held = "from terrainav.core.files import open_locked; from pathlib import Path; import sys, time;"
     held += "file = open_locked(Path(sys.argv[1])); print('held', flush=True); time.sleep(60)"
     path = tmp_path / "journal.jsonl"
     with subprocess.Popen(

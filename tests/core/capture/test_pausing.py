@@ -11,8 +11,8 @@ import pytest
 from terrainav.core.capture.runner import capture
 from terrainav.core.errors import OutputError
 from terrainav.core.geodesy.mercator import PixelGrid
-from terrainav.core.imagery.client import Client
-from terrainav.core.imagery.requests_transport import RequestsTransport
+from terrainav.core.imagery.http.client import Client
+from terrainav.core.imagery.http.requests_transport import RequestsTransport
 from terrainav.core.imagery.xyz import XYZSource
 from terrainav.core.mission.area import Box
 from terrainav.core.mission.mission import Mission

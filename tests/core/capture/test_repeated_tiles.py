@@ -17,8 +17,8 @@ from terrainav.core.errors import InvalidInput
 from terrainav.core.geodesy.mercator import PixelGrid
 from terrainav.core.imagery.cache.tile_cache import TileCache
 from terrainav.core.imagery.opening import open_source
-from terrainav.core.imagery.placeholder import PLACEHOLDER_REASON
-from terrainav.core.imagery.source import Provided, tile_parts
+from terrainav.core.imagery.placeholder import PLACEHOLDER_REASON, Provided
+from terrainav.core.imagery.source import tile_parts
 from terrainav.core.mission.area import Box
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan

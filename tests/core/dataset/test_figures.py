@@ -12,12 +12,11 @@ import pytest
 from PIL import Image
 from terrainav.core import drawing
 from terrainav.core.dataset import figures
-from terrainav.core.dataset.clean import REJECTED, clean
+from terrainav.core.dataset.clean import clean
 from terrainav.core.dataset.dataset import read_dataset
-from terrainav.core.dataset.deciding import deciding_entropies, entropies_of
-from terrainav.core.dataset.entropy import entropy
+from terrainav.core.dataset.entropy import deciding_entropies, entropies_of, entropy
 from terrainav.core.dataset.figures import draw_bars, draw_histogram, save_figures
-from terrainav.core.dataset.table import Table
+from terrainav.core.dataset.table import REJECTED, Table
 from terrainav.core.errors import Cancelled, InvalidInput, OutputError
 
 from tests.support.command import command

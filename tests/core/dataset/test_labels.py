@@ -7,9 +7,15 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from pyproj import Geod, Transformer
-from terrainav.core.dataset.choices import FRAMES
-from terrainav.core.dataset.frames import frame_of, middle_of
-from terrainav.core.dataset.labels import Labels, labels_of, labels_of_tables, mark_unfinished
+from terrainav.core.dataset.folder import FRAMES
+from terrainav.core.dataset.labels import (
+    Labels,
+    frame_of,
+    labels_of,
+    labels_of_tables,
+    mark_unfinished,
+    middle_of,
+)
 from terrainav.core.errors import InvalidInput
 
 from tests.core.dataset.test_table import make_table

@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from PIL import Image
-from terrainav.core.dataset.clean import REJECTED, clean, undo
+from terrainav.core.dataset.clean import clean, undo
 from terrainav.core.dataset.dataset import read_dataset
 from terrainav.core.dataset.entropy import entropy
 from terrainav.core.dataset.folder import deciding_folder, map_type_of
-from terrainav.core.dataset.table import Table
+from terrainav.core.dataset.table import REJECTED, Table
 from terrainav.core.errors import InvalidInput
 
 from tests.support.published import FLIGHT, write_published

@@ -11,15 +11,14 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from terrainav.core.capture.runner import capture
-from terrainav.core.dataset.choices import PARTS
 from terrainav.core.dataset.clean import clean
+from terrainav.core.dataset.folder import PARTS
 from terrainav.core.dataset.labels import LABELS_FILE, Labels
 from terrainav.core.dataset.loading import Samples
-from terrainav.core.dataset.parts import SPLIT, part_of, taken
 from terrainav.core.dataset.split import shuffled, split
-from terrainav.core.dataset.table import Table
+from terrainav.core.dataset.table import SPLIT, Table, part_of, taken
 from terrainav.core.errors import InvalidInput, OutputError
-from terrainav.core.lock import open_locked
+from terrainav.core.files import open_locked
 from terrainav.core.mission.area import Box
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 from terrainav.core.dataset.clean import clean
 from terrainav.core.dataset.dataset import read_dataset
-from terrainav.core.dataset.parts import part_of, taken
-from terrainav.core.dataset.table import Table
+from terrainav.core.dataset.table import Table, part_of, taken
 from terrainav.core.dataset.vbn import position_of
 from terrainav.core.errors import InvalidInput
 

@@ -6,8 +6,8 @@ import json
 
 import pytest
 from terrainav.core.errors import InvalidInput, SourceError
-from terrainav.core.imagery.catalogue.entry import CatalogueEntry, shipped
-from terrainav.core.imagery.catalogue.listing import alternatives, check_policy, entry_named, sources
+from terrainav.core.imagery.catalogue import alternatives, check_policy, entry_named, sources
+from terrainav.core.imagery.entry import CatalogueEntry, serving, shipped
 from terrainav.core.imagery.opening import open_source
 from terrainav.core.imagery.policy import Policy
 from terrainav.core.imagery.template import Template
@@ -109,7 +109,8 @@ def test_every_template_is_of_the_provider_whose_policy_it_is_under(entry):
     for url in entry.urls.values():
         template = Template(url)
         assert url.startswith("https://")
-        assert entry.serves(template.host)
+        assert any(f".{template.host}".endswith(f".{own}") for own in entry.hosts)
+        assert serving(template.host).hosts == entry.hosts
         assert ("r" in template.names) == (len(entry.tile_px) > 1)
     assert ("{date}" in "".join(entry.urls.values())) == (entry.dates is not None)
 

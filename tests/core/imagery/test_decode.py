@@ -15,8 +15,8 @@ from hypothesis import strategies as st
 from PIL import Image, ImageFile
 from terrainav.core.errors import PartError
 from terrainav.core.imagery import decode as decode_module
-from terrainav.core.imagery.client import BrokenPictureError
 from terrainav.core.imagery.decode import decode
+from terrainav.core.imagery.http.client import BrokenPictureError
 from terrainav.core.imagery.placeholder import Placeholder
 
 from tests.support.faults import bomb

@@ -5,6 +5,7 @@ from __future__ import annotations
 import sqlite3
 from collections import Counter
 from dataclasses import replace
+from importlib import import_module
 from urllib.parse import urlsplit
 
 import numpy as np
@@ -12,13 +13,21 @@ import pytest
 from PIL import Image
 from terrainav.core.errors import InvalidInput, SourceError
 from terrainav.core.imagery.cache.tile_cache import TileCache
-from terrainav.core.imagery.catalogue.entry import CatalogueEntry, under_provider
-from terrainav.core.imagery.catalogue.listing import check_policy, entry_named
-from terrainav.core.imagery.catalogue.user_sources import add, described
-from terrainav.core.imagery.opening import entry_of, is_file, is_template, open_source
+from terrainav.core.imagery.catalogue import add, check_policy, described, entry_named
+from terrainav.core.imagery.entry import PIXELS, CatalogueEntry, shipped, under_provider
+from terrainav.core.imagery.http.transport import Response
+from terrainav.core.imagery.opening import (
+    KINDS,
+    NamedSource,
+    SourceOptions,
+    is_file,
+    kind_of,
+    named_source,
+    open_source,
+)
+from terrainav.core.imagery.policy import TermsError
 from terrainav.core.imagery.source import Window
 from terrainav.core.imagery.staticmap import StaticMapSource
-from terrainav.core.imagery.transport import Response
 from terrainav.core.imagery.xyz import XYZSource
 
 from tests.support.patterns import positions, to_bytes
@@ -61,7 +70,7 @@ def test_the_world_opens_with_its_seed():
     ],
 )
 def test_what_a_name_is_taken_for(name, template, file):
-    assert (is_template(name), is_file(name)) == (template, file)
+    assert (kind_of(name) == "template", is_file(name)) == (template, file)
 
 
 def test_a_file_that_is_there_is_known_for_one(tmp_path, monkeypatch):
@@ -173,7 +182,7 @@ def test_a_raster_file_is_a_source_and_dates_choose_among_several(dated_rasters)
 def test_a_missing_key_names_its_variable(name, variable, monkeypatch):
     with pytest.raises(SourceError, match=f"needs an API key: set the environment variable {variable}"):
         open_source(name)
-    open_source(name, plan_only=True).close()
+    assert named_source(name).grid.max_zoom > 20
     monkeypatch.setenv(variable, "from-the-environment")
     source = open_source(name)
     assert "from-the-environment" not in repr(source)
@@ -242,11 +251,11 @@ def test_dates():
 )
 def test_dates_that_are_refused(name, date, says):
     with pytest.raises(InvalidInput, match=f"date '{date}': .*{says}"):
-        open_source(name, date=date, plan_only=True)
+        named_source(name, SourceOptions(date=date)).grid  # noqa: B018
 
 
 def test_a_release_is_asked_for_by_its_number():
-    source = entry_of("esri-wayback")
+    source = named_source("esri-wayback").entry
     url = source.templates("2014-02-20")["satellite"].url(5, 3, 4)
     assert url.endswith("/MapServer/tile/10/5/4/3")
 
@@ -298,7 +307,7 @@ class Answers:
         self.redirects, self.asked = redirects, Counter()
         self.tile = to_bytes(positions("satellite", 1, 0, 0, 256), "png")
 
-    def get(self, url, headers=None, cancelled=None, *, origin=""):
+    def get(self, url, headers=None, *, origin=""):
         host = urlsplit(url).hostname
         self.asked[host] += 1
         if host in self.redirects:
@@ -384,3 +393,74 @@ def test_with_a_cache_the_second_run_asks_for_nothing(tmp_path):
 def test_connections_that_are_none_are_refused(connections):
     with pytest.raises(InvalidInput, match=f"^{connections} connections: must be 1 or more"):
         open_source("world", connections=connections)
+
+
+# --- what a name tells before its source is opened
+
+
+@pytest.mark.parametrize("entry", shipped(), ids=lambda entry: entry.name)
+def test_a_named_source_says_what_the_opened_one_is(entry):
+    named = named_source(entry.name, SourceOptions(key="k"))
+    source = named.open()
+    assert (named.title, named.map_types, named.grid, named.date, named.policy.terms) == (
+        source.title,
+        source.map_types,
+        source.grid,
+        source.date,
+        source.policy.terms,
+    )
+    assert named.needs_key == (entry.key_env is not None)
+    assert named.is_local == (entry.name == "world")
+    source.close()
+
+
+class Silent:
+    """A transport that nobody may ask."""
+
+    def get(self, url, headers=None, *, origin=""):
+        raise AssertionError(url)
+
+    def close(self):
+        pass
+
+
+@pytest.mark.parametrize(
+    ("name", "kind", "is_local", "needs_key", "has_terms"),
+    [
+        ("world", "catalogue", True, False, True),
+        ("google-static", "catalogue", False, True, True),
+        ("https://h/{z}/{x}/{y}.png?k={key}", "template", False, True, True),
+        ("https://h/{z}/{x}?k={key}", "template", False, True, None),
+        ("wmts:https://h/c.xml?k={key}#layer=a", "service", False, True, False),
+        ("WMS:https://h/wms", "service", False, False, False),
+        ("there/is/none.tif", "raster", True, False, True),
+        ("there/is/none.mbtiles", "mbtiles", True, False, True),
+    ],
+)
+def test_what_the_text_tells_is_told_without_asking_anybody(name, kind, is_local, needs_key, has_terms):
+    named = named_source(name, SourceOptions(transport=Silent()))
+    assert (kind_of(name), named.is_local, named.needs_key) == (kind, is_local, needs_key)
+    if has_terms is not None:
+        assert (named.stated_policy is not None) == has_terms
+
+
+def test_terms_that_refuse_say_so_in_parts():
+    named = named_source("osm")
+    with pytest.raises(TermsError) as raised:
+        check_policy(named, 10_000, accept_terms=True)
+    refused = raised.value
+    assert (refused.title, refused.policy, refused.requests) == (named.title, named.policy, 10_000)
+    assert not refused.can_agree
+    assert "world" in refused.instead
+    with pytest.raises(TermsError) as raised:
+        check_policy(named_source("google-static"), 10_000)
+    assert raised.value.can_agree
+
+
+def test_every_kind_is_where_the_tables_say():
+    imagery = "terrainav.core.imagery"
+    for kind in KINDS:
+        assert issubclass(getattr(import_module(kind.module, imagery), kind.source), NamedSource)
+    for module in PIXELS.values():
+        assert callable(import_module(module, imagery).open_entry)
+    assert {entry.kind for entry in shipped()} <= set(PIXELS)

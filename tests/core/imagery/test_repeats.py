@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from terrainav.core.geodesy.mercator import PixelGrid
-from terrainav.core.imagery.repeats import Repeats, corner
+from terrainav.core.imagery.placeholder import Repeats, corner
 from terrainav.core.imagery.source import Window
 
 ZOOM = 6

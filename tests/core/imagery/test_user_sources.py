@@ -6,14 +6,7 @@ import json
 
 import pytest
 from terrainav.core.errors import InvalidInput, OutputError
-from terrainav.core.imagery.catalogue.listing import entry_named, sources
-from terrainav.core.imagery.catalogue.user_sources import (
-    add,
-    described,
-    remove,
-    shelf,
-    user_sources,
-)
+from terrainav.core.imagery.catalogue import add, described, entry_named, remove, shelf, sources, user_sources
 from terrainav.core.imagery.opening import open_source
 from terrainav.core.imagery.source import Window
 

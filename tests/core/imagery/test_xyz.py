@@ -8,9 +8,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from terrainav.core.errors import InvalidInput, SourceError
 from terrainav.core.geodesy.mercator import PixelGrid
+from terrainav.core.imagery.http.transport import user_agent
 from terrainav.core.imagery.policy import Policy
 from terrainav.core.imagery.source import Window
-from terrainav.core.imagery.transport import user_agent
 from terrainav.core.imagery.xyz import XYZSource
 
 from tests.support.patterns import MODULUS, decode_position, folder, positions, to_bytes

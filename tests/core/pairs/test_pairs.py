@@ -13,13 +13,13 @@ import pytest
 from PIL import Image
 from terrainav.core.errors import InvalidInput, OutputError
 from terrainav.core.geodesy.mercator import lat_to_v, lon_to_u
-from terrainav.core.imagery.world import WorldSource
 from terrainav.core.pairs.capturing import capture_pairs
 from terrainav.core.pairs.parts import TEST, TRAIN
 from terrainav.core.pairs.places import Place
 from terrainav.core.pairs.planning import PairSettings, plan_pairs
 from terrainav.core.pairs.sheet import contact_sheet
 from terrainav.core.pairs.views import rings
+from terrainav.core.world import WorldSource
 
 from tests.support.sources import PatternSource, missing
 

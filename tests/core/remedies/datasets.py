@@ -12,16 +12,15 @@ from pathlib import Path
 import numpy as np
 from PIL import Image
 from terrainav.core.capture.runner import capture
-from terrainav.core.dataset import augment
 from terrainav.core.dataset.clean import clean, undo
 from terrainav.core.dataset.convert import convert
 from terrainav.core.dataset.dataset import read_dataset
 from terrainav.core.dataset.folder import TABLE_FILE
 from terrainav.core.dataset.labels import LABELS_FILE, labels_of, labels_of_tables, mark_unfinished
-from terrainav.core.dataset.loading import Batches, Samples, optional_module
-from terrainav.core.dataset.parts import part_of
+from terrainav.core.dataset.loading import Batches, Samples, augment
+from terrainav.core.dataset.loading.batches import optional_module
 from terrainav.core.dataset.split import split
-from terrainav.core.dataset.table import Table
+from terrainav.core.dataset.table import Table, part_of
 from terrainav.core.errors import Cancelled
 from terrainav.core.mission.area import Box, Points
 from terrainav.core.mission.mission import Mission
@@ -126,7 +125,7 @@ def _two_folders(case: Case) -> None:
     case.follow("move one of the two away", moved)
 
 
-@remedy("dataset/images.py", "folder {}: {} {} in it and in {} as well; remove one of the two")
+@remedy("dataset/dataset.py", "folder {}: {} {} in it and in {} as well; remove one of the two")
 def _in_both(case: Case) -> None:
     folder = captured(case)
     image = images_in(folder)[0]
@@ -142,7 +141,7 @@ def _in_both(case: Case) -> None:
 
 
 @remedy(
-    "dataset/images.py", "folder {}: {} of the table {} not there; put {} back, or capture again (--resume)"
+    "dataset/dataset.py", "folder {}: {} of the table {} not there; put {} back, or capture again (--resume)"
 )
 def _not_there(case: Case) -> None:
     folder = captured(case)
@@ -165,7 +164,7 @@ def _not_there(case: Case) -> None:
 
 
 @remedy(
-    "dataset/images.py",
+    "dataset/dataset.py",
     "folder {}: {} {} not in the table; finish the capture (--resume), or remove what does not belong to it",
 )
 def _not_in_the_table(case: Case) -> None:
@@ -194,7 +193,7 @@ def _not_in_the_table(case: Case) -> None:
     case.follow("finish the capture (--resume)", finished)
 
 
-@remedy("dataset/images.py", "folder {}: {} in it is no folder, which images are moved to; move it away")
+@remedy("dataset/dataset.py", "folder {}: {} in it is no folder, which images are moved to; move it away")
 def _in_the_way(case: Case) -> None:
     folder = captured(case)
     (folder / "satellite" / "rejected").write_text("")
@@ -208,7 +207,7 @@ def _in_the_way(case: Case) -> None:
 
 
 @remedy(
-    "dataset/images.py",
+    "dataset/dataset.py",
     "file {}: cannot be moved to {} ({}); run it again to finish, or undo to put all back",
 )
 def _cannot_be_moved(case: Case) -> None:
@@ -268,7 +267,7 @@ def finish_or_undo(case: Case, break_off) -> None:
 
 
 @remedy(
-    "dataset/decode.py",
+    "dataset/dataset.py",
     "image {}: has {} x {} px, and {} x {} px in the table; capture it again, or put the table right",
 )
 def _other_size(case: Case) -> None:
@@ -301,7 +300,7 @@ def _other_size(case: Case) -> None:
     case.follow("put the table right", put_right)
 
 
-@remedy("dataset/decode.py", "image {}: is not there; put it back, or capture it again (--resume)")
+@remedy("dataset/dataset.py", "image {}: is not there; put it back, or capture it again (--resume)")
 def _lost(case: Case) -> None:
     folder = captured(case)
     samples = Samples(folder, part="all", map_type="satellite")
@@ -366,7 +365,7 @@ def _repair(case: Case) -> None:
 
 
 @remedy(
-    "dataset/frames.py",
+    "dataset/labels.py",
     "frame {}: is {}, no projected system in metres, which labels need; give the code of one",
 )
 def _not_projected(case: Case) -> None:
@@ -375,14 +374,14 @@ def _not_projected(case: Case) -> None:
     case.follow("give the code of one", lambda: split(folder, frame="EPSG:32616"))
 
 
-@remedy("dataset/frames.py", "frame {}: PROJ knows no such system; give the code of another one")
+@remedy("dataset/labels.py", "frame {}: PROJ knows no such system; give the code of another one")
 def _no_such_system(case: Case) -> None:
     folder = captured(case)
     case.refused(lambda: split(folder, frame="EPSG:1"))
     case.follow("give the code of another one", lambda: split(folder, frame="EPSG:32616"))
 
 
-@remedy("dataset/frames.py", "frame {}: {} cannot hold all positions, such as {}; choose mission or utm")
+@remedy("dataset/labels.py", "frame {}: {} cannot hold all positions, such as {}; choose mission or utm")
 def _cannot_hold(case: Case) -> None:
     lat, lon = np.array([10.0, 10.0]), np.array([179.999, -179.999])
     case.refused(lambda: labels_of(lat, lon, "EPSG:3395"))
@@ -390,7 +389,7 @@ def _cannot_hold(case: Case) -> None:
     case.follow("utm", lambda: labels_of(lat, lon, "utm"))
 
 
-@remedy("dataset/frames.py", "frame {}: {} cannot hold all positions, such as {}; choose {}")
+@remedy("dataset/labels.py", "frame {}: {} cannot hold all positions, such as {}; choose {}")
 def _not_by_zones(case: Case) -> None:
     lat, lon = np.array([0.0, 0.0]), np.array([0.0, 180.0])
     case.refused(lambda: labels_of(lat, lon, "utm"))
@@ -620,7 +619,7 @@ def _no_text(case: Case) -> None:
 # --- loading
 
 
-@remedy("dataset/loading.py", "part {}: {} is not split; run terrainav split, or take the part {}")
+@remedy("dataset/loading/batches.py", "part {}: {} is not split; run terrainav split, or take the part {}")
 def _not_split(case: Case) -> None:
     folder = captured(case)
     case.refused(lambda: Samples(folder, part="train"))
@@ -629,7 +628,7 @@ def _not_split(case: Case) -> None:
     Samples(folder, part="train")
 
 
-@remedy("dataset/loading.py", "folder {}: has no images {}; split, clean or capture it anew")
+@remedy("dataset/loading/batches.py", "folder {}: has no images {}; split, clean or capture it anew")
 def _no_images(case: Case) -> None:
     folder = captured(case)
     split(folder, (0.5, 0.0, 0.5))
@@ -651,7 +650,7 @@ def _no_images(case: Case) -> None:
     case.follow("capture it anew", lambda: Samples(captured(case, name="other"), part="all"))
 
 
-@remedy("dataset/loading.py", "table {}: has split {} ({}); must be one of {} or empty: split anew")
+@remedy("dataset/loading/batches.py", "table {}: has split {} ({}); must be one of {} or empty: split anew")
 def _odd_part(case: Case) -> None:
     folder = captured(case)
     split(folder)
@@ -666,7 +665,7 @@ def _odd_part(case: Case) -> None:
 
 
 @remedy(
-    "dataset/loading.py",
+    "dataset/loading/batches.py",
     "{}: is of another dataset or split, as {} of the training part lies {} standard deviations from its "
     "mean; have it "
     "made anew by split",
@@ -687,7 +686,8 @@ def _of_another(case: Case) -> None:
 
 
 @remedy(
-    "dataset/loading.py", "labels: {} cannot be had in {}, first Lat {}, Lon {}; split with another --frame"
+    "dataset/loading/batches.py",
+    "labels: {} cannot be had in {}, first Lat {}, Lon {}; split with another --frame",
 )
 def _not_in_frame(case: Case) -> None:
     folder = write_dataset(case.tmp_path / "OUT")
@@ -710,7 +710,7 @@ def _not_in_frame(case: Case) -> None:
     case.follow("split with another --frame", another)
 
 
-@remedy("dataset/loading.py", "loader: {} is not installed; get it with: pip install 'terrainav[{}]'")
+@remedy("dataset/loading/batches.py", "loader: {} is not installed; get it with: pip install 'terrainav[{}]'")
 def _no_library(case: Case) -> None:
     with case.monkeypatch.context() as without:
         without.setitem(sys.modules, "keras", None)
@@ -720,7 +720,7 @@ def _no_library(case: Case) -> None:
 
 
 @remedy(
-    "dataset/loading.py",
+    "dataset/loading/batches.py",
     "loader: Keras cannot be used with its backend ({}); set KERAS_BACKEND to one that is installed, "
     "such as torch, before "
     "Python starts",
@@ -741,7 +741,7 @@ def _no_backend(case: Case) -> None:
 
 
 @remedy(
-    "dataset/loading.py",
+    "dataset/loading/batches.py",
     "batch of {} images of {} x {} px and {} channels: does not fit into memory; take smaller batches, "
     "or smaller images",
 )
@@ -765,7 +765,7 @@ def _large_batch(case: Case) -> None:
 
 
 @remedy(
-    "dataset/augment.py",
+    "dataset/loading/augment.py",
     "image of {} x {} px: augmented, it needs {} x {} px with its reflections, which is too much memory; "
     "take smaller or "
     "less narrow images, or do not augment",

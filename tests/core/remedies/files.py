@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from terrainav.core import config, drawing, files, lock
+from terrainav.core import config, drawing, files
 from terrainav.core.capture import folder as captures
 from terrainav.core.capture import writers
 from terrainav.core.capture import writers as jpeg
@@ -199,16 +199,16 @@ def _no_folder(case: Case) -> None:
 
 
 @remedy(
-    "lock.py",
+    "files.py",
     "folder {}: another run is at work in it; wait until it has ended or choose another folder",
 )
 def _locked(case: Case) -> None:
     path = case.tmp_path / "journal"
 
     def opened(where):
-        lock.open_locked(where).close()
+        files.open_locked(where).close()
 
-    with lock.open_locked(path):
+    with files.open_locked(path):
         case.refused(lambda: opened(path))
         case.follow("choose another folder", lambda: opened(case.tmp_path / "other"))
     case.follow("wait until it has ended", lambda: opened(path))

@@ -10,12 +10,12 @@ from contextlib import closing
 import numpy as np
 import pytest
 from terrainav.core.errors import PartError
-from terrainav.core.imagery import client as clients
 from terrainav.core.imagery import decode as decoding
 from terrainav.core.imagery import mbtiles
+from terrainav.core.imagery.http import client as clients
+from terrainav.core.imagery.http.transport import Response, TransportError
 from terrainav.core.imagery.mbtiles import open_mbtiles
 from terrainav.core.imagery.source import Window
-from terrainav.core.imagery.transport import Response, TransportError
 from terrainav.core.limits import MAX_LATE_PARTS
 
 from tests.core.remedies.imagery import TEMPLATE, one_layer, opened, raster, read
@@ -39,7 +39,9 @@ class Late:
         """Hold nothing."""
 
 
-@remedy("imagery/client.py", "{}: not asked for, as the last {} parts had no answer in time; resume later")
+@remedy(
+    "imagery/http/client.py", "{}: not asked for, as the last {} parts had no answer in time; resume later"
+)
 def _kept_waiting(case: Case) -> None:
     server = Late()
     asked = clients.Client(server, "P", tries=1)
@@ -76,7 +78,7 @@ def _old_libwebp(case: Case) -> None:
 
 
 @remedy(
-    "imagery/keys.py",
+    "imagery/template.py",
     "{}: {} is not sent there, because a file names this host and not you; set {}={} if the key is for it",
 )
 def _host_of_a_file(case: Case) -> None:

@@ -9,19 +9,19 @@ from functools import partial
 
 import numpy as np
 import pytest
-from terrainav.core.imagery import client as clients
+from terrainav.core.imagery import catalogue as user_sources
 from terrainav.core.imagery.cache.tile_cache import TileCache
-from terrainav.core.imagery.catalogue import user_sources
-from terrainav.core.imagery.catalogue.dates import Dates
-from terrainav.core.imagery.catalogue.listing import entry_named
-from terrainav.core.imagery.opening import entry_of, is_file, open_source
+from terrainav.core.imagery.catalogue import entry_named
+from terrainav.core.imagery.entry import Dates
+from terrainav.core.imagery.http import client as clients
+from terrainav.core.imagery.http.transport import Response
+from terrainav.core.imagery.opening import is_file, named_source, open_source
 from terrainav.core.imagery.policy import Policy
-from terrainav.core.imagery.raster import files as raster_files
-from terrainav.core.imagery.raster import open_raster
+from terrainav.core.imagery.raster import reading as raster_files
+from terrainav.core.imagery.raster.source import open_raster
 from terrainav.core.imagery.source import Window
 from terrainav.core.imagery.staticmap import StaticMapSource
 from terrainav.core.imagery.template import check_address
-from terrainav.core.imagery.transport import Response
 from terrainav.core.imagery.xyz import XYZSource
 
 from tests.core.remedies.files import extra_brings
@@ -41,14 +41,14 @@ def _no_cache(case: Case) -> None:
     case.follow("leave the cache out for none", lambda: opened(TEMPLATE, cache=None))
 
 
-@remedy("imagery/catalogue/dates.py", "date {}: must be one the server takes; say which (--date)")
+@remedy("imagery/entry.py", "date {}: must be one the server takes; say which (--date)")
 def _any_date(case: Case) -> None:
     dates = Dates("any")
     case.refused(lambda: dates.checked(""))
     case.follow("say which (--date)", lambda: dates.checked("2020") == "2020")
 
 
-@remedy("imagery/catalogue/entry.py", "{}: has imagery of several dates; say which (--date)")
+@remedy("imagery/entry.py", "{}: has imagery of several dates; say which (--date)")
 def _several_dates(case: Case) -> None:
     dated = "https://h.example/{date}/{z}/{x}/{y}.png"
     case.refused(lambda: opened(dated))
@@ -59,7 +59,7 @@ def own(case: Case, name, folder="config"):
     return user_sources.add(name, user_sources.described(TEMPLATE), case.tmp_path / folder)
 
 
-@remedy("imagery/catalogue/user_sources.py", "source name {}: is one of the catalogue's; choose another")
+@remedy("imagery/catalogue.py", "source name {}: is one of the catalogue's; choose another")
 def _of_the_catalogue(case: Case) -> None:
     case.refused(lambda: own(case, "usgs"))
     case.follow("choose another", lambda: own(case, "usgs-mine"))
@@ -74,7 +74,7 @@ def _of_the_catalogue(case: Case) -> None:
 
 
 @remedy(
-    "imagery/catalogue/user_sources.py",
+    "imagery/catalogue.py",
     "source name {}: is taken; choose another, or `terrainav sources remove` it",
 )
 def _taken(case: Case) -> None:
@@ -90,7 +90,7 @@ def _taken(case: Case) -> None:
 
 
 @remedy(
-    "imagery/catalogue/listing.py",
+    "imagery/catalogue.py",
     "source {} is unknown: {}`terrainav sources` lists the names; a file, a URL template with {z}, {x}, "
     "{y}, wmts:URL and "
     "wms:URL work as well",
@@ -126,7 +126,7 @@ class Answers:
 BUSY, DONE = Response(429, {}, b""), Response(200, {"content-type": "text/plain"}, b"here")
 
 
-@remedy("imagery/client.py", "{}: {}; ask for less at a time, or resume later")
+@remedy("imagery/http/client.py", "{}: {}; ask for less at a time, or resume later")
 def _too_many_requests(case: Case) -> None:
     asked = clients.Client(Answers(BUSY), "P", first_wait_s=0.0, tries=2)
     case.refused(lambda: asked.get("u", "w"))
@@ -137,7 +137,7 @@ def _too_many_requests(case: Case) -> None:
     case.follow("resume later", lambda: asked.get("u", "w").body == b"here")
 
 
-@remedy("imagery/client.py", "{}: {}; it asks to come back in {} s: resume then")
+@remedy("imagery/http/client.py", "{}: {}; it asks to come back in {} s: resume then")
 def _come_back(case: Case) -> None:
     asked = clients.Client(Answers(Response(503, {"retry-after": "3600"}, b"")), "P", first_wait_s=0.0)
     case.refused(lambda: asked.get("u", "w"))
@@ -170,8 +170,10 @@ def _of_qgis(case: Case) -> None:
 
 @remedy("imagery/opening.py", "source {}: a file states no terms; name one of the sources that have some")
 def _no_terms(case: Case) -> None:
-    case.refused(lambda: entry_of("ortho.tif"))
-    case.follow("name one of the sources that have some", lambda: bool(entry_of("usgs").policy.terms))
+    case.refused(lambda: named_source("ortho.tif").entry)
+    case.follow(
+        "name one of the sources that have some", lambda: bool(named_source("usgs").entry.policy.terms)
+    )
 
 
 ASKS = Policy(bulk_allowed="ask", max_tiles=10, terms="Ask first.")
@@ -232,7 +234,7 @@ def _deep(case: Case) -> None:
     case.follow("choose the range to show, as by gdal_translate -ot Byte -scale", scaled)
 
 
-@remedy("imagery/raster/dated.py", "{}: say which date")
+@remedy("imagery/raster/source.py", "{}: say which date")
 def _date_of_vsi(case: Case) -> None:
     raster(case, "a_20200101.tif")
     path = f"/vsisubfile/0_{(case.tmp_path / 'a_20200101.tif').stat().st_size},{case.tmp_path}/a_{{date}}.tif"
@@ -240,7 +242,7 @@ def _date_of_vsi(case: Case) -> None:
     case.follow("say which date", lambda: read(path.replace("{date}", "20200101"), date="20200101"))
 
 
-@remedy("imagery/raster/dated.py", "say which date")
+@remedy("imagery/raster/source.py", "say which date")
 def _date_of_files(case: Case) -> None:
     raster(case, "a_20200101.tif")
     path = case.tmp_path / "a_{date}.tif"
@@ -248,7 +250,7 @@ def _date_of_files(case: Case) -> None:
     case.follow("say which date", lambda: read(path, date="2020-01-01"))
 
 
-@remedy("imagery/raster/files.py", "raster files need rasterio: pip install terrainav[raster]")
+@remedy("imagery/raster/reading.py", "raster files need rasterio: pip install terrainav[raster]")
 def _no_rasterio(case: Case) -> None:
     real = importlib.util.find_spec
     with case.monkeypatch.context() as without:
@@ -397,7 +399,7 @@ def _which_layer(case: Case) -> None:
         case.follow("`terrainav sources show` lists them", lambda: "ortho" in listed and "topo" in listed)
 
 
-@remedy("imagery/services/capabilities.py", "{}: needs an API key: set the environment variable {}")
+@remedy("imagery/services/ogc.py", "{}: needs an API key: set the environment variable {}")
 def _key_of_service(case: Case) -> None:
     case.monkeypatch.delenv("TERRAINAV_KEY", raising=False)
     with one_layer() as server:

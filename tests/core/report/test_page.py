@@ -18,7 +18,6 @@ from terrainav.core.files import PARTIAL_ENDING
 from terrainav.core.geodesy.mercator import PixelGrid
 from terrainav.core.imagery.policy import Policy
 from terrainav.core.imagery.source import tile_parts
-from terrainav.core.imagery.world import WorldSource
 from terrainav.core.mission.area import Box, Points
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
@@ -29,6 +28,7 @@ from terrainav.core.report.page import PAGE, document, element, table, write_rep
 from terrainav.core.report.sentences import verdict
 from terrainav.core.report.tables import Table, csv_files, methods_table, px_text
 from terrainav.core.timing import Seconds
+from terrainav.core.world import WorldSource
 
 pytest.importorskip("matplotlib", reason="matplotlib, which draws the report's diagrams, is not installed")
 

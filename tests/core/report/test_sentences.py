@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 
 import pytest
-from terrainav.core.imagery.world import WorldSource
 from terrainav.core.mission.area import Box, Points
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
@@ -13,6 +12,7 @@ from terrainav.core.report.machine import machine, versions
 from terrainav.core.report.sentences import condition_text, mission_facts, mission_title, terrain_text
 from terrainav.core.report.tables import bytes_text, metres_text, number_text, px_text, seconds_text
 from terrainav.core.timing import Seconds
+from terrainav.core.world import WorldSource
 
 SOURCE = WorldSource()
 

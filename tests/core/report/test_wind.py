@@ -10,7 +10,6 @@ import pytest
 from pyproj import Geod, Transformer
 from terrainav.core.geodesy.camera import CORNERS
 from terrainav.core.geodesy.footprint import ground_corners
-from terrainav.core.imagery.world import WorldSource
 from terrainav.core.mission.area import Box, Points
 from terrainav.core.mission.estimate import estimate
 from terrainav.core.mission.mission import Mission
@@ -21,6 +20,7 @@ from terrainav.core.report.page import PAGE, write_report
 from terrainav.core.report.sentences import mission_facts, mission_title, wind_effect_text, wind_notes
 from terrainav.core.report.tables import air_table, displaced_text, displacement_table, share_text
 from terrainav.core.report.wind import MOVED, TOGETHER, TURNED, Spread, wind_effect
+from terrainav.core.world import WorldSource
 
 from tests.core.geodesy.inverse import image_points
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from qgis.core import QgsCoordinateReferenceSystem, QgsProject, QgsRasterLayer, QgsSettings, QgsVectorLayer
 from qgis.PyQt.QtWidgets import QDialogButtonBox
-from terrainav.core.imagery.catalogue.user_sources import add, described, user_sources
+from terrainav.core.imagery.catalogue import add, described, user_sources
 from terrainav.terrainav_plugin.dock.add_source_dialog import AddSourceDialog
 from terrainav.terrainav_plugin.dock.service_dialog import ServiceDialog
 from terrainav.terrainav_plugin.dock.source_choices import source_choices

@@ -7,9 +7,9 @@ from dataclasses import replace
 
 import pytest
 from qgis.core import QgsApplication, QgsSettings
-from terrainav.core.imagery.catalogue.user_sources import add, described
-from terrainav.core.imagery.opening import entry_of
-from terrainav.core.imagery.transport import TransportError
+from terrainav.core.imagery.catalogue import add, described
+from terrainav.core.imagery.http.transport import TransportError
+from terrainav.core.imagery.opening import named_source
 from terrainav.core.mission.area import Box
 from terrainav.core.mission.cameras import user_cameras
 from terrainav.core.mission.estimate import ONLINE, estimate
@@ -136,7 +136,7 @@ FIELDS = Box(35.16, -89.90, 35.115, -89.823)
 def _beyond_the_limit(case: Case) -> None:
     def limit(box=FIELDS, source="osm", **options):
         """The line of the limit, and whether the figures say that it is kept."""
-        entry = entry_of(source)
+        entry = named_source(source).entry
         found = plan(Mission(box, 120.0, source=source, **options), entry.grid())
         lines = dict(readout(found, estimate(found, ONLINE), policy=entry.policy).figures)
         return lines.get("Limit", ""), not entry.policy.stops(found.requests)

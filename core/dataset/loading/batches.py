@@ -1,0 +1,403 @@
+"""Images and labels for training: what of a dataset is taken, and batches of it as numpy arrays."""
+
+from __future__ import annotations
+
+import importlib
+import math
+import os
+from collections import deque
+from collections.abc import Iterator, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
+from contextlib import contextmanager
+from hashlib import blake2b
+from pathlib import Path
+from typing import Any, Union
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...errors import InvalidInput, OutputError
+from ..dataset import Dataset, ImageSet, open_image, read_dataset, some
+from ..folder import PARTS, TABLE_FILE, TRAIN
+from ..labels import LABELS_FILE, Labels, labels_of_tables
+from ..table import GAP, part_of, taken
+from .augment import Augmentation
+
+Indices = Union[Sequence[int], NDArray[np.int64]]
+
+#: All images but failed and rejected ones, whether or not the dataset is split.
+ALL = "all"
+#: The map type that is taken where none is asked for.
+USUAL_MAP_TYPE = "satellite"
+DTYPES = ("float32", "uint8")
+#: Pixels of an image at most: where Pillow, too, begins to warn of files (a quarter of a GB in colour).
+_MOST_PX = 89_478_485
+_WHITE = np.float32(255.0)
+
+
+class Samples:
+    """Images of one part of a map type and their labels, each by its number, in the table's order.
+
+    Failed and rejected images are never taken. An instance holds names and labels, no pixels, and can be pickled.
+
+    Parameters
+    ----------
+    dataset : Dataset or path
+    map_type : str or None
+        None takes the satellite images, or the first map type of a dataset without such.
+    part : {"train", "validation", "test", "all"}
+        ``all`` needs no split.
+    img_size : tuple (width, height, channels) or None
+        What images are resized to; None takes them as they are, which must be alike then.
+    seed : int
+        Of order and augmentation.
+    shuffle : bool or "auto"
+        ``auto`` shuffles the training part, anew for each epoch, and leaves the others in the table's order.
+    augment : Augmentation, None or "auto"
+        ``auto`` augments the training part as the paper does, and no other; None augments none.
+    dtype : {"float32", "uint8"}
+        Of images: 0 to 1, or 0 to 255, which takes a quarter of the memory on its way to the model.
+    layout : str
+        Of a folder, as `read_dataset` takes it.
+    labels : Labels or None
+        None takes those of the dataset's ``labels.json``; where there is none, UTM, scaled by the training part of a
+        dataset that is split, and else by all images.
+
+    Attributes
+    ----------
+    names : tuple of str
+        Images' names without ending.
+    values : array (n, 2) of float32
+        The labels' numbers: scaled eastings and northings of the images' centres.
+    labels : Labels
+        What the numbers mean, and the way back to latitude and longitude (`Labels.positions`).
+
+    Raises
+    ------
+    InvalidInput
+        A folder that is no dataset, no such map type or part, no images in it, or a value that is not right.
+    """
+
+    def __init__(
+        self,
+        dataset: Dataset | str | os.PathLike[str],
+        *,
+        map_type: str | None = None,
+        part: str = TRAIN,
+        img_size: Sequence[int] | None = None,
+        seed: int = 2024,
+        shuffle: bool | str = "auto",
+        augment: Augmentation | str | None = "auto",
+        dtype: str = "float32",
+        layout: str = "TerrAInav",
+        labels: Labels | None = None,
+    ) -> None:
+        _check(part, shuffle, augment, dtype)
+        if not isinstance(dataset, Dataset):
+            dataset = read_dataset(dataset, layout)
+        self.part, self.img_size, self.seed = part, _sized(img_size), seed
+        self.shuffle = part == TRAIN if isinstance(shuffle, str) else shuffle
+        usual = Augmentation() if part == TRAIN else None
+        self.augment = usual if isinstance(augment, str) else augment
+        self.dtype = np.dtype(dtype)
+        self.images = _images(dataset, map_type)
+        self._rows = _rows(self.images, part)
+        self.names = tuple(Path(self.images.table.img_names[row]).stem for row in self._rows)
+        self.labels = _labels(dataset, self.images) if labels is None else labels
+        self.values = _values(self.labels, self.images, self._rows)
+        self.shape = self._shape()
+
+    def _shape(self) -> tuple[int, int, int]:
+        """Height, width and channels of every image."""
+        if self.img_size is not None:
+            width, height, channels = self.img_size
+            return height, width, channels
+        first = open_image(self.path(0))
+        return first.height, first.width, len(first.getbands())
+
+    def __len__(self) -> int:
+        return len(self._rows)
+
+    def path(self, index: int) -> Path:
+        """File of an image."""
+        return self.images.path(int(self._rows[index]))
+
+    def order(self, epoch: int = 0) -> NDArray[np.int64]:
+        """Indices (n,) in the order of an epoch: the same for the same seed and table on every machine.
+
+        A shuffled one sorts the raw stream of numpy's Philox, which numpy keeps the same in all versions (NEP 19).
+        """
+        if not self.shuffle:
+            return np.arange(len(self))
+        key = int.from_bytes(blake2b(f"{self.seed}:{epoch}".encode(), digest_size=16).digest(), "little")
+        return np.argsort(np.random.Philox(key=key).random_raw(len(self)), kind="stable")
+
+    def image(self, index: int, epoch: int = 0) -> NDArray[np.uint8]:
+        """Pixels (height, width, channels) of an image as it is in an epoch.
+
+        Raises
+        ------
+        InvalidInput
+            An image that cannot be read, is not of the size that the table says, or of another size than the others,
+            where none was asked for.
+        """
+        path = self.path(index)
+        found = open_image(path, self.img_size, self.images.said_px(int(self._rows[index])))
+        height, width, channels = self.shape
+        if (*found.size, len(found.getbands())) != (width, height, channels):
+            raise InvalidInput(
+                f"image {path}: has {found.width} x {found.height} px and {len(found.getbands())} channels, where the "
+                f"first one has {width} x {height} and {channels}; an img_size such as {width} {height} {channels} "
+                "makes them equal"
+            )
+        if self.augment is not None:
+            found = self.augment.applied(found, self.names[index], self.seed, epoch)
+        return np.asarray(found).reshape(self.shape)
+
+    def take(self, indices: Indices, epoch: int = 0) -> tuple[NDArray[Any], NDArray[np.float32]]:
+        """Images (b, height, width, channels) and labels (b, 2) of some indices, as they are in an epoch.
+
+        Raises
+        ------
+        InvalidInput
+            As `image` does, or a batch that does not fit into memory.
+        """
+        try:
+            images = np.empty((len(indices), *self.shape), self.dtype)
+        except MemoryError as wrong:
+            height, width, channels = self.shape
+            raise InvalidInput(
+                f"batch of {len(indices):,} images of {width} x {height} px and {channels} channels: does not fit into "
+                "memory; take smaller batches, or smaller images"
+            ) from wrong
+        for one, index in zip(images, indices):
+            one[...] = self.image(int(index), epoch)
+        if self.dtype != np.uint8:
+            np.divide(images, _WHITE, out=images)
+        return images, self.values[np.asarray(indices, np.int64)]
+
+
+class Batches:
+    """Batches of images and labels as numpy arrays, each iteration those of the epoch that was set last.
+
+    Batches come in the epoch's order, and are the same for any number of workers. Memory is taken for those that are
+    under way only: one, or with workers one for each of them and one ahead.
+
+    Parameters
+    ----------
+    dataset : Dataset or path
+    batch_size : int
+        The last batch may be smaller.
+    workers : int
+        Threads that make batches; 0 makes each when it is asked for.
+    **choice
+        As `Samples` takes them.
+
+    Raises
+    ------
+    InvalidInput
+        As `Samples` does, or a batch size below 1; and when an image cannot be read, which is named.
+    """
+
+    def __init__(
+        self,
+        dataset: Dataset | str | os.PathLike[str],
+        batch_size: int = 8,
+        *,
+        workers: int = 0,
+        **choice: Any,
+    ) -> None:
+        if workers < 0:
+            raise InvalidInput(f"workers {workers}: must be 0 or more")
+        self.samples = Samples(dataset, **choice)
+        self.epoch = 0
+        self._chunks = chunks(len(self.samples), batch_size)
+        self._workers = workers
+
+    def set_epoch(self, epoch: int) -> None:
+        """Say which epoch the next iteration is of: it has its own order and augmentation."""
+        self.epoch = epoch
+
+    def __len__(self) -> int:
+        return len(self._chunks)
+
+    def __iter__(self) -> Iterator[tuple[NDArray[Any], NDArray[np.float32]]]:
+        """Yield images (b, height, width, channels) and labels (b, 2)."""
+        epoch, order = self.epoch, self.samples.order(self.epoch)
+        if not self._workers:
+            return (self.samples.take(order[chunk], epoch) for chunk in self._chunks)
+        return self._ahead(epoch, order)
+
+    def _ahead(
+        self, epoch: int, order: NDArray[np.int64]
+    ) -> Iterator[tuple[NDArray[Any], NDArray[np.float32]]]:
+        waiting: deque[Future[tuple[NDArray[Any], NDArray[np.float32]]]] = deque()
+        with _pool(self._workers, waiting) as pool:
+            for chunk in self._chunks:
+                waiting.append(pool.submit(self.samples.take, order[chunk], epoch))
+                if len(waiting) > self._workers:
+                    yield waiting.popleft().result()
+            while waiting:
+                yield waiting.popleft().result()
+
+
+@contextmanager
+def _pool(workers: int, waiting: deque[Future[Any]]) -> Iterator[ThreadPoolExecutor]:
+    """Threads whose work that has not begun is dropped in the end."""
+    with ThreadPoolExecutor(workers) as pool:
+        try:
+            yield pool
+        finally:
+            for one in waiting:
+                one.cancel()
+
+
+def chunks(count: int, batch_size: int, drop_last: bool = False) -> list[slice]:
+    """Slices of so many things in batches.
+
+    Parameters
+    ----------
+    drop_last : bool
+        Leave out a last one that is smaller.
+
+    Raises
+    ------
+    InvalidInput
+        A batch size below 1, or above the count if there were no batch then.
+    """
+    if batch_size < 1:
+        raise InvalidInput(f"batch size {batch_size}: must be 1 or more")
+    end = count - count % batch_size if drop_last else count
+    if end == 0:
+        raise InvalidInput(f"batch size {batch_size}: must be {count} or less, as there are no more images")
+    return [slice(start, min(start + batch_size, end)) for start in range(0, end, batch_size)]
+
+
+def optional_module(name: str, title: str, extra: str) -> Any:
+    """Module that may be missing; raises OutputError that says how to get it."""
+    try:
+        return importlib.import_module(name)
+    except ImportError as missing:
+        if name == "keras" and missing.name and missing.name.partition(".")[0] != name:
+            raise OutputError(
+                f"loader: Keras cannot be used with its backend ({missing}); set KERAS_BACKEND to one that is "
+                "installed, such as torch, before Python starts"
+            ) from missing
+        raise OutputError(
+            f"loader: {title} is not installed; get it with: pip install 'terrainav[{extra}]'"
+        ) from missing
+
+
+def _check(
+    part: str,
+    shuffle: bool | str,
+    augment: Augmentation | str | None,
+    dtype: str,
+) -> None:
+    """Raise InvalidInput for a choice that there is not."""
+    if part not in (*PARTS, ALL):
+        raise InvalidInput(f"part {part!r}: must be one of {', '.join((*PARTS, ALL))}")
+    if shuffle not in (True, False, "auto"):
+        raise InvalidInput(f"shuffle {shuffle!r}: must be True, False or 'auto'")
+    if augment is not None and augment != "auto" and not isinstance(augment, Augmentation):
+        raise InvalidInput(f"augment {augment!r}: must be an Augmentation, None or 'auto'")
+    if dtype not in DTYPES:
+        raise InvalidInput(f"dtype {dtype!r}: must be one of {', '.join(DTYPES)}")
+
+
+def _sized(img_size: Sequence[int] | int | None) -> tuple[int, int, int] | None:
+    """Width, height and channels; raises InvalidInput for what is not such."""
+    if img_size is None:
+        return None
+    if isinstance(img_size, int):
+        raise InvalidInput(f"image size {img_size}: must be a width, a height and 1 or 3 channels")
+    size = tuple(img_size)
+    if len(size) != 3 or min(size) < 1 or size[2] not in (1, 3):
+        raise InvalidInput(
+            f"image size {' '.join(map(str, size))}: needs a width and a height of 1 px or more, and 1 or 3 channels"
+        )
+    if size[0] * size[1] > _MOST_PX:
+        raise InvalidInput(
+            f"image size {size[0]} {size[1]} {size[2]}: must be {_MOST_PX:,} px or less in all"
+        )
+    return size
+
+
+def _images(dataset: Dataset, map_type: str | None) -> ImageSet:
+    if map_type is None:
+        map_type = USUAL_MAP_TYPE if USUAL_MAP_TYPE in dataset.image_sets else next(iter(dataset.image_sets))
+    return dataset.image_set(map_type)
+
+
+def _rows(images: ImageSet, part: str) -> NDArray[np.int64]:
+    """Rows of the table that are taken."""
+    parts = part_of(images.table)
+    if part != ALL and parts is None:
+        raise InvalidInput(
+            f"part {part!r}: {images.folder} is not split; run terrainav split, or take the part {ALL!r}"
+        )
+    chosen = taken(images.table)
+    if part != ALL and parts is not None:
+        _check_parts(images, parts)
+        chosen &= np.array([one == part for one in parts], np.bool_)
+    if not chosen.any():
+        what = "that are there and not rejected" if part == ALL else f"in the part {part!r}"
+        raise InvalidInput(f"folder {images.folder}: has no images {what}; split, clean or capture it anew")
+    return np.flatnonzero(chosen)
+
+
+def _check_parts(images: ImageSet, parts: Sequence[str]) -> None:
+    """Raise InvalidInput for images of a part that there is not."""
+    known = (*PARTS, GAP, "")
+    odd = [name for name, part in zip(images.table.img_names, parts) if part not in known]
+    if odd:
+        value = next(part for part in parts if part not in known)
+        raise InvalidInput(
+            f"table {images.folder / TABLE_FILE}: has split {value!r} ({some(odd)}); must be one of "
+            f"{', '.join(known[:-1])} or empty: split anew"
+        )
+
+
+def _labels(dataset: Dataset, images: ImageSet) -> Labels:
+    path = dataset.folder / LABELS_FILE
+    if not path.is_file():
+        return labels_of_tables(one.table for one in dataset.image_sets.values())
+    labels = Labels.load(path)
+    _check_fit(labels, images, path)
+    return labels
+
+
+def _check_fit(labels: Labels, images: ImageSet, path: Path) -> None:
+    """Raise InvalidInput for labels that are of another dataset.
+
+    Of n numbers with mean 0 and standard deviation 1, none is beyond the root of n: images of the training part that
+    are, are none of those that the scaler was fitted on.
+    """
+    parts = part_of(images.table)
+    if labels.fitted_on != TRAIN or parts is None:
+        return
+    rows = np.flatnonzero(taken(images.table) & np.array([part == TRAIN for part in parts], np.bool_))
+    if not rows.size:
+        return
+    table = images.table
+    far = np.abs(labels.of(table.lat_deg[rows], table.lon_deg[rows])).max(axis=1)
+    worst = int(np.argmax(far))
+    if far[worst] > math.sqrt(max(labels.images, 1)):
+        raise InvalidInput(
+            f"{path}: is of another dataset or split, as {table.img_names[rows[worst]]} of the training part lies "
+            f"{far[worst]:,.0f} standard deviations from its mean; have it made anew by split"
+        )
+
+
+def _values(labels: Labels, images: ImageSet, rows: NDArray[np.int64]) -> NDArray[np.float32]:
+    """Labels (n, 2) of rows; raises InvalidInput for positions that the frame does not have."""
+    lat_deg, lon_deg = images.table.lat_deg[rows], images.table.lon_deg[rows]
+    values = labels.of(lat_deg, lon_deg).astype(np.float32)
+    lost = np.flatnonzero(~np.isfinite(values).all(axis=1))
+    if lost.size:
+        first = int(lost[0])
+        raise InvalidInput(
+            f"labels: {some([images.table.img_names[row] for row in rows[lost].tolist()])} cannot be had in "
+            f"{labels.frame.crs}, first Lat {lat_deg[first]:g}, Lon {lon_deg[first]:g}; split with another --frame"
+        )
+    return values

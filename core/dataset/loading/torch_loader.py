@@ -1,0 +1,138 @@
+"""Images and labels for PyTorch, which is imported when `TorchDataset` is first asked for."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from functools import cache
+from typing import Any
+
+import numpy as np
+
+from ...errors import InvalidInput
+from ..dataset import Dataset
+from . import Samples
+from .batches import chunks, optional_module
+
+
+class _Order:
+    """Row numbers of each batch of the epoch that a dataset is at, as a sampler gives them."""
+
+    def __init__(self, dataset: _TorchSamples, batch_size: int, drop_last: bool) -> None:
+        self._dataset, self._batch_size, self._drop_last = dataset, batch_size, drop_last
+        len(self)
+
+    def __len__(self) -> int:
+        return len(self._chunks())
+
+    def __iter__(self) -> Iterator[list[int]]:
+        order = self._dataset.samples.order(self._dataset.epoch)
+        return (order[one].tolist() for one in self._chunks())
+
+    def _chunks(self) -> list[slice]:
+        return chunks(len(self._dataset.samples), self._batch_size, self._drop_last)
+
+
+class _TorchSamples:
+    """Map-style dataset: (image, label) of an index, or (images, labels) of a list of them.
+
+    Images are tensors (channels, height, width) or (b, channels, height, width), float32 of 0 to 1 or uint8; labels
+    are float32 tensors (2,) or (b, 2). What is done to an image follows from the seed, the epoch and its name; any
+    number of workers gives the same.
+
+    Parameters
+    ----------
+    dataset : Dataset or path
+    **choice
+        As `Samples` takes them: map_type, part, img_size, seed, shuffle, augment, dtype, layout, labels.
+
+    Raises
+    ------
+    OutputError
+        PyTorch is not installed.
+    InvalidInput
+        As `Samples` does; and when an image cannot be read, which is named.
+
+    Examples
+    --------
+    ::
+
+        dataset = TorchDataset("OUT", img_size=(224, 224, 3))
+        loader = dataset.batches(batch_size=8, workers=2)
+        for epoch in range(10):
+            dataset.set_epoch(epoch)
+            for images, labels in loader:
+                ...
+    """
+
+    def __init__(self, dataset: Dataset | str | os.PathLike[str], **choice: Any) -> None:
+        torch = _torch()
+        self.samples = Samples(dataset, **choice)
+        # In memory that workers share: those that stay from one epoch to the next are told of it, too.
+        self._epoch = torch.zeros(1, dtype=torch.int64).share_memory_()
+
+    @property
+    def epoch(self) -> int:
+        """The epoch that images are augmented and ordered for."""
+        return int(self._epoch.item())
+
+    def set_epoch(self, epoch: int) -> None:
+        """Say which epoch comes next: before a loader's iteration begins, never during it."""
+        self._epoch[0] = epoch
+
+    def __len__(self) -> int:
+        return len(self.samples)
+
+    def __getitem__(self, index: int | list[int]) -> tuple[Any, Any]:
+        pixels, values = self.samples.take(index if isinstance(index, list) else [index], self.epoch)
+        torch = _torch()
+        images = torch.from_numpy(np.ascontiguousarray(pixels.transpose(0, 3, 1, 2)))
+        labels = torch.from_numpy(values)
+        return (images, labels) if isinstance(index, list) else (images[0], labels[0])
+
+    def batches(
+        self, batch_size: int = 8, workers: int = 0, *, drop_last: bool = False, **options: Any
+    ) -> Any:
+        """``torch.utils.data.DataLoader`` of the epoch's batches, in the order that `Batches` has, too.
+
+        Workers make whole batches, two each ahead of what is taken, and stay from one epoch to the next.
+
+        Parameters
+        ----------
+        batch_size, workers : int
+        drop_last : bool
+            Leave out a last batch that is smaller.
+        **options
+            Further ones of ``DataLoader``, such as ``pin_memory``.
+
+        Raises
+        ------
+        InvalidInput
+            A batch size below 1, no batch at all, or workers below 0.
+        """
+        if workers < 0:
+            raise InvalidInput(f"workers {workers}: must be 0 or more")
+        order = _Order(self, batch_size, drop_last)
+        # Each worker is a process: those beyond the batches would have nothing to do.
+        workers = min(workers, len(order))
+        options = {"persistent_workers": workers > 0, **options}
+        return _torch().utils.data.DataLoader(
+            self, batch_size=None, sampler=order, num_workers=workers, **options
+        )
+
+
+def _torch() -> Any:
+    return optional_module("torch", "PyTorch", "torch")
+
+
+@cache
+def _dataset_class() -> Any:
+    base = _torch().utils.data.Dataset
+    names = {"__module__": __name__, "__qualname__": "TorchDataset", "__doc__": _TorchSamples.__doc__}
+    return type("TorchDataset", (_TorchSamples, base), names)
+
+
+def __getattr__(name: str) -> Any:
+    if name == "TorchDataset":
+        return _dataset_class()
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -1,0 +1,346 @@
+"""The sources known by name, those shipped and the user's own, and what their providers' terms let pass."""
+
+from __future__ import annotations
+
+import difflib
+import os
+from collections.abc import Container, Iterable, Mapping
+from functools import cached_property
+from typing import Any, NamedTuple, Protocol
+
+from ..config import config_file, read_named, write_named
+from ..errors import InvalidInput
+from .entry import NAME, CatalogueEntry, shipped, shipped_data, shipped_entry, under_provider
+from .opening import EntrySource
+from .placeholder import Placeholder
+from .policy import Policy
+from .template import KEY_ENV, Template, environment_key
+
+FILE = "sources.json"
+#: Zooms of a template of which nothing is said.
+DEFAULT_MAX_ZOOM = 22
+
+
+class CatalogueName(EntrySource):
+    """A source by its name in the catalogue or among the user's own."""
+
+    @property
+    def is_local(self) -> bool:
+        """Whether it is the embedded world."""
+        return self.entry.kind == "world"
+
+    def _find(self) -> CatalogueEntry:
+        return entry_named(self.text)
+
+
+class URLTemplate(EntrySource):
+    """Tiles by a URL template."""
+
+    @cached_property
+    def _template(self) -> Template:
+        return Template(self.text)
+
+    @property
+    def needs_key(self) -> bool:
+        """Whether a key stands in it, be it right otherwise or not."""
+        return "{key}" in self.text
+
+    def environment_key(self) -> str | None:
+        """Return the environment's key, if that is for its hosts."""
+        return environment_key(self._template.hosts, named_by_user=self.options.named_by_user)
+
+    def _find(self) -> CatalogueEntry:
+        # A provider's terms hold however its tiles are asked for.
+        data = described(self.text, tile_px=self.options.tile_px or 256, max_zoom=self.options.max_zoom)
+        return under_provider(CatalogueEntry.from_dict(self._template.text, data, user=True))
+
+
+def sources() -> tuple[CatalogueEntry, ...]:
+    """Return the catalogue, the embedded world first, then the user's own sources (``user`` is True)."""
+    return (*shipped(), *user_sources())
+
+
+def entry_named(name: str) -> CatalogueEntry:
+    """Entry of a name, in any case.
+
+    Raises
+    ------
+    InvalidInput
+        Naming those that are close.
+    """
+    wanted = name.lower()
+    if wanted in shipped_data():
+        return shipped_entry(wanted)
+    # The user's file, which may be broken, is read only for what is not in the catalogue.
+    own = shelf()
+    if wanted in own.problems:
+        raise InvalidInput(own.problems[wanted])
+    entries = {entry.name: entry for entry in own.entries}
+    if wanted in entries:
+        return entries[wanted]
+    close = difflib.get_close_matches(wanted, [*shipped_data(), *entries], n=3, cutoff=0.5)
+    hint = f"did you mean {' or '.join(close)}? " if close else ""
+    raise InvalidInput(
+        f"source {name!r} is unknown: {hint}`terrainav sources` lists the names; a file, a URL template with "
+        "{z}, {x}, {y}, wmts:URL and wms:URL work as well"
+    )
+
+
+def alternatives(
+    map_types: tuple[str, ...], bounds_deg: tuple[float, float, float, float] | None = None
+) -> tuple[str, ...]:
+    """Names of sources that much may be had from, best first; those that ask for consent say so.
+
+    Parameters
+    ----------
+    map_types : tuple of str
+        Those wanted; empty where it does not matter.
+    bounds_deg : tuple of float or None
+        West, south, east, north of the ground wanted.
+    """
+    found = [
+        entry
+        for entry in sources()
+        if entry.bulk_allowed != "no"
+        and entry.policy.cache_allowed
+        and (not map_types or not entry.map_types or set(map_types) & set(entry.map_types))
+        and (bounds_deg is None or entry.covers(bounds_deg))
+    ]
+    # Of those that cover the place, the finer first; the synthetic world, which shows no place, last.
+    found.sort(key=lambda entry: (entry.kind == "world", -entry.native_zoom))
+    return tuple(
+        entry.name + (" (with --accept-terms)" if entry.bulk_allowed == "ask" else "") for entry in found
+    )
+
+
+class _WithTerms(Protocol):
+    """A source, or what a text names one by."""
+
+    @property
+    def title(self) -> str: ...
+
+    @property
+    def map_types(self) -> tuple[str, ...]: ...
+
+    @property
+    def policy(self) -> Policy: ...
+
+
+def check_policy(
+    source: _WithTerms,
+    requests: int,
+    *,
+    accept_terms: bool = False,
+    map_types: tuple[str, ...] = (),
+    bounds_deg: tuple[float, float, float, float] | None = None,
+) -> None:
+    """Refuse a run of more requests than the source's terms let pass.
+
+    Parameters
+    ----------
+    source : Source or NamedSource
+    requests : int
+        Unique parts of the run, over all map types.
+    accept_terms : bool
+        The user has agreed to the terms.
+    map_types, bounds_deg
+        What is wanted and where, for naming other sources; see `alternatives`.
+
+    Raises
+    ------
+    TermsError
+        Quoting the terms and, where nothing can be done about them, naming sources that allow it.
+    """
+    instead = alternatives(map_types or source.map_types, bounds_deg) if source.policy.stops(requests) else ()
+    source.policy.check(source.title, requests, accept_terms, instead)
+
+
+class Shelf(NamedTuple):
+    """A user's own sources, and what is wrong with those that are left out.
+
+    Parameters
+    ----------
+    entries : tuple of CatalogueEntry
+        Each under the terms of its provider where that is known.
+    problems : mapping of str to str
+        Name of a source to what is wrong with it; names the file.
+    """
+
+    entries: tuple[CatalogueEntry, ...]
+    problems: Mapping[str, str]
+
+
+def shelf(folder: str | os.PathLike[str] | None = None) -> Shelf:
+    """Return the user's entries that are right, and what is wrong with the others: one does not hide another.
+
+    Raises
+    ------
+    InvalidInput
+        The file cannot be read; names it.
+    """
+    path = config_file(FILE, folder)
+    taken = shipped_data()
+    entries: list[CatalogueEntry] = []
+    problems: dict[str, str] = {}
+    for name, data in read_named(path, "sources").items():
+        entry = _entry_or_problem(name, data, taken)
+        if isinstance(entry, CatalogueEntry):
+            entries.append(entry)
+        else:
+            problems[name] = f"{path}: {entry}"
+    return Shelf(tuple(entries), problems)
+
+
+def user_sources(folder: str | os.PathLike[str] | None = None) -> tuple[CatalogueEntry, ...]:
+    """Return the user's entries that are right; raises as `shelf`, which also tells what is wrong with the others."""
+    return shelf(folder).entries
+
+
+def described(
+    url: str,
+    *,
+    title: str = "",
+    attribution: str = "",
+    licence: str = "",
+    terms_url: str = "",
+    min_zoom: int = 0,
+    max_zoom: int | None = None,
+    native_zoom: int | None = None,
+    tile_px: int = 256,
+    default_date: str = "",
+    key_env: str = KEY_ENV,
+    max_connections: int | None = None,
+    requests_per_s: float | None = None,
+    cache_allowed: bool = True,
+    placeholders: Iterable[str] = (),
+) -> dict[str, Any]:
+    """Data of an entry for a URL template, as `add` takes it.
+
+    Parameters
+    ----------
+    url : str
+        Template; without a key in it, {key} stands for that of ``key_env``.
+    title : str
+        Its host by default.
+    max_zoom, native_zoom : int or None
+        22, and the highest zoom.
+    default_date : str
+        Where the template has a {date}; without one, each mission must say which.
+    placeholders : iterable of str
+        Files that count as missing, by their SHA-256 or 16 of its digits.
+
+    Raises
+    ------
+    InvalidInput
+        The template is not valid.
+    """
+    template = Template(url)
+    highest = DEFAULT_MAX_ZOOM if max_zoom is None else max_zoom
+    data: dict[str, Any] = {
+        "title": title or template.host,
+        "kind": "xyz",
+        "attribution": attribution,
+        "urls": {"": template.text},
+        "tile_px": [tile_px],
+        "min_zoom": min_zoom,
+        "max_zoom": highest,
+        "native_zoom": highest if native_zoom is None else native_zoom,
+        "licence": licence,
+        "terms_url": terms_url,
+        "max_connections": max_connections,
+        "requests_per_s": requests_per_s,
+        "cache_allowed": cache_allowed,
+    }
+    if "{s}" in template.text and template.subdomains != ("a", "b", "c"):
+        # As it was written, so that it says its subdomains.
+        data["urls"] = {"": url.strip()}
+    files = Placeholder().with_files(placeholders).sha256
+    if files:
+        data["placeholder"] = {"sha256": list(files)}
+    if "map_type" in template.names:
+        data["map_types"] = ["satellite", "roadmap", "terrain"]
+    if "key" in template.names:
+        data["key_env"] = key_env
+    if "date" in template.names:
+        data["dates"] = {"kind": "any", "default": default_date}
+    elif default_date:
+        raise InvalidInput(f"date {default_date!r}: the URL has no {{date}} to put it in")
+    return data
+
+
+def add(name: str, data: Mapping[str, Any], folder: str | os.PathLike[str] | None = None) -> CatalogueEntry:
+    """Keep a source under a name.
+
+    Parameters
+    ----------
+    name : str
+        Lower-case letters, digits, hyphens and underscores; none that is taken.
+    data : mapping
+        As an entry of ``resources/sources.json``: from `described`, or `CatalogueEntry.to_data`.
+
+    Raises
+    ------
+    InvalidInput
+        The name or the data is not right.
+    OutputError
+        The file cannot be written.
+    """
+    _check_name(name)
+    if name in shipped_data():
+        raise _of_the_catalogue(name)
+    path = config_file(FILE, folder)
+    known = read_named(path, "sources")
+    if name in known:
+        raise InvalidInput(
+            f"source name {name!r}: is taken; choose another, or `terrainav sources remove` it"
+        )
+    entry = _entry(name, data)
+    write_named(path, {**known, name: dict(data)})
+    return entry
+
+
+def remove(name: str, folder: str | os.PathLike[str] | None = None) -> None:
+    """Forget a source of the user.
+
+    Raises
+    ------
+    InvalidInput
+        There is no such source, or it is one of the catalogue's.
+    """
+    path = config_file(FILE, folder)
+    known = read_named(path, "sources")
+    if name not in known:
+        if name in shipped_data():
+            raise InvalidInput(f"source {name!r}: is part of the catalogue, which stays as it is")
+        raise InvalidInput(f"source {name!r}: is none of your own, which are {', '.join(known) or 'none'}")
+    write_named(path, {other: data for other, data in known.items() if other != name})
+
+
+def _of_the_catalogue(name: str) -> InvalidInput:
+    return InvalidInput(f"source name {name!r}: is one of the catalogue's; choose another")
+
+
+def _check_name(name: str) -> None:
+    if not NAME.fullmatch(name):
+        raise InvalidInput(
+            f"source name {name!r}: must be lower-case letters, digits, hyphens and underscores, at most 64"
+        )
+
+
+def _entry(name: str, data: Any) -> CatalogueEntry:
+    _check_name(name)
+    if not isinstance(data, Mapping):
+        raise InvalidInput(f"catalogue entry {name!r}: must be an object")
+    entry = CatalogueEntry.from_dict(name, data, user=True)
+    if entry.kind != "xyz":
+        raise InvalidInput(f"catalogue entry {name!r}: must be of kind xyz")
+    return under_provider(entry)
+
+
+def _entry_or_problem(name: str, data: Any, taken: Container[str]) -> CatalogueEntry | str:
+    if name in taken:
+        return str(_of_the_catalogue(name))
+    try:
+        return _entry(name, data)
+    except InvalidInput as wrong:
+        return str(wrong)

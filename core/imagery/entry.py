@@ -1,0 +1,448 @@
+"""Dates a source's imagery can be had of, and how its URLs write them."""
+
+from __future__ import annotations
+
+import bisect
+import datetime as dt
+import os
+import re
+from collections.abc import Iterable, Mapping
+from dataclasses import asdict, dataclass, field, fields, replace
+from functools import cache, lru_cache
+from typing import Any
+from urllib.parse import quote
+
+from ..errors import InvalidInput
+from ..geodesy.mercator import PixelGrid, extent_of_box
+from ..limits import MAX_TILE_PX
+from ..resources import read_json
+from .placeholder import Placeholder
+from .policy import BULK, Policy
+from .template import KEY_ENV, Template
+
+DATE_KINDS = ("day", "year", "listed", "any")
+#: Dates that an error names; `terrainav sources show` names more.
+_NAMED = 6
+_FORMS = {"day": "YYYY-MM-DD", "year": "YYYY"}
+#: Steps of a time dimension (ISO 8601) that are a day or a year.
+_STEPS = {"P1D": "day", "P1Y": "year"}
+#: Kinds of pixels, and the module that has each: its `open_entry` makes a source of an entry. Named and not imported,
+#: as what they need is large, and the world stands above this room.
+PIXELS = {"world": "..world.source", "xyz": ".xyz", "static-map": ".staticmap"}
+#: What grids have beside tiles and zooms: Static Maps limits its pictures, and keeps so many decimals of their centres.
+_GRIDS: dict[str, dict[str, Any]] = {"static-map": {"max_size_px": 640, "centre_decimals": 6}}
+#: West, south, east and north of the whole map.
+WORLD_DEG = (-180.0, -90.0, 180.0, 90.0)
+#: What every entry states.
+_NEEDED = ("title", "kind", "min_zoom", "max_zoom", "native_zoom")
+_TEXT = ((str,), "text of one line")
+_WHOLE = ((int,), "a whole number")
+_LIST = ((list, tuple), "a list")
+_OBJECT = ((Mapping,), "an object")
+#: Types of what an entry states, and words for them.
+_KINDS_OF: dict[str, tuple[tuple[type, ...], str]] = {
+    **dict.fromkeys(("title", "kind", "area", "attribution", "key_env", "signing_env"), _TEXT),
+    **dict.fromkeys(("bulk_allowed", "licence", "terms", "terms_url"), _TEXT),
+    **dict.fromkeys(("min_zoom", "max_zoom", "native_zoom", "max_tiles", "max_connections"), _WHOLE),
+    "requests_per_s": ((int, float), "a number"),
+    "cache_allowed": ((bool,), "true or false"),
+    **dict.fromkeys(("map_types", "hosts", "tile_px", "bounds_deg", "levels"), _LIST),
+    **dict.fromkeys(("urls", "dates", "placeholder"), _OBJECT),
+}
+#: What names of sources look like.
+NAME = re.compile(r"[a-z0-9][a-z0-9_-]{0,63}")
+_VARIABLE = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
+
+
+@dataclass(frozen=True)
+class Dates:
+    """Dates a source's imagery can be had of.
+
+    Parameters
+    ----------
+    kind : str
+        ``day`` or ``year``: any of them, as YYYY-MM-DD or YYYY; ``listed``: those of ``values``; ``any``: whatever
+        the server takes.
+    first, last : str
+        Empty where they are not known, or go on.
+    default : str
+        What is taken where nothing is asked for. Empty, for ``any`` alone: a date must be asked for.
+    values : mapping
+        Of ``listed``: date to what stands for it in the URL.
+    """
+
+    kind: str
+    first: str = ""
+    default: str = ""
+    last: str = ""
+    values: Mapping[str, str] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        if self.kind not in DATE_KINDS:
+            raise InvalidInput(f"dates of kind {self.kind!r}: must be one of {', '.join(DATE_KINDS)}")
+        if (self.kind == "listed") != bool(self.values):
+            raise InvalidInput(f"dates of kind {self.kind!r}: values are for listed ones, which need them")
+        if not all(isinstance(text, str) for pair in self.values.items() for text in pair):
+            raise InvalidInput(f"dates of kind {self.kind!r}: values must be text")
+        if self.kind == "listed":
+            object.__setattr__(self, "first", min(self.values))
+            object.__setattr__(self, "last", max(self.values))
+        if self.default or self.kind != "any":
+            self.checked(self.default)
+
+    def checked(self, date: str) -> str:
+        """Return ``date``, refused where it is of another form, out of range or not among those there are."""
+        if self.kind == "listed":
+            if date not in self.values:
+                raise InvalidInput(
+                    f"date {date!r}: must be one of those there are, such as {self._near(date)}"
+                )
+        elif self.kind == "any":
+            if not date or not date.isprintable():
+                raise InvalidInput(f"date {date!r}: must be one the server takes; say which (--date)")
+        elif not self._in_range(date):
+            raise InvalidInput(
+                f"date {date!r}: must be {_FORMS[self.kind]}, from {self.first} to {self.last or 'now'}"
+            )
+        return date
+
+    def written(self, date: str) -> str:
+        """Return what stands for a date in the URL."""
+        return self.values.get(date, date)
+
+    def text(self) -> str:
+        """Words for people."""
+        default = f"{self.default} by default" if self.default else "one must be asked for"
+        if self.kind == "listed":
+            if len(self.values) <= _NAMED:
+                return f"{', '.join(sorted(self.values))}; {default}"
+            return f"{len(self.values)} from {self.first} to {self.last}; {default}"
+        span = f" from {self.first} to {self.last or 'now'}" if self.first else ""
+        form = {"day": "every day", "year": "every year", "any": "as the server takes them"}[self.kind]
+        return f"{form}{span}; {default}"
+
+    def _in_range(self, date: str) -> bool:
+        try:
+            dt.date.fromisoformat(date if self.kind == "day" else f"{date}-01-01")
+        except ValueError:
+            return False
+        return len(date) == len(_FORMS[self.kind]) and self.first <= date <= (self.last or _now())
+
+    def _near(self, date: str) -> str:
+        ordered = sorted(self.values)
+        at = bisect.bisect(ordered, date)
+        start = max(0, min(at - _NAMED // 2, len(ordered) - _NAMED))
+        return ", ".join(ordered[start : start + _NAMED])
+
+
+def _now() -> str:
+    """Latest day it is anywhere on Earth."""
+    return (dt.datetime.now(dt.timezone.utc) + dt.timedelta(hours=14)).date().isoformat()
+
+
+def dates_of_dimension(values: Iterable[str], default: str) -> Dates | None:
+    """Dates of the time dimension of a WMS or WMTS layer.
+
+    Parameters
+    ----------
+    values : iterable of str
+        Single times, and intervals written ``first/last/step``.
+    default : str
+        Empty where the server names none.
+    """
+    times = [value.strip() for value in values if value.strip()]
+    default = default.strip()
+    intervals = [time.split("/") for time in times if "/" in time]
+    if not times:
+        return Dates("any", default=default) if default else None
+    if not intervals:
+        listed = {time: time for time in (*times, default) if time}
+        return Dates("listed", default=default or max(times), values=listed)
+    first, last = min(ends[0] for ends in intervals), max(ends[1] for ends in intervals)
+    kinds = {_STEPS.get(ends[2] if len(ends) == 3 else "") for ends in intervals}
+    kind = kinds.pop() if len(kinds) == 1 and len(intervals) == len(times) else None
+    pattern = {"day": r"\d{4}-\d\d-\d\d", "year": r"\d{4}"}.get(kind or "", "(?!)")
+    if (
+        kind
+        and re.fullmatch(f"{pattern} {pattern}", f"{first} {last}")
+        and first <= (default or last) <= last
+    ):
+        return Dates(kind, first, default or last, last)
+    return Dates("any", first, default, last)
+
+
+@dataclass(frozen=True)
+class CatalogueEntry:
+    """A source by name.
+
+    Parameters
+    ----------
+    name, title, area, attribution : str
+    kind : str
+        world, xyz or static-map.
+    map_types : tuple of str
+        Empty where it has one kind of picture only.
+    urls : mapping of map type to URL template
+        Empty but for xyz. A map type of "" stands for pictures of one kind, or of {map_type}.
+    hosts : tuple of str
+        Hosts the policy holds for, even in a user's own template; their subdomains as well.
+    tile_px : tuple of int
+        Sizes of tiles to choose from, the first by default.
+    min_zoom, max_zoom, native_zoom : int
+    dates : Dates or None
+    policy : Policy
+    placeholder : Placeholder
+    key_env, signing_env : str or None
+        Environment variables of the key, where one is needed, and of the signing secret.
+    bounds_deg : tuple of float
+        West, south, east, north of the ground it is named as an alternative for.
+    levels : tuple of (zoom, name) pairs
+        As in `Template`.
+    user : bool
+        Whether it is a user's own; less has to be known of those.
+    """
+
+    name: str
+    title: str
+    kind: str
+    area: str
+    attribution: str
+    map_types: tuple[str, ...]
+    urls: Mapping[str, str]
+    hosts: tuple[str, ...]
+    tile_px: tuple[int, ...]
+    min_zoom: int
+    max_zoom: int
+    native_zoom: int
+    dates: Dates | None
+    policy: Policy
+    placeholder: Placeholder
+    key_env: str | None = None
+    signing_env: str | None = None
+    bounds_deg: tuple[float, float, float, float] = WORLD_DEG
+    levels: tuple[tuple[int, str], ...] = ()
+    user: bool = field(default=False)
+
+    @classmethod
+    def from_dict(cls, name: str, data: Mapping[str, Any], *, user: bool = False) -> CatalogueEntry:
+        """Entry of ``resources/sources.json``; raises InvalidInput on what is unknown or missing."""
+        data = dict(data)
+        _check_kinds(name, data)
+        terms = {field: data.pop(field) for field in Policy.__dataclass_fields__ if field in data}
+        try:
+            marks = dict(data.pop("placeholder", {}))
+            dates = data.pop("dates", None)
+            urls = dict(data.pop("urls", {}))
+            return cls(
+                name=name,
+                urls=urls,
+                map_types=tuple(data.pop("map_types", [known for known in urls if known])),
+                hosts=tuple(data.pop("hosts", ())),
+                area=data.pop("area", ""),
+                attribution=data.pop("attribution", ""),
+                tile_px=tuple(data.pop("tile_px", (256, 512) if data["kind"] == "static-map" else (256,))),
+                dates=Dates(**dates) if dates else None,
+                policy=Policy(**terms),
+                placeholder=Placeholder(
+                    tuple(marks.pop("sha256", ())),
+                    tuple((key, value) for key, value in marks.pop("header", {}).items()),
+                    tuple((r, g, b) for r, g, b in marks.pop("flat_rgb", ())),
+                    **marks,
+                ),
+                bounds_deg=tuple(data.pop("bounds_deg", WORLD_DEG)),
+                levels=tuple((int(zoom), str(level)) for zoom, level in data.pop("levels", ())),
+                user=user,
+                **data,
+            )
+        except InvalidInput as wrong:
+            raise InvalidInput(f"catalogue entry {name!r}: {wrong}") from wrong
+        except (AttributeError, TypeError, KeyError, ValueError, OverflowError) as wrong:
+            raise InvalidInput(f"catalogue entry {name!r}: wrong or missing: {wrong}") from wrong
+
+    def __post_init__(self) -> None:
+        if self.kind not in PIXELS:
+            raise InvalidInput(f"kind {self.kind!r}: must be one of {', '.join(PIXELS)}")
+        if (self.kind == "xyz") != bool(self.urls):
+            raise InvalidInput("URLs are for xyz, which needs them")
+        if not self.title:
+            raise InvalidInput("needs a title")
+        if not self.user:
+            self._check_stated()
+        west, south, east, north = self.bounds_deg
+        if not (-180.0 <= west < east <= 180.0 and -90.0 <= south < north <= 90.0):
+            raise InvalidInput(f"bounds {self.bounds_deg}: must be west, south, east, north in degrees")
+        if not self.tile_px:
+            raise InvalidInput("tile_px []: needs the width of its tiles, such as [256]")
+        for size in self.tile_px:
+            if size > MAX_TILE_PX:
+                raise InvalidInput(f"tile size {size} px: must be {MAX_TILE_PX} or less")
+            self.grid(size)
+        for variable in (self.key_env, self.signing_env):
+            if variable is not None and not _VARIABLE.fullmatch(variable):
+                raise InvalidInput(
+                    f"environment variable {variable!r}: must be letters, digits and underscores, such as {KEY_ENV}"
+                )
+        self._check_urls()
+
+    def _check_stated(self) -> None:
+        if not (self.attribution and self.policy.licence):
+            raise InvalidInput("needs attribution and licence")
+        if self.kind != "world" and not (self.policy.terms and self.policy.terms_url.startswith("https://")):
+            raise InvalidInput("needs terms and terms_url")
+
+    def _check_urls(self) -> None:
+        templates = [Template(url, levels=self.levels) for url in self.urls.values()]
+        needed = {name: any(name in template.names for template in templates) for name in ("date", "key")}
+        if needed["date"] != (self.dates is not None) or (needed["key"] and self.key_env is None):
+            raise InvalidInput("{date} in a URL needs dates, {key} needs key_env")
+
+    @property
+    def bulk_allowed(self) -> str:
+        """Whether much may be downloaded: yes, ask or no."""
+        return self.policy.bulk_allowed
+
+    @property
+    def licence(self) -> str:
+        """Licence of the imagery."""
+        return self.policy.licence
+
+    def to_dict(self) -> dict[str, Any]:
+        """JSON-ready mapping of what a user may want to know."""
+        plain = asdict(self)
+        return {**plain, **plain.pop("policy")}
+
+    def to_data(self) -> dict[str, Any]:
+        """Return what `from_dict` makes the entry of again: what differs from the defaults."""
+        data = {
+            one.name: getattr(self, one.name)
+            for one in fields(self)
+            if one.name not in ("name", "dates", "policy", "placeholder", "user")
+        }
+        data = {name: value for name, value in data.items() if value not in (None, "", (), {}, WORLD_DEG)}
+        for own, default in ((self.policy, Policy()), (self.dates, Dates("any"))):
+            stated = {} if own is None else asdict(own)
+            differing = {name: value for name, value in stated.items() if value != getattr(default, name)}
+            if isinstance(own, Dates):
+                data["dates"] = {"kind": own.kind, **differing}
+            else:
+                data.update(differing)
+        return data
+
+    def grid(self, tile_px: int | None = None) -> PixelGrid:
+        """Pixel grid for a tile size; None for the entry's own."""
+        size = tile_px or self.tile_px[0]
+        if size not in self.tile_px:
+            raise InvalidInput(f"tiles of {size} px: {self.title} has {', '.join(map(str, self.tile_px))}")
+        # The shipped entries' bounds are those of a country; a service's are those of its imagery.
+        ends = self.user and self.bounds_deg != WORLD_DEG
+        extent = extent_of_box(*self.bounds_deg) if ends else None
+        more = _GRIDS.get(self.kind, {})
+        return PixelGrid(size, self.min_zoom, self.max_zoom, self.native_zoom, extent=extent, **more)
+
+    def date(self, wanted: str | None) -> str:
+        """Date of the imagery; empty where there is but one."""
+        if self.dates is None:
+            if wanted:
+                raise InvalidInput(f"date {wanted!r}: {self.title} has no dates to choose from")
+            return ""
+        if not wanted and not self.dates.default:
+            raise InvalidInput(f"{self.title}: has imagery of several dates; say which (--date)")
+        return self.dates.checked(wanted or self.dates.default)
+
+    def templates(self, date: str) -> dict[str, Template]:
+        """Templates of the tiles of a date, by map type."""
+        written = self.dates.written(date) if self.dates else ""
+        return {
+            map_type: Template(url.replace("{date}", quote(written, safe=":/&=,.")), levels=self.levels)
+            for map_type, url in self.urls.items()
+        }
+
+    def key(self, given: str | None) -> str | None:
+        """Return the key given, or that of the environment."""
+        return given or (os.environ.get(self.key_env) if self.key_env else None)
+
+    def credit(self, date: str) -> str:
+        """Attribution of the imagery of a date."""
+        return self.attribution.replace("{date}", date)
+
+    def covers(self, bounds_deg: tuple[float, float, float, float]) -> bool:
+        """Whether all of west, south, east, north is within what it shows."""
+        west, south, east, north = self.bounds_deg
+        return (
+            bounds_deg[0] >= west
+            and bounds_deg[1] >= south
+            and bounds_deg[2] <= east
+            and bounds_deg[3] <= north
+        )
+
+
+def _check_kinds(name: str, data: Mapping[str, Any]) -> None:
+    """Refuse what is unknown, missing or of another kind, in the words of who writes the file."""
+    for needed in _NEEDED:
+        if needed not in data:
+            raise InvalidInput(f"catalogue entry {name!r}: {needed} is missing")
+    for one, value in data.items():
+        if one not in _KINDS_OF:
+            raise InvalidInput(
+                f"catalogue entry {name!r}: {one!r} is unknown; known are {', '.join(_KINDS_OF)}"
+            )
+        kinds, words = _KINDS_OF[one]
+        # What is true or false counts as a number in Python.
+        right = isinstance(value, kinds) and (bool in kinds or not isinstance(value, bool))
+        if isinstance(value, str):
+            right = right and value.isprintable()
+        if value is None:
+            right = one not in _NEEDED
+        if not right:
+            raise InvalidInput(f"catalogue entry {name!r}: {one} {value!r}: must be {words}")
+    for one, kind, words in (
+        ("urls", str, "text"),
+        ("hosts", str, "text"),
+        ("tile_px", int, "whole numbers"),
+    ):
+        values = data.get(one) or ()
+        for value in values.values() if isinstance(values, Mapping) else values:
+            if not isinstance(value, kind):
+                raise InvalidInput(f"catalogue entry {name!r}: {one} with {value!r}: must be {words}")
+
+
+def shipped() -> tuple[CatalogueEntry, ...]:
+    """Return the entries of ``resources/sources.json``, the embedded world first."""
+    return tuple(map(shipped_entry, shipped_data()))
+
+
+@lru_cache(maxsize=1)
+def shipped_data() -> Mapping[str, Mapping[str, Any]]:
+    """Return what ``resources/sources.json`` says of each source, by name."""
+    data: Mapping[str, Mapping[str, Any]] = read_json("sources.json")
+    return data
+
+
+@cache
+def shipped_entry(name: str) -> CatalogueEntry:
+    """Return the entry of a name in ``resources/sources.json``."""
+    return CatalogueEntry.from_dict(name, shipped_data()[name])
+
+
+def serving(host: str) -> CatalogueEntry | None:
+    """Return the shipped entry of the provider a host belongs to."""
+    for name, data in shipped_data().items():
+        if any(host == own or host.endswith("." + own) for own in data.get("hosts", ())):
+            return shipped_entry(name)
+    return None
+
+
+def under_provider(entry: CatalogueEntry) -> CatalogueEntry:
+    """Return an entry with its provider's terms: they hold however the tiles are asked for."""
+    hosts = (host for url in entry.urls.values() for host in Template(url, levels=entry.levels).hosts)
+    known = [provider for provider in map(serving, hosts) if provider is not None]
+    if not known:
+        return entry
+    # Of several, the one that allows least.
+    strictest = max(known, key=lambda provider: BULK.index(provider.policy.bulk_allowed))
+    return replace(
+        entry,
+        policy=strictest.policy,
+        placeholder=strictest.placeholder.with_files(entry.placeholder.sha256),
+        attribution=entry.attribution or strictest.attribution,
+    )

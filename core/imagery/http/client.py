@@ -1,0 +1,442 @@
+"""Well-mannered requests: limits of connections and rate, trying again, and what an answer's status means."""
+
+from __future__ import annotations
+
+import hashlib
+import re
+import threading
+import time
+from collections.abc import Mapping
+from dataclasses import dataclass
+from http import HTTPStatus
+from typing import Callable, TypeVar
+from urllib.parse import urljoin, urlsplit
+
+from ...errors import Cancelled, PartError, SourceError, TerrAInavError
+from ...limits import MAX_LATE_PARTS, MAX_PART_S, MAX_REDIRECTS
+from ...text import Secrets, first_words, whole_number
+from ...unexpected import UnexpectedErrors
+from .transport import Response, Transport, TransportError, http_date_s
+
+#: Attempts at one part, the first included.
+TRIES = 5
+#: Seconds before the second attempt; each further wait is twice as long, up to `LONGEST_WAIT_S`.
+FIRST_WAIT_S = 0.5
+LONGEST_WAIT_S = 30.0
+#: A server that asks for a longer wait than this is not waited for: the run stops, to be resumed later.
+LONGEST_RETRY_AFTER_S = 120.0
+#: A server that gave no answer is taken to be out of reach for so long, where that saves asking in vain.
+OUT_OF_REACH_S = 30.0
+#: Seconds between two looks at whether the client was closed.
+_LOOK_S = 0.1
+
+_REFUSED = frozenset({401, 402, 403, 407, 451})
+_REDIRECTS = frozenset({301, 302, 303, 307, 308})
+_NOT_THERE = frozenset({404, 410})
+_AGAIN = frozenset({408, 425, 429, 500, 502, 503, 504})
+_QUOTA = re.compile(
+    r"quota|over_query_limit|(limit|allowance)\W+(is |was |has been )?(exceed|reach)"
+    r"|api[ _-]?key|access[ _-]?token",
+    re.IGNORECASE,
+)
+#: Asks every cache on the way for the server's own answer (RFC 9111, 5.2.1.4); the second is for those of HTTP/1.0.
+_PAST_CACHES = {"Cache-Control": "no-cache", "Pragma": "no-cache"}
+
+Picture = TypeVar("Picture")
+
+
+class OutOfReach(PartError):
+    """No answer came, or none but failures of the server (5xx), however often it was tried."""
+
+
+class NotThere(PartError):
+    """The provider has no such part (404, 410)."""
+
+
+class BrokenPictureError(PartError):
+    """An answer came whole and cannot be decoded: what a cache on the way holds may be a bad copy."""
+
+
+class Pace:
+    """When the next request may start: a rate, and a hold that a server asked for.
+
+    Parameters
+    ----------
+    requests_per_s : float or None
+        None for no limit.
+    """
+
+    def __init__(self, requests_per_s: float | None = None) -> None:
+        self._step_s = 1.0 / requests_per_s if requests_per_s else 0.0
+        self._lock = threading.Lock()
+        self._next_s = 0.0
+        self._held_until_s = 0.0
+
+    def turn_s(self) -> float:
+        """Take the next turn; return how many seconds from now it is."""
+        with self._lock:
+            now_s = time.monotonic()
+            at_s = max(now_s, self._next_s, self._held_until_s)
+            self._next_s = at_s + self._step_s
+            return at_s - now_s
+
+    def held_s(self) -> float:
+        """Seconds the server still wants to be left alone."""
+        with self._lock:
+            return max(self._held_until_s - time.monotonic(), 0.0)
+
+    def hold(self, seconds: float) -> None:
+        """Start no request for so long."""
+        with self._lock:
+            self._held_until_s = max(self._held_until_s, time.monotonic() + seconds)
+
+
+@dataclass
+class _Request:
+    """A part that is asked for: what goes with each request for it, and what has become of these.
+
+    Seconds they have taken, and what the last of them has failed of: in words, its status, the transport's failure.
+    """
+
+    headers: Mapping[str, str] | None
+    allow: Callable[[str], object] | None
+    taken_s: float = 0.0
+    reason: str = ""
+    status: int = 0
+    failure: TransportError | None = None
+
+
+class Client:
+    """Requests to one provider, from any number of threads.
+
+    Parameters
+    ----------
+    transport : Transport
+        Closed with the client.
+    title : str
+        The provider, as errors name it.
+    connections : int
+        Requests under way at once.
+    requests_per_s : float or None
+    secrets : tuple of str
+        Keys that no error may quote, even where the provider's own words do, however these spell them.
+    tries, first_wait_s, longest_retry_after_s
+        As the constants of this module.
+    """
+
+    def __init__(
+        self,
+        transport: Transport,
+        title: str,
+        *,
+        connections: int = 8,
+        requests_per_s: float | None = None,
+        secrets: tuple[str, ...] = (),
+        tries: int = TRIES,
+        first_wait_s: float = FIRST_WAIT_S,
+        longest_retry_after_s: float = LONGEST_RETRY_AFTER_S,
+    ) -> None:
+        self._transport = transport
+        self._title = title
+        self._free = threading.BoundedSemaphore(connections)
+        self._pace = Pace(requests_per_s)
+        self._secrets = Secrets(secrets)
+        self._unexpected = UnexpectedErrors()
+        self._tries = tries
+        self._first_wait_s = first_wait_s
+        self._longest_retry_after_s = longest_retry_after_s
+        self._closed = threading.Event()
+        #: The last part found the server out of reach: until it answers, others are tried once only.
+        self._away = threading.Event()
+        self._silent_until_s = 0.0
+        #: Parts in a row that were waited for in vain: with so many the server is left alone for a while.
+        self._late_parts = 0
+
+    def get(
+        self,
+        url: str,
+        what: str,
+        headers: Mapping[str, str] | None = None,
+        allow: Callable[[str], object] | None = None,
+    ) -> Response:
+        """Answer with status 200; or 304, where ``headers`` are conditions. Redirects are followed.
+
+        Parameters
+        ----------
+        url : str
+        what : str
+            The part that is asked for, as errors name it.
+        headers : mapping or None
+            To be sent with the request, such as conditions under which an answer is wanted.
+        allow : callable or None
+            Called with the URL of each request before it is sent, also of those that redirects lead to; what it raises
+            goes through.
+
+        Raises
+        ------
+        PartError
+            This part cannot be had; `OutOfReach` and `NotThere` tell two of the reasons.
+        SourceError
+            The provider refuses: nothing can be had.
+        Cancelled
+        """
+        if self._left_alone():
+            raise OutOfReach(
+                f"{what}: not asked for, as the last {MAX_LATE_PARTS} parts had no answer in time; resume later"
+            )
+        tries = 1 if self._away.is_set() or self._late_parts >= MAX_LATE_PARTS else self._tries
+        request = _Request(headers, allow)
+        for attempt in range(tries):
+            try:
+                response = self._followed(url, what, request)
+            except TransportError as failure:
+                request.reason, request.status, request.failure = str(failure), 0, failure
+                if failure.away and attempt == tries - 1:
+                    self._away.set()
+                if not failure.again:
+                    break
+                wait_s = 0.0
+            else:
+                self._away.clear()
+                self._silent_until_s, self._late_parts = 0.0, 0
+                if response.status == HTTPStatus.OK or (
+                    response.status == HTTPStatus.NOT_MODIFIED and _is_conditional(headers)
+                ):
+                    return self._without_secrets(response)
+                request.reason, request.status = self._judge(response, what), response.status
+                request.failure = None
+                wait_s = self._asked_wait_s(response, request.reason)
+            if attempt == tries - 1 or request.taken_s > MAX_PART_S or self._left_alone():
+                request.reason += _tried(attempt + 1)
+                break
+            self._pause(max(wait_s, self._backoff_s(url, attempt)))
+        raise self._given_up(what, request)
+
+    def picture(
+        self,
+        url: str,
+        what: str,
+        read: Callable[[Response], Picture],
+        headers: Mapping[str, str] | None = None,
+        allow: Callable[[str], object] | None = None,
+    ) -> tuple[Response, Picture]:
+        """Answer as of `get`, and what is read of it: a picture that is broken is asked for once more.
+
+        The second request gets round the caches on the way, any of which may hold a bad copy.
+
+        Parameters
+        ----------
+        read : callable
+            Makes a picture of an answer, or raises PartError.
+
+        Raises
+        ------
+        PartError, SourceError, Cancelled
+            As `get` does; PartError also where the answer is no picture.
+        """
+        response, times = self.get(url, what, headers, allow), 1
+        picture = self._picture_or_problem(response, read)
+        if isinstance(picture, BrokenPictureError):
+            response, times = self.get(url, what, _PAST_CACHES, allow), 2
+            picture = self._picture_or_problem(response, read)
+        if isinstance(picture, PartError):
+            raise PartError(self.redacted(f"{what}: {picture}{_tried(times)}"))
+        return response, picture
+
+    def out_of_reach(self) -> bool:
+        """Whether a part found no answer a moment ago, and none has come since."""
+        return time.monotonic() < self._silent_until_s
+
+    def redacted(self, text: str) -> str:
+        """Return ``text`` without the keys, however they are written in it."""
+        return self._secrets.masked(text)
+
+    def message(self, response: Response) -> str:
+        """Return the first line of what a provider says, for people, without the keys."""
+        return first_words(response.body, response.headers.get("content-type", ""), self._secrets.masked)
+
+    def close(self) -> None:
+        """End every wait and request under way; they raise `Cancelled`."""
+        self._closed.set()
+        self._transport.close()
+
+    def _given_up(self, what: str, request: _Request) -> TerrAInavError:
+        """Error of a part that is not asked for any more."""
+        if request.status == HTTPStatus.TOO_MANY_REQUESTS:
+            return SourceError(f"{self._title}: {request.reason}; ask for less at a time, or resume later")
+        failure = request.failure
+        silent = failure is not None and (failure.again or failure.away)
+        if failure is not None and failure.late:
+            self._late_parts += 1
+        if silent:
+            self._silent_until_s = time.monotonic() + OUT_OF_REACH_S
+        kind = OutOfReach if silent or request.status >= HTTPStatus.INTERNAL_SERVER_ERROR else PartError
+        return kind(f"{what}: {request.reason}")
+
+    def _left_alone(self) -> bool:
+        """Whether the server has kept part after part waiting in vain, and the last one a moment ago."""
+        return self._late_parts >= MAX_LATE_PARTS and self.out_of_reach()
+
+    def _followed(self, url: str, what: str, request: _Request) -> Response:
+        """Answer of any status that is no redirect; a redirect is a request as any other, with its turn."""
+        first = url
+        for _ in range(MAX_REDIRECTS + 1):
+            if request.allow is not None:
+                request.allow(url)
+            response = self._attempt(url, "" if url is first else first, what, request)
+            target = redirect_target(response)
+            if target is None:
+                return response
+            url = joined(url, target)
+        raise TransportError(f"more than {MAX_REDIRECTS} redirects", again=False)
+
+    def _attempt(self, url: str, origin: str, what: str, request: _Request) -> Response:
+        self._pause(self._pace.turn_s())
+        while not self._free.acquire(timeout=_LOOK_S):
+            self._refuse_closed()
+        began_s = time.monotonic()
+        try:
+            # The server may have asked for a rest while this request waited for its turn.
+            while held_s := self._pace.held_s():
+                self._pause(held_s)
+            self._refuse_closed()
+            began_s = time.monotonic()
+            more = {"origin": origin} if origin else {}
+            return self._transport.get(url, request.headers or None, **more)
+        except TerrAInavError:
+            raise
+        except Exception as wrong:  # noqa: BLE001  (of whatever kind: it is one part's failure)
+            failure = self._unexpected.failure(wrong, self.redacted)
+        finally:
+            self._free.release()
+            request.taken_s += time.monotonic() - began_s
+        # Out here, where what was raised, which may quote a key, is no part of it.
+        raise PartError(f"{what}: {failure}")
+
+    def _picture_or_problem(
+        self, response: Response, read: Callable[[Response], Picture]
+    ) -> Picture | PartError:
+        """What is read; a problem is returned, so that one which quotes a key is no part of what is raised of it."""
+        try:
+            return read(response)
+        except PartError as wrong:
+            return wrong
+        except TerrAInavError:
+            raise
+        except Exception as wrong:  # noqa: BLE001  (of whatever kind: it is one part's failure)
+            return self._unexpected.failure(wrong, self.redacted)
+
+    def _without_secrets(self, response: Response) -> Response:
+        """Leave out headers that quote a key: some are kept in files."""
+        written = "\n".join(response.headers.values())
+        if self.redacted(written) == written:
+            return response
+        kept = {name: value for name, value in response.headers.items() if self.redacted(value) == value}
+        return response._replace(headers=kept)
+
+    def _judge(self, response: Response, what: str) -> str:
+        """Reason to ask again; raises where asking again is of no use."""
+        message = self.message(response)
+        line = _status_line(response.status) + (f": {message}" if message else "")
+        if response.status in _REFUSED or (response.status >= 400 and _is_quota(response.status, message)):
+            raise SourceError(f"{self._title} refuses: {line}")
+        if response.status in _NOT_THERE:
+            raise NotThere(f"{what}: {line}")
+        if response.status not in _AGAIN:
+            raise PartError(f"{what}: {line}")
+        return line
+
+    def _asked_wait_s(self, response: Response, reason: str) -> float:
+        """Seconds the server asks to wait, which then hold for every request; 0 where it asks for none."""
+        seconds = retry_after_s(response, time.time())
+        if seconds > self._longest_retry_after_s:
+            raise SourceError(
+                f"{self._title}: {reason}; it asks to come back in {seconds:.0f} s: resume then"
+            )
+        if seconds:
+            self._pace.hold(seconds)
+        return seconds
+
+    def _backoff_s(self, url: str, attempt: int) -> float:
+        """Seconds between attempts, spread by the URL so that parts that failed together do not return so."""
+        digest = hashlib.sha256(f"{attempt} {url}".encode()).digest()
+        spread = int.from_bytes(digest[:4], "big") / 2**32
+        return min(self._first_wait_s * 2.0**attempt, LONGEST_WAIT_S) * (0.5 + spread)
+
+    def _pause(self, seconds: float) -> None:
+        until_s = time.monotonic() + seconds
+        self._refuse_closed()
+        while (left_s := until_s - time.monotonic()) > 0.0:
+            self._closed.wait(left_s)
+            self._refuse_closed()
+
+    def _refuse_closed(self) -> None:
+        if self._closed.is_set():
+            raise Cancelled("cancelled while waiting for the network")
+
+
+def _tried(times: int) -> str:
+    return f" (tried {times} times)" if times > 1 else ""
+
+
+def _is_conditional(headers: Mapping[str, str] | None) -> bool:
+    return any(name.startswith("If-") for name in headers or ())
+
+
+def retry_after_s(response: Response, now_s: float) -> float:
+    """Seconds a response's Retry-After asks to wait (RFC 9110, 10.2.3), 0 without one.
+
+    A date is read against the response's own Date, so that the clocks need not agree.
+
+    Parameters
+    ----------
+    response : Response
+    now_s : float
+        Seconds since 1970, for a response without Date.
+    """
+    asked = response.headers.get("retry-after", "").strip()
+    seconds = whole_number(asked)
+    if seconds is not None:
+        return float(seconds)
+    until_s = http_date_s(asked)
+    if until_s is None:
+        return 0.0
+    since_s = http_date_s(response.headers.get("date", ""))
+    return max(until_s - (now_s if since_s is None else since_s), 0.0)
+
+
+def _is_quota(status: int, message: str) -> bool:
+    # Too many requests is what a rate limit says at first; only a spent quota ends the run at once.
+    if status == HTTPStatus.TOO_MANY_REQUESTS:
+        return "quota" in message.lower() or "daily" in message.lower()
+    return bool(_QUOTA.search(message))
+
+
+def _status_line(status: int) -> str:
+    try:
+        return f"{status} {HTTPStatus(status).phrase}"
+    except ValueError:
+        return str(status)
+
+
+def redirect_target(answer: Response) -> str | None:
+    """Where an answer points to, as it says it; None where it is not a redirect."""
+    return (answer.headers.get("location") or None) if answer.status in _REDIRECTS else None
+
+
+def joined(url: str, target: str) -> str:
+    """URL that a redirect from ``url`` leads to.
+
+    Raises
+    ------
+    TransportError
+        It is none, or of something else than http or https.
+    """
+    try:
+        led_to = urljoin(url, target)
+        scheme = urlsplit(led_to).scheme
+    except ValueError:
+        raise TransportError("redirect to something that is no URL", again=False) from None
+    if scheme not in ("http", "https"):
+        raise TransportError("redirect to something else than http or https", again=False)
+    return led_to

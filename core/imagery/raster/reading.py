@@ -1,0 +1,402 @@
+"""Raster files over the libraries that read them, GDAL's own bindings or rasterio."""
+
+from __future__ import annotations
+
+import importlib.util
+import sys
+import threading
+import warnings
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import Any, NamedTuple, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...errors import Cancelled, InvalidInput
+from .trust import DRIVERS, NAMES_OVERVIEWS, OVERVIEW_DOMAIN, OVERVIEW_FILE
+
+Bytes = NDArray[np.uint8]
+
+#: GDAL's option for errors instead of grey where a JPEG is broken off.
+STRICT_JPEG = "GDAL_ERROR_ON_LIBJPEG_WARNING"
+#: What GDAL gives as the geotransform of a raster that has none.
+_NO_GEOTRANSFORM = (0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
+
+
+class Box(NamedTuple):
+    """A rectangle of a raster's own pixels, columns from its left and rows from its top."""
+
+    left: int
+    top: int
+    width: int
+    height: int
+
+
+@dataclass(frozen=True)
+class Band:
+    """What a file says of one of its bands.
+
+    Parameters
+    ----------
+    data_type : str
+        numpy's name of the type of its values.
+    colour : str
+        GDAL's colour interpretation: gray, red, green, blue, alpha, palette, undefined, …
+    nodata : float or None
+        Value of pixels without data.
+    bits : int or None
+        Bits of a value that are used, where they are fewer than the type has.
+    palette : tuple of (red, green, blue, alpha)
+        Colours of the values from 0 on; empty without a palette.
+    masked : bool
+        The file has a mask for it, beside nodata and alpha.
+    """
+
+    data_type: str
+    colour: str = "undefined"
+    nodata: float | None = None
+    bits: int | None = None
+    palette: tuple[tuple[int, int, int, int], ...] = ()
+    masked: bool = False
+
+
+@dataclass(frozen=True)
+class Facts:
+    """What a file says of itself.
+
+    Parameters
+    ----------
+    bands : tuple of Band
+    sizes : tuple of (width, height)
+        In px: of the raster, then of its overviews from fine to coarse.
+    crs_wkt : str
+        Empty where the file states none.
+    geotransform : tuple of 6 float or None
+        In GDAL's order: x of the upper left corner, its steps per column and row, then those of y. None where the
+        file does not place its pixels by one.
+    tags : mapping of str to str
+        Metadata of the file as a whole.
+    by_points : bool
+        It is placed by ground control points.
+    parts : tuple of str
+        Names of the rasters within, where it holds several.
+    """
+
+    bands: tuple[Band, ...]
+    sizes: tuple[tuple[int, int], ...]
+    crs_wkt: str
+    geotransform: tuple[float, ...] | None
+    tags: Mapping[str, str]
+    by_points: bool = False
+    parts: tuple[str, ...] = ()
+
+
+class ReadError(Exception):
+    """A library's own words on what it could not open or read, in one line; callers say of which file."""
+
+    def __init__(self, words: object) -> None:
+        super().__init__(" ".join(str(words).split()) or "no reason given")
+
+
+class RasterFile(Protocol):
+    """An open raster, or an open overview of one; for one thread at a time."""
+
+    def facts(self) -> Facts:
+        """Read what the file says of itself; asked of the raster, not of an overview."""
+        ...
+
+    def read(self, bands: Sequence[int], box: Box) -> Bytes:
+        """Values as they are stored, (len(bands), height, width); bands count from 1. Raises ReadError."""
+        ...
+
+    def read_mask(self, band: int, box: Box) -> Bytes:
+        """Mask of a band, (height, width): 0 where there is no data. Raises ReadError."""
+        ...
+
+    def close(self) -> None:
+        """Free it."""
+        ...
+
+
+#: Opens a path's raster (level 0) or its overviews (from 1 on), as one of the ``drivers`` named; raises ReadError.
+Opener = Callable[..., RasterFile]
+
+
+def opener() -> Opener:
+    """Return the library to read raster files with: rasterio, or GDAL's own bindings.
+
+    Where QGIS or GDAL's bindings are loaded, those bindings and never rasterio: its wheels bring a GDAL of their own,
+    and two of them in one process are known to bring QGIS down.
+
+    Raises
+    ------
+    InvalidInput
+        Neither is there.
+    """
+    loaded = {"qgis", "osgeo"} & sys.modules.keys()
+    if not loaded and importlib.util.find_spec("rasterio"):
+        return RasterioFile
+    if importlib.util.find_spec("osgeo"):
+        return GdalFile
+    raise InvalidInput("raster files need rasterio: pip install terrainav[raster]")
+
+
+@contextmanager
+def _heard() -> Iterator[list[str]]:
+    """Errors of GDAL in this thread: collected instead of printed, and raised where the bindings are told to.
+
+    Whether the bindings raise is a choice of the whole process (of QGIS, of another plugin), so both ways are met.
+    A JPEG that is broken off is an error here, where GDAL may only warn and fill it with grey.
+    """
+    from osgeo import gdal
+
+    # Bindings of older versions cannot set options of a thread, and those of the process are not ours.
+    can_be_strict = hasattr(gdal, "SetThreadLocalConfigOption")
+    before = gdal.GetThreadLocalConfigOption(STRICT_JPEG) if can_be_strict else None
+    said: list[str] = []
+
+    def hear(severity: int, _number: int, words: str) -> None:
+        if severity >= gdal.CE_Failure:
+            said.append(words)
+
+    gdal.PushErrorHandler(hear)
+    if can_be_strict:
+        gdal.SetThreadLocalConfigOption(STRICT_JPEG, "YES")
+    try:
+        yield said
+    except RuntimeError as wrong:
+        raise ReadError(said[0] if said else wrong) from wrong
+    finally:
+        if can_be_strict:
+            gdal.SetThreadLocalConfigOption(STRICT_JPEG, before)
+        gdal.PopErrorHandler()
+
+
+class GdalFile:
+    """A raster, or an overview, that is open in GDAL."""
+
+    def __init__(self, path: str, level: int, drivers: Sequence[str] = DRIVERS) -> None:
+        from osgeo import gdal
+
+        self._gdal: Any = gdal
+        options = [f"OVERVIEW_LEVEL={level - 1}"] if level else []
+        with _heard() as said:
+            self._dataset = gdal.OpenEx(
+                path, gdal.OF_RASTER, allowed_drivers=list(drivers), open_options=options
+            )
+        if self._dataset is None:
+            raise ReadError(said[0] if said else "no format that GDAL knows")
+
+    def facts(self) -> Facts:
+        """Read what the file says of itself."""
+        with _heard():
+            dataset = self._dataset
+            if dataset.GetMetadataItem(OVERVIEW_FILE, OVERVIEW_DOMAIN):
+                raise ReadError(NAMES_OVERVIEWS)
+            reference = dataset.GetSpatialRef()
+            bands = [dataset.GetRasterBand(1 + i) for i in range(dataset.RasterCount)]
+            overviews = [bands[0].GetOverview(i) for i in range(bands[0].GetOverviewCount())] if bands else []
+            return Facts(
+                bands=tuple(self._band(band) for band in bands),
+                sizes=(
+                    (dataset.RasterXSize, dataset.RasterYSize),
+                    *((overview.XSize, overview.YSize) for overview in overviews),
+                ),
+                crs_wkt=reference.ExportToWkt(["FORMAT=WKT2_2019"]) if reference else "",
+                geotransform=dataset.GetGeoTransform(can_return_null=True),
+                tags=dict(dataset.GetMetadata()),
+                by_points=dataset.GetGCPCount() > 0,
+                parts=tuple(name for name, _ in dataset.GetSubDatasets()),
+            )
+
+    def _band(self, band: Any) -> Band:
+        gdal = self._gdal
+        table = band.GetColorTable()
+        bits = band.GetMetadataItem("NBITS", "IMAGE_STRUCTURE")
+        known = gdal.GMF_ALL_VALID | gdal.GMF_ALPHA | gdal.GMF_NODATA
+        data_type = gdal.GetDataTypeName(band.DataType)
+        return Band(
+            data_type="uint8" if band.DataType == gdal.GDT_Byte else data_type.lower(),
+            colour=gdal.GetColorInterpretationName(band.GetColorInterpretation()).lower(),
+            nodata=band.GetNoDataValue(),
+            bits=int(bits) if bits else None,
+            palette=tuple(table.GetColorEntry(i) for i in range(table.GetCount())) if table else (),
+            masked=not band.GetMaskFlags() & known,
+        )
+
+    def read(self, bands: Sequence[int], box: Box) -> Bytes:
+        """Values as they are stored."""
+        with _heard() as said:
+            values = self._dataset.ReadRaster(*box, buf_type=self._gdal.GDT_Byte, band_list=list(bands))
+        return _array(values, said, (len(bands), box.height, box.width))
+
+    def read_mask(self, band: int, box: Box) -> Bytes:
+        """Mask of a band."""
+        with _heard() as said:
+            mask = self._dataset.GetRasterBand(band).GetMaskBand()
+            values = mask.ReadRaster(*box, buf_type=self._gdal.GDT_Byte)
+        return _array(values, said, (box.height, box.width))
+
+    def close(self) -> None:
+        """Free it."""
+        self._dataset = None
+
+
+def _array(values: bytes | None, said: list[str], shape: tuple[int, ...]) -> Bytes:
+    if said or values is None:
+        raise ReadError(said[0] if said else "no values")
+    return np.frombuffer(values, np.uint8).reshape(shape)
+
+
+@contextmanager
+def _refused() -> Iterator[None]:
+    """Errors of rasterio as ReadError; a JPEG that is broken off is one."""
+    import rasterio
+    from rasterio.errors import RasterioError
+
+    try:
+        with rasterio.Env(**{STRICT_JPEG: True}):
+            yield
+    except (RasterioError, OSError) as wrong:
+        # What GDAL said first is the cause of what rasterio says.
+        root: BaseException = wrong
+        while root.__cause__ is not None:
+            root = root.__cause__
+        raise ReadError(root) from wrong
+
+
+class RasterioFile:
+    """A raster, or an overview, that is open in rasterio."""
+
+    # Python's filters of warnings belong to the process: two threads must not put them back in the wrong order.
+    _opening = threading.Lock()
+
+    def __init__(self, path: str, level: int, drivers: Sequence[str] = DRIVERS) -> None:
+        import rasterio
+        from rasterio.errors import NotGeoreferencedWarning
+
+        options = {"overview_level": level - 1} if level else {}
+        with _refused(), self._opening, warnings.catch_warnings():
+            # Said in words of our own.
+            warnings.simplefilter("ignore", NotGeoreferencedWarning)
+            # As rasterio.open does, which takes one driver only.
+            self._dataset: Any = rasterio.DatasetReader(path, driver=list(drivers), **options)
+        self._path, self._drivers = path, drivers
+
+    def facts(self) -> Facts:
+        """Read what the file says of itself."""
+        with _refused():
+            dataset = self._dataset
+            if any(name.upper() == OVERVIEW_FILE for name in dataset.tags(ns=OVERVIEW_DOMAIN)):
+                raise ReadError(NAMES_OVERVIEWS)
+            geotransform = tuple(dataset.transform.to_gdal())
+            return Facts(
+                bands=tuple(self._band(index) for index in dataset.indexes),
+                sizes=((dataset.width, dataset.height), *self._overview_sizes()),
+                crs_wkt=dataset.crs.to_wkt(version="WKT2_2019") if dataset.crs else "",
+                geotransform=None if geotransform == _NO_GEOTRANSFORM else geotransform,
+                tags=dict(dataset.tags()),
+                by_points=bool(dataset.gcps[0]),
+                parts=tuple(dataset.subdatasets),
+            )
+
+    def _overview_sizes(self) -> Iterator[tuple[int, int]]:
+        for level in range(len(self._dataset.overviews(1)) if self._dataset.count else 0):
+            overview = RasterioFile(self._path, 1 + level, self._drivers)
+            yield overview._dataset.width, overview._dataset.height
+            overview.close()
+
+    def _band(self, index: int) -> Band:
+        from rasterio.enums import MaskFlags
+
+        dataset = self._dataset
+        colour = dataset.colorinterp[index - 1].name
+        bits = dataset.tags(index, ns="IMAGE_STRUCTURE").get("NBITS")
+        known = {MaskFlags.all_valid, MaskFlags.alpha, MaskFlags.nodata}
+        palette = dataset.colormap(index) if colour == "palette" else {}
+        return Band(
+            data_type=dataset.dtypes[index - 1],
+            colour=colour,
+            nodata=dataset.nodatavals[index - 1],
+            bits=int(bits) if bits else None,
+            palette=tuple(palette[i] for i in sorted(palette)),
+            masked=not known & set(dataset.mask_flag_enums[index - 1]),
+        )
+
+    def read(self, bands: Sequence[int], box: Box) -> Bytes:
+        """Values as they are stored."""
+        with _refused():
+            return np.asarray(self._dataset.read(list(bands), window=_window(box)), np.uint8)
+
+    def read_mask(self, band: int, box: Box) -> Bytes:
+        """Mask of a band."""
+        with _refused():
+            return np.asarray(self._dataset.read_masks(band, window=_window(box)), np.uint8)
+
+    def close(self) -> None:
+        """Free it."""
+        self._dataset.close()
+
+
+def _window(box: Box) -> Any:
+    from rasterio.windows import Window
+
+    return Window(*box)
+
+
+class Pool:
+    """Handles of a raster and its overviews, as many as were ever needed at once.
+
+    Parameters
+    ----------
+    open_file : callable
+    path : str
+    """
+
+    def __init__(self, open_file: Opener, path: str) -> None:
+        self._open, self._path = open_file, path
+        self._free: dict[int, list[RasterFile]] = {}
+        self._closed = False
+        self._lock = threading.Lock()
+
+    @contextmanager
+    def lent(self, level: int) -> Iterator[RasterFile]:
+        """Lend the raster (level 0) or an overview; one that failed is not lent again.
+
+        Raises
+        ------
+        ReadError
+            It cannot be opened.
+        Cancelled
+            The pool is closed.
+        """
+        with self._lock:
+            if self._closed:
+                raise Cancelled(f"{self._path}: closed")
+            free = self._free.setdefault(level, [])
+            known = free.pop() if free else None
+        file = known or self._open(self._path, level)
+        try:
+            yield file
+        except BaseException:
+            file.close()
+            raise
+        if not self._taken_back(level, file):
+            file.close()
+
+    def _taken_back(self, level: int, file: RasterFile) -> bool:
+        with self._lock:
+            if not self._closed:
+                self._free[level].append(file)
+            return not self._closed
+
+    def close(self) -> None:
+        """Close the handles: those that are lent as soon as they come back."""
+        with self._lock:
+            self._closed = True
+            files = [file for free in self._free.values() for file in free]
+            self._free.clear()
+        for file in files:
+            file.close()

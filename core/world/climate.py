@@ -1,0 +1,117 @@
+"""What grows where: natural ground colours, forest share and settlement from warmth, moisture and height."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .lattice import Array
+from .region import smoothstep
+
+_HEAT_STOPS = (0.05, 0.2, 0.36, 0.55, 0.78, 1.0)
+_WET_STOPS = (-0.55, 0.0, 0.5)
+_BIOMES = (  # rows by warmth from ice to equator; columns dry, middling, wet; red, green, blue
+    ((236, 240, 245), (238, 242, 247), (240, 244, 248)),
+    ((136, 128, 110), (122, 121, 98), (104, 111, 88)),
+    ((126, 119, 88), (88, 101, 66), (60, 82, 54)),
+    ((170, 153, 108), (118, 127, 76), (82, 106, 58)),
+    ((208, 181, 132), (152, 144, 88), (88, 112, 56)),
+    ((216, 188, 138), (140, 142, 78), (58, 94, 46)),
+)
+RURAL_PER_SETTLED = 1.6
+"""Fields reach further than towns."""
+
+_ROCK = (122, 112, 102)
+_SNOW = (240, 244, 250)
+_SEA_DEEP, _SEA_MID, _SEA_SHORE = (9, 26, 52), (20, 56, 86), (66, 118, 128)
+
+
+def _stops(x: Array, stops: tuple[float, ...]) -> list[Array]:
+    """Weights of a piecewise linear scale at its stops."""
+    weights = []
+    for n, stop in enumerate(stops):
+        rise = 1.0 if n == 0 else np.clip((x - stops[n - 1]) * (1.0 / (stop - stops[n - 1])), 0.0, 1.0)
+        fall = (
+            1.0
+            if n == len(stops) - 1
+            else np.clip((stops[n + 1] - x) * (1.0 / (stops[n + 1] - stop)), 0.0, 1.0)
+        )
+        weights.append(np.minimum(rise, fall))
+    return weights
+
+
+def height(f: dict[str, Array]) -> Array:
+    """Height above the sea in units in which high mountains reach 1."""
+    return np.clip(f["land"], 0.0, None) * 0.16 + np.clip(f["relief"], -0.02, None) * 1.9
+
+
+def natural_colour(f: dict[str, Array]) -> Array:
+    """Colour of the land where nobody farms it, shape (3, ...), in grey levels."""
+    up = height(f)
+    heat = f["heat"] - np.clip(up, 0.0, 2.0) * 0.35
+    heats, wets = _stops(heat, _HEAT_STOPS), _stops(f["wet"] * 0.9, _WET_STOPS)
+    out = np.zeros((3, *up.shape), dtype=np.float32)
+    for row, a in zip(_BIOMES, heats):
+        for biome, b in zip(row, wets):
+            weight = a * b
+            for channel in range(3):
+                out[channel] += np.float32(biome[channel]) * weight
+    rock = smoothstep(0.35, 0.85, up) * np.float32(0.75)
+    snow = smoothstep(0.30, 0.16, heat)
+    for channel in range(3):
+        out[channel] += rock * (np.float32(_ROCK[channel]) - out[channel])
+        out[channel] += snow * (np.float32(_SNOW[channel]) - out[channel])
+    return out
+
+
+def settled(f: dict[str, Array]) -> Array:
+    """Share of the land that is farmed and built on, 0..1."""
+    share: Array = (
+        smoothstep(0.28, 0.44, f["heat"])
+        * smoothstep(-0.5, -0.1, f["wet"])
+        * smoothstep(0.01, 0.06, f["land"])
+    )
+    share *= np.float32(1) - smoothstep(0.30, 0.55, f["rough"])
+    jungle = smoothstep(0.35, 0.6, f["wet"]) * smoothstep(0.75, 0.95, f["heat"])
+    share *= np.float32(1) - np.float32(0.8) * jungle
+    return share
+
+
+def rural_share(f: dict[str, Array]) -> Array:
+    """Share of the land that is divided into fields."""
+    return np.clip(settled(f) * np.float32(RURAL_PER_SETTLED), 0.0, 1.0)
+
+
+def dryness(f: dict[str, Array]) -> Array:
+    """How dry the farmland is, 0..1."""
+    return smoothstep(0.15, -0.4, f["wet"])
+
+
+def wateriness(f: dict[str, Array]) -> Array:
+    """Factor on the width of rivers and lakes: none on ice and in deserts, less in mountains."""
+    return (
+        smoothstep(-0.6, 0.1, f["wet"]) * smoothstep(0.12, 0.24, f["heat"])
+        * (np.float32(1) - np.float32(0.6) * smoothstep(0.2, 0.6, f["rough"]))
+    )  # fmt: skip
+
+
+def sea_colour(f: dict[str, Array]) -> Array:
+    """Colour of open water by its depth, shape (3, ...): pale shelves, ice near the poles."""
+    depth = np.clip(-f["land"], 0.0, None)
+    shelf, deep = np.exp(depth * np.float32(-14.0)), smoothstep(0.05, 0.7, depth)
+    ice = smoothstep(0.14, 0.06, f["heat"]) * np.float32(0.92)
+    out = np.empty((3, *depth.shape), dtype=np.float32)
+    for channel in range(3):
+        c = _SEA_MID[channel] + deep * np.float32(_SEA_DEEP[channel] - _SEA_MID[channel])
+        c += shelf * (np.float32(_SEA_SHORE[channel]) - c)
+        out[channel] = c + ice * (np.float32(_SNOW[channel]) - c)
+    return out
+
+
+def wood_threshold(f: dict[str, Array]) -> Array:
+    """Value of the wood field above which there is wood: high in deserts and on fields, low in wet wilds."""
+    wild = np.float32(1) - settled(f)
+    wetness = smoothstep(-0.5, 0.5, f["wet"])
+    cold = smoothstep(0.30, 0.2, f["heat"]) + smoothstep(0.4, 0.6, f["rough"]) * np.float32(0.6)
+    threshold: Array = np.float32(1.25) - np.float32(0.75) * wetness + cold
+    threshold -= np.float32(0.75) * wild * (wetness - np.float32(0.35))
+    return threshold

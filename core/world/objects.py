@@ -1,0 +1,309 @@
+"""What stands on the ground: buildings with their shadows and roofs, and the crowns of trees."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from .division import HALF_WIDTH_M, HEDGE, LANE, MAIN, ROAD
+from .lattice import WORLD_M, Array, Window, bits, cell_hash, salt
+from .paint import Canvas, clip01
+from .parcels import Parcels, root_squares
+from .region import Region, neighbourhood
+from .samples import Cells, Few, Tiles, shared
+from .scene import Scene
+
+_EXACT_PIXEL_M = 2.5
+"""Up to this pixel size buildings are many pixels wide, and the nearest edge alone decides coverage."""
+
+_REACH_M = 8.0
+"""Nothing of a building, its shadow or the trees it keeps off is farther away."""
+LEVEL = 22
+"""Cells of 9.6 m hold a crown each."""
+
+FIRST_ZOOM = 15
+"""From here on crowns are drawn one by one, before as an even canopy."""
+
+CELL_M = WORLD_M / (1 << LEVEL)
+CANOPY = (50, 68, 40)
+_MEAN_LIGHT = 0.86
+"""Mean lightness of a crown, by which its colour is divided so that woods are as dark from afar as near."""
+
+_SHADOW_M, _SHADOW = 2.6, (18, 24, 22)
+_HUES = (30.0, 16.0, 4.0)
+_WOODED = 0.9
+"""A greater chance than this means a wood: crowns are wide and touch."""
+
+_DENSE = 0.25
+"""Below this share of cells with a tree it is quicker to gather those."""
+
+
+@dataclass(frozen=True)
+class Footprints:
+    """Buildings at samples.
+
+    Attributes
+    ----------
+    parcels : Parcels
+    index : intp array
+        Each sample's piece, as in `Parcels.index`.
+    west, east, north, south : float32 arrays
+        How far inside the sides of its piece's building each sample is, in metres.
+    """
+
+    parcels: Parcels
+    index: Array
+    west: Array
+    east: Array
+    north: Array
+    south: Array
+
+    def near(self, moved_m: float) -> tuple[Array, Footprints]:
+        """Return the flat indices of samples at or near buildings, and the buildings at only these.
+
+        No others are covered, nor are they by the buildings moved `moved_m` south-east.
+        """
+        margin = -0.6 * self.parcels.pixel_m
+        on = np.minimum(self.west, self.north) > np.float32(margin)
+        on &= np.minimum(self.east, self.south) > np.float32(margin - moved_m)
+        at = np.flatnonzero(on)
+        values = (self.index, self.west, self.east, self.north, self.south)
+        return at, Footprints(self.parcels, *(value.take(at, mode="clip") for value in values))
+
+    def cover(self, moved_m: float = 0.0, grow_m: float = 0.0) -> Array:
+        """Coverage by the buildings, moved some metres south-east and grown at each side by some."""
+        more, less = np.float32(grow_m - moved_m), np.float32(grow_m + moved_m)
+        half, p = np.float32(0.5), np.float32(1.0 / self.parcels.pixel_m)
+        if p > 1 / _EXACT_PIXEL_M:
+            out = np.minimum(self.west, self.north)
+            out += more - less
+            np.minimum(out, self.east, out=out)
+            np.minimum(out, self.south, out=out)
+            out += less
+            out *= p
+            out += half
+            return clip01(out)
+        cx = clip01((self.west + more) * p + half)
+        cx -= clip01(half - (self.east + less) * p)
+        cy = clip01((self.north + more) * p + half)
+        cy -= clip01(half - (self.south + less) * p)
+        cx *= cy
+        return np.asarray(np.maximum(cx, np.float32(0), out=cx))
+
+    def roofs(self) -> list[Array]:
+        """Roof colours at the samples, red, green and blue: a gable's sides are lit differently."""
+        buildings = self.parcels.division.looks.buildings
+
+        def own(table: Array) -> Array:
+            return np.asarray(self.parcels.leaf(table).take(self.index, mode="clip"))
+
+        across = np.where(own(buildings.ridge_x), self.north - self.south, self.west - self.east)
+        across *= np.float32(0.5) * np.float32(1.0 / self.parcels.pixel_m)
+        np.maximum(across, np.float32(-1), out=across)
+        np.minimum(across, np.float32(1), out=across)
+        across *= own(buildings.pitch)
+        light = np.float32(1) - across
+        return [own(channel) * light for channel in buildings.roof]
+
+
+def footprints(parcels: Parcels) -> Footprints | None:
+    """Return the buildings at samples; None where there are none in reach."""
+    buildings = parcels.division.looks.buildings
+    x0, x1, y0, y1 = (parcels.leaf(edge) for edge in (buildings.x0, buildings.x1, buildings.y0, buildings.y1))
+    there = parcels.leaf(buildings.there) & parcels.touched(x0, x1, y0, y1, _REACH_M + parcels.pixel_m)
+    if not there.any():
+        return None
+    return Footprints(
+        parcels,
+        parcels.index,
+        parcels.x - parcels.local(np.where(there, x0, np.inf), 0),
+        parcels.local(x1, 0) - parcels.x,
+        parcels.y - parcels.local(y0, 1),
+        parcels.local(y1, 1) - parcels.y,
+    )
+
+
+@dataclass(frozen=True)
+class Crowns:
+    """Trees of blocks of cells: arrays (..., rows, columns); centres and radii in cells.
+
+    `i0`, `j0`, shape (...), are the column and row of each block's first cell.
+    """
+
+    i0: Array
+    j0: Array
+    there: Array
+    x: Array
+    y: Array
+    radius: Array
+    tone: Array
+    hue: Array
+
+    def within(self, block: int, window: Window) -> Crowns:
+        """Return the trees of a window of one of the blocks."""
+        i, j = window.i0 - int(self.i0[block]), window.j0 - int(self.j0[block])
+        at = (block, slice(j, j + window.rows), slice(i, i + window.columns))
+        tables = (self.there, self.x, self.y, self.radius, self.tone, self.hue)
+        return Crowns(self.i0[block] + i, self.j0[block] + j, *(table[at] for table in tables))
+
+
+def _chance(scene: Scene) -> Array:
+    """How likely each cell of a scene of cells holds a tree."""
+    shape = scene.samples.shape
+    chance = np.full(shape, 0.006, dtype=np.float32)
+    parcels = scene.parcels
+    town = parcels.leaf(parcels.division.looks.town)
+    if town.any():
+        np.maximum(chance, parcels.spread(town) * np.float32(0.30), out=chance)
+    d = parcels.distance_m(HEDGE)
+    if d is not None:
+        chance[d < 5.5] = 0.55
+    woods = scene.woods()
+    if woods is not None:
+        np.maximum(chance, (woods > 0.5) * np.float32(0.97), out=chance)
+    for line in (LANE, ROAD, MAIN):
+        d = parcels.distance_m(line)
+        if d is not None:
+            chance[d < HALF_WIDTH_M[line] + 3.2] = 0.0
+    prints = footprints(parcels)
+    if prints is not None:
+        chance[prints.cover(moved_m=1.5, grow_m=4.4) > 0.5] = 0.0
+    for cover in (scene.water(), scene.motorway()):
+        if cover is not None:
+            chance[cover > 0.02] = 0.0
+    return chance
+
+
+def plant(scene: Scene) -> list[tuple[Cells, Crowns]]:
+    """Plant trees in the cells under a scene's samples, and in woods between them too."""
+    samples = scene.samples
+    zoom, x, y = neighbourhood(samples)
+    up = samples.zoom - zoom
+    tile = ((samples.y - (y << up)) << up) + samples.x - (x << up)
+    planted = []
+    for crowns, shifted in zip(_stand(scene.seed, samples.zoom, zoom, x, y), (False, True)):
+        cells = samples.cells(LEVEL, shifted)
+        planted.append((cells, crowns.within(tile, cells.window())))
+    return planted
+
+
+@shared(32)
+def _stand(seed: int, zoom: int, around: int, x: int, y: int) -> tuple[Crowns, Crowns]:
+    """Plant the tiles of `zoom`, by rows, that are in a tile of `around`: in cells, and between four cells."""
+    up = zoom - around
+    step = np.arange(1 << up, dtype=np.int64)
+    rows, columns = (a.ravel() for a in np.meshgrid((y << up) + step, (x << up) + step, indexing="ij"))
+    chance, tiles = _chances(seed, zoom, columns, rows)
+    i, j = tiles.columns, tiles.rows
+    dense = chance > _WOODED
+    dense = dense[:, :-1, :-1] & dense[:, 1:, :-1] & dense[:, :-1, 1:] & dense[:, 1:, 1:]
+    inside = slice(1, -1)
+    return (
+        _grow(seed, i[..., inside], j[:, inside], chance[:, inside, inside], 0),
+        _grow(seed, i[..., 1:], j[:, 1:], dense * np.float32(0.96), 1),
+    )
+
+
+def _chances(seed: int, zoom: int, x: Array, y: Array) -> tuple[Array, Tiles]:
+    """How likely each cell in and right around some tiles holds a tree; and the cells."""
+    tiles = Tiles(zoom, x, y, LEVEL)
+    chance = np.empty(tiles.shape, dtype=np.float32)
+    # The land is divided for the root squares that a tile touches, not for those of its neighbours.
+    squares = root_squares(Region.around(seed, tiles), tiles)
+    for alike in np.unique(squares, axis=0):
+        at = np.flatnonzero((squares == alike).all(axis=1))
+        chance[at] = _chance(Scene(seed, Tiles(zoom, x[at], y[at], LEVEL)))
+    return chance, tiles
+
+
+def _grow(seed: int, i: Array, j: Array, chance: Array, number: int) -> Crowns:
+    h = cell_hash(salt(seed, 7, number), LEVEL, i, j)
+    k = cell_hash(salt(seed, 8, number), LEVEL, i, j)
+    there = bits(h, 0, 8) < chance
+    crowded = chance > _WOODED
+    radius = np.where(crowded, 0.37 + 0.13 * bits(h, 8, 6), 0.2 + 0.24 * bits(h, 8, 6)).astype(np.float32)
+    slack = (np.float32(0.5) - radius) * np.where(crowded, np.float32(1), np.float32(0.4))
+    x = np.float32(0.5) + slack * (bits(h, 14, 9) * np.float32(2) - np.float32(1))
+    y = np.float32(0.5) + slack * (bits(h, 23, 9) * np.float32(2) - np.float32(1))
+    tone = np.float32(0.80) + np.float32(0.4) * bits(k, 0, 8)
+    hue = bits(k, 8, 8) - np.float32(0.5)
+    return Crowns(i[:, 0, 0], j[:, 0, 0], there, x, y, radius, tone, hue)
+
+
+class _Drawn:
+    """Crowns' attributes at the samples: at all of them or, where crowns are few, at those in a cell with one."""
+
+    def __init__(self, canvas: Canvas, cells: Cells, crowns: Crowns) -> None:
+        self.canvas, self.cells = canvas, cells
+        self.fx, self.fy = cells.fx, cells.fy
+        self.few: Few | None = None
+        if float(crowns.there.mean()) <= _DENSE:
+            self.few = cells.among(crowns.there)
+            self.fx, self.fy = self.few.fx, self.few.fy
+
+    def take(self, table: Array) -> Array:
+        return self.cells.spread(table, self.cells.window()) if self.few is None else table[self.few.cells]
+
+    def sample(self, values: Array) -> Array:
+        return (
+            values.reshape(self.cells.inner()) if self.few is None else values.take(self.few.at, mode="clip")
+        )
+
+    def blend(self, cover: Array, colour: Sequence[float | Array]) -> None:
+        if self.few is not None:
+            self.canvas.touch(self.few.at, (cover, colour))
+            return
+        for plane, ink in zip(self.canvas.planes, colour):
+            view = plane.reshape(self.cells.inner())
+            step = np.float32(ink) - view if np.ndim(ink) == 0 else ink - view
+            step *= cover
+            view += step
+
+
+def draw(
+    canvas: Canvas,
+    cells: Cells,
+    crowns: Crowns,
+    pixel_m: float,
+    leaf: Array | None,
+    contrast: float,
+    canopy: Array,
+) -> None:
+    """Draw crowns, lit from the north-west, and the shadows of those that stand alone."""
+    if not crowns.there.any():
+        return
+    drawn = _Drawn(canvas, cells, crowns)
+    one = np.float32(1)
+    radius = np.where(crowns.there, crowns.radius, np.float32(1e-3))
+    inverse = drawn.take(one / radius)
+    dx = (drawn.fx - drawn.take(crowns.x)) * inverse
+    dy = drawn.fy - drawn.take(crowns.y)
+    dy *= inverse
+    sharp = drawn.take(radius * np.float32(0.5 * CELL_M / pixel_m))
+    if pixel_m < _SHADOW_M and drawn.few is not None:
+        shift = np.float32(_SHADOW_M / CELL_M) * inverse
+        sx, sy = dx - shift, dy - shift
+        shade = (one - (sx * sx + sy * sy)) * sharp
+        shade += np.float32(0.5)
+        drawn.blend(clip01(shade) * np.float32(0.55), _SHADOW)
+    q = dy * dy
+    q += dx * dx
+    cover = one - q
+    cover *= sharp
+    cover += np.float32(0.5)
+    clip01(cover)
+    light = np.minimum(q, one, out=q)
+    light += dy
+    light += dx
+    light *= np.float32(-0.30)
+    light += one
+    if leaf is not None:
+        light += drawn.sample(leaf) * np.float32(0.55)
+    light *= np.float32(contrast / _MEAN_LIGHT)
+    light += np.float32(1 - contrast)
+    light *= drawn.take(one + (crowns.tone - one) * np.float32(contrast))
+    drawn.blend(
+        cover, [light * drawn.take(np.float32(c) + crowns.hue * np.float32(s)) for c, s in zip(canopy, _HUES)]
+    )

@@ -1,0 +1,169 @@
+"""The world as a function of position, and as a source of tiles."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import InvalidInput
+from ..geodesy.mercator import PixelGrid
+from ..imagery.entry import CatalogueEntry
+from ..imagery.opening import SourceOptions
+from ..imagery.policy import Policy
+from ..imagery.source import Part, Pixels, Window, tile_parts
+from .lattice import TILE_PX, Array
+from .paint import Canvas
+from .samples import Grid, Points
+from .scene import Scene
+from .styles import roadmap, satellite, terrain
+
+MAX_ZOOM = 22
+STYLES = ("satellite", "roadmap", "terrain")
+_PAINTERS: dict[str, Callable[[Scene], Canvas]] = {
+    "satellite": satellite,
+    "roadmap": roadmap,
+    "terrain": terrain,
+}
+_KEPT_BYTES = 1 << 24
+
+
+def _painter(style: str) -> Callable[[Scene], Canvas]:
+    if style not in _PAINTERS:
+        raise InvalidInput(f"map type {style!r}: the synthetic world has {', '.join(STYLES)}")
+    return _PAINTERS[style]
+
+
+@dataclass(frozen=True)
+class World:
+    """A seeded landscape over the whole Web-Mercator square.
+
+    Its value at a position and a zoom is the landscape low-passed for that zoom's pixels. It is a pure
+    function of seed,
+    style, position and zoom: the same on every machine, in every order and number of threads.
+
+    Parameters
+    ----------
+    seed : int
+        Chooses the landscape; 0 or greater, below ``2**64``.
+    """
+
+    seed: int = 2024
+
+    def __post_init__(self) -> None:
+        if not 0 <= self.seed < 1 << 64:
+            raise InvalidInput(f"seed {self.seed}: must be from 0 to 2**64 - 1")
+
+    def colour(self, style: str, u: Array, v: Array, zoom: Array | float) -> NDArray[np.float32]:
+        """Evaluate the world at points.
+
+        Parameters
+        ----------
+        style : str
+            ``"satellite"``, ``"roadmap"`` or ``"terrain"``.
+        u, v : float64 arrays
+            World fractions east and south of the north-west corner (180° W, 85.0511° N). `u` wraps around; `v`
+            in [0, 1].
+        zoom : float or array
+            Pixel size as a zoom, 0 to 22: ``2**-zoom / 256`` of the world. Between whole zooms the two
+            neighbours are mixed.
+            Broadcast with `u` and `v`.
+
+        Returns
+        -------
+        float32 array of shape (..., 3)
+            Red, green, blue in 0..255.
+
+        Raises
+        ------
+        InvalidInput
+            Unknown style, zoom or `v` out of range or not finite.
+        """
+        painter = _painter(style)
+        u, v, zoom = np.broadcast_arrays(*(np.asarray(a, dtype=np.float64) for a in (u, v, zoom)))
+        if not (np.isfinite(u).all() and ((v >= 0) & (v <= 1)).all()):
+            raise InvalidInput("position outside the world: u must be finite and v from 0 to 1")
+        if not ((zoom >= 0) & (zoom <= MAX_ZOOM)).all():
+            raise InvalidInput(f"zoom {zoom.min():g} to {zoom.max():g}: must be from 0 to {MAX_ZOOM}")
+        shape = u.shape
+        u, v, zoom = (u - np.floor(u)).ravel(), np.minimum(v, np.nextafter(1.0, 0.0)).ravel(), zoom.ravel()
+        below = np.floor(zoom)
+        out = self._at_whole_zooms(painter, u, v, below.astype(np.int64))
+        between = np.flatnonzero(zoom > below)
+        if between.size:
+            above = self._at_whole_zooms(painter, u[between], v[between], below[between].astype(np.int64) + 1)
+            share = (zoom - below)[between].astype(np.float32)[:, None]
+            out[between] += share * (above - out[between])
+        return out.reshape(*shape, 3)
+
+    def _at_whole_zooms(
+        self, painter: Callable[[Scene], Canvas], u: Array, v: Array, zoom: Array
+    ) -> NDArray[np.float32]:
+        out = np.empty((u.size, 3), dtype=np.float32)
+        x, y = np.floor(u * 2.0**zoom).astype(np.int64), np.floor(v * 2.0**zoom).astype(np.int64)
+        key = (zoom << 44) | (y << 22) | x
+        order = np.argsort(key, kind="stable")
+        starts = np.flatnonzero(np.diff(key[order], prepend=-1))
+        for at in np.split(order, starts[1:]):
+            if at.size:
+                first = at[0]
+                samples = Points(int(zoom[first]), int(x[first]), int(y[first]), u[at], v[at])
+                out[at] = painter(Scene(self.seed, samples)).pixels()
+        return out
+
+    def tile(self, style: str, zoom: int, x: int, y: int) -> NDArray[np.uint8]:
+        """Return a tile: the colour at its pixels' centres, rounded, shape (256, 256, 3), rows from the north.
+
+        Raises
+        ------
+        InvalidInput
+            Unknown style, or a tile that does not exist.
+        """
+        painter = _painter(style)
+        if not 0 <= zoom <= MAX_ZOOM:
+            raise InvalidInput(f"zoom {zoom}: must be from 0 to {MAX_ZOOM}")
+        if not (0 <= x < 1 << zoom and 0 <= y < 1 << zoom):
+            raise InvalidInput(f"tile x {x}, y {y} at zoom {zoom}: both must be from 0 to {(1 << zoom) - 1}")
+        return painter(Scene(self.seed, Grid(int(zoom), int(x), int(y)))).rounded()
+
+
+class WorldSource:
+    """The embedded world as a source: computed where it is needed, the same everywhere."""
+
+    name = "world"
+    title = "Synthetic (offline)"
+    attribution = "Synthetic landscape, TerrAInav"
+    map_types = STYLES
+    grid = PixelGrid(tile_px=TILE_PX, max_zoom=MAX_ZOOM, native_zoom=MAX_ZOOM)
+    policy = Policy()
+    date = ""
+
+    def __init__(self, seed: int = 2024) -> None:
+        self.world = World(seed)
+        # glibc gives what a tile has used back to the system after each, and takes it anew, page by page: a quarter of
+        # a tile's time. Freeing one large block tells it to keep as much (mallopt(3), M_TRIM_THRESHOLD).
+        np.empty(_KEPT_BYTES, dtype=np.uint8)
+
+    def parts(self, window: Window) -> list[Part]:
+        """Return the tiles that fill a window."""
+        return tile_parts(window, self.grid)
+
+    def fetch(self, map_type: str, part: Window) -> Pixels:
+        """Pixels of a tile, (256, 256, 3).
+
+        Raises
+        ------
+        InvalidInput
+            Unknown map type, or a tile that does not exist.
+        """
+        return self.world.tile(map_type, part.zoom, int(part.left_px) // TILE_PX, int(part.top_px) // TILE_PX)
+
+    def close(self) -> None:
+        """Do nothing: it holds nothing."""
+
+
+def open_entry(_entry: CatalogueEntry, _date: str, _key: str | None, options: SourceOptions) -> WorldSource:
+    """Return the world of the seed that is asked for."""
+    return WorldSource(options.seed)

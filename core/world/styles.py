@@ -1,0 +1,281 @@
+"""The three styles: the world as seen from the air, a street map in flat colours, and hill-shaded relief."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from . import climate, objects
+from .climate import height
+from .division import HALF_WIDTH_M, HEDGE, LANE, MAIN, ROAD, TRACK, farm_mean
+from .lattice import Array, Window, cell_hash, mix, refine, salt, signed
+from .objects import footprints
+from .paint import Canvas
+from .region import neighbourhood
+from .samples import Grid, Samples, shared
+from .scene import PARCEL_ZOOM, Scene
+
+_SPECKLE_FIRST = 14
+
+_STRIPE_COUNT = 8192
+_STRIPES_PER_PX = 4
+_STRIPES = ((48.0, 0.5), (22.0, 0.55), (9.0, 0.6), (4.2, 0.55), (2.0, 0.5), (0.9, 0.45), (0.4, 0.4))
+"""Spacing in metres and strength of the bands of which field stripes are made."""
+_HEDGE, _SOIL_TRACK = (62, 80, 44), (176, 156, 122)
+_ASPHALT = {LANE: (150, 146, 140), ROAD: (128, 126, 124), MAIN: (112, 112, 112)}
+_VERGE = (138, 138, 92)
+_MARKING, _MOTORWAY = (224, 206, 130), (134, 132, 130)
+_RIVER = (62, 84, 82)
+_LAKE = (44, 66, 76)
+_SHADOW, _SHADOW_M = (26, 30, 34), 2.6
+_FLOOR = (44, 52, 32)
+LAND = (242, 240, 233)
+WATER = (156, 200, 227)
+WOOD = (196, 224, 186)
+RESIDENTIAL = (229, 227, 224)
+BUILDING, BUILDING_EDGE = (206, 202, 197), (176, 170, 164)
+TRACK_INK, CASING = (214, 204, 186), (201, 196, 188)
+STREET, ROAD_FILL, MAIN_FILL = (255, 255, 255), (255, 250, 208), (252, 220, 132)
+MOTORWAY_FILL = (245, 176, 106)
+_CASING_M = 1.4
+_TINTS = (
+    (0.0, (190, 206, 172)),
+    (0.06, (206, 214, 178)),
+    (0.18, (224, 216, 176)),
+    (0.4, (212, 190, 152)),
+    (0.7, (190, 166, 142)),
+    (1.0, (236, 234, 236)),
+)
+
+
+def speckle(seed: int, samples: Samples, last_level: int) -> Array | None:
+    """Evaluate texture of all scales from 2.4 km down to `last_level`, with a standard deviation of 0.1 an octave."""
+    if last_level < _SPECKLE_FIRST:
+        return None
+    return samples.spline(*_speckle(seed, last_level, *neighbourhood(samples)))
+
+
+def _octave(seed: int, window: Window) -> Array:
+    i, j = window.indices()
+    noise = signed(cell_hash(salt(seed, 5), window.level, i, j))
+    noise *= np.float32(0.36)
+    return noise
+
+
+@shared(32)
+def _speckle(seed: int, level: int, zoom: int, x: int, y: int) -> tuple[Array, Window]:
+    """Coefficients at `level` over a tile of any zoom."""
+    windows = [Grid(zoom, x, y).cells(level).support()]
+    while windows[-1].level > _SPECKLE_FIRST:
+        windows.append(windows[-1].parent())
+    coarse = windows.pop()
+    c: Array = _octave(seed, coarse)
+    for window in reversed(windows):
+        c, coarse = refine(c, coarse, window), window
+        c += _octave(seed, window)
+    return c, coarse
+
+
+@shared(32)
+def _stripe_table(seed: int, pixel_m: float) -> Array:
+    """One period of the stripes at a pixel size, sampled `_STRIPES_PER_PX` times a pixel.
+
+    Bands a pixel cannot show are left out.
+    """
+    at = np.arange(_STRIPE_COUNT) / _STRIPES_PER_PX
+    out = np.zeros(_STRIPE_COUNT, dtype=np.float32)
+    period_px = _STRIPE_COUNT // _STRIPES_PER_PX
+    for band, (spacing_m, strength) in enumerate(_STRIPES):
+        wave_px = spacing_m / pixel_m
+        weight = min(max((wave_px - 2.0) / 2.0, 0.0), 1.0) * strength
+        if weight == 0.0:
+            continue
+        count = max(round(period_px / wave_px), 4)
+        cell = at * (count / period_px)
+        k = np.floor(cell).astype(np.int64)
+        f = (cell - k).astype(np.float32)
+        f = f * f * (np.float32(3) - np.float32(2) * f)
+        value = signed(mix((np.arange(count + 1) % count).astype(np.uint32) + np.uint32(salt(seed, 6, band))))
+        out += np.float32(weight) * (value[k] * (np.float32(1) - f) + value[k + 1] * f)
+    out.flags.writeable = False
+    return out
+
+
+def stripes(seed: int, across_m: Array, pixel_m: float) -> Array:
+    """Evaluate stripes by the distance across them, in metres."""
+    place = across_m * np.float32(_STRIPES_PER_PX / pixel_m)
+    index = place.astype(np.int32)
+    index &= _STRIPE_COUNT - 1
+    out: Array = _stripe_table(seed, pixel_m).take(index.astype(np.intp), mode="clip")
+    return out
+
+
+def satellite(scene: Scene) -> Canvas:
+    """Paint the land, then water, then what stands on it."""
+    zoom = scene.samples.zoom
+    return _Land(scene).paint() if zoom >= PARCEL_ZOOM else _from_afar(scene)
+
+
+def _farm_colour(f: dict[str, Array]) -> Array:
+    dry = climate.dryness(f)
+    return farm_mean(dry.ravel()).reshape(3, *dry.shape)
+
+
+def _from_afar(scene: Scene) -> Canvas:
+    region, samples = scene.region, scene.samples
+    canvas = Canvas(region.smooth(climate.natural_colour, samples), samples.shape)
+    canvas.blend(region.smooth(climate.rural_share, samples), region.smooth(_farm_colour, samples))
+    woods = scene.woods()
+    if woods is not None:
+        canvas.blend(woods, objects.CANOPY)
+    canvas.lighten(_light(scene))
+    _paint_water(canvas, scene)
+    return canvas
+
+
+def _light(scene: Scene) -> Array:
+    return np.float32(1) + scene.shade() * np.float32(0.36)
+
+
+def _paint_water(canvas: Canvas, scene: Scene) -> None:
+    sea = scene.sea()
+    if sea is not None:
+        canvas.blend(sea, scene.region.smooth(climate.sea_colour, scene.samples))
+    canvas.blend(scene.lakes(), _LAKE)
+    canvas.blend(scene.rivers(), _RIVER)
+
+
+class _Land:
+    """Painter of one set of samples at the zooms that show parcels."""
+
+    def __init__(self, scene: Scene) -> None:
+        self.scene, self.parcels = scene, scene.parcels
+        self.pixel_m, self.zoom = scene.pixel_m, scene.samples.zoom
+        self.looks = self.parcels.division.looks
+
+    def paint(self) -> Canvas:
+        scene = self.scene
+        seed, samples = scene.seed, scene.samples
+        self.speckle = speckle(seed, samples, min(self.zoom + 6, 28))
+        canvas = Canvas([self.parcels.take(c) for c in self.looks.colour], samples.shape)
+        wild = self.parcels.leaf(self.looks.wild)
+        if wild.any():
+            canvas.blend(self.parcels.spread(wild), scene.region.smooth(climate.natural_colour, samples))
+        canvas.lighten(self._texture())
+        self._lines(canvas)
+        woods = scene.woods()
+        if woods is not None:
+            canvas.blend(woods, _FLOOR if self.zoom >= objects.FIRST_ZOOM else objects.CANOPY)
+        _paint_water(canvas, scene)
+        self._roads(canvas)
+        self._buildings(canvas)
+        if self.zoom >= objects.FIRST_ZOOM:
+            self._trees(canvas)
+        return canvas
+
+    def _texture(self) -> Array:
+        """Lightness of the ground: stripes along the rows of fields, speckle, and slopes."""
+        looks, parcels = self.looks, self.parcels
+        light = _light(self.scene)
+        if self.speckle is not None:
+            light += self.speckle * parcels.take(looks.speckle)
+        strength = parcels.leaf(looks.stripes)
+        if self.zoom >= 13 and strength.any():
+            across = parcels.x * parcels.take(looks.cos)
+            across += parcels.y * parcels.take(looks.sin)
+            light += stripes(self.scene.seed, across, self.pixel_m) * parcels.spread(strength)
+        return light
+
+    def _lines(self, canvas: Canvas) -> None:
+        for line, colour in ((TRACK, _SOIL_TRACK), (HEDGE, _HEDGE)):
+            d = self.parcels.distance_m(line)
+            if d is not None:
+                canvas.stroke(d, self.pixel_m, (HALF_WIDTH_M[line], 0.8, colour))
+
+    def _roads(self, canvas: Canvas) -> None:
+        lines = [(line, self.parcels.distance_m(line)) for line in (LANE, ROAD, MAIN)]
+        for line, d in lines:
+            if d is not None:
+                canvas.stroke(d, self.pixel_m, (HALF_WIDTH_M[line] + 2.0, 0.6, _VERGE))
+        for line, d in lines:
+            if d is not None:
+                strokes = [(HALF_WIDTH_M[line], 1.0, _ASPHALT[line])]
+                if line == MAIN and self.zoom >= 18:
+                    strokes.append((0.2, 0.7, _MARKING))
+                canvas.stroke(d, self.pixel_m, *strokes)
+        canvas.blend(self.scene.motorway(), _MOTORWAY)
+
+    def _buildings(self, canvas: Canvas) -> None:
+        prints = footprints(self.parcels)
+        if prints is None:
+            return
+        at, near = prints.near(_SHADOW_M)
+        layers: list[tuple[Array, Array | Sequence[float | Array]]] = [(near.cover(), near.roofs())]
+        if self.zoom >= 15:
+            layers.insert(0, (near.cover(moved_m=_SHADOW_M) * np.float32(0.6), _SHADOW))
+        canvas.touch(at, *layers)
+
+    def _trees(self, canvas: Canvas) -> None:
+        contrast = 0.55 if self.zoom == objects.FIRST_ZOOM else 1.0
+        canopy = np.array(objects.CANOPY, dtype=np.float32)
+        for cells, crowns in objects.plant(self.scene):
+            objects.draw(canvas, cells, crowns, self.pixel_m, self.speckle, contrast, canopy)
+
+
+def roadmap(scene: Scene) -> Canvas:
+    """Draw the street map."""
+    canvas = Canvas(LAND, scene.samples.shape)
+    drawn = scene.samples.zoom >= PARCEL_ZOOM
+    if drawn:
+        town = scene.parcels.leaf(scene.parcels.division.looks.town)
+        if town.any():
+            canvas.blend(scene.parcels.spread(town), RESIDENTIAL)
+    canvas.blend(scene.woods(), WOOD)
+    canvas.blend(scene.sea(), WATER)
+    canvas.blend(scene.lakes(), WATER)
+    canvas.blend(scene.rivers(), WATER)
+    if drawn:
+        _draw_buildings(canvas, scene)
+        _draw_roads(canvas, scene)
+    cover = scene.motorway()
+    canvas.blend(cover, MOTORWAY_FILL)
+    return canvas
+
+
+def _draw_buildings(canvas: Canvas, scene: Scene) -> None:
+    prints = footprints(scene.parcels)
+    if prints is not None:
+        for colour, grow in ((BUILDING_EDGE, 0.0), (BUILDING, -0.7)):
+            canvas.blend(prints.cover(grow_m=grow), colour)
+
+
+def _draw_roads(canvas: Canvas, scene: Scene) -> None:
+    parcels, p = scene.parcels, scene.pixel_m
+    lines = {line: parcels.distance_m(line) for line in (TRACK, LANE, ROAD, MAIN)}
+    for line, d in lines.items():
+        if d is not None:
+            ink, wider = (TRACK_INK, 0.0) if line == TRACK else (CASING, _CASING_M)
+            canvas.stroke(d, p, (HALF_WIDTH_M[line] + wider, 1.0, ink))
+    for line, ink in ((LANE, STREET), (ROAD, ROAD_FILL), (MAIN, MAIN_FILL)):
+        d = lines[line]
+        if d is not None:
+            canvas.stroke(d, p, (HALF_WIDTH_M[line], 1.0, ink))
+
+
+def terrain(scene: Scene) -> Canvas:
+    """Draw hypsometric tints with hill shading, water, woods and faint roads."""
+    up = scene.region.smooth(height, scene.samples)
+    stops = np.array([s for s, _ in _TINTS])
+    tint = np.stack([np.interp(up, stops, [c[k] for _, c in _TINTS]) for k in range(3)])
+    canvas = Canvas(tint, scene.samples.shape)
+    woods = scene.woods()
+    if woods is not None:
+        canvas.blend(woods * np.float32(0.35), (150, 186, 132))
+    shade = scene.shade()
+    light = np.float32(1) + shade * np.float32(0.3)
+    canvas.lighten(light)
+    canvas.blend(scene.sea(), WATER)
+    canvas.blend(scene.lakes(), WATER)
+    canvas.blend(scene.rivers(), WATER)
+    return canvas
