@@ -5595,6 +5595,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/catalogue/entry.py"/>
+        <source>tile_px []: needs the width of its tiles, such as [256]</source>
+        <translation>tile_px []: falta el ancho de las teselas, por ejemplo [256]</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/catalogue/entry.py"/>
         <source>tiles of {0} px: {1} has {2}</source>
         <translation>teselas de {0} px: {1} tiene {2}</translation>
     </message>
