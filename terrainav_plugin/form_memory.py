@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 from qgis.PyQt.QtCore import QObject, QTimer
 
-from .dock.form_state import FormState
+from .form.state import FormState
 from .settings import Settings
 
 #: Pause in typing after which entries are written down: QGIS writes its whole file of settings each time.

@@ -12,11 +12,11 @@ from qgis.core import QgsProject
 
 from ..core.errors import InvalidInput, SourceError
 from .credentials import key_in, problem_with
-from .dock.mission_form import FormError
+from .form.mission_form import FormError
 from .i18n import number_text, told, tr
-from .layers.connections import Connection, connection, is_connection
-from .layers.snapshot import Snapshot, grid_of_layers, is_of_qgis, policies_of_layers, take_snapshot
-from .layers.source import LayerSource
+from .qgis_source.connections import Connection, connection, is_connection
+from .qgis_source.snapshot import Snapshot, grid_of_layers, is_of_qgis, policies_of_layers, take_snapshot
+from .qgis_source.source import LayerSource
 from .settings import Settings, credential_home
 
 if TYPE_CHECKING:

@@ -17,15 +17,15 @@ from qgis.PyQt.QtWidgets import QComboBox, QDialog
 from ..core.errors import TerrAInavError
 from ..core.mission.area import Box
 from .dataset.cleaning import Cleaning
-from .dock import mission_form
 from .dock.camera_choices import camera_choices
 from .dock.dock import Dock
 from .dock.estimates import readout
-from .dock.form_state import BOX_FIELDS, FormState
-from .dock.mission_form import FormError
 from .dock.refusals import in_words_of_the_dock, refused_fields
 from .dock.source_choices import source_choices
 from .dock.source_shelf import SourceShelf
+from .form import mission_form
+from .form.mission_form import FormError
+from .form.state import BOX_FIELDS, FormState
 from .form_memory import FormMemory
 from .i18n import told, tr
 from .map.area_control import AreaControl
@@ -37,15 +37,14 @@ from .map.preview import Preview
 from .map.source_on_map import SourceOnMap
 from .messages import Messages
 from .missions.missions import Missions
-from .mnemonics import free_of_menus
-from .paths import folder_of
+from .paths import folder_of, open_in_system
 from .planner import Planned, Planner
-from .runs.after import open_in_system
 from .runs.line import Runs
 from .runs.panel import RunPanel
 from .settings import Settings
 from .sources import policy_of
 from .viewer.viewing import Viewing
+from .widgets import free_of_menus
 
 if TYPE_CHECKING:
     from ..core.mission.mission import Mission

@@ -15,7 +15,7 @@ from pathlib import Path
 from qgis.core import Qgis, QgsApplication, QgsProject
 from qgis.utils import iface, plugins
 from stage import StageError, click, layer_names, tidy_messages, wait, wait_until_drawn, window_picture
-from terrainav.terrainav_plugin.dock.mission_form import FormState
+from terrainav.terrainav_plugin.form.mission_form import FormState
 from terrainav.terrainav_plugin.workflow import Workflow
 
 DEMO = Path(__file__).resolve().parent.parent / "demo"

@@ -61,8 +61,8 @@ from stage import (
     wait,
     wait_until_drawn,
 )
-from terrainav.terrainav_plugin.dock.mission_form import FormState
 from terrainav.terrainav_plugin.dock.options_page import OptionsPage
+from terrainav.terrainav_plugin.form.mission_form import FormState
 
 IMAGES = Path(__file__).resolve().parent.parent / "docs" / "images"
 #: The folder is to be seen in the pictures, so that it has a plain name.

@@ -345,21 +345,72 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
 {bits} bits; pulsar para verla en el mapa</translation>
     </message>
     <message>
+        <location filename="../../terrainav_plugin/dataset/footprints.py"/>
         <location filename="../../terrainav_plugin/dataset/outlines.py"/>
-        <location filename="../../terrainav_plugin/viewer/footprint_file.py"/>
         <source>footprints {path}: cannot be read ({reason})</source>
         <translation>huellas {path}: no se pueden leer ({reason})</translation>
     </message>
     <message>
+        <location filename="../../terrainav_plugin/dataset/footprints.py"/>
         <location filename="../../terrainav_plugin/dataset/outlines.py"/>
-        <location filename="../../terrainav_plugin/viewer/footprint_file.py"/>
         <source>footprints: stopped</source>
         <translation>huellas: detenido</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/footprints.py"/>
+        <source>it has changed</source>
+        <translation>ha cambiado</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/footprints.py"/>
+        <source>it is none of a capture</source>
+        <translation>no es de ninguna captura</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/layers.py"/>
+        <location filename="../../terrainav_plugin/processing/capture.py"/>
+        <source>Captured images</source>
+        <translation>Imágenes capturadas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/layers.py"/>
+        <source>Failed images</source>
+        <translation>Imágenes fallidas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/mosaic.py"/>
+        <source>Roadmap images</source>
+        <translation>Imágenes de callejero</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/mosaic.py"/>
+        <source>Satellite images</source>
+        <translation>Imágenes de satélite</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/mosaic.py"/>
+        <source>Terrain images</source>
+        <translation>Imágenes de relieve</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/mosaic.py"/>
+        <source>{title}, part {number}</source>
+        <translation>{title}, parte {number}</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/dataset/outlines.py"/>
         <source>the map's CRS cannot be drawn in ({reason})</source>
         <translation>en el SRC del mapa no se puede dibujar ({reason})</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/picture.py"/>
+        <source>The image cannot be read: {reason}</source>
+        <translation>No se puede leer la imagen: {reason}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/picture.py"/>
+        <source>There is no image (yet).</source>
+        <translation>No hay imagen (todavía).</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/dock/add_source_dialog.py"/>
@@ -671,15 +722,15 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/dock/area_dialogs.py"/>
-        <location filename="../../terrainav_plugin/dock/area_form.py"/>
         <location filename="../../terrainav_plugin/dock/flight_entries.py"/>
+        <location filename="../../terrainav_plugin/form/area.py"/>
         <source>ft</source>
         <translation>ft</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/dock/area_dialogs.py"/>
-        <location filename="../../terrainav_plugin/dock/area_form.py"/>
         <location filename="../../terrainav_plugin/dock/flight_entries.py"/>
+        <location filename="../../terrainav_plugin/form/area.py"/>
         <source>m</source>
         <translation>m</translation>
     </message>
@@ -931,36 +982,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/dock/area_menu.py"/>
         <source>The box of what the map shows now</source>
         <translation>El recuadro de lo que muestra ahora el mapa</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_shape.py"/>
-        <source>the area's shape cannot be read: {error}</source>
-        <translation>no se puede leer la forma del área: {error}</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_shape.py"/>
-        <source>the area's shape is a box: must be a polygon or points</source>
-        <translation>la forma del área es un recuadro: debe ser un polígono o puntos</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_text.py"/>
-        <source>give every point a yaw, or none</source>
-        <translation>dar una guiñada a cada punto, o a ninguno</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_text.py"/>
-        <source>line {number}:</source>
-        <translation>línea {number}:</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_text.py"/>
-        <source>yaw “{text}”: must be a number of degrees</source>
-        <translation>guiñada «{text}»: debe ser un número de grados</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_text.py"/>
-        <source>“{line}” has {count} numbers; several lines must be of lat lon agl [yaw]</source>
-        <translation>«{line}» tiene {count} números; si hay varias líneas, deben ser de lat lon agl [guiñada]</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/dock/cache_dialog.py"/>
@@ -1924,11 +1945,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>transversal</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/dock/guide_window.py"/>
-        <source>TerrAInav: guide</source>
-        <translation>TerrAInav: guía</translation>
-    </message>
-    <message>
         <location filename="../../terrainav_plugin/dock/imagery_entries.py"/>
         <source>API key</source>
         <translation>Clave API</translation>
@@ -2048,51 +2064,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/dock/keys_table.py"/>
         <source>Sources that need a key or are authenticated, and the configurations that hold it</source>
         <translation>Fuentes que necesitan una clave o autenticación, y las configuraciones que la contienen</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/mission_form.py"/>
-        <source>aspect ratio</source>
-        <translation>relación de aspecto</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/mission_form.py"/>
-        <source>eastern edge</source>
-        <translation>borde oriental</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/mission_form.py"/>
-        <source>ground per px: must be above 0</source>
-        <translation>terreno por px: debe ser mayor que 0</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/mission_form.py"/>
-        <source>height above ground {height} {unit}: must be above 0</source>
-        <translation>altura sobre el terreno {height} {unit}: debe ser mayor que 0</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/mission_form.py"/>
-        <source>northern edge</source>
-        <translation>borde norte</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/mission_form.py"/>
-        <source>overlap {percent} %: must be at least 0 and below 100 %</source>
-        <translation>solape {percent} %: debe ser al menos 0 y menor que 100 %</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/mission_form.py"/>
-        <source>southern edge</source>
-        <translation>borde sur</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/mission_form.py"/>
-        <source>western edge</source>
-        <translation>borde occidental</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/mission_form.py"/>
-        <source>{what} “{text}”: must be a number</source>
-        <translation>{what} «{text}»: debe ser un número</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/dock/options_page.py"/>
@@ -2532,74 +2503,135 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>TerrAInav: eliminar fuente</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/dock/units.py"/>
-        <source>{count} acres</source>
-        <translation>{count} acres</translation>
+        <location filename="../../terrainav_plugin/form/area.py"/>
+        <source>1 hole</source>
+        <translation>1 hueco</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/dock/units.py"/>
-        <source>{count} sq mi</source>
-        <translation>{count} mi²</translation>
+        <location filename="../../terrainav_plugin/form/area.py"/>
+        <source>Box, {size}</source>
+        <translation>Recuadro, {size}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/area.py"/>
+        <source>Polygon</source>
+        <translation>Polígono</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/area.py"/>
+        <source>Single capture</source>
+        <translation>Captura única</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/area.py"/>
+        <source>each with its yaw</source>
+        <translation>cada uno con su guiñada</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/area.py"/>
+        <source>give every point a yaw, or none</source>
+        <translation>dar una guiñada a cada punto, o a ninguno</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/area.py"/>
+        <source>line {number}:</source>
+        <translation>línea {number}:</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/area.py"/>
+        <source>the area's shape cannot be read: {error}</source>
+        <translation>no se puede leer la forma del área: {error}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/area.py"/>
+        <source>the area's shape is a box: must be a polygon or points</source>
+        <translation>la forma del área es un recuadro: debe ser un polígono o puntos</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/area.py"/>
+        <location filename="../../terrainav_plugin/map/preview_layers.py"/>
+        <source>yaw {yaw}°</source>
+        <translation>guiñada {yaw}°</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/area.py"/>
+        <source>yaw “{text}”: must be a number of degrees</source>
+        <translation>guiñada «{text}»: debe ser un número de grados</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/area.py"/>
+        <source>{n} corners</source>
+        <translation>{n} vértices</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/area.py"/>
+        <source>{n} holes</source>
+        <translation>{n} huecos</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/area.py"/>
+        <source>{n} points</source>
+        <translation>{n} puntos</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/area.py"/>
+        <source>“{line}” has {count} numbers; several lines must be of lat lon agl [yaw]</source>
+        <translation>«{line}» tiene {count} números; si hay varias líneas, deben ser de lat lon agl [guiñada]</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/mission_form.py"/>
+        <source>aspect ratio</source>
+        <translation>relación de aspecto</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/mission_form.py"/>
+        <source>eastern edge</source>
+        <translation>borde oriental</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/mission_form.py"/>
+        <source>ground per px: must be above 0</source>
+        <translation>terreno por px: debe ser mayor que 0</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/mission_form.py"/>
+        <source>height above ground {height} {unit}: must be above 0</source>
+        <translation>altura sobre el terreno {height} {unit}: debe ser mayor que 0</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/mission_form.py"/>
+        <source>northern edge</source>
+        <translation>borde norte</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/mission_form.py"/>
+        <source>overlap {percent} %: must be at least 0 and below 100 %</source>
+        <translation>solape {percent} %: debe ser al menos 0 y menor que 100 %</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/mission_form.py"/>
+        <source>southern edge</source>
+        <translation>borde sur</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/mission_form.py"/>
+        <source>western edge</source>
+        <translation>borde occidental</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/mission_form.py"/>
+        <source>{what} “{text}”: must be a number</source>
+        <translation>{what} «{text}»: debe ser un número</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/help.py"/>
+        <source>TerrAInav: guide</source>
+        <translation>TerrAInav: guía</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/i18n.py"/>
         <source>English</source>
         <translation>español</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/layers/connections.py"/>
-        <source>QGIS connection “{name}” holds a user name and password in plain text: give it an authentication configuration in QGIS's Browser panel</source>
-        <translation>La conexión de QGIS «{name}» contiene usuario y contraseña en texto sin cifrar: darle una configuración de autenticación en el panel Navegador de QGIS</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/layers/connections.py"/>
-        <source>QGIS connection “{name}” holds keys in its address ({keys}), which would end up in files: take them out of it, and give it an authentication configuration in QGIS's Browser panel</source>
-        <translation>La conexión de QGIS «{name}» contiene claves en su dirección ({keys}), que acabarían en archivos: quitarlas de ella y darle una configuración de autenticación en el panel Navegador de QGIS</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/layers/connections.py"/>
-        <source>QGIS connection “{name}”: {problem}</source>
-        <translation>Conexión de QGIS «{name}»: {problem}</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/layers/connections.py"/>
-        <source>source {name}: QGIS has no such XYZ connection (any more); choose another source</source>
-        <translation>fuente {name}: QGIS no tiene (o ya no tiene) tal conexión XYZ; elegir otra fuente</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/layers/snapshot.py"/>
-        <source>Whole map</source>
-        <translation>Mapa completo</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/layers/snapshot.py"/>
-        <source>layer {name}: its pixels have no size</source>
-        <translation>capa {name}: sus píxeles no tienen tamaño</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/layers/snapshot.py"/>
-        <source>layer {name}: its place on the globe is not known; set its CRS</source>
-        <translation>capa {name}: no se conoce su lugar en el globo; definir su SRC</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/layers/snapshot.py"/>
-        <source>layer {name}: shows nothing; repair its data source</source>
-        <translation>capa {name}: no muestra nada; reparar su fuente de datos</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/layers/snapshot.py"/>
-        <source>source {name}: the project has no such layer (any more); choose another source</source>
-        <translation>fuente {name}: el proyecto no tiene (o ya no tiene) tal capa; elegir otra fuente</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/layers/snapshot.py"/>
-        <source>the map shows no layer: tick one in the Layers panel</source>
-        <translation>el mapa no muestra ninguna capa: marcar una en el panel Capas</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/layers/tiles.py"/>
-        <source>layer {name}: its service has tiles of {size} px; choose a layer with tiles of 256, 512 or 1024 px</source>
-        <translation>capa {name}: su servicio tiene teselas de {size} px; elegir una capa con teselas de 256, 512 o 1024 px</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/map/area_control.py"/>
@@ -2797,52 +2829,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>mover el área</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/map/area_words.py"/>
-        <source>1 hole</source>
-        <translation>1 hueco</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/area_words.py"/>
-        <source>Box, {size}</source>
-        <translation>Recuadro, {size}</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/area_words.py"/>
-        <source>Polygon</source>
-        <translation>Polígono</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/area_words.py"/>
-        <source>Single capture</source>
-        <translation>Captura única</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/area_words.py"/>
-        <source>each with its yaw</source>
-        <translation>cada uno con su guiñada</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/area_words.py"/>
-        <location filename="../../terrainav_plugin/map/preview_layers.py"/>
-        <source>yaw {yaw}°</source>
-        <translation>guiñada {yaw}°</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/area_words.py"/>
-        <source>{n} corners</source>
-        <translation>{n} vértices</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/area_words.py"/>
-        <source>{n} holes</source>
-        <translation>{n} huecos</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/area_words.py"/>
-        <source>{n} points</source>
-        <translation>{n} puntos</translation>
-    </message>
-    <message>
         <location filename="../../terrainav_plugin/map/background.py"/>
         <source>Drawing the synthetic landscape</source>
         <translation>Dibujando el paisaje sintético</translation>
@@ -2858,17 +2844,17 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>no se puede mostrar {title}: {reason}</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/map/box_geometry.py"/>
+        <location filename="../../terrainav_plugin/map/canvas.py"/>
         <source>(custom)</source>
         <translation>(personalizado)</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/map/box_geometry.py"/>
+        <location filename="../../terrainav_plugin/map/canvas.py"/>
         <source>this place cannot be shown in the project's CRS {crs}; choose another CRS</source>
         <translation>este lugar no se puede mostrar en el SRC del proyecto, {crs}; elegir otro SRC</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/map/box_geometry.py"/>
+        <location filename="../../terrainav_plugin/map/canvas.py"/>
         <source>this place is outside the domain of the project's CRS {crs}</source>
         <translation>este lugar está fuera del dominio del SRC del proyecto, {crs}</translation>
     </message>
@@ -2876,37 +2862,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/map/mission_group.py"/>
         <source>TerrAInav: {name}</source>
         <translation>TerrAInav: {name}</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/mosaic.py"/>
-        <source>Roadmap images</source>
-        <translation>Imágenes de callejero</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/mosaic.py"/>
-        <source>Satellite images</source>
-        <translation>Imágenes de satélite</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/mosaic.py"/>
-        <source>Terrain images</source>
-        <translation>Imágenes de relieve</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/mosaic.py"/>
-        <source>{title}, part {number}</source>
-        <translation>{title}, parte {number}</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/opened_results.py"/>
-        <location filename="../../terrainav_plugin/processing/capture.py"/>
-        <source>Captured images</source>
-        <translation>Imágenes capturadas</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/opened_results.py"/>
-        <source>Failed images</source>
-        <translation>Imágenes fallidas</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/map/preview_layers.py"/>
@@ -4289,6 +4244,61 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>{part}: {images} imágenes ({share} %).</translation>
     </message>
     <message>
+        <location filename="../../terrainav_plugin/qgis_source/connections.py"/>
+        <source>QGIS connection “{name}” holds a user name and password in plain text: give it an authentication configuration in QGIS's Browser panel</source>
+        <translation>La conexión de QGIS «{name}» contiene usuario y contraseña en texto sin cifrar: darle una configuración de autenticación en el panel Navegador de QGIS</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/qgis_source/connections.py"/>
+        <source>QGIS connection “{name}” holds keys in its address ({keys}), which would end up in files: take them out of it, and give it an authentication configuration in QGIS's Browser panel</source>
+        <translation>La conexión de QGIS «{name}» contiene claves en su dirección ({keys}), que acabarían en archivos: quitarlas de ella y darle una configuración de autenticación en el panel Navegador de QGIS</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/qgis_source/connections.py"/>
+        <source>QGIS connection “{name}”: {problem}</source>
+        <translation>Conexión de QGIS «{name}»: {problem}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/qgis_source/connections.py"/>
+        <source>source {name}: QGIS has no such XYZ connection (any more); choose another source</source>
+        <translation>fuente {name}: QGIS no tiene (o ya no tiene) tal conexión XYZ; elegir otra fuente</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/qgis_source/snapshot.py"/>
+        <source>Whole map</source>
+        <translation>Mapa completo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/qgis_source/snapshot.py"/>
+        <source>layer {name}: its pixels have no size</source>
+        <translation>capa {name}: sus píxeles no tienen tamaño</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/qgis_source/snapshot.py"/>
+        <source>layer {name}: its place on the globe is not known; set its CRS</source>
+        <translation>capa {name}: no se conoce su lugar en el globo; definir su SRC</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/qgis_source/snapshot.py"/>
+        <source>layer {name}: shows nothing; repair its data source</source>
+        <translation>capa {name}: no muestra nada; reparar su fuente de datos</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/qgis_source/snapshot.py"/>
+        <source>source {name}: the project has no such layer (any more); choose another source</source>
+        <translation>fuente {name}: el proyecto no tiene (o ya no tiene) tal capa; elegir otra fuente</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/qgis_source/snapshot.py"/>
+        <source>the map shows no layer: tick one in the Layers panel</source>
+        <translation>el mapa no muestra ninguna capa: marcar una en el panel Capas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/qgis_source/tiles.py"/>
+        <source>layer {name}: its service has tiles of {size} px; choose a layer with tiles of 256, 512 or 1024 px</source>
+        <translation>capa {name}: su servicio tiene teselas de {size} px; elegir una capa con teselas de 256, 512 o 1024 px</translation>
+    </message>
+    <message>
         <location filename="../../terrainav_plugin/runs/after.py"/>
         <source>Camera frames make no mosaic: “View images” shows them one by one.</source>
         <translation>Los encuadres de cámara no forman mosaico: «Ver imágenes» los muestra uno a uno.</translation>
@@ -4545,9 +4555,19 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>{title}: {requests} peticiones, y como máximo {most} pasan sin {without}.</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/task.py"/>
+        <location filename="../../terrainav_plugin/tasks.py"/>
         <source>unexpected error: {error}</source>
         <translation>error inesperado: {error}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/units.py"/>
+        <source>{count} acres</source>
+        <translation>{count} acres</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/units.py"/>
+        <source>{count} sq mi</source>
+        <translation>{count} mi²</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/viewer/details.py"/>
@@ -4638,26 +4658,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/viewer/details.py"/>
         <source>{}°, {}°, {}°</source>
         <translation>{}°, {}°, {}°</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/viewer/footprint_file.py"/>
-        <source>it has changed</source>
-        <translation>ha cambiado</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/viewer/footprint_file.py"/>
-        <source>it is none of a capture</source>
-        <translation>no es de ninguna captura</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/viewer/picture.py"/>
-        <source>The image cannot be read: {reason}</source>
-        <translation>No se puede leer la imagen: {reason}</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/viewer/picture.py"/>
-        <source>There is no image (yet).</source>
-        <translation>No hay imagen (todavía).</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/viewer/shots.py"/>
@@ -6177,7 +6177,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/requests_transport.py"/>
-        <location filename="../../terrainav_plugin/network/errors.py"/>
+        <location filename="../../terrainav_plugin/network/answers.py"/>
         <source>connection to {0} broke off</source>
         <translation>se cortó la conexión con {0}</translation>
     </message>
@@ -6189,13 +6189,13 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/requests_transport.py"/>
-        <location filename="../../terrainav_plugin/network/errors.py"/>
+        <location filename="../../terrainav_plugin/network/answers.py"/>
         <source>no connection to {0}</source>
         <translation>sin conexión con {0}</translation>
     </message>
     <message>
         <location filename="../../core/imagery/requests_transport.py"/>
-        <location filename="../../terrainav_plugin/network/errors.py"/>
+        <location filename="../../terrainav_plugin/network/answers.py"/>
         <source>no trusted connection to {0} (TLS)</source>
         <translation>sin conexión de confianza con {0} (TLS)</translation>
     </message>
@@ -6207,7 +6207,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/requests_transport.py"/>
-        <location filename="../../terrainav_plugin/network/errors.py"/>
+        <location filename="../../terrainav_plugin/network/answers.py"/>
         <location filename="../../terrainav_plugin/network/transport.py"/>
         <location filename="../../terrainav_plugin/network/worker.py"/>
         <source>the URL is not valid</source>
@@ -6215,7 +6215,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/requests_transport.py"/>
-        <location filename="../../terrainav_plugin/network/errors.py"/>
+        <location filename="../../terrainav_plugin/network/answers.py"/>
         <source>the proxy does not answer</source>
         <translation>el proxy no responde</translation>
     </message>
@@ -7779,94 +7779,59 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>error inesperado ({0})</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/dock/entries.py"/>
-        <source>{0}: not a widget that entries know</source>
-        <translation>{0}: no es un elemento que las entradas conozcan</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/layers/jobs.py"/>
-        <source>QGIS could not draw it: {0}</source>
-        <translation>QGIS no ha podido dibujarlo: {0}</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/layers/jobs.py"/>
-        <source>QGIS had not drawn it after {0} s</source>
-        <translation>QGIS no lo había dibujado tras {0} s</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/layers/jobs.py"/>
-        <source>cancelled while drawing the map</source>
-        <translation>cancelado mientras se dibujaba el mapa</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/layers/jobs.py"/>
-        <source>picture of {0}x{1} px: too large to be drawn</source>
-        <translation>imagen de {0}x{1} px: demasiado grande para dibujarla</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/layers/pipes.py"/>
-        <source>QGIS could not read it: {0}</source>
-        <translation>QGIS no ha podido leerlo: {0}</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/layers/pipes.py"/>
-        <source>no reason given</source>
-        <translation>no se indica el motivo</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/layers/source.py"/>
-        <source>{0} shows nothing here</source>
-        <translation>{0} no muestra nada aquí</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/failed_images.py"/>
+        <location filename="../../terrainav_plugin/dataset/layers.py"/>
         <source>failed images of {0}: cannot be written ({1})</source>
         <translation>imágenes fallidas de {0}: no se pueden escribir ({1})</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/map/mosaic.py"/>
-        <source>file {0}: cannot be replaced ({1}); close what shows it</source>
-        <translation>archivo {0}: no se puede sustituir ({1}); cerrar lo que lo muestra</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/on_map.py"/>
-        <source>picture {0}: cannot be read ({1})</source>
-        <translation>imagen {0}: no se puede leer ({1})</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/on_map.py"/>
-        <source>picture {0}: cannot be written ({1})</source>
-        <translation>imagen {0}: no se puede escribir ({1})</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/on_map.py"/>
-        <source>picture {0}: shows no ground that a map in EPSG:3857 has</source>
-        <translation>imagen {0}: no muestra terreno que tenga un mapa en EPSG:3857</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/opened_results.py"/>
+        <location filename="../../terrainav_plugin/dataset/layers.py"/>
         <source>footprints {0}: QGIS cannot open them</source>
         <translation>huellas {0}: QGIS no puede abrirlas</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/map/opened_results.py"/>
+        <location filename="../../terrainav_plugin/dataset/layers.py"/>
         <source>picture {0}: QGIS cannot open it</source>
         <translation>imagen {0}: QGIS no puede abrirla</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/map/overviews.py"/>
+        <location filename="../../terrainav_plugin/dataset/mosaic.py"/>
+        <source>file {0}: cannot be replaced ({1}); close what shows it</source>
+        <translation>archivo {0}: no se puede sustituir ({1}); cerrar lo que lo muestra</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/mosaic.py"/>
         <source>mosaic {0}: cannot be made ({1})</source>
         <translation>mosaico {0}: no se puede crear ({1})</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/map/overviews.py"/>
+        <location filename="../../terrainav_plugin/dataset/mosaic.py"/>
         <source>mosaic {0}: cannot be written ({1})</source>
         <translation>mosaico {0}: no se puede escribir ({1})</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/map/overviews.py"/>
+        <location filename="../../terrainav_plugin/dataset/mosaic.py"/>
         <source>mosaic: stopped</source>
         <translation>mosaico: detenido</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/rectify.py"/>
+        <source>picture {0}: cannot be read ({1})</source>
+        <translation>imagen {0}: no se puede leer ({1})</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/rectify.py"/>
+        <source>picture {0}: cannot be written ({1})</source>
+        <translation>imagen {0}: no se puede escribir ({1})</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/rectify.py"/>
+        <source>picture {0}: shows no ground that a map in EPSG:3857 has</source>
+        <translation>imagen {0}: no muestra terreno que tenga un mapa en EPSG:3857</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dock/entries.py"/>
+        <source>{0}: not a widget that entries know</source>
+        <translation>{0}: no es un elemento que las entradas conozcan</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/map/world_picture.py"/>
@@ -7879,7 +7844,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>fondo: detenido</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/network/errors.py"/>
+        <location filename="../../terrainav_plugin/network/answers.py"/>
         <source>the proxy asks for a user name and password</source>
         <translation>el proxy pide usuario y contraseña</translation>
     </message>
@@ -7892,6 +7857,26 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/network/worker.py"/>
         <source>QGIS's authentication database is locked: enter its master password, then try again</source>
         <translation>La base de datos de autenticación de QGIS está bloqueada: introducir su contraseña maestra e intentarlo de nuevo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/qgis_source/renderer.py"/>
+        <source>QGIS could not draw it: {0}</source>
+        <translation>QGIS no ha podido dibujarlo: {0}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/qgis_source/renderer.py"/>
+        <source>QGIS could not read it: {0}</source>
+        <translation>QGIS no ha podido leerlo: {0}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/qgis_source/renderer.py"/>
+        <source>picture of {0}x{1} px: too large to be drawn</source>
+        <translation>imagen de {0}x{1} px: demasiado grande para dibujarla</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/qgis_source/source.py"/>
+        <source>{0} shows nothing here</source>
+        <translation>{0} no muestra nada aquí</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/settings.py"/>

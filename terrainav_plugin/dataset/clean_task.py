@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..i18n import number_text, tr
-from ..task import Task
+from ..tasks import Task
 
 if TYPE_CHECKING:
     from ...core.dataset.clean import Cleaned

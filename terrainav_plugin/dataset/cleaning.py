@@ -13,12 +13,10 @@ from qgis.PyQt.QtWidgets import QFileDialog
 
 from ...core.dataset.folder import DECIDING, FOOTPRINTS_FILE, MISSION_FILE
 from ..i18n import told, tr
-from ..missions.recent import recent
-from ..mnemonics import free_of_menus
-from ..paths import folder_of
-from ..runs.after import open_in_system
-from ..task import Task
-from ..viewer.worker import Worker
+from ..paths import folder_of, open_in_system
+from ..settings import recent
+from ..tasks import Task, Worker
+from ..widgets import free_of_menus
 
 if TYPE_CHECKING:
     from ..workflow import Workflow

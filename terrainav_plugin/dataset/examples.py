@@ -11,9 +11,9 @@ from qgis.PyQt.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QToolButton, Q
 
 from ..i18n import number_text, tr
 from ..plain import shown_plain
-from ..viewer.picture import Picture, read_picture
 from .colours import KEPT, REJECTED
 from .entropies import Example
+from .picture import Picture, read_picture
 
 #: Pictures on either side.
 COUNT = 4

@@ -12,7 +12,7 @@ from qgis.gui import QgsMapCanvas, QgsMapCanvasItem
 from qgis.PyQt.QtCore import QObject, pyqtSignal
 from qgis.PyQt.QtGui import QImage, QPainter
 
-from ..viewer.worker import Worker
+from ..tasks import Worker
 from .outlines import Bounds, Drawer, Drawn, View
 
 

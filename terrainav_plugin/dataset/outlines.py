@@ -19,8 +19,8 @@ from ...core.dataset.folder import FOOTPRINTS_FILE
 from ...core.errors import Cancelled, InvalidInput
 from ...core.safe_json import parse_json
 from ..i18n import tr
-from ..viewer.footprint_file import rings_of, stamp_of
 from .colours import REJECTED
+from .footprints import rings_of, stamp_of
 
 Floats = NDArray[np.float64]
 Numbers = NDArray[np.int64]

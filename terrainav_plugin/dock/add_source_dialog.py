@@ -21,8 +21,7 @@ from qgis.PyQt.QtWidgets import (
 from ...core.errors import TerrAInavError
 from ..help import add_help_button
 from ..i18n import told, tr
-from .field_marks import STYLE_SHEET, FieldMarks
-from .form_widgets import combo, spin
+from ..widgets import STYLE_SHEET, FieldMarks, combo, spin
 from .source_choices import limits_html
 
 #: Of a source of which nothing is said; a server may take more, and should be asked first.

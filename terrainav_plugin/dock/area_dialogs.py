@@ -18,8 +18,8 @@ from ..compat import POINT_LAYERS, POLYGON_LAYERS
 from ..i18n import number_text, tr
 from ..map.area_layers import PointFields
 from ..plain import plain_label
-from .form_state import M_PER_FT
-from .form_widgets import NumberBox, row, spin
+from ..units import M_PER_FT
+from ..widgets import NumberBox, row, spin
 
 _MOST_AGL = 1e9
 

@@ -8,13 +8,12 @@ from functools import partial
 from qgis.PyQt.QtCore import QObject, pyqtSignal
 
 from ...core.mission.area import Area
+from ..form.area import FormError, area_words, entered_area, unit_of, with_area, with_coordinates
+from ..form.state import FormState
+from ..form.text import looks_like_coordinates
 from ..i18n import tr
-from ..map.area_words import area_words
 from .area_entries import AreaEntries
-from .area_form import FormError, entered_area, unit_of, with_area, with_coordinates
 from .area_history import AreaHistory, UndoKeys, step_names
-from .form_state import FormState
-from .form_text import looks_like_coordinates
 
 
 class AreaEditing(QObject):

@@ -18,13 +18,12 @@ from qgis.PyQt.QtWidgets import (
     QWidget,
 )
 
+from ..form.state import BOX_FIELDS, FormState
 from ..i18n import tr
 from ..paths import icon
+from ..widgets import FieldMarks, row
 from .area_history import AreaHistory
 from .area_menu import AreaMenu
-from .field_marks import FieldMarks
-from .form_state import BOX_FIELDS, FormState
-from .form_widgets import row
 
 #: Room for five digits and a sign.
 _EDGE_PX = 70

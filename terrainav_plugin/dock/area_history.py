@@ -9,8 +9,8 @@ from qgis.PyQt.QtCore import QEvent, QObject, Qt
 from qgis.PyQt.QtGui import QKeyEvent, QKeySequence
 
 from ..compat import QUndoCommand, QUndoStack
+from ..form.state import BOX_FIELDS, FormState
 from ..i18n import tr
-from .form_state import BOX_FIELDS, FormState
 
 #: Steps that can be taken back.
 _STEPS = 100

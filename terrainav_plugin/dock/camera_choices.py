@@ -6,10 +6,10 @@ from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
 from ...core.errors import InvalidInput
+from ..form.camera import camera_of
+from ..form.state import SENSOR, FormState
 from ..i18n import number_text, told, tr
-from .camera_terms import camera_of
 from .choices import CameraChoice
-from .form_state import SENSOR, FormState
 
 if TYPE_CHECKING:
     from ...core.mission.presets import CameraPreset

@@ -11,16 +11,15 @@ from qgis.PyQt.QtCore import Qt, pyqtSignal
 from qgis.PyQt.QtWidgets import QInputDialog, QLineEdit, QMenu, QToolButton
 
 from ...core.errors import InvalidInput, OutputError
+from ..form.camera import given_by, with_height
+from ..form.state import DIAGONAL, HORIZONTAL, SENSOR, VERTICAL, FormState
+from ..form.text import aspect_text, parse_aspect
 from ..i18n import told, tr
 from ..plain import shown_plain
+from ..widgets import FieldMarks, combo, row, spin
 from .camera_choices import camera_choices, forget_camera, save_camera
-from .camera_terms import given_by, with_height
 from .choices import CameraChoice
 from .entries import Entries
-from .field_marks import FieldMarks
-from .form_state import DIAGONAL, HORIZONTAL, SENSOR, VERTICAL, FormState
-from .form_text import aspect_text, parse_aspect
-from .form_widgets import combo, row, spin
 
 #: What the spin boxes let through; what is right is said in words.
 _DEGREES, _MM, _SIZE_PX = 360.0, 1e6, 1_000_000

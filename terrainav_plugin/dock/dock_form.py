@@ -9,18 +9,18 @@ from typing import Any
 from qgis.PyQt.QtCore import pyqtSignal
 from qgis.PyQt.QtWidgets import QVBoxLayout, QWidget
 
+from ..form.camera import settled
+from ..form.mission_form import beyond_text
+from ..form.state import FormState, with_unchanged
+from ..widgets import STYLE_SHEET, FieldMarks
 from .area_editing import AreaEditing
 from .area_entries import AreaEntries
 from .camera_entries import CameraEntries
-from .camera_terms import settled
 from .choices import CameraChoice, SourceChoice
 from .dock_sections import AccuracySection, AttitudeSection, PixelsSection, WindSection
-from .field_marks import STYLE_SHEET, FieldMarks
 from .flight_entries import FlightEntries
 from .folds import Folds
-from .form_state import FormState, with_unchanged
 from .imagery_entries import ImageryEntries
-from .mission_form import beyond_text
 from .output_entries import OutputEntries
 from .tab_order import set_tab_order
 

@@ -8,11 +8,10 @@ from typing import Any
 from qgis.PyQt.QtCore import Qt, pyqtSignal
 from qgis.PyQt.QtWidgets import QLabel, QLineEdit
 
+from ..form.state import FormState
 from ..i18n import tr
+from ..widgets import FieldMarks, combo, spin, tick
 from .entries import Section
-from .field_marks import FieldMarks
-from .form_state import FormState
-from .form_widgets import combo, spin, tick
 
 #: Numbers are taken as typed, and judged in words: what a spin box lets through is far more than what is right.
 _ANGLE, _HEIGHT_M, _SPEED_M_PER_S, _BUDGET_PX, _ZOOM, _SIZE_PX = 1e4, 1e6, 1e4, 1e6, 99, 1_000_000

@@ -9,9 +9,8 @@ from qgis.gui import QgsCollapsibleGroupBoxBasic, QgsFileWidget
 from qgis.PyQt.QtCore import pyqtSignal
 from qgis.PyQt.QtWidgets import QCheckBox, QComboBox, QLabel, QLineEdit, QWidget
 
-from .field_marks import FieldMarks
-from .form_state import FormState
-from .form_widgets import NumberBox, choose, form_layout, row
+from ..form.state import FormState
+from ..widgets import FieldMarks, NumberBox, choose, form_layout, row
 
 
 class _Access(NamedTuple):

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING
 from ...core.mission.estimate import percent, size_text
 from ...core.mission.rungs import bound_text
 from ..i18n import localized, number_text, told, tr
+from ..units import METRES, area_text, gsd_text, length_text
 from .refusals import in_words_of_the_dock
-from .units import METRES, area_text, gsd_text, length_text
 
 if TYPE_CHECKING:
     from ...core.imagery.policy import Policy

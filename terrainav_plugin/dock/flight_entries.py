@@ -5,13 +5,12 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
+from ..form.camera import shown_gsd
+from ..form.state import FormState
 from ..i18n import number_text, tr
-from .camera_terms import shown_gsd
+from ..units import length_text
+from ..widgets import FieldMarks, FieldMessage, combo, row, spin, tick
 from .entries import Entries
-from .field_marks import FieldMarks, FieldMessage
-from .form_state import FormState
-from .form_widgets import combo, row, spin, tick
-from .units import length_text
 
 #: What the spin boxes let through; what is right is said in words.
 _HEIGHT, _GSD, _ANGLE_DEG, _SPEED_M_PER_S = 1e9, 1e9, 1e4, 1e4

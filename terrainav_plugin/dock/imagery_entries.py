@@ -19,14 +19,13 @@ from qgis.PyQt.QtWidgets import (
     QWidget,
 )
 
+from ..form.state import URL_TEMPLATE
 from ..i18n import tr
-from ..layers.connections import SERVICE
 from ..paths import icon
 from ..plain import shown_plain
+from ..qgis_source.connections import SERVICE
+from ..widgets import FieldMarks, form_layout, row
 from .choices import OWN, SourceChoice
-from .field_marks import FieldMarks
-from .form_state import URL_TEMPLATE
-from .form_widgets import form_layout, row
 from .source_choices import template_limits, unlisted
 from .source_combo import SourceCombo
 

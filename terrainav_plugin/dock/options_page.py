@@ -27,9 +27,8 @@ from ..i18n import told, tr
 from ..messages import log
 from ..options import PAGE
 from ..settings import Settings
+from ..widgets import STYLE_SHEET, FieldMarks, choose, combo, row
 from .cache_dialog import CacheDialog
-from .field_marks import STYLE_SHEET, FieldMarks
-from .form_widgets import choose, combo, row
 from .keys_table import KeysTable
 
 #: Folders that can be chosen, by the names of their settings.

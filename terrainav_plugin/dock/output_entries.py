@@ -5,9 +5,8 @@ from __future__ import annotations
 from qgis.gui import QgsFileWidget
 
 from ..i18n import tr
+from ..widgets import FieldMarks, combo
 from .entries import Entries
-from .field_marks import FieldMarks
-from .form_widgets import combo
 
 
 class OutputEntries(Entries):

@@ -5,8 +5,8 @@ from __future__ import annotations
 import re
 
 from ...core.errors import InvalidInput, TerrAInavError
+from ..form.mission_form import entry_of
 from ..i18n import told, tr
-from .mission_form import entry_of
 
 #: An option of the command, as the core's advice names it.
 _OPTION = re.compile(r"--[a-z][a-z-]*")

@@ -23,11 +23,11 @@ from ...core.errors import SourceError, TerrAInavError
 from ..credentials import store_key
 from ..help import add_help_button
 from ..i18n import number_text, told, tr
-from ..layers.connections import ServiceConnection
 from ..network.transport import QgisTransport
 from ..plain import plain_label, shown_plain
+from ..qgis_source.connections import ServiceConnection
 from ..settings import Settings, credential_home
-from ..task import Task
+from ..tasks import Task
 
 if TYPE_CHECKING:
     from ...core.imagery.catalogue.entry import CatalogueEntry

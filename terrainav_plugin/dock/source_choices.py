@@ -10,17 +10,9 @@ from qgis.core import QgsProject
 
 from ...core.errors import InvalidInput, TerrAInavError
 from ..i18n import number_text, told, tr
-from ..layers.connections import (
-    SERVICE as SERVICE_NAME,
-)
-from ..layers.connections import (
-    XYZ,
-    connection,
-    connection_names,
-    is_connection,
-    service_names,
-)
-from ..layers.snapshot import is_of_qgis, layer_choices
+from ..qgis_source.connections import SERVICE as SERVICE_NAME
+from ..qgis_source.connections import XYZ, connection, connection_names, is_connection, service_names
+from ..qgis_source.snapshot import is_of_qgis, layer_choices
 from .choices import CATALOGUE, CONNECTION, FILE, OWN, PROJECT, REGIONAL, SERVICE, SourceChoice
 
 if TYPE_CHECKING:

@@ -10,8 +10,8 @@ from qgis.PyQt.QtWidgets import QComboBox, QCompleter, QStyle
 
 from ..i18n import tr
 from ..plain import shown_plain
+from ..widgets import Chooser
 from .choices import CATALOGUE, CONNECTION, FILE, OTHER, OWN, PROJECT, REGIONAL, SERVICE, SourceChoice
-from .form_widgets import Chooser
 
 #: Entries that are seen without scrolling.
 _ROWS = 24

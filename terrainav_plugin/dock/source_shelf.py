@@ -73,7 +73,7 @@ class SourceShelf(QObject):
 
     def choose_layer(self, name: str) -> None:
         """Ask which layer of a service of QGIS is wanted, keep it, and choose it."""
-        from ..layers.connections import service
+        from ..qgis_source.connections import service
         from .service_dialog import ServiceDialog
 
         dialog = ServiceDialog(service(name), self._window)

@@ -14,17 +14,16 @@ from ...core.mission.area import Area, Box, Points
 from ..compat import POLYGON, VECTOR
 from ..dock import area_menu
 from ..dock.area_dialogs import LayerDialog, PointsDialog, PolygonDialog
-from ..dock.area_form import FormError, entered_area, unit_of, with_area
 from ..dock.dock import Dock
+from ..form.area import FormError, area_words, entered_area, unit_of, with_area
 from ..i18n import told, tr
 from ..messages import Messages
 from . import area_reading
 from .area_mark import AreaMark
 from .area_reading import Reading, ReadTask
 from .area_tool import AreaTool
-from .area_words import area_words
-from .box_geometry import box_of, canvas_rectangle
 from .box_tool import BoxTool
+from .canvas import box_of, canvas_rectangle
 from .point_tool import PointTool
 
 #: Room left around an area that is zoomed to, as a share of it.

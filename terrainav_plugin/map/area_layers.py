@@ -24,7 +24,7 @@ from ...core.geodesy.ellipsoid import WGS84
 from ...core.mission.area import Points, Polygon, Position
 from ..compat import POINT, POLYGON
 from ..i18n import number_text, tr
-from .box_geometry import WGS84 as LON_LAT
+from .canvas import WGS84 as LON_LAT
 
 #: Metres that an edge or a curve of a layer may be off on the ground, once it is straight between degrees: about a
 #: pixel of the sharpest imagery there is.

@@ -21,7 +21,7 @@ from qgis.core import (
 from ...core.errors import InvalidInput
 from ...core.mission.area import Area, Box, Points, Polygon
 from .area_drag import middle_of
-from .box_geometry import lon_lat_of, to_lon_lat
+from .canvas import lon_lat_of, to_lon_lat
 
 #: Steps each side is drawn in; sides may be curves on the canvas.
 _STEPS = 48

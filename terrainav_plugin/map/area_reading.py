@@ -17,9 +17,9 @@ from ...core.errors import InvalidInput
 from ...core.mission.area import Area, Box
 from ...core.mission.coords import parse_coords
 from ..i18n import tr
-from ..task import Task
+from ..tasks import Task
 from .area_layers import PointFields, points_of, polygon_of
-from .box_geometry import box_of
+from .canvas import box_of
 
 #: What reads an area, and the height of its first point in metres where it has one; it may be cancelled.
 Reading = Callable[[Callable[[], bool]], "tuple[Area, float | None]"]

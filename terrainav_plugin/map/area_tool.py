@@ -10,12 +10,12 @@ from qgis.PyQt.QtCore import QEvent, QObject, QPoint, Qt, pyqtSignal
 from qgis.PyQt.QtGui import QKeyEvent
 
 from ...core.mission.area import Area, Box, Points
+from ..form.area import readout
 from ..i18n import tr
 from .area_bands import AreaBands, Readout
 from .area_drag import middle_of, moved, stretched
 from .area_outline import Outline, contains, grip_at, place_at
-from .area_words import readout
-from .box_tool import TemporaryTool
+from .canvas import TemporaryTool
 
 #: Screen pixels within which the pointer is at an edge, a corner or a point: a fingertip of a mouse's precision.
 _REACH_PX = 8.0

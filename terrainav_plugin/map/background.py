@@ -12,8 +12,8 @@ from qgis.gui import QgisInterface
 from ...core.errors import InvalidInput
 from ..i18n import tr
 from ..sources import WORLD, tile_layer_uri
-from ..task import Task
-from .box_geometry import box_of, canvas_rectangle
+from ..tasks import Task
+from .canvas import box_of, canvas_rectangle
 from .mission_group import ROLE
 from .world_picture import WorldPicture, choose_picture, render
 

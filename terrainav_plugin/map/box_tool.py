@@ -3,68 +3,17 @@
 from __future__ import annotations
 
 from qgis.core import QgsCsException, QgsPointXY, QgsProject, QgsRectangle
-from qgis.gui import QgsMapCanvas, QgsMapMouseEvent, QgsMapTool, QgsRubberBand
-from qgis.PyQt.QtCore import QEvent, QObject, QPoint, Qt, pyqtSignal
-from qgis.PyQt.QtGui import QKeyEvent
+from qgis.gui import QgsMapCanvas, QgsMapMouseEvent, QgsRubberBand
+from qgis.PyQt.QtCore import QPoint, Qt, pyqtSignal
 from qgis.PyQt.QtWidgets import QApplication
 
 from ...core.errors import TerrAInavError
 from ...core.mission.area import Box
 from ..compat import POLYGON
+from ..form.area import size_text
 from ..i18n import told
 from .area_bands import Readout, area_band
-from .area_words import size_text
-from .box_geometry import box_of
-
-
-class TemporaryTool(QgsMapTool):
-    """A map tool that gives the canvas back to the tool before it."""
-
-    def __init__(self, canvas: QgsMapCanvas) -> None:
-        super().__init__(canvas)
-        self.setCursor(Qt.CursorShape.CrossCursor)
-        self._previous: QgsMapTool | None = None
-
-    def start(self) -> None:
-        """Take over the canvas."""
-        canvas = self.canvas()
-        if canvas.mapTool() is not self:
-            self._previous = canvas.mapTool()
-            canvas.setMapTool(self)
-        # Keys go to the canvas, so that Esc arrives wherever the tool was chosen.
-        canvas.setFocus()
-
-    def stop(self) -> None:
-        """Give the canvas back."""
-        canvas, previous = self.canvas(), self._previous
-        self._previous = None
-        if canvas.mapTool() is self:
-            canvas.unsetMapTool(self)
-            if previous is not None:
-                canvas.setMapTool(previous)
-
-    def give_up(self) -> None:
-        """Leave the tool, on Esc."""
-        self.stop()
-
-    def activate(self) -> None:
-        """Take over the canvas's keys as well."""
-        super().activate()
-        # The canvas itself hands no key on while a mouse button is down.
-        self.canvas().installEventFilter(self)
-
-    def deactivate(self) -> None:
-        """Give the keys back."""
-        self.canvas().removeEventFilter(self)
-        super().deactivate()
-
-    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
-        """Give up on Esc."""
-        pressed = event.type() == QEvent.Type.KeyPress
-        if pressed and isinstance(event, QKeyEvent) and event.key() == Qt.Key.Key_Escape:
-            self.give_up()
-            return True
-        return super().eventFilter(watched, event)
+from .canvas import TemporaryTool, box_of
 
 
 class BoxTool(TemporaryTool):

@@ -8,8 +8,7 @@ from qgis.PyQt.QtCore import Qt, pyqtSignal
 
 from ...core.errors import TerrAInavError
 from ..i18n import told
-from .box_geometry import lon_lat_of
-from .box_tool import TemporaryTool
+from .canvas import TemporaryTool, lon_lat_of
 
 
 class PointTool(TemporaryTool):

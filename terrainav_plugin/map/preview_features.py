@@ -12,7 +12,7 @@ from qgis.PyQt.QtCore import QDateTime, QTimeZone
 
 from ...core.geodesy.mercator import HALF_WORLD_M, wrap_lon_deg
 from ...core.mission.area import Polygon
-from .camera_outlines import camera_outlines, metres, ring_polygon, surface
+from .outlines import camera_outlines, metres, ring_polygon, surface
 from .preview_view import WORLD_M
 
 if TYPE_CHECKING:

@@ -8,7 +8,7 @@ import numpy as np
 from qgis.core import QgsFeature, QgsGeometry, QgsLineString, QgsMultiLineString
 
 from ...core.geodesy.mercator import wrap_lon_deg
-from .camera_outlines import metres
+from .outlines import metres
 from .preview_features import Clock, feature, moment
 from .preview_index import Boxes
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from ...core.geodesy.mercator import HALF_WORLD_M
-from .camera_outlines import metres
+from .outlines import metres
 from .preview_density import Cells, density_features, levels, mean_images
 from .preview_features import Clock, Picked, area_features, centre_features, footprint_features, part_of
 from .preview_flight import Flight

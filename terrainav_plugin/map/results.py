@@ -19,12 +19,12 @@ from qgis.core import (
 from qgis.PyQt.QtCore import QThread
 
 from ..compat import field
+from ..dataset.layers import OpenedResults, open_raster
+from ..dataset.mosaic import Mosaic
 from ..i18n import tr
 from ..paths import place_of, style
 from ..plain import escaped_field
 from .mission_group import CAPTURED, FAILED, MissionGroup, file_of
-from .mosaic import Mosaic
-from .opened_results import OpenedResults, open_raster
 
 if TYPE_CHECKING:
     from ...core.mission.mission import Mission

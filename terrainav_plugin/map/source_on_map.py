@@ -10,9 +10,9 @@ from qgis.PyQt.QtCore import QObject
 
 from ...core.errors import TerrAInavError
 from ...core.mission.area import Box
-from ..dock import mission_form
+from ..form import mission_form
 from ..i18n import told
-from ..layers.snapshot import is_of_qgis
+from ..qgis_source.snapshot import is_of_qgis
 from ..sources import WORLD
 from .background import Background, WorldTask
 

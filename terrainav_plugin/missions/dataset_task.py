@@ -9,11 +9,10 @@ from typing import TYPE_CHECKING
 from qgis.core import QgsVectorLayer
 
 from ...core.errors import OutputError, TerrAInavError
+from ..dataset.layers import FailedImages, OpenedResults, open_failed, open_results
+from ..dataset.mosaic import MOST_PICTURES, Mosaic, build_mosaics, mosaics_there
 from ..i18n import told, tr
-from ..map.failed_images import FailedImages
-from ..map.mosaic import MOST_PICTURES, Mosaic, build_mosaics, mosaics_there
-from ..map.opened_results import OpenedResults, open_failed, open_results
-from ..task import Task
+from ..tasks import Task
 
 if TYPE_CHECKING:
     from ...core.geodesy.mercator import PixelGrid

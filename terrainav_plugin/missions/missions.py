@@ -13,20 +13,19 @@ from qgis.PyQt.QtWidgets import QFileDialog, QMenu
 
 from ...core.dataset.folder import JOURNAL_FILE, MISSION_FILE
 from ...core.errors import InvalidInput, TerrAInavError
-from ..dock import mission_form
-from ..dock.area_form import FormError
-from ..dock.form_state import BOX_FIELDS
+from ..dataset.layers import FAILED_FILE
+from ..form import mission_form
+from ..form.area import FormError
+from ..form.state import BOX_FIELDS
 from ..i18n import told, tr
-from ..map.failed_images import FAILED_FILE
 from ..map.mission_group import SavedMission, saved_missions
 from ..map.results import show_failed, show_results
-from ..paths import folder_of
+from ..paths import folder_of, next_folder
 from ..plain import shown_plain
-from ..runs.before import next_folder
+from ..settings import recent, remember
 from ..sources import grid_finder
 from .dataset_task import DatasetTask
 from .plan_export import PlanExport
-from .recent import recent, remember
 
 if TYPE_CHECKING:
     from ...core.mission.mission import Mission

@@ -11,8 +11,8 @@ from qgis.PyQt.QtWidgets import QFileDialog
 
 from ...core.errors import TerrAInavError
 from ..i18n import told, tr
-from ..runs.after import open_in_system
-from ..task import Task
+from ..paths import open_in_system
+from ..tasks import Task
 
 if TYPE_CHECKING:
     from ...core.mission.export import Exported

@@ -11,8 +11,7 @@ from qgis.PyQt.QtCore import QEventLoop
 from ...core.errors import Cancelled
 from ...core.imagery.transport import Response, Stop, Timeouts, TransportError, user_agent
 from ...core.limits import MAX_BODY_BYTES
-from .exchange import Exchange, Terms
-from .worker import NetworkWorker, in_main_thread
+from .worker import Exchange, NetworkWorker, Terms, in_main_thread
 
 #: Seconds between two looks at whether the user cancelled: well within the half second a cancel may take.
 _LOOK_S = 0.1

@@ -133,7 +133,7 @@ class Algorithm(QgsProcessingAlgorithm):
 
 def _checked(work: Callable[[], Result]) -> Result:
     """What ``work`` returns; its errors in the way that Processing shows them."""
-    from ..dock.mission_form import FormError
+    from ..form.mission_form import FormError
 
     try:
         return work()

@@ -16,7 +16,7 @@ from typing import TypeVar
 from qgis.core import QgsProcessingFeedback
 from qgis.PyQt.QtCore import QEventLoop, QTimer
 
-from ..threads import PythonThread, on_python_thread
+from ..tasks import PythonThread, on_python_thread
 
 Result = TypeVar("Result")
 

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from ...core.capture.result import CaptureResult, Progress
     from ...core.mission.mission import Mission
     from ...core.mission.plan import Plan
-    from ..map.mosaic import Mosaic
+    from ..dataset.mosaic import Mosaic
 
 #: Share of the progress that capturing is; the mosaic takes the rest.
 _CAPTURE_SHARE = 0.9
@@ -146,7 +146,7 @@ class _Capturing(WithImagery):
 
     def _mosaics(self, worked_out: Plan, result: CaptureResult, watch: Watch) -> list[Mosaic]:
         """Mosaics of all map types, as far as there are some."""
-        from ..map.mosaic import MOST_PICTURES, build_mosaics
+        from ..dataset.mosaic import MOST_PICTURES, build_mosaics
 
         # Camera frames are no pieces of the map.
         if worked_out.size_px is not None or len(worked_out) > MOST_PICTURES:

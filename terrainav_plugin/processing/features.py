@@ -64,7 +64,7 @@ def footprints(plan: Plan) -> Iterator[QgsFeature]:
 def captures(plan: Plan) -> Iterator[QgsFeature]:
     """Points below the camera, in flight order."""
     from ...core.geodesy.mercator import wrap_lon_deg
-    from ..map.camera_outlines import metres
+    from ..map.outlines import metres
 
     east, north = metres(wrap_lon_deg(plan.lon_deg), plan.lat_deg)
     for x, y, values in zip(east.tolist(), north.tolist(), _attributes(plan)):
@@ -75,7 +75,7 @@ def flight_line(plan: Plan) -> QgsFeature:
     """Way from the first capture to the last, in two parts where it crosses the antimeridian."""
     import numpy as np
 
-    from ..map.camera_outlines import metres
+    from ..map.outlines import metres
 
     lat, lon = plan.lat_deg, plan.lon_deg
     turn = np.floor((lon + 180.0) / 360.0)
@@ -145,7 +145,7 @@ def _attributes(plan: Plan) -> Iterator[tuple[Any, ...]]:
 
 def _shapes(plan: Plan) -> Iterator[QgsGeometry]:
     from ...core.geodesy.mercator import HALF_WORLD_M
-    from ..map.camera_outlines import camera_outlines, surface
+    from ..map.outlines import camera_outlines, surface
 
     if plan.size_px is not None:
         yield from camera_outlines(plan)

@@ -377,7 +377,7 @@ def _camera(
     from ...core.geodesy.camera import Camera
     from ...core.mission.choices import DEFAULT_IMAGE_PX
     from ...core.mission.presets import camera_named
-    from ..dock.form_text import parse_aspect
+    from ..form.text import parse_aspect
 
     name = algorithm.parameterAsEnumString(parameters, "CAMERA", context)
     if name:

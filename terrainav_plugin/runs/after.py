@@ -4,16 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import partial
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from qgis.core import QgsVectorLayer
-from qgis.PyQt.QtCore import QUrl
-from qgis.PyQt.QtGui import QDesktopServices
 
 from ...core.errors import TerrAInavError
 from ..i18n import number_text, told, tr
 from ..map.results import load_test_shot, place_mosaics, show_failed, show_results
+from ..paths import open_in_system
 from .run import Run, Stage
 from .words import done_text, with_kept
 
@@ -162,8 +160,3 @@ class Endings:
             ).format(digest=repeat.sha256, image=next(iter(repeat.images), ""))
             missing = partial(self._runs.treat_as_missing, run, repeat.sha256, images)
             self._messages.warning(text, details, (tr("Treat as missing"), missing))
-
-
-def open_in_system(path: Path) -> None:
-    """Open a folder or file with the program that the system has for it."""
-    QDesktopServices.openUrl(QUrl.fromLocalFile(str(path)))

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import html
-import re
-from collections.abc import Collection
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -12,14 +10,14 @@ from qgis.PyQt.QtGui import QTextDocument
 from qgis.PyQt.QtWidgets import QMessageBox
 
 from ...core.errors import TerrAInavError
-from ..dock import mission_form
+from ..form import mission_form
 from ..i18n import told, tr
-from ..paths import place_of
+from ..paths import next_folder, place_of
 from ..sources import credentials_problem, terms_problem
 
 if TYPE_CHECKING:
     from ...core.mission.mission import Mission
-    from ..dock.form_state import FormState
+    from ..form.state import FormState
     from ..workflow import Workflow
     from .run import Run
 
@@ -110,12 +108,3 @@ class Questions:
     def _capture_into(self, folder: Path) -> None:
         self._workflow.dock.form.set_state(mission_form.with_folder(self._workflow.state(), str(folder)))
         self._workflow.capture()
-
-
-def next_folder(folder: Path, taken: Collection[Path] = ()) -> Path:
-    """Folder beside ``folder`` that does not exist yet and is not ``taken``: mission, mission-2, mission-3."""
-    stem = re.sub(r"-\d+$", "", folder.name)
-    number = 2
-    while (candidate := folder.with_name(f"{stem}-{number}")).exists() or candidate in taken:
-        number += 1
-    return candidate

@@ -11,8 +11,8 @@ from qgis.core import QgsProcessingUtils
 from qgis.PyQt.QtCore import QObject, pyqtSignal
 
 from ...core.errors import TerrAInavError
-from ..dock import mission_form
-from ..dock.mission_form import FormError
+from ..form import mission_form
+from ..form.mission_form import FormError
 from ..i18n import told, tr
 from ..sources import grid_of, key_of
 from .after import Endings

@@ -12,10 +12,10 @@ from qgis.core import QgsGeometry, QgsPointXY, QgsVectorLayer
 from ...core.dataset.folder import MISSION_FILE, REJECTED_FOLDER, TABLE_FILE
 from ...core.errors import InvalidInput
 from ...core.mission.mission import Mission
+from ..dataset.footprints import FootprintFile, rings_of, stamp_of
+from ..dataset.picture import Picture, read_picture
 from ..i18n import tr
 from ..map.mission_group import dataset_of
-from .footprint_file import FootprintFile, rings_of, stamp_of
-from .picture import Picture, read_picture
 
 #: Most images under one click that are offered.
 _MOST = 200

@@ -12,13 +12,12 @@ from qgis.PyQt.QtGui import QColor
 from ...core.errors import TerrAInavError
 from ..compat import POLYGON
 from ..i18n import told, tr
-from ..map.box_geometry import lon_lat_of
-from ..map.box_tool import TemporaryTool
+from ..map.canvas import TemporaryTool, lon_lat_of
 from ..map.mission_group import CAPTURED, ROLE
 from ..messages import Messages
-from ..mnemonics import free_of_menus
-from ..runs.after import open_in_system
-from .worker import Worker
+from ..paths import open_in_system
+from ..tasks import Worker
+from ..widgets import free_of_menus
 
 if TYPE_CHECKING:
     from .shots import Finder, Seen, Shot

@@ -76,7 +76,7 @@ def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
 def proj_on_python_threads(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     """Let no test pass that calls pyproj on a thread of QGIS's own, which ends QGIS where pyproj is 3.5 or later."""
     import pyproj
-    from terrainav.terrainav_plugin.threads import is_foreign
+    from terrainav.terrainav_plugin.tasks import is_foreign
 
     offences: list[str] = []
 
@@ -170,7 +170,7 @@ def desk(
     monkeypatch: pytest.MonkeyPatch,
 ) -> Iterator[Desk]:
     """The mission panel as it is at first use, in front of an empty project."""
-    from terrainav.terrainav_plugin.dock.form_state import FormState
+    from terrainav.terrainav_plugin.form.state import FormState
 
     from tests.plugin.steps import Desk
 

@@ -12,10 +12,15 @@ from qgis.PyQt.QtWidgets import QApplication
 from terrainav.core.errors import InvalidInput
 from terrainav.core.mission.area import Box, Points, Polygon
 from terrainav.core.mission.mission import Mission
-from terrainav.terrainav_plugin.dock.area_form import FormError, entered_area, with_area, with_coordinates
-from terrainav.terrainav_plugin.dock.area_text import area_of_text
-from terrainav.terrainav_plugin.dock.form_state import FormState
-from terrainav.terrainav_plugin.dock.mission_form import mission, state_of
+from terrainav.terrainav_plugin.form.area import (
+    FormError,
+    area_of_text,
+    entered_area,
+    with_area,
+    with_coordinates,
+)
+from terrainav.terrainav_plugin.form.mission_form import mission, state_of
+from terrainav.terrainav_plugin.form.state import FormState
 
 CONTROL, SHIFT = Qt.KeyboardModifier.ControlModifier, Qt.KeyboardModifier.ShiftModifier
 POLYGON = Polygon((((-89.9, 35.1), (-89.8, 35.1), (-89.8, 35.2), (-89.85, 35.13)),))

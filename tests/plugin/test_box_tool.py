@@ -10,7 +10,7 @@ from qgis.PyQt.QtCore import QPoint, Qt
 from qgis.PyQt.QtTest import QTest
 from qgis.PyQt.QtWidgets import QLabel
 from terrainav.core.errors import InvalidInput
-from terrainav.terrainav_plugin.map.box_geometry import box_of, box_of_outline, canvas_rectangle
+from terrainav.terrainav_plugin.map.canvas import box_of, box_of_outline, canvas_rectangle
 
 # Of a degree, as the fields show it.
 LAST_DECIMAL_DEG = 1e-7

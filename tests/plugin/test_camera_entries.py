@@ -11,9 +11,9 @@ from qgis.PyQt.QtCore import Qt, QTimer
 from qgis.PyQt.QtTest import QTest
 from qgis.PyQt.QtWidgets import QApplication, QInputDialog, QLineEdit
 from terrainav.core.mission.presets import shipped_cameras, user_cameras
-from terrainav.terrainav_plugin.dock.camera_terms import given_by, in_unit, settled, shown_gsd
-from terrainav.terrainav_plugin.dock.form_state import FOV_MODES, FormState, in_metres
-from terrainav.terrainav_plugin.dock.mission_form import mission
+from terrainav.terrainav_plugin.form.camera import given_by, in_unit, settled, shown_gsd
+from terrainav.terrainav_plugin.form.mission_form import mission
+from terrainav.terrainav_plugin.form.state import FOV_MODES, FormState, in_metres
 
 BOX = {"north": "35.16", "west": "-89.9", "south": "35.115", "east": "-89.823"}
 

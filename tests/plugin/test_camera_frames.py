@@ -18,8 +18,8 @@ from terrainav.core.mission.framing import ground_of
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 from terrainav.core.mission.wind import Wind
-from terrainav.terrainav_plugin.map.camera_outlines import metres
-from terrainav.terrainav_plugin.map.on_map import lay_on_map
+from terrainav.terrainav_plugin.dataset.rectify import lay_on_map
+from terrainav.terrainav_plugin.map.outlines import metres
 from terrainav.terrainav_plugin.map.preview_layers import field_names
 from terrainav.terrainav_plugin.map.preview_scene import Scene
 from terrainav.terrainav_plugin.sources import grid_of

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from qgis.PyQt.QtWidgets import QApplication
 from terrainav.core.mission.presets import cameras
+from terrainav.terrainav_plugin.form import area as entered
 
 AGRICENTER = "35.16_-89.90_35.115_-89.823_120"
 
@@ -180,7 +181,7 @@ def test_hint_leads_through_the_first_use(desk):
 
 
 def test_entries_are_remembered(desk):
-    from terrainav.terrainav_plugin.dock.form_state import FormState
+    from terrainav.terrainav_plugin.form.state import FormState
 
     desk.enter_small_mission()
     desk.form.agl.setValue(77.0)
@@ -218,13 +219,13 @@ def test_entries_are_written_down_once_when_typing_pauses(desk, monkeypatch):
 
 def test_large_shapes_are_looked_at_once_however_much_is_typed(desk, monkeypatch):
     from terrainav.core.mission.area import Points, Polygon
-    from terrainav.terrainav_plugin.dock import area_editing, area_shape
+    from terrainav.terrainav_plugin.dock import area_editing
 
     angles = np.linspace(0.0, 2.0 * np.pi, 2000, endpoint=False)
     ring = tuple(zip((0.01 * np.cos(angles)).tolist(), (0.01 * np.sin(angles)).tolist()))
     poses = tuple((35.0 + 1e-5 * index, -89.0, 120.0) for index in range(2000))
     looks = []
-    words, parse = area_editing.area_words, area_shape.parse_json
+    words, parse = area_editing.area_words, entered.parse_json
     made = Points.__post_init__
 
     def noted(name, act):
@@ -234,7 +235,7 @@ def test_large_shapes_are_looked_at_once_however_much_is_typed(desk, monkeypatch
         desk.form.area_editing.set_area(area, "enter")
         with monkeypatch.context() as watched:
             watched.setattr(area_editing, "area_words", noted("words", words))
-            watched.setattr(area_shape, "parse_json", noted("read", parse))
+            watched.setattr(entered, "parse_json", noted("read", parse))
             watched.setattr(Points, "__post_init__", noted("points", made))
             for key in range(5):
                 desk.form.flight.entries["airspeed_m_per_s"].setValue(10.0 + key)

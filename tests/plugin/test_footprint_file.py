@@ -15,8 +15,8 @@ from terrainav.core.mission.area import Box
 from terrainav.core.mission.export import write_plan
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
-from terrainav.terrainav_plugin.viewer import footprint_file
-from terrainav.terrainav_plugin.viewer.footprint_file import FootprintFile, rings_of
+from terrainav.terrainav_plugin.dataset import footprints
+from terrainav.terrainav_plugin.dataset.footprints import FootprintFile, rings_of
 
 EDGES = [
     0.0,
@@ -60,7 +60,7 @@ def bounds_by_json(folder):
 
 @pytest.mark.parametrize("block_bytes", [64, 1000, 1 << 20])
 def test_bounds_are_those_of_a_parser(tmp_path, monkeypatch, block_bytes):
-    monkeypatch.setattr(footprint_file, "_BLOCK_BYTES", block_bytes)
+    monkeypatch.setattr(footprints, "_BLOCK_BYTES", block_bytes)
     random = np.random.default_rng(7)
     rings = [[[lon, lat], [lat, lon], [0.5, -0.5]] for lon in EDGES for lat in EDGES]
     rings += (random.uniform(-180, 180, (200, 5, 2)) * 10.0 ** -random.integers(0, 9, (200, 5, 2))).tolist()
@@ -112,7 +112,7 @@ def test_main_thread_goes_on_while_a_long_file_is_read(tmp_path, monkeypatch):
     def forbidden(_text):
         raise AssertionError("a line was parsed")
 
-    monkeypatch.setattr(footprint_file, "parse_json", forbidden)
+    monkeypatch.setattr(footprints, "parse_json", forbidden)
     read, loop, timer, turns = [], QEventLoop(), QTimer(), []
     thread = threading.Thread(target=lambda: read.append(len(FootprintFile(tmp_path))))
 

@@ -8,16 +8,16 @@ import pytest
 from qgis.PyQt.QtCore import QUrl
 from qgis.PyQt.QtGui import QDesktopServices, QImage, QTextFormat
 from terrainav.terrainav_plugin import help as help_module
+from terrainav.terrainav_plugin.help import _OPEN
 
 ROOT = Path(__file__).resolve().parents[2]
 
 
 @pytest.fixture
 def window(plugin, qtbot):
-    from terrainav.terrainav_plugin.dock import guide_window
 
     help_module.show_help()
-    (shown,) = guide_window._OPEN
+    (shown,) = _OPEN
     yield shown
     help_module.close_help()
 

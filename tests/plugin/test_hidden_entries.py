@@ -6,7 +6,7 @@ import itertools
 from dataclasses import fields, replace
 
 import pytest
-from terrainav.terrainav_plugin.dock.form_state import FOV_MODES, FormState
+from terrainav.terrainav_plugin.form.state import FOV_MODES, FormState
 
 # What no mission takes, in each entry that a choice can hide.
 WRONG = {
@@ -117,7 +117,7 @@ def test_what_is_said_of_an_entry_out_of_sight_stands_with_the_figures(desk):
 def test_a_date_of_a_mission_file_is_kept_where_its_source_may_have_dates(desk, source, dated):
     from terrainav.core.mission.area import Box
     from terrainav.core.mission.mission import Mission
-    from terrainav.terrainav_plugin.dock.mission_form import mission, state_of
+    from terrainav.terrainav_plugin.form.mission_form import mission, state_of
 
     there = Mission(
         Box(35.16, -89.9, 35.115, -89.823), agl_m=120.0, source=source, date="2014" if dated else ""

@@ -32,17 +32,17 @@ from terrainav.core.capture.picture import assemble
 from terrainav.core.errors import Cancelled, InvalidInput, PartError
 from terrainav.core.geodesy.mercator import HALF_WORLD_M
 from terrainav.core.imagery.source import Window
-from terrainav.terrainav_plugin.layers import tiles
-from terrainav.terrainav_plugin.layers.connections import connection_of
-from terrainav.terrainav_plugin.layers.jobs import Jobs
-from terrainav.terrainav_plugin.layers.snapshot import (
+from terrainav.terrainav_plugin.qgis_source import tiles
+from terrainav.terrainav_plugin.qgis_source.connections import connection_of
+from terrainav.terrainav_plugin.qgis_source.renderer import Jobs
+from terrainav.terrainav_plugin.qgis_source.snapshot import (
     PROJECT_SOURCE,
     layer_choices,
     policies_of_layers,
     source_name,
     take_snapshot,
 )
-from terrainav.terrainav_plugin.layers.source import LayerSource
+from terrainav.terrainav_plugin.qgis_source.source import LayerSource
 
 from tests.plugin.transports import BUSY_S, CANCEL_S
 from tests.support.patterns import decode_position, encode_position, to_bytes

@@ -201,7 +201,7 @@ def use_everything(iface, qtbot, folder):
     for name in ("dock", "draw_box", "test_shot", "preview"):
         plugin.actions[name].trigger()
     workflow = plugin.workflow
-    form_state = sys.modules["terrainav.terrainav_plugin.dock.form_state"].FormState
+    form_state = sys.modules["terrainav.terrainav_plugin.form.state"].FormState
     workflow.dock.form.set_state(form_state(**SMALL_BOX, **COARSE, folder=str(folder)))
     qtbot.waitUntil(lambda: not workflow.planner.busy, timeout=PATIENCE_MS)
     plugin.actions["capture"].trigger()

@@ -7,7 +7,7 @@ from qgis.PyQt.QtCore import Qt
 from qgis.PyQt.QtGui import QKeySequence
 from qgis.PyQt.QtTest import QTest
 from qgis.PyQt.QtWidgets import QAbstractButton, QApplication, QLabel, QMenu, QMenuBar, QPushButton, QWidget
-from terrainav.terrainav_plugin.mnemonics import free_of_menus, letter_of
+from terrainav.terrainav_plugin.widgets import free_of_menus, letter_of
 
 #: Entries of the panel that have a letter: as many as there are letters that no menu has.
 IN_THE_PANEL = {

@@ -23,10 +23,10 @@ from qgis.PyQt.QtGui import QColor, QImage, QTextDocument
 from qgis.PyQt.QtTest import QTest
 from qgis.PyQt.QtWidgets import QApplication, QLabel, QPlainTextEdit, QTextBrowser, QToolTip, QWidget
 from terrainav.terrainav_plugin.dock.cache_dialog import CacheDialog
-from terrainav.terrainav_plugin.layers.connections import ServiceConnection
 from terrainav.terrainav_plugin.messages import log
 from terrainav.terrainav_plugin.plain import escaped, escaped_field, plain_label, shown_plain
-from terrainav.terrainav_plugin.task import Task
+from terrainav.terrainav_plugin.qgis_source.connections import ServiceConnection
+from terrainav.terrainav_plugin.tasks import Task
 
 from tests.plugin.transports import Server
 from tests.support.services import wms_document

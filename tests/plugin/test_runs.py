@@ -312,7 +312,7 @@ def test_cancelled_run_is_no_failure_shows_what_is_finished_and_is_resumed_from_
 
 def test_second_cancel_leaves_the_mosaic_out(prepared, server, statuses, monkeypatch):
     from terrainav.core.errors import Cancelled
-    from terrainav.terrainav_plugin.map import mosaic
+    from terrainav.terrainav_plugin.dataset import mosaic
 
     def endless(*arguments):
         progress = arguments[-1]

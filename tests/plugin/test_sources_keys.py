@@ -16,7 +16,7 @@ from terrainav.core.imagery.catalogue.entry import CatalogueEntry
 from terrainav.core.imagery.catalogue.user_sources import add, described, user_sources
 from terrainav.terrainav_plugin.credentials import problem_with
 from terrainav.terrainav_plugin.dock.service_dialog import kept
-from terrainav.terrainav_plugin.layers.connections import (
+from terrainav.terrainav_plugin.qgis_source.connections import (
     ServiceConnection,
     connection,
     connection_names,

@@ -9,8 +9,7 @@ import pytest
 from qgis.core import QgsApplication, QgsProcessingFeedback
 from terrainav.core.errors import InvalidInput
 from terrainav.terrainav_plugin.processing.beside import beside_main
-from terrainav.terrainav_plugin.task import Task
-from terrainav.terrainav_plugin.threads import is_foreign, on_python_thread
+from terrainav.terrainav_plugin.tasks import Task, is_foreign, on_python_thread
 
 PATIENCE_MS = 60_000
 # More than the pool has threads, so that each of them is used again.

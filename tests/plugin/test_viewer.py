@@ -232,7 +232,7 @@ def test_click_beside_all_footprints_and_removed_layers(desk, captured, viewing)
 
 
 def test_large_images_are_read_no_larger_than_they_are_shown(tmp_path):
-    from terrainav.terrainav_plugin.viewer.picture import read_picture
+    from terrainav.terrainav_plugin.dataset.picture import read_picture
 
     path = tmp_path / "large.tif"
     raster = gdal.GetDriverByName("GTiff").Create(str(path), 4000, 2000, 1)
@@ -245,7 +245,7 @@ def test_large_images_are_read_no_larger_than_they_are_shown(tmp_path):
 
 
 def test_broken_image_is_one_line(tmp_path):
-    from terrainav.terrainav_plugin.viewer.picture import read_picture
+    from terrainav.terrainav_plugin.dataset.picture import read_picture
 
     path = tmp_path / "broken.tif"
     path.write_bytes(b"no picture")

@@ -200,8 +200,8 @@ def main() -> int:
     stand_in()
     from terrainav.terrainav_plugin.dock.camera_choices import camera_choices
     from terrainav.terrainav_plugin.dock.dock import Dock
-    from terrainav.terrainav_plugin.dock.form_state import FormState
     from terrainav.terrainav_plugin.dock.source_choices import source_choices
+    from terrainav.terrainav_plugin.form.state import FormState
 
     dock = Dock(source_choices(QgsProject.instance())[0], camera_choices()[0])
     dock.show()

@@ -39,7 +39,7 @@ def main(archive, folder):
     if not Path(sys.modules["terrainav"].__file__).is_relative_to(plugins / "terrainav"):
         return f"the plugin came from {sys.modules['terrainav'].__file__}"
     workflow = qgis.utils.plugins["terrainav"].workflow
-    from terrainav.terrainav_plugin.dock.form_state import FormState
+    from terrainav.terrainav_plugin.form.state import FormState
 
     workflow.show_dock(True)
     workflow.dock.form.set_state(

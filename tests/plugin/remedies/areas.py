@@ -13,10 +13,10 @@ from qgis.core import (
 from qgis.PyQt.QtWidgets import QApplication, QDialogButtonBox
 from terrainav.core.mission.area import Box
 from terrainav.terrainav_plugin.dock.area_dialogs import PolygonDialog
-from terrainav.terrainav_plugin.dock.area_text import area_of_text
+from terrainav.terrainav_plugin.form.area import area_of_text
 from terrainav.terrainav_plugin.map.area_layers import PointFields, points_of, polygon_of
 from terrainav.terrainav_plugin.map.area_reading import extent_of
-from terrainav.terrainav_plugin.map.box_geometry import canvas_rectangle
+from terrainav.terrainav_plugin.map.canvas import canvas_rectangle
 from terrainav.terrainav_plugin.processing.areas import _polygon
 
 from tests.plugin.steps import SMALL_BOX

@@ -10,8 +10,13 @@ from terrainav.core.imagery.catalogue.user_sources import add, described, user_s
 from terrainav.terrainav_plugin.dock.add_source_dialog import AddSourceDialog
 from terrainav.terrainav_plugin.dock.service_dialog import ServiceDialog
 from terrainav.terrainav_plugin.dock.source_choices import source_choices
-from terrainav.terrainav_plugin.layers.connections import SERVICE, connection
-from terrainav.terrainav_plugin.layers.snapshot import PROJECT_SOURCE, grid_of_layers, layers_of, source_name
+from terrainav.terrainav_plugin.qgis_source.connections import SERVICE, connection
+from terrainav.terrainav_plugin.qgis_source.snapshot import (
+    PROJECT_SOURCE,
+    grid_of_layers,
+    layers_of,
+    source_name,
+)
 from terrainav.terrainav_plugin.sources import tile_layer_uri
 
 from tests.plugin.remedies.areas import feature

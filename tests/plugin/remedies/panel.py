@@ -16,11 +16,11 @@ from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 from terrainav.core.mission.presets import user_cameras
 from terrainav.terrainav_plugin.credentials import key_in, problem_with
-from terrainav.terrainav_plugin.dock import mission_form
 from terrainav.terrainav_plugin.dock.camera_choices import save_camera
 from terrainav.terrainav_plugin.dock.estimates import readout
-from terrainav.terrainav_plugin.dock.form_state import FormState
 from terrainav.terrainav_plugin.dock.options_page import folder_problem
+from terrainav.terrainav_plugin.form import mission_form
+from terrainav.terrainav_plugin.form.state import FormState
 
 from tests.plugin.steps import SMALL_BOX
 from tests.plugin.transports import MASTER_PASSWORD

@@ -1,4 +1,4 @@
-"""From a rectangle on the canvas, in any CRS, to a box of longitudes and latitudes. No widgets."""
+"""The map canvas: longitudes and latitudes on it in any CRS, and tools that give way to the tool before them."""
 
 from __future__ import annotations
 
@@ -14,6 +14,9 @@ from qgis.core import (
     QgsProject,
     QgsRectangle,
 )
+from qgis.gui import QgsMapCanvas, QgsMapTool
+from qgis.PyQt.QtCore import QEvent, QObject, Qt
+from qgis.PyQt.QtGui import QKeyEvent
 
 from ...core.errors import InvalidInput
 from ...core.mission.area import Box
@@ -135,3 +138,53 @@ def _named(crs: QgsCoordinateReferenceSystem) -> str:
 
 def _wrap(lon_deg: float) -> float:
     return lon_deg if -180.0 <= lon_deg < 180.0 else (lon_deg + 180.0) % 360.0 - 180.0
+
+
+class TemporaryTool(QgsMapTool):
+    """A map tool that gives the canvas back to the tool before it."""
+
+    def __init__(self, canvas: QgsMapCanvas) -> None:
+        super().__init__(canvas)
+        self.setCursor(Qt.CursorShape.CrossCursor)
+        self._previous: QgsMapTool | None = None
+
+    def start(self) -> None:
+        """Take over the canvas."""
+        canvas = self.canvas()
+        if canvas.mapTool() is not self:
+            self._previous = canvas.mapTool()
+            canvas.setMapTool(self)
+        # Keys go to the canvas, so that Esc arrives wherever the tool was chosen.
+        canvas.setFocus()
+
+    def stop(self) -> None:
+        """Give the canvas back."""
+        canvas, previous = self.canvas(), self._previous
+        self._previous = None
+        if canvas.mapTool() is self:
+            canvas.unsetMapTool(self)
+            if previous is not None:
+                canvas.setMapTool(previous)
+
+    def give_up(self) -> None:
+        """Leave the tool, on Esc."""
+        self.stop()
+
+    def activate(self) -> None:
+        """Take over the canvas's keys as well."""
+        super().activate()
+        # The canvas itself hands no key on while a mouse button is down.
+        self.canvas().installEventFilter(self)
+
+    def deactivate(self) -> None:
+        """Give the keys back."""
+        self.canvas().removeEventFilter(self)
+        super().deactivate()
+
+    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
+        """Give up on Esc."""
+        pressed = event.type() == QEvent.Type.KeyPress
+        if pressed and isinstance(event, QKeyEvent) and event.key() == Qt.Key.Key_Escape:
+            self.give_up()
+            return True
+        return super().eventFilter(watched, event)

@@ -23,12 +23,10 @@ from qgis.core import (
 )
 
 from ...core.capture.resample import sample
-from .jobs import Jobs
-from .pipes import Pipes
+from .renderer import Jobs, Pipes
 
 Floats = NDArray[np.float64]
 Pixels = NDArray[np.uint8]
-
 #: Well-known binary of a line: byte order, kind, count of points.
 _LINE_STRING = 2
 _HEADER = struct.Struct("<BII")

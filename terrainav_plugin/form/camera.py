@@ -1,4 +1,4 @@
-"""The dock's camera in other terms: fields of view, lens and sensor, ground sample distance. Knows no widget."""
+"""The camera that is entered, in other terms: fields of view, lens and sensor, ground sample distance."""
 
 from __future__ import annotations
 
@@ -7,8 +7,9 @@ from collections.abc import Iterable
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from .form_state import DIAGONAL, HORIZONTAL, M_PER_FT, SENSOR, VERTICAL, FormState, in_metres
-from .form_text import aspect_text, parse_aspect
+from ..units import M_PER_FT
+from .state import DIAGONAL, HORIZONTAL, SENSOR, VERTICAL, FormState, in_metres
+from .text import aspect_text, parse_aspect
 
 if TYPE_CHECKING:
     from ...core.geodesy.camera import Camera
@@ -18,7 +19,6 @@ FULL_FRAME_MM = 36.0
 #: Metres in the unit of a height, and in that of a ground sample distance, by what lengths are shown in.
 HEIGHT_M = {"m": 1.0, "ft": M_PER_FT}
 GSD_M = {"m": 0.01, "ft": M_PER_FT / 12.0}
-
 #: Entries that the field of view follows from, by what the camera is given by.
 _TYPED = {
     DIAGONAL: (),

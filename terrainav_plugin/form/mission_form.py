@@ -9,16 +9,10 @@ from typing import TYPE_CHECKING, Any
 
 from ...core.errors import InvalidInput
 from ..i18n import number_text, told, tr
-from .area_form import FormError, entered_shape, with_box
-from .area_shape import shape_text
-from .camera_terms import camera_as_typed, given_by, in_length_unit
-from .form_state import DIAGONAL, SENSOR, URL_TEMPLATE, FormState
-from .form_text import (
-    aspect_text,
-    exact_degrees_text,
-    parse_aspect,
-    parse_number,
-)
+from .area import FormError, entered_shape, shape_text, with_box
+from .camera import camera_as_typed, given_by, in_length_unit
+from .state import DIAGONAL, SENSOR, URL_TEMPLATE, FormState
+from .text import aspect_text, exact_degrees_text, parse_aspect, parse_number
 
 if TYPE_CHECKING:
     from ...core.mission.area import Area, Box

@@ -23,15 +23,13 @@ from qgis.PyQt.QtGui import QPainter
 
 from ...core.errors import PartError
 from ...core.imagery.source import Part, Window, tile_parts
-from .jobs import Jobs, blank, to_array, to_image
-from .pipes import Pipes
+from .renderer import Jobs, Pipes, blank, to_array, to_image
 from .sampling import sampled
 from .snapshot import FILE_PROVIDER, Snapshot
 from .tiles import Tiles
 
 Pixels = NDArray[np.uint8]
 Stop = Callable[[], bool]
-
 #: Tiles of ground kept for the next pictures that show them (64 MB).
 _KEPT_TILES = 256
 #: Pixels by which a tile that is asked of a service stays clear of its neighbours: without it QGIS asks for them,

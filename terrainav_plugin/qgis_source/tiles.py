@@ -33,7 +33,7 @@ from ...core.imagery.client import NotThere
 from ...core.imagery.source import Window
 from ..i18n import tr
 from .connections import Connection, connection_of
-from .jobs import to_array, to_image
+from .renderer import to_array, to_image
 
 if TYPE_CHECKING:
     from qgis.PyQt.QtGui import QImage

@@ -29,7 +29,7 @@ from ..compat import attribution
 from ..i18n import tr
 from ..map.mission_group import ROLE
 from .connections import is_connection
-from .pipes import Pipes
+from .renderer import Pipes
 from .tiles import Address, Tiles, address_of
 
 #: What names of sources begin with that QGIS itself draws.
@@ -49,7 +49,6 @@ _MAX_ZOOM = 22
 _HIGHEST_NATIVE_ZOOM = 27
 #: A raster's own resolution may be off a zoom's by the rounding of its file, and is still that zoom's.
 _RESOLUTION_SLACK = 1e-3
-
 #: Where layers have their tiles from, by the layers' ids; None for those without.
 Addresses = dict[str, Optional[Address]]
 

@@ -8,9 +8,8 @@ from typing import Any
 
 from ...core.errors import InvalidInput
 from ...core.safe_json import parse_json
+from ..units import M_PER_FT
 
-#: International foot.
-M_PER_FT = 0.3048
 #: What a camera may be given by.
 FOV_MODES = DIAGONAL, HORIZONTAL, VERTICAL, SENSOR = ("diagonal", "horizontal", "vertical", "sensor")
 #: What the source chooser holds instead of a catalogue entry's name.

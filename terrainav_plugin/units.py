@@ -1,16 +1,17 @@
-"""Lengths and areas in the unit that a person has chosen: metres, or feet with what goes with them."""
+"""Lengths, areas and durations in words: in metres, or in feet with what goes with them."""
 
 from __future__ import annotations
 
-from ...core.mission.estimate import area_text as metric_area_text
-from ...core.mission.estimate import length_text as metric_length_text
-from ..i18n import localized, number_text, tr
-from .form_state import M_PER_FT
+from ..core.mission.estimate import area_text as metric_area_text
+from ..core.mission.estimate import length_text as metric_length_text
+from .i18n import localized, number_text, tr
 
 METRES, FEET = "m", "ft"
 _FT_PER_MILE, _INCHES_PER_FT = 5280.0, 12.0
 #: International acre and square mile.
 _M2_PER_ACRE, _ACRES_PER_SQ_MI = 4046.8564224, 640.0
+#: International foot.
+M_PER_FT = 0.3048
 
 
 def length_text(value_m: float, unit: str) -> str:

@@ -6,10 +6,22 @@ import threading
 import time
 from collections.abc import Callable, Sequence
 from contextlib import contextmanager
-from typing import TYPE_CHECKING
+from queue import SimpleQueue
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from qgis.core import QgsMapLayer, QgsMapRendererCustomPainterJob, QgsMapSettings
+from numpy.typing import NDArray
+from qgis.core import (
+    QgsMapLayer,
+    QgsMapRendererCustomPainterJob,
+    QgsMapSettings,
+    QgsRasterBlockFeedback,
+    QgsRasterInterface,
+    QgsRasterLayer,
+    QgsRasterPipe,
+    QgsRasterProjector,
+    QgsRectangle,
+)
 from qgis.PyQt.QtGui import QImage, QPainter
 
 from ...core.errors import Cancelled, PartError
@@ -17,7 +29,6 @@ from ...core.errors import Cancelled, PartError
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from numpy.typing import NDArray
     from qgis.core import QgsMapRendererJob
 
 #: Seconds a part may take to draw: what QGIS's own network timeout (60 s) and one more try come to.
@@ -26,6 +37,8 @@ LONGEST_JOB_S = 150.0
 _LOOK_S = 0.1
 _CANCELLED, _WORDS = "cancelled", "cancelled while drawing the map"
 _FORMAT = QImage.Format.Format_ARGB32_Premultiplied
+#: Copies of a layer's pipe: as many as a capture has connections. More threads than these wait for one another.
+_COPIES = 8
 
 
 class Jobs:
@@ -168,3 +181,64 @@ def to_image(pixels: NDArray[np.uint8]) -> QImage:
     image = QImage(data, width, height, 4 * width, QImage.Format.Format_RGBA8888_Premultiplied)
     # Converting copies, so that the image does not point into memory that Python frees.
     return image.convertToFormat(_FORMAT)
+
+
+class _Pipe(NamedTuple):
+    """A pipe and its last stage, which gives the pixels; wrapped once, as wrapping is not safe on other threads."""
+
+    pipe: QgsRasterPipe
+    last: QgsRasterInterface
+
+
+class Pipes:
+    """A layer, and its pipes: one for each thread that draws it at the same time.
+
+    Made and let go of on the main thread, which QGIS's providers belong to: one that is made, wrapped or destroyed on
+    another thread while the main one goes on may end QGIS.
+    """
+
+    def __init__(self, layer: QgsRasterLayer) -> None:
+        self.layer = layer
+        self._idle: SimpleQueue[_Pipe] = SimpleQueue()
+        for _ in range(_COPIES):
+            pipe = _copy(layer.pipe())
+            self._idle.put(_Pipe(pipe, pipe.last()))
+
+    def block(
+        self,
+        extent: QgsRectangle,
+        size: tuple[int, int],
+        jobs: Jobs,
+        cancelled: Callable[[], bool] | None = None,
+    ) -> NDArray[np.uint8]:
+        """Premultiplied pixels of an extent in the layer's own CRS, (height, width, 4) uint8.
+
+        Raises
+        ------
+        PartError
+            The layer cannot be read, or it takes too long.
+        Cancelled
+        """
+        feedback = QgsRasterBlockFeedback()
+        pipe = self._idle.get()
+        try:
+            with jobs.watched(feedback.cancel, cancelled):
+                block = pipe.last.block(1, extent, *size, feedback)
+        finally:
+            self._idle.put(pipe)
+        if feedback.errors():
+            raise PartError(f"QGIS could not read it: {feedback.errors()[0]}")
+        image = block.image()
+        if not block.isValid() or image.isNull():
+            raise PartError(f"QGIS could not read it: {block.error().summary() or 'no reason given'}")
+        return to_array(image)
+
+
+def _copy(pipe: QgsRasterPipe) -> QgsRasterPipe:
+    """Pipe for one thread at a time, without reprojection."""
+    copy = QgsRasterPipe()
+    for index in range(pipe.size()):
+        stage = pipe.at(index)
+        if not isinstance(stage, QgsRasterProjector):
+            copy.set(stage.clone())
+    return copy

@@ -20,7 +20,7 @@ from ...core.files import partial_file
 from ...core.geodesy.ellipsoid import sight_lines
 from ...core.geodesy.mercator import HALF_WORLD_M, MAX_LAT_DEG, v_to_lat
 from ...core.mission.framing import ground_of
-from .camera_outlines import bent_ring, metres
+from ..map.outlines import bent_ring, metres
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

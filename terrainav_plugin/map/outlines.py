@@ -1,4 +1,4 @@
-"""What camera frames show of the ground, as polygons of the map. Runs in the background."""
+"""What a plan draws on the map: footprints of its images, as geometries in EPSG:3857. Runs in the background."""
 
 from __future__ import annotations
 

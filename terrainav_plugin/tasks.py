@@ -1,0 +1,168 @@
+"""Work beside the main thread: QGIS tasks, threads that Python has made, and the latest of several requests."""
+
+from __future__ import annotations
+
+import threading
+import traceback
+from collections.abc import Callable
+from concurrent.futures import Future, ThreadPoolExecutor
+from typing import Any, Generic, TypeVar
+
+from qgis.core import QgsTask
+from qgis.PyQt.QtCore import QObject, pyqtSignal
+
+from ..core.errors import Cancelled, TerrAInavError
+from .compat import TASK_FLAGS
+from .i18n import tr
+
+Result = TypeVar("Result")
+
+
+class Task(QgsTask):
+    """A task whose `work` may raise.
+
+    Signals
+    -------
+    ended(object)
+        The task itself, on the main thread, whatever became of it.
+
+    Attributes
+    ----------
+    error : str
+        Why it ended early; empty otherwise.
+    trace : str
+        Where an error came from that should not have been.
+    """
+
+    ended = pyqtSignal(object)
+
+    def __init__(self, description: str) -> None:
+        # QGIS shows it in a tooltip, which finds out by itself whether it is HTML.
+        super().__init__(description.replace("<", "‹"), TASK_FLAGS)
+        self.error = ""
+        self.trace = ""
+
+    def work(self) -> None:
+        """Do it, on a thread beside the main one; raises `Cancelled` where it was stopped on the way."""
+        raise NotImplementedError
+
+    def run(self) -> bool:
+        """Work; an error ends the task and is kept."""
+        try:
+            on_python_thread(self.work)
+        except Cancelled:
+            # Asked for: QGIS would say that the task has failed.
+            return True
+        except TerrAInavError as wrong:
+            self.error = str(wrong)
+        except Exception as wrong:  # noqa: BLE001  an exception that leaves run() ends QGIS; it is reported instead
+            self.error = tr("unexpected error: {error}").format(error=repr(wrong))
+            self.trace = traceback.format_exc()
+        return not self.error
+
+    def finished(self, result: bool) -> None:  # noqa: ARG002  QGIS passes it
+        """Tell; on the main thread."""
+        self.ended.emit(self)
+
+
+class Worker(QObject):
+    """Answers with what the last work gave; earlier answers are dropped.
+
+    Signals
+    -------
+    refused(str)
+        The message of an error.
+    """
+
+    refused = pyqtSignal(str)
+    _finished = pyqtSignal(int, object, object)
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._latest = self._open = 0
+        self._closed = False
+        self._pool = ThreadPoolExecutor(1, thread_name_prefix="terrainav-viewer")
+        # Emitted on the worker's thread, received on this object's.
+        self._finished.connect(self._deliver)
+
+    @property
+    def closed(self) -> bool:
+        """Whether it has ended: work under way may stop."""
+        return self._closed
+
+    @property
+    def busy(self) -> bool:
+        """Whether an answer is still to come."""
+        return self._open > 0
+
+    def ask(self, work: Callable[[], Any], answer: Callable[[Any], None]) -> None:
+        """Have something done, and ``answer`` called with what it gave, on the thread of the caller."""
+        self._latest += 1
+        self._open += 1
+        number = self._latest
+        self._pool.submit(lambda: work() if number == self._latest else None).add_done_callback(
+            lambda future: self._finished.emit(number, future, answer)
+        )
+
+    def close(self) -> None:
+        """End the thread; no answer comes any more."""
+        self._latest += 1
+        self._closed = True
+        self._pool.shutdown(wait=True, cancel_futures=True)
+
+    def _deliver(self, number: int, future: Future[Any], answer: Callable[[Any], None]) -> None:
+        self._open -= 1
+        if number != self._latest or future.cancelled():
+            return
+        error = future.exception()
+        if error is None:
+            answer(future.result())
+        elif isinstance(error, TerrAInavError):
+            self.refused.emit(str(error))
+        else:
+            self.refused.emit(repr(error))
+
+
+class PythonThread(Generic[Result]):
+    """A thread of Python's own that does some work, from now on, and what comes of it."""
+
+    def __init__(self, work: Callable[[], Result], name: str) -> None:
+        self._results: list[Result] = []
+        self._failures: list[BaseException] = []
+        self._thread = threading.Thread(target=self._run, args=(work,), name=name)
+        self._thread.start()
+
+    @property
+    def works(self) -> bool:
+        """Whether it is at work."""
+        return self._thread.is_alive()
+
+    def wait(self) -> None:
+        """Wait until it has ended."""
+        self._thread.join()
+
+    def result(self) -> Result:
+        """Wait, and return or raise what the work does; once."""
+        self.wait()
+        if self._failures:
+            # Held by nothing but the exception on its way: its trace holds what belongs to the main thread.
+            raise self._failures.pop()
+        return self._results.pop()
+
+    def _run(self, work: Callable[[], Result]) -> None:
+        try:
+            self._results.append(work())
+        except BaseException as failure:  # noqa: BLE001  (raised in the thread that waits)
+            self._failures.append(failure)
+
+
+def is_foreign() -> bool:
+    """Whether the current thread is one that Python has not made."""
+    return isinstance(threading.current_thread(), threading._DummyThread)  # noqa: SLF001  (no other way to tell)
+
+
+def on_python_thread(work: Callable[[], Result]) -> Result:
+    """Result of ``work``, which runs here if Python has made this thread, and else on one of its own meanwhile."""
+    if not is_foreign():
+        return work()
+    return PythonThread(work, "terrainav-task").result()
