@@ -74,7 +74,7 @@ def measure(count: int, folder: Path) -> Figures:
     from terrainav.core.mission.mission import Mission
     from terrainav.core.mission.plan import plan
     from terrainav.terrainav_plugin.map.mission_group import MissionGroup
-    from terrainav.terrainav_plugin.map.preview import Preview
+    from terrainav.terrainav_plugin.preview.preview import Preview
     from terrainav.terrainav_plugin.sources import costs_of, grid_of
 
     side = count**0.5 / 2.0

@@ -16,6 +16,8 @@ from qgis.PyQt.QtWidgets import QComboBox, QDialog
 
 from ..core.errors import TerrAInavError
 from ..core.mission.area import Box
+from .area.control import AreaControl
+from .area.tools import BoxTool, PointTool
 from .dataset.cleaning import Cleaning
 from .dock.camera_choices import camera_choices
 from .dock.dock import Dock
@@ -28,17 +30,13 @@ from .form.mission_form import FormError
 from .form.state import BOX_FIELDS, FormState
 from .form_memory import FormMemory
 from .i18n import told, tr
-from .map.area_control import AreaControl
-from .map.background import Background
-from .map.box_tool import BoxTool
 from .map.mission_group import MissionGroup
-from .map.point_tool import PointTool
-from .map.preview import Preview
-from .map.source_on_map import SourceOnMap
 from .messages import Messages
 from .missions.missions import Missions
 from .paths import folder_of, open_in_system
 from .planner import Planned, Planner
+from .preview.background import Background, SourceOnMap
+from .preview.preview import Preview
 from .runs.line import Runs
 from .runs.panel import RunPanel
 from .settings import Settings

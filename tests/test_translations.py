@@ -85,7 +85,7 @@ def test_keys_of_a_menu_or_form_differ(translations):
     known = translations.translated("es")
     together = {
         "menu": "plugin.py",
-        "ways to an area": "dock/area_menu.py",
+        "ways to an area": "area/entries.py",
         "missions": "missions/missions.py",
         "viewer": "viewer/viewer.py",
         "area dialogs": "dock/area_dialogs.py",

@@ -4,6 +4,598 @@
 <context>
     <name>TerrAInav</name>
     <message>
+        <location filename="../../terrainav_plugin/area/control.py"/>
+        <source>Click one polygon of “{layer}” on the map.</source>
+        <translation>Haga clic en un polígono de «{layer}» en el mapa.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/control.py"/>
+        <source>Extent of a layer</source>
+        <translation>Extensión de una capa</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/control.py"/>
+        <source>No area was taken.</source>
+        <translation>No se ha tomado ningún área.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/control.py"/>
+        <source>No area: {reason}</source>
+        <translation>Sin área: {reason}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/control.py"/>
+        <source>Text file of points: lat lon agl [yaw]</source>
+        <translation>Archivo de texto con puntos: lat lon agl [guiñada]</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/control.py"/>
+        <source>Text files (*.txt *.csv *.dat);;All files (*)</source>
+        <translation>Archivos de texto (*.txt *.csv *.dat);;Todos los archivos (*)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/control.py"/>
+        <source>draw box</source>
+        <translation>dibujar recuadro</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/control.py"/>
+        <source>extent of {layer}</source>
+        <translation>extensión de {layer}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/control.py"/>
+        <source>map canvas extent</source>
+        <translation>extensión del lienzo del mapa</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/control.py"/>
+        <source>points of {layer}</source>
+        <translation>puntos de {layer}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/control.py"/>
+        <source>polygon of {layer}</source>
+        <translation>polígono de {layer}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/control.py"/>
+        <source>single capture</source>
+        <translation>captura única</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/control.py"/>
+        <source>text file</source>
+        <translation>archivo de texto</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/control.py"/>
+        <source>the clipboard holds no text; copy coordinates first</source>
+        <translation>el portapapeles no contiene texto; copiar antes unas coordenadas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/dialogs.py"/>
+        <source>&amp;All</source>
+        <translation>&amp;Todos</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/dialogs.py"/>
+        <source>&amp;Height of all</source>
+        <translation>&amp;Altura de todos</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/dialogs.py"/>
+        <source>&amp;Layer</source>
+        <translation>&amp;Capa</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/dialogs.py"/>
+        <source>&amp;Select on the map</source>
+        <translation>Seleccionar en el ma&amp;pa</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/dialogs.py"/>
+        <source>&amp;Selected ({n})</source>
+        <translation>&amp;Seleccionados ({n})</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/dialogs.py"/>
+        <source>&amp;Unit of heights</source>
+        <translation>&amp;Unidad de las alturas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/dialogs.py"/>
+        <source>&amp;Yaw from field</source>
+        <translation>&amp;Guiñada del campo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/dialogs.py"/>
+        <source>1 polygon is selected.</source>
+        <translation>Hay 1 polígono seleccionado.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/dialogs.py"/>
+        <source>An attribute holds each point's height above ground (AGL), in the unit below</source>
+        <translation>Un atributo contiene la altura de cada punto sobre el terreno (AGL), en la unidad de abajo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/dialogs.py"/>
+        <source>Area from a selected polygon</source>
+        <translation>Área de un polígono seleccionado</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/dialogs.py"/>
+        <source>Click a polygon of this layer on the map; it becomes the area</source>
+        <translation>Haga clic en un polígono de esta capa en el mapa; será el área</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/dialogs.py"/>
+        <source>Degrees clockwise from north; empty: the mission's own yaw</source>
+        <translation>Grados en sentido horario desde el norte; vacío: la guiñada de la propia misión</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/dialogs.py"/>
+        <source>Features</source>
+        <translation>Objetos espaciales</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/dialogs.py"/>
+        <source>Features that become pictures</source>
+        <translation>Objetos espaciales que se convierten en imágenes</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/dialogs.py"/>
+        <source>Height above the ground (AGL) in the unit below</source>
+        <translation>Altura sobre el terreno (AGL) en la unidad de abajo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/dialogs.py"/>
+        <source>Height from &amp;field</source>
+        <translation>Altura del ca&amp;mpo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/dialogs.py"/>
+        <source>It has one polygon, which is taken.</source>
+        <translation>Tiene un solo polígono, que es el que se toma.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/dialogs.py"/>
+        <source>Layer of this project, in any CRS</source>
+        <translation>Capa de este proyecto, en cualquier SRC</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/dialogs.py"/>
+        <source>Metres or international feet</source>
+        <translation>Metros o pies internacionales</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/dialogs.py"/>
+        <source>Nothing is selected in it: press “Select on the map”, then click one polygon.</source>
+        <translation>No hay nada seleccionado en ella: pulse «Seleccionar en el mapa» y haga clic en un polígono.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/dialogs.py"/>
+        <source>Numbers above 0, in the unit below</source>
+        <translation>Números mayores que 0, en la unidad de abajo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/dialogs.py"/>
+        <source>One picture above each point ({crs}).</source>
+        <translation>Una imagen sobre cada punto ({crs}).</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/dialogs.py"/>
+        <source>Points of a layer</source>
+        <translation>Puntos de una capa</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/dialogs.py"/>
+        <source>The project has no layer of polygons: add one, or draw a box instead.</source>
+        <translation>El proyecto no tiene ninguna capa de polígonos: añada una, o dibuje un recuadro en su lugar.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/dialogs.py"/>
+        <source>The project has no such layer.</source>
+        <translation>El proyecto no tiene ninguna capa de este tipo.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/dialogs.py"/>
+        <source>The same height above ground (AGL) for all points</source>
+        <translation>La misma altura sobre el terreno (AGL) para todos los puntos</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/dialogs.py"/>
+        <source>The smallest box of longitudes and latitudes around it ({crs}).</source>
+        <translation>El menor recuadro de longitudes y latitudes que la contiene ({crs}).</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/dialogs.py"/>
+        <location filename="../../terrainav_plugin/dock/flight_entries.py"/>
+        <location filename="../../terrainav_plugin/form/area.py"/>
+        <source>ft</source>
+        <translation>ft</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/dialogs.py"/>
+        <location filename="../../terrainav_plugin/dock/flight_entries.py"/>
+        <location filename="../../terrainav_plugin/form/area.py"/>
+        <source>m</source>
+        <translation>m</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/dialogs.py"/>
+        <source>no CRS</source>
+        <translation>sin SRC</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/dialogs.py"/>
+        <source>{n} polygons are selected.</source>
+        <translation>Hay {n} polígonos seleccionados.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/editing.py"/>
+        <location filename="../../terrainav_plugin/area/entries.py"/>
+        <source>make it a box</source>
+        <translation>convertir en recuadro</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/editing.py"/>
+        <source>paste coordinates</source>
+        <translation>pegar coordenadas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/entries.py"/>
+        <location filename="../../terrainav_plugin/plugin.py"/>
+        <source>&amp;Draw box</source>
+        <translation>&amp;Dibujar recuadro</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/entries.py"/>
+        <source>&amp;Map canvas extent</source>
+        <translation>&amp;Extensión del lienzo del mapa</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/entries.py"/>
+        <source>&amp;Paste coordinates</source>
+        <translation>&amp;Pegar coordenadas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/entries.py"/>
+        <source>&amp;Single capture here…</source>
+        <translation>Captura ú&amp;nica aquí…</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/entries.py"/>
+        <source>&amp;Text file of points…</source>
+        <translation>Archivo de &amp;texto con puntos…</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/entries.py"/>
+        <location filename="../../terrainav_plugin/preview/layers.py"/>
+        <source>Area</source>
+        <translation>Área</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/entries.py"/>
+        <source>Area &amp;from</source>
+        <translation>Área de&amp;sde</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/entries.py"/>
+        <source>Click a point on the map: the mission is one picture, straight above it</source>
+        <translation>Pulsar un punto del mapa: la misión es una sola imagen, en su vertical</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/entries.py"/>
+        <source>Coordinates pasted here fill all fields: north_west_south_east_agl, lat_lon_agl, or lines of lat lon agl [yaw]. An edge typed makes a polygon or points a box.</source>
+        <translation>Las coordenadas pegadas aquí rellenan todos los campos: norte_oeste_sur_este_agl, lat_lon_agl o líneas de lat lon agl [guiñada]. Al teclear un borde, un polígono o unos puntos pasan a ser un recuadro.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/entries.py"/>
+        <source>Draw &amp;box</source>
+        <translation>Dib&amp;ujar recuadro</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/entries.py"/>
+        <source>E</source>
+        <translation>E</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/entries.py"/>
+        <source>Eastern edge: longitude in degrees</source>
+        <translation>Borde oriental: longitud en grados</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/entries.py"/>
+        <source>Extent of a &amp;layer…</source>
+        <translation>Extensión de una &amp;capa…</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/entries.py"/>
+        <source>From the clipboard: north_west_south_east_agl, lat_lon_agl, or lines of lat lon agl [yaw]; heights in the unit chosen</source>
+        <translation>Del portapapeles: norte_oeste_sur_este_agl, lat_lon_agl o líneas de lat lon agl [guiñada]; alturas en la unidad elegida</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/entries.py"/>
+        <source>Lines of “lat lon agl [yaw]”, in degrees and the unit chosen for the height</source>
+        <translation>Líneas de «lat lon agl [guiñada]», en grados y en la unidad elegida para la altura</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/entries.py"/>
+        <source>Make it a &amp;box</source>
+        <translation>Convertir en &amp;recuadro</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/entries.py"/>
+        <source>Move</source>
+        <translation>Mover</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/entries.py"/>
+        <source>Move the area on the map: drag inside it, or drag the edges and corners of a box; arrow keys move it by a pixel of the screen, with Shift by ten; Esc ends it. Corners of polygons are moved with QGIS's own tools, in their layer.</source>
+        <translation>Mover el área en el mapa: arrastrar dentro de ella, o arrastrar los bordes y esquinas de un recuadro; las teclas de flecha la mueven un píxel de pantalla, con Mayús diez; Esc termina. Los vértices de los polígonos se mueven con las herramientas de QGIS, en su capa.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/entries.py"/>
+        <source>N</source>
+        <translation>N</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/entries.py"/>
+        <source>No change of the area to redo</source>
+        <translation>No hay ningún cambio del área que rehacer</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/entries.py"/>
+        <source>No change of the area to undo</source>
+        <translation>No hay ningún cambio del área que deshacer</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/entries.py"/>
+        <source>Northern edge: latitude in degrees, up to 90</source>
+        <translation>Borde norte: latitud en grados, hasta 90</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/entries.py"/>
+        <source>One picture above each point, with heights (AGL) and yaws from fields</source>
+        <translation>Una imagen sobre cada punto, con alturas (AGL) y guiñadas tomadas de campos</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/entries.py"/>
+        <source>One selected polygon, with its holes; pictures that do not touch it are left out</source>
+        <translation>Un polígono seleccionado, con sus huecos; las imágenes que no lo tocan se omiten</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/entries.py"/>
+        <source>Other ways to an area: the map, a layer, a file, the clipboard, a click</source>
+        <translation>Otras formas de obtener un área: el mapa, una capa, un archivo, el portapapeles, una pulsación</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/entries.py"/>
+        <source>P&amp;oints of a layer…</source>
+        <translation>P&amp;untos de una capa…</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/entries.py"/>
+        <source>Press, drag and release on the map</source>
+        <translation>Pulsar, arrastrar y soltar en el mapa</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/entries.py"/>
+        <source>Redo: {step} ({keys})</source>
+        <translation>Rehacer: {step} ({keys})</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/entries.py"/>
+        <source>S</source>
+        <translation>S</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/entries.py"/>
+        <source>Selected pol&amp;ygon…</source>
+        <translation>Polí&amp;gono seleccionado…</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/entries.py"/>
+        <source>Size on the ground: width along its middle parallel, height along a meridian</source>
+        <translation>Tamaño sobre el terreno: anchura a lo largo de su paralelo medio, altura a lo largo de un meridiano</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/entries.py"/>
+        <source>Southern edge: latitude in degrees, down to -90</source>
+        <translation>Borde sur: latitud en grados, hasta -90</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/entries.py"/>
+        <source>The box around a layer</source>
+        <translation>El recuadro que contiene una capa</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/entries.py"/>
+        <source>The box around the polygon or the points, instead of them</source>
+        <translation>El recuadro que contiene el polígono o los puntos, en lugar de ellos</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/entries.py"/>
+        <source>The box of what the map shows now</source>
+        <translation>El recuadro de lo que muestra ahora el mapa</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/entries.py"/>
+        <source>The edge typed made it a box; undo brings the shape back.</source>
+        <translation>El borde tecleado la ha convertido en un recuadro; deshacer recupera la forma.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/entries.py"/>
+        <source>The edges are those of the box around it. Typing one makes the area a box.</source>
+        <translation>Los bordes son los del recuadro que la contiene. Al teclear uno, el área pasa a ser un recuadro.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/entries.py"/>
+        <source>Undo: {step} ({keys})</source>
+        <translation>Deshacer: {step} ({keys})</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/entries.py"/>
+        <source>W</source>
+        <translation>O</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/entries.py"/>
+        <source>Western edge: longitude in degrees; greater than the eastern one across the antimeridian</source>
+        <translation>Borde occidental: longitud en grados; mayor que la oriental a través del antimeridiano</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/entries.py"/>
+        <source>degrees</source>
+        <translation>grados</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/history.py"/>
+        <source>type the eastern edge</source>
+        <translation>teclear el borde oriental</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/history.py"/>
+        <source>type the northern edge</source>
+        <translation>teclear el borde norte</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/history.py"/>
+        <source>type the southern edge</source>
+        <translation>teclear el borde sur</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/history.py"/>
+        <source>type the western edge</source>
+        <translation>teclear el borde occidental</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/layers.py"/>
+        <source>Reading the area</source>
+        <translation>Leyendo el área</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/layers.py"/>
+        <source>feature {id}</source>
+        <translation>objeto {id}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/layers.py"/>
+        <source>layer “{name}” has no CRS: set it in the layer's properties</source>
+        <translation>la capa «{name}» no tiene SRC: definirlo en las propiedades de la capa</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/layers.py"/>
+        <source>layer “{name}” is empty: it has no extent</source>
+        <translation>la capa «{name}» está vacía: no tiene extensión</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/layers.py"/>
+        <source>no point is there to be taken: select some, or take all of the layer</source>
+        <translation>no hay ningún punto que tomar: seleccionar algunos, o tomar todos los de la capa</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/layers.py"/>
+        <source>no polygon is selected: select exactly one in its layer</source>
+        <translation>no hay ningún polígono seleccionado: seleccionar exactamente uno en su capa</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/layers.py"/>
+        <source>{count} polygons are selected, and an area is one: select only that one, or join them first (Vector &gt; Geoprocessing Tools &gt; Dissolve)</source>
+        <translation>hay {count} polígonos seleccionados, y un área es uno: seleccionar solo ese, o unirlos antes (Vectorial &gt; Herramientas de geoproceso &gt; Disolver)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/layers.py"/>
+        <source>{feature} goes around a pole: an area's edges must close without that; cut it</source>
+        <translation>{feature} rodea un polo: los bordes de un área deben cerrarse sin ello; cortarlo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/layers.py"/>
+        <source>{feature} has an edge through a pole or across the edge of its map: cut it</source>
+        <translation>{feature} tiene un lado que pasa por un polo o cruza el borde de su mapa: cortarlo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/layers.py"/>
+        <source>{feature} has no geometry: give it a point, or leave it out</source>
+        <translation>{feature} no tiene geometría: darle un punto u omitirlo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/layers.py"/>
+        <source>{feature} has no geometry: select one that has</source>
+        <translation>{feature} no tiene geometría: seleccionar uno que la tenga</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/layers.py"/>
+        <source>{feature} has {count} parts, and an area is one: take it apart first (Vector &gt; Geometry Tools &gt; Multipart to Singleparts) and select one of them</source>
+        <translation>{feature} tiene {count} partes, y un área es una: separarlas antes (Vectorial &gt; Herramientas de geometría &gt; Multiparte a monoparte) y seleccionar una de ellas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/layers.py"/>
+        <source>{feature} is no point: take a layer of points</source>
+        <translation>{feature} no es un punto: tomar una capa de puntos</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/layers.py"/>
+        <source>{feature} is no polygon: select one that is</source>
+        <translation>{feature} no es un polígono: seleccionar uno que lo sea</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/layers.py"/>
+        <source>{feature} is no sound polygon, {what}: repair it first (Processing: Fix geometries)</source>
+        <translation>{feature} no es un polígono válido, {what}: repararlo antes (Procesos: Corregir geometrías)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/layers.py"/>
+        <source>{feature}: height in “{field}”</source>
+        <translation>{feature}: altura en «{field}»</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/layers.py"/>
+        <source>{feature}: yaw in “{field}”</source>
+        <translation>{feature}: guiñada en «{field}»</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/layers.py"/>
+        <source>{feature}: {x}, {y} is outside the domain of {crs}</source>
+        <translation>{feature}: {x}, {y} está fuera del dominio de {crs}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/layers.py"/>
+        <source>{what} is empty (NULL): must be a number</source>
+        <translation>{what} está vacío (NULL): debe ser un número</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/layers.py"/>
+        <source>{what} is {value} m: must be above 0</source>
+        <translation>{what} es {value} m: debe ser mayor que 0</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/layers.py"/>
+        <source>{what} is {value}°: must be from -360 to 360</source>
+        <translation>{what} es {value}°: debe estar entre -360 y 360</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/layers.py"/>
+        <source>{what} is “{value}”: must be a number</source>
+        <translation>{what} es «{value}»: debe ser un número</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/tools.py"/>
+        <source>drag an edge</source>
+        <translation>arrastrar un borde</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/tools.py"/>
+        <source>move by arrow keys</source>
+        <translation>mover con las teclas de flecha</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/tools.py"/>
+        <source>move the area</source>
+        <translation>mover el área</translation>
+    </message>
+    <message>
         <location filename="../../terrainav_plugin/capture_task.py"/>
         <source>Capturing {name}</source>
         <translation>Capturando {name}</translation>
@@ -584,404 +1176,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/dock/add_source_dialog.py"/>
         <source>“{name}” is taken; choose another name</source>
         <translation>«{name}» ya está en uso; elegir otro nombre</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_dialogs.py"/>
-        <source>&amp;All</source>
-        <translation>&amp;Todos</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_dialogs.py"/>
-        <source>&amp;Height of all</source>
-        <translation>&amp;Altura de todos</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_dialogs.py"/>
-        <source>&amp;Layer</source>
-        <translation>&amp;Capa</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_dialogs.py"/>
-        <source>&amp;Select on the map</source>
-        <translation>Seleccionar en el ma&amp;pa</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_dialogs.py"/>
-        <source>&amp;Selected ({n})</source>
-        <translation>&amp;Seleccionados ({n})</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_dialogs.py"/>
-        <source>&amp;Unit of heights</source>
-        <translation>&amp;Unidad de las alturas</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_dialogs.py"/>
-        <source>&amp;Yaw from field</source>
-        <translation>&amp;Guiñada del campo</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_dialogs.py"/>
-        <source>1 polygon is selected.</source>
-        <translation>Hay 1 polígono seleccionado.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_dialogs.py"/>
-        <source>An attribute holds each point's height above ground (AGL), in the unit below</source>
-        <translation>Un atributo contiene la altura de cada punto sobre el terreno (AGL), en la unidad de abajo</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_dialogs.py"/>
-        <source>Area from a selected polygon</source>
-        <translation>Área de un polígono seleccionado</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_dialogs.py"/>
-        <source>Click a polygon of this layer on the map; it becomes the area</source>
-        <translation>Haga clic en un polígono de esta capa en el mapa; será el área</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_dialogs.py"/>
-        <source>Degrees clockwise from north; empty: the mission's own yaw</source>
-        <translation>Grados en sentido horario desde el norte; vacío: la guiñada de la propia misión</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_dialogs.py"/>
-        <source>Features</source>
-        <translation>Objetos espaciales</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_dialogs.py"/>
-        <source>Features that become pictures</source>
-        <translation>Objetos espaciales que se convierten en imágenes</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_dialogs.py"/>
-        <source>Height above the ground (AGL) in the unit below</source>
-        <translation>Altura sobre el terreno (AGL) en la unidad de abajo</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_dialogs.py"/>
-        <source>Height from &amp;field</source>
-        <translation>Altura del ca&amp;mpo</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_dialogs.py"/>
-        <source>It has one polygon, which is taken.</source>
-        <translation>Tiene un solo polígono, que es el que se toma.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_dialogs.py"/>
-        <source>Layer of this project, in any CRS</source>
-        <translation>Capa de este proyecto, en cualquier SRC</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_dialogs.py"/>
-        <source>Metres or international feet</source>
-        <translation>Metros o pies internacionales</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_dialogs.py"/>
-        <source>Nothing is selected in it: press “Select on the map”, then click one polygon.</source>
-        <translation>No hay nada seleccionado en ella: pulse «Seleccionar en el mapa» y haga clic en un polígono.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_dialogs.py"/>
-        <source>Numbers above 0, in the unit below</source>
-        <translation>Números mayores que 0, en la unidad de abajo</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_dialogs.py"/>
-        <source>One picture above each point ({crs}).</source>
-        <translation>Una imagen sobre cada punto ({crs}).</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_dialogs.py"/>
-        <source>Points of a layer</source>
-        <translation>Puntos de una capa</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_dialogs.py"/>
-        <source>The project has no layer of polygons: add one, or draw a box instead.</source>
-        <translation>El proyecto no tiene ninguna capa de polígonos: añada una, o dibuje un recuadro en su lugar.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_dialogs.py"/>
-        <source>The project has no such layer.</source>
-        <translation>El proyecto no tiene ninguna capa de este tipo.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_dialogs.py"/>
-        <source>The same height above ground (AGL) for all points</source>
-        <translation>La misma altura sobre el terreno (AGL) para todos los puntos</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_dialogs.py"/>
-        <source>The smallest box of longitudes and latitudes around it ({crs}).</source>
-        <translation>El menor recuadro de longitudes y latitudes que la contiene ({crs}).</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_dialogs.py"/>
-        <location filename="../../terrainav_plugin/dock/flight_entries.py"/>
-        <location filename="../../terrainav_plugin/form/area.py"/>
-        <source>ft</source>
-        <translation>ft</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_dialogs.py"/>
-        <location filename="../../terrainav_plugin/dock/flight_entries.py"/>
-        <location filename="../../terrainav_plugin/form/area.py"/>
-        <source>m</source>
-        <translation>m</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_dialogs.py"/>
-        <source>no CRS</source>
-        <translation>sin SRC</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_dialogs.py"/>
-        <source>{n} polygons are selected.</source>
-        <translation>Hay {n} polígonos seleccionados.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_editing.py"/>
-        <location filename="../../terrainav_plugin/dock/area_entries.py"/>
-        <source>make it a box</source>
-        <translation>convertir en recuadro</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_editing.py"/>
-        <source>paste coordinates</source>
-        <translation>pegar coordenadas</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_entries.py"/>
-        <location filename="../../terrainav_plugin/map/preview_layers.py"/>
-        <source>Area</source>
-        <translation>Área</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_entries.py"/>
-        <source>Coordinates pasted here fill all fields: north_west_south_east_agl, lat_lon_agl, or lines of lat lon agl [yaw]. An edge typed makes a polygon or points a box.</source>
-        <translation>Las coordenadas pegadas aquí rellenan todos los campos: norte_oeste_sur_este_agl, lat_lon_agl o líneas de lat lon agl [guiñada]. Al teclear un borde, un polígono o unos puntos pasan a ser un recuadro.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_entries.py"/>
-        <source>Draw &amp;box</source>
-        <translation>Dib&amp;ujar recuadro</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_entries.py"/>
-        <source>E</source>
-        <translation>E</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_entries.py"/>
-        <source>Eastern edge: longitude in degrees</source>
-        <translation>Borde oriental: longitud en grados</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_entries.py"/>
-        <source>Move</source>
-        <translation>Mover</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_entries.py"/>
-        <source>Move the area on the map: drag inside it, or drag the edges and corners of a box; arrow keys move it by a pixel of the screen, with Shift by ten; Esc ends it. Corners of polygons are moved with QGIS's own tools, in their layer.</source>
-        <translation>Mover el área en el mapa: arrastrar dentro de ella, o arrastrar los bordes y esquinas de un recuadro; las teclas de flecha la mueven un píxel de pantalla, con Mayús diez; Esc termina. Los vértices de los polígonos se mueven con las herramientas de QGIS, en su capa.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_entries.py"/>
-        <source>N</source>
-        <translation>N</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_entries.py"/>
-        <source>No change of the area to redo</source>
-        <translation>No hay ningún cambio del área que rehacer</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_entries.py"/>
-        <source>No change of the area to undo</source>
-        <translation>No hay ningún cambio del área que deshacer</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_entries.py"/>
-        <source>Northern edge: latitude in degrees, up to 90</source>
-        <translation>Borde norte: latitud en grados, hasta 90</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_entries.py"/>
-        <location filename="../../terrainav_plugin/dock/area_menu.py"/>
-        <source>Press, drag and release on the map</source>
-        <translation>Pulsar, arrastrar y soltar en el mapa</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_entries.py"/>
-        <source>Redo: {step} ({keys})</source>
-        <translation>Rehacer: {step} ({keys})</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_entries.py"/>
-        <source>S</source>
-        <translation>S</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_entries.py"/>
-        <source>Size on the ground: width along its middle parallel, height along a meridian</source>
-        <translation>Tamaño sobre el terreno: anchura a lo largo de su paralelo medio, altura a lo largo de un meridiano</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_entries.py"/>
-        <source>Southern edge: latitude in degrees, down to -90</source>
-        <translation>Borde sur: latitud en grados, hasta -90</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_entries.py"/>
-        <source>The edge typed made it a box; undo brings the shape back.</source>
-        <translation>El borde tecleado la ha convertido en un recuadro; deshacer recupera la forma.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_entries.py"/>
-        <source>The edges are those of the box around it. Typing one makes the area a box.</source>
-        <translation>Los bordes son los del recuadro que la contiene. Al teclear uno, el área pasa a ser un recuadro.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_entries.py"/>
-        <source>Undo: {step} ({keys})</source>
-        <translation>Deshacer: {step} ({keys})</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_entries.py"/>
-        <source>W</source>
-        <translation>O</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_entries.py"/>
-        <source>Western edge: longitude in degrees; greater than the eastern one across the antimeridian</source>
-        <translation>Borde occidental: longitud en grados; mayor que la oriental a través del antimeridiano</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_entries.py"/>
-        <source>degrees</source>
-        <translation>grados</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_history.py"/>
-        <source>type the eastern edge</source>
-        <translation>teclear el borde oriental</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_history.py"/>
-        <source>type the northern edge</source>
-        <translation>teclear el borde norte</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_history.py"/>
-        <source>type the southern edge</source>
-        <translation>teclear el borde sur</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_history.py"/>
-        <source>type the western edge</source>
-        <translation>teclear el borde occidental</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_menu.py"/>
-        <location filename="../../terrainav_plugin/plugin.py"/>
-        <source>&amp;Draw box</source>
-        <translation>&amp;Dibujar recuadro</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_menu.py"/>
-        <source>&amp;Map canvas extent</source>
-        <translation>&amp;Extensión del lienzo del mapa</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_menu.py"/>
-        <source>&amp;Paste coordinates</source>
-        <translation>&amp;Pegar coordenadas</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_menu.py"/>
-        <source>&amp;Single capture here…</source>
-        <translation>Captura ú&amp;nica aquí…</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_menu.py"/>
-        <source>&amp;Text file of points…</source>
-        <translation>Archivo de &amp;texto con puntos…</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_menu.py"/>
-        <source>Area &amp;from</source>
-        <translation>Área de&amp;sde</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_menu.py"/>
-        <source>Click a point on the map: the mission is one picture, straight above it</source>
-        <translation>Pulsar un punto del mapa: la misión es una sola imagen, en su vertical</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_menu.py"/>
-        <source>Extent of a &amp;layer…</source>
-        <translation>Extensión de una &amp;capa…</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_menu.py"/>
-        <source>From the clipboard: north_west_south_east_agl, lat_lon_agl, or lines of lat lon agl [yaw]; heights in the unit chosen</source>
-        <translation>Del portapapeles: norte_oeste_sur_este_agl, lat_lon_agl o líneas de lat lon agl [guiñada]; alturas en la unidad elegida</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_menu.py"/>
-        <source>Lines of “lat lon agl [yaw]”, in degrees and the unit chosen for the height</source>
-        <translation>Líneas de «lat lon agl [guiñada]», en grados y en la unidad elegida para la altura</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_menu.py"/>
-        <source>Make it a &amp;box</source>
-        <translation>Convertir en &amp;recuadro</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_menu.py"/>
-        <source>One picture above each point, with heights (AGL) and yaws from fields</source>
-        <translation>Una imagen sobre cada punto, con alturas (AGL) y guiñadas tomadas de campos</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_menu.py"/>
-        <source>One selected polygon, with its holes; pictures that do not touch it are left out</source>
-        <translation>Un polígono seleccionado, con sus huecos; las imágenes que no lo tocan se omiten</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_menu.py"/>
-        <source>Other ways to an area: the map, a layer, a file, the clipboard, a click</source>
-        <translation>Otras formas de obtener un área: el mapa, una capa, un archivo, el portapapeles, una pulsación</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_menu.py"/>
-        <source>P&amp;oints of a layer…</source>
-        <translation>P&amp;untos de una capa…</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_menu.py"/>
-        <source>Selected pol&amp;ygon…</source>
-        <translation>Polí&amp;gono seleccionado…</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_menu.py"/>
-        <source>The box around a layer</source>
-        <translation>El recuadro que contiene una capa</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_menu.py"/>
-        <source>The box around the polygon or the points, instead of them</source>
-        <translation>El recuadro que contiene el polígono o los puntos, en lugar de ellos</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_menu.py"/>
-        <source>The box of what the map shows now</source>
-        <translation>El recuadro de lo que muestra ahora el mapa</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/dock/cache_dialog.py"/>
@@ -2549,7 +2743,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/form/area.py"/>
-        <location filename="../../terrainav_plugin/map/preview_layers.py"/>
+        <location filename="../../terrainav_plugin/preview/layers.py"/>
         <source>yaw {yaw}°</source>
         <translation>guiñada {yaw}°</translation>
     </message>
@@ -2634,216 +2828,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>español</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/map/area_control.py"/>
-        <source>Click one polygon of “{layer}” on the map.</source>
-        <translation>Haga clic en un polígono de «{layer}» en el mapa.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/area_control.py"/>
-        <source>Extent of a layer</source>
-        <translation>Extensión de una capa</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/area_control.py"/>
-        <source>No area was taken.</source>
-        <translation>No se ha tomado ningún área.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/area_control.py"/>
-        <source>No area: {reason}</source>
-        <translation>Sin área: {reason}</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/area_control.py"/>
-        <source>Text file of points: lat lon agl [yaw]</source>
-        <translation>Archivo de texto con puntos: lat lon agl [guiñada]</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/area_control.py"/>
-        <source>Text files (*.txt *.csv *.dat);;All files (*)</source>
-        <translation>Archivos de texto (*.txt *.csv *.dat);;Todos los archivos (*)</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/area_control.py"/>
-        <source>draw box</source>
-        <translation>dibujar recuadro</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/area_control.py"/>
-        <source>extent of {layer}</source>
-        <translation>extensión de {layer}</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/area_control.py"/>
-        <source>map canvas extent</source>
-        <translation>extensión del lienzo del mapa</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/area_control.py"/>
-        <source>points of {layer}</source>
-        <translation>puntos de {layer}</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/area_control.py"/>
-        <source>polygon of {layer}</source>
-        <translation>polígono de {layer}</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/area_control.py"/>
-        <source>single capture</source>
-        <translation>captura única</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/area_control.py"/>
-        <source>text file</source>
-        <translation>archivo de texto</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/area_control.py"/>
-        <source>the clipboard holds no text; copy coordinates first</source>
-        <translation>el portapapeles no contiene texto; copiar antes unas coordenadas</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/area_layers.py"/>
-        <source>feature {id}</source>
-        <translation>objeto {id}</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/area_layers.py"/>
-        <source>no point is there to be taken: select some, or take all of the layer</source>
-        <translation>no hay ningún punto que tomar: seleccionar algunos, o tomar todos los de la capa</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/area_layers.py"/>
-        <source>no polygon is selected: select exactly one in its layer</source>
-        <translation>no hay ningún polígono seleccionado: seleccionar exactamente uno en su capa</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/area_layers.py"/>
-        <source>{count} polygons are selected, and an area is one: select only that one, or join them first (Vector &gt; Geoprocessing Tools &gt; Dissolve)</source>
-        <translation>hay {count} polígonos seleccionados, y un área es uno: seleccionar solo ese, o unirlos antes (Vectorial &gt; Herramientas de geoproceso &gt; Disolver)</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/area_layers.py"/>
-        <source>{feature} goes around a pole: an area's edges must close without that; cut it</source>
-        <translation>{feature} rodea un polo: los bordes de un área deben cerrarse sin ello; cortarlo</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/area_layers.py"/>
-        <source>{feature} has an edge through a pole or across the edge of its map: cut it</source>
-        <translation>{feature} tiene un lado que pasa por un polo o cruza el borde de su mapa: cortarlo</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/area_layers.py"/>
-        <source>{feature} has no geometry: give it a point, or leave it out</source>
-        <translation>{feature} no tiene geometría: darle un punto u omitirlo</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/area_layers.py"/>
-        <source>{feature} has no geometry: select one that has</source>
-        <translation>{feature} no tiene geometría: seleccionar uno que la tenga</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/area_layers.py"/>
-        <source>{feature} has {count} parts, and an area is one: take it apart first (Vector &gt; Geometry Tools &gt; Multipart to Singleparts) and select one of them</source>
-        <translation>{feature} tiene {count} partes, y un área es una: separarlas antes (Vectorial &gt; Herramientas de geometría &gt; Multiparte a monoparte) y seleccionar una de ellas</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/area_layers.py"/>
-        <source>{feature} is no point: take a layer of points</source>
-        <translation>{feature} no es un punto: tomar una capa de puntos</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/area_layers.py"/>
-        <source>{feature} is no polygon: select one that is</source>
-        <translation>{feature} no es un polígono: seleccionar uno que lo sea</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/area_layers.py"/>
-        <source>{feature} is no sound polygon, {what}: repair it first (Processing: Fix geometries)</source>
-        <translation>{feature} no es un polígono válido, {what}: repararlo antes (Procesos: Corregir geometrías)</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/area_layers.py"/>
-        <source>{feature}: height in “{field}”</source>
-        <translation>{feature}: altura en «{field}»</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/area_layers.py"/>
-        <source>{feature}: yaw in “{field}”</source>
-        <translation>{feature}: guiñada en «{field}»</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/area_layers.py"/>
-        <source>{feature}: {x}, {y} is outside the domain of {crs}</source>
-        <translation>{feature}: {x}, {y} está fuera del dominio de {crs}</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/area_layers.py"/>
-        <source>{what} is empty (NULL): must be a number</source>
-        <translation>{what} está vacío (NULL): debe ser un número</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/area_layers.py"/>
-        <source>{what} is {value} m: must be above 0</source>
-        <translation>{what} es {value} m: debe ser mayor que 0</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/area_layers.py"/>
-        <source>{what} is {value}°: must be from -360 to 360</source>
-        <translation>{what} es {value}°: debe estar entre -360 y 360</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/area_layers.py"/>
-        <source>{what} is “{value}”: must be a number</source>
-        <translation>{what} es «{value}»: debe ser un número</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/area_reading.py"/>
-        <source>Reading the area</source>
-        <translation>Leyendo el área</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/area_reading.py"/>
-        <source>layer “{name}” has no CRS: set it in the layer's properties</source>
-        <translation>la capa «{name}» no tiene SRC: definirlo en las propiedades de la capa</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/area_reading.py"/>
-        <source>layer “{name}” is empty: it has no extent</source>
-        <translation>la capa «{name}» está vacía: no tiene extensión</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/area_tool.py"/>
-        <source>drag an edge</source>
-        <translation>arrastrar un borde</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/area_tool.py"/>
-        <source>move by arrow keys</source>
-        <translation>mover con las teclas de flecha</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/area_tool.py"/>
-        <source>move the area</source>
-        <translation>mover el área</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/background.py"/>
-        <source>Drawing the synthetic landscape</source>
-        <translation>Dibujando el paisaje sintético</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/background.py"/>
-        <source>no reason given</source>
-        <translation>no se indica el motivo</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/background.py"/>
-        <source>{title} cannot be shown: {reason}</source>
-        <translation>no se puede mostrar {title}: {reason}</translation>
-    </message>
-    <message>
         <location filename="../../terrainav_plugin/map/canvas.py"/>
         <source>(custom)</source>
         <translation>(personalizado)</translation>
@@ -2862,74 +2846,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/map/mission_group.py"/>
         <source>TerrAInav: {name}</source>
         <translation>TerrAInav: {name}</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/preview_layers.py"/>
-        <source>Capture centres</source>
-        <translation>Centros de captura</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/preview_layers.py"/>
-        <location filename="../../terrainav_plugin/processing/plan.py"/>
-        <source>Flight line</source>
-        <translation>Línea de vuelo</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/preview_layers.py"/>
-        <location filename="../../terrainav_plugin/processing/capture.py"/>
-        <location filename="../../terrainav_plugin/processing/plan.py"/>
-        <source>Footprints</source>
-        <translation>Huellas</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/preview_layers.py"/>
-        <source>Images per place</source>
-        <translation>Imágenes por lugar</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/preview_layers.py"/>
-        <source>Overlap count</source>
-        <translation>Número de solapes</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/preview_layers.py"/>
-        <source>Planned images</source>
-        <translation>Imágenes planificadas</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/preview_layers.py"/>
-        <source>at {time} UTC</source>
-        <translation>a las {time} UTC</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/preview_layers.py"/>
-        <source>images that show a place here, on average: {count}</source>
-        <translation>imágenes que muestran un punto de aquí, en promedio: {count}</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/preview_layers.py"/>
-        <source>images that show its middle: {count}</source>
-        <translation>imágenes que muestran su centro: {count}</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/preview_layers.py"/>
-        <source>the horizon is in the picture</source>
-        <translation>el horizonte está en la imagen</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/preview_layers.py"/>
-        <source>yaw {yaw}°, tilt {tilt}°, roll {roll}°</source>
-        <translation>guiñada {yaw}°, inclinación {tilt}°, alabeo {roll}°</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/preview_layers.py"/>
-        <source>{gsd} cm per pixel, {height} m above ground</source>
-        <translation>{gsd} cm por píxel, {height} m sobre el terreno</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/preview_layers.py"/>
-        <source>{length} km, {count} images, from {start} to {end} UTC</source>
-        <translation>{length} km, {count} imágenes, de {start} a {end} UTC</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/map/results.py"/>
@@ -3183,6 +3099,89 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/plugin.py"/>
         <source>TerrAInav: {text}</source>
         <translation>TerrAInav: {text}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/preview/background.py"/>
+        <source>Drawing the synthetic landscape</source>
+        <translation>Dibujando el paisaje sintético</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/preview/background.py"/>
+        <source>no reason given</source>
+        <translation>no se indica el motivo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/preview/background.py"/>
+        <source>{title} cannot be shown: {reason}</source>
+        <translation>no se puede mostrar {title}: {reason}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/preview/layers.py"/>
+        <source>Capture centres</source>
+        <translation>Centros de captura</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/preview/layers.py"/>
+        <location filename="../../terrainav_plugin/processing/plan.py"/>
+        <source>Flight line</source>
+        <translation>Línea de vuelo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/preview/layers.py"/>
+        <location filename="../../terrainav_plugin/processing/capture.py"/>
+        <location filename="../../terrainav_plugin/processing/plan.py"/>
+        <source>Footprints</source>
+        <translation>Huellas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/preview/layers.py"/>
+        <source>Images per place</source>
+        <translation>Imágenes por lugar</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/preview/layers.py"/>
+        <source>Overlap count</source>
+        <translation>Número de solapes</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/preview/layers.py"/>
+        <source>Planned images</source>
+        <translation>Imágenes planificadas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/preview/layers.py"/>
+        <source>at {time} UTC</source>
+        <translation>a las {time} UTC</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/preview/layers.py"/>
+        <source>images that show a place here, on average: {count}</source>
+        <translation>imágenes que muestran un punto de aquí, en promedio: {count}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/preview/layers.py"/>
+        <source>images that show its middle: {count}</source>
+        <translation>imágenes que muestran su centro: {count}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/preview/layers.py"/>
+        <source>the horizon is in the picture</source>
+        <translation>el horizonte está en la imagen</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/preview/layers.py"/>
+        <source>yaw {yaw}°, tilt {tilt}°, roll {roll}°</source>
+        <translation>guiñada {yaw}°, inclinación {tilt}°, alabeo {roll}°</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/preview/layers.py"/>
+        <source>{gsd} cm per pixel, {height} m above ground</source>
+        <translation>{gsd} cm por píxel, {height} m sobre el terreno</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/preview/layers.py"/>
+        <source>{length} km, {count} images, from {start} to {end} UTC</source>
+        <translation>{length} km, {count} imágenes, de {start} a {end} UTC</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/algorithm.py"/>
@@ -7834,16 +7833,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>{0}: no es un elemento que las entradas conozcan</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/map/world_picture.py"/>
-        <source>background {0}: cannot be written ({1})</source>
-        <translation>fondo {0}: no se puede escribir ({1})</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/world_picture.py"/>
-        <source>background: stopped</source>
-        <translation>fondo: detenido</translation>
-    </message>
-    <message>
         <location filename="../../terrainav_plugin/network/answers.py"/>
         <source>the proxy asks for a user name and password</source>
         <translation>el proxy pide usuario y contraseña</translation>
@@ -7859,6 +7848,16 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>La base de datos de autenticación de QGIS está bloqueada: introducir su contraseña maestra e intentarlo de nuevo</translation>
     </message>
     <message>
+        <location filename="../../terrainav_plugin/preview/background.py"/>
+        <source>background {0}: cannot be written ({1})</source>
+        <translation>fondo {0}: no se puede escribir ({1})</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/preview/background.py"/>
+        <source>background: stopped</source>
+        <translation>fondo: detenido</translation>
+    </message>
+    <message>
         <location filename="../../terrainav_plugin/qgis_source/renderer.py"/>
         <source>QGIS could not draw it: {0}</source>
         <translation>QGIS no ha podido dibujarlo: {0}</translation>
@@ -7867,6 +7866,21 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/qgis_source/renderer.py"/>
         <source>QGIS could not read it: {0}</source>
         <translation>QGIS no ha podido leerlo: {0}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/qgis_source/renderer.py"/>
+        <source>QGIS had not drawn it after {0} s</source>
+        <translation>QGIS no lo había dibujado tras {0} s</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/qgis_source/renderer.py"/>
+        <source>cancelled while drawing the map</source>
+        <translation>cancelado mientras se dibujaba el mapa</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/qgis_source/renderer.py"/>
+        <source>no reason given</source>
+        <translation>no se indica el motivo</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/qgis_source/renderer.py"/>

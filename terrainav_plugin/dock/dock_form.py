@@ -9,12 +9,12 @@ from typing import Any
 from qgis.PyQt.QtCore import pyqtSignal
 from qgis.PyQt.QtWidgets import QVBoxLayout, QWidget
 
+from ..area.editing import AreaEditing
+from ..area.entries import AreaEntries
 from ..form.camera import settled
 from ..form.mission_form import beyond_text
 from ..form.state import FormState, with_unchanged
 from ..widgets import STYLE_SHEET, FieldMarks
-from .area_editing import AreaEditing
-from .area_entries import AreaEntries
 from .camera_entries import CameraEntries
 from .choices import CameraChoice, SourceChoice
 from .dock_sections import AccuracySection, AttitudeSection, PixelsSection, WindSection

@@ -22,8 +22,8 @@ from qgis.PyQt.QtTest import QTest
 from qgis.PyQt.QtWidgets import QApplication, QDialogButtonBox, QFileDialog
 from terrainav.core.errors import Cancelled, InvalidInput
 from terrainav.core.mission.area import Box
-from terrainav.terrainav_plugin.dock.area_dialogs import LayerDialog
-from terrainav.terrainav_plugin.map.area_layers import EDGE_TOLERANCE_M, PointFields, points_of, polygon_of
+from terrainav.terrainav_plugin.area.dialogs import LayerDialog
+from terrainav.terrainav_plugin.area.layers import EDGE_TOLERANCE_M, PointFields, points_of, polygon_of
 
 CONTEXT = QgsCoordinateTransformContext()
 CONCAVE = (

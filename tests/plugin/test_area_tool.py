@@ -12,7 +12,7 @@ from qgis.PyQt.QtTest import QTest
 from qgis.PyQt.QtWidgets import QApplication, QScrollArea
 from terrainav.core.geodesy.mercator import MAX_LAT_DEG
 from terrainav.core.mission.area import Box, Points, Polygon
-from terrainav.terrainav_plugin.map.area_drag import moved, stretched
+from terrainav.terrainav_plugin.area.outline import moved, stretched
 
 NONE, SHIFT = Qt.KeyboardModifier.NoModifier, Qt.KeyboardModifier.ShiftModifier
 LEFT = Qt.MouseButton.LeftButton

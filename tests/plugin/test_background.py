@@ -14,7 +14,8 @@ from terrainav.core.errors import InvalidInput
 from terrainav.core.imagery.opening import open_source
 from terrainav.core.imagery.source import Window
 from terrainav.core.mission.area import Box
-from terrainav.terrainav_plugin.map.world_picture import choose_picture, render
+from terrainav.terrainav_plugin.preview import background
+from terrainav.terrainav_plugin.preview.background import choose_picture, render
 from terrainav.terrainav_plugin.sources import tile_layer_uri
 
 from tests.support.tileserver import TileServer
@@ -26,9 +27,8 @@ JPEG_MEAN_ERROR = 4.0
 @pytest.fixture(autouse=True)
 def small_pictures(monkeypatch):
     """Drawing is what takes time; what is drawn where is the same at any size."""
-    from terrainav.terrainav_plugin.map import world_picture
 
-    monkeypatch.setattr(world_picture, "_MOST_PX", 6 * 256**2)
+    monkeypatch.setattr(background, "_MOST_PX", 6 * 256**2)
 
 
 def show(desk):

@@ -20,8 +20,8 @@ from terrainav.core.mission.plan import plan
 from terrainav.core.mission.wind import Wind
 from terrainav.terrainav_plugin.dataset.rectify import lay_on_map
 from terrainav.terrainav_plugin.map.outlines import metres
-from terrainav.terrainav_plugin.map.preview_layers import field_names
-from terrainav.terrainav_plugin.map.preview_scene import Scene
+from terrainav.terrainav_plugin.preview.layers import field_names
+from terrainav.terrainav_plugin.preview.scene import Scene
 from terrainav.terrainav_plugin.sources import grid_of
 
 from tests.plugin.test_capture import capture

@@ -10,7 +10,7 @@ from qgis.PyQt.QtCore import QCoreApplication
 from terrainav.core.mission.area import Box, Points, Polygon
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
-from terrainav.terrainav_plugin.map.preview_scene import Scene
+from terrainav.terrainav_plugin.preview.scene import Scene
 from terrainav.terrainav_plugin.sources import grid_of
 
 LAYERS = ["Area", "Capture centres", "Flight line", "Planned images", "Images per place"]

@@ -12,10 +12,9 @@ from qgis.core import (
 )
 from qgis.PyQt.QtWidgets import QApplication, QDialogButtonBox
 from terrainav.core.mission.area import Box
-from terrainav.terrainav_plugin.dock.area_dialogs import PolygonDialog
+from terrainav.terrainav_plugin.area.dialogs import PolygonDialog
+from terrainav.terrainav_plugin.area.layers import PointFields, extent_of, points_of, polygon_of
 from terrainav.terrainav_plugin.form.area import area_of_text
-from terrainav.terrainav_plugin.map.area_layers import PointFields, points_of, polygon_of
-from terrainav.terrainav_plugin.map.area_reading import extent_of
 from terrainav.terrainav_plugin.map.canvas import canvas_rectangle
 from terrainav.terrainav_plugin.processing.areas import _polygon
 

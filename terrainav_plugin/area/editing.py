@@ -12,8 +12,8 @@ from ..form.area import FormError, area_words, entered_area, unit_of, with_area,
 from ..form.state import FormState
 from ..form.text import looks_like_coordinates
 from ..i18n import tr
-from .area_entries import AreaEntries
-from .area_history import AreaHistory, UndoKeys, step_names
+from .entries import AreaEntries
+from .history import AreaHistory, UndoKeys, step_names
 
 
 class AreaEditing(QObject):

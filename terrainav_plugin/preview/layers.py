@@ -8,10 +8,10 @@ from dataclasses import dataclass
 from qgis.core import Qgis, QgsVectorLayer
 
 from ..i18n import tr
+from ..map.mission_group import ROLE
 from ..paths import style
 from ..plain import escaped_field
-from .mission_group import ROLE
-from .preview_view import CRS
+from .view import CRS
 
 _POSE = "field=name:string&field=column:integer&field=row:integer&field=lat:double&field=lon:double&field=agl_m:double"
 _TIMES = "field=time:datetime&field=time_end:datetime"

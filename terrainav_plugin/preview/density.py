@@ -10,12 +10,12 @@ import numpy as np
 from qgis.core import QgsFeature, QgsGeometry
 
 from ...core.geodesy.mercator import HALF_WORLD_M
-from .preview_view import WORLD_M, Rect
+from .view import WORLD_M, Rect
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from .preview_index import Boxes
+    from .index import Boxes
 
     Floats = NDArray[np.float64]
     Numbers = NDArray[np.int64]

@@ -16,10 +16,10 @@ from qgis.PyQt.QtWidgets import (
 
 from ..compat import POINT_LAYERS, POLYGON_LAYERS
 from ..i18n import number_text, tr
-from ..map.area_layers import PointFields
 from ..plain import plain_label
 from ..units import M_PER_FT
 from ..widgets import NumberBox, row, spin
+from .layers import PointFields
 
 _MOST_AGL = 1e9
 

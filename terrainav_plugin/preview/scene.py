@@ -9,19 +9,18 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from ...core.geodesy.mercator import HALF_WORLD_M
-from .outlines import metres
-from .preview_density import Cells, density_features, levels, mean_images
-from .preview_features import Clock, Picked, area_features, centre_features, footprint_features, part_of
-from .preview_flight import Flight
-from .preview_index import Boxes, CaptureIndex, shown_by
-from .preview_view import WORLD, WORLD_M, Rect
+from ..map.outlines import metres
+from .density import Cells, density_features, levels, mean_images
+from .features import Clock, Flight, Picked, area_features, centre_features, footprint_features, part_of
+from .index import Boxes, CaptureIndex, shown_by
+from .view import WORLD, WORLD_M, Rect
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
     from qgis.core import QgsFeature
 
     from ...core.mission.plan import Plan
-    from .preview_view import View
+    from .view import View
 
     Floats = NDArray[np.float64]
     Numbers = NDArray[np.int64]
@@ -249,6 +248,8 @@ def _seen(plan: Plan) -> Boxes:
 
 #: Least radius of the Earth, at the poles: its horizon is the nearest, so the share below makes up for that.
 _EARTH_M = 6_356_752.0
+
+
 #: Added to the horizon, for the ellipsoid's other radii.
 _HORIZON_SHARE = 1.01
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from ...core.geodesy.mercator import HALF_WORLD_M
-from .preview_view import WORLD_M, Rect
+from .view import WORLD_M, Rect
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -12,19 +12,16 @@ from qgis.PyQt.QtWidgets import QApplication, QFileDialog
 from ...core.errors import InvalidInput, TerrAInavError
 from ...core.mission.area import Area, Box, Points
 from ..compat import POLYGON, VECTOR
-from ..dock import area_menu
-from ..dock.area_dialogs import LayerDialog, PointsDialog, PolygonDialog
 from ..dock.dock import Dock
 from ..form.area import FormError, area_words, entered_area, unit_of, with_area
 from ..i18n import told, tr
+from ..map.canvas import box_of, canvas_rectangle
 from ..messages import Messages
-from . import area_reading
-from .area_mark import AreaMark
-from .area_reading import Reading, ReadTask
-from .area_tool import AreaTool
-from .box_tool import BoxTool
-from .canvas import box_of, canvas_rectangle
-from .point_tool import PointTool
+from .bands import AreaMark
+from .dialogs import LayerDialog, PointsDialog, PolygonDialog
+from .entries import Way
+from .layers import Reading, ReadTask, extent_of, points, selected_polygon, text_file
+from .tools import AreaTool, BoxTool, PointTool
 
 #: Room left around an area that is zoomed to, as a share of it.
 _MARGIN = 1.5
@@ -81,15 +78,15 @@ class AreaControl(QObject):
         self.single_tool.clicked.connect(self._take_single)
         self.single_tool.refused.connect(messages.warning)
         self._ways: dict[str, Callable[[], None]] = {
-            area_menu.DRAW: box_tool.start,
-            area_menu.CANVAS: self.take_canvas,
-            area_menu.SINGLE: self.single_tool.start,
-            area_menu.LAYER: self._ask_for_layer,
-            area_menu.POLYGON: self._take_polygon,
-            area_menu.POINTS: self._ask_for_points,
-            area_menu.FILE: self._ask_for_file,
-            area_menu.PASTE: self.paste,
-            area_menu.TO_BOX: self._editing.make_box,
+            Way.DRAW: box_tool.start,
+            Way.CANVAS: self.take_canvas,
+            Way.SINGLE: self.single_tool.start,
+            Way.LAYER: self._ask_for_layer,
+            Way.POLYGON: self._take_polygon,
+            Way.POINTS: self._ask_for_points,
+            Way.FILE: self._ask_for_file,
+            Way.PASTE: self.paste,
+            Way.TO_BOX: self._editing.make_box,
         }
 
     def close(self) -> None:
@@ -148,7 +145,7 @@ class AreaControl(QObject):
 
     def _take_extent(self, layer: QgsMapLayer) -> None:
         step = tr("extent of {layer}").format(layer=layer.name())
-        self._enter(lambda: area_reading.extent_of(layer, self._project), step)
+        self._enter(lambda: extent_of(layer, self._project), step)
 
     def _take_polygon(self) -> None:
         layer = self._iface.activeLayer()
@@ -187,7 +184,7 @@ class AreaControl(QObject):
 
     def _read_polygon(self, layer: QgsMapLayer) -> None:
         step = tr("polygon of {layer}").format(layer=layer.name())
-        self.read(step, lambda: area_reading.selected_polygon(layer, self._project))
+        self.read(step, lambda: selected_polygon(layer, self._project))
 
     def _ask_for_points(self) -> None:
         state = self._form.state()
@@ -196,7 +193,7 @@ class AreaControl(QObject):
         def take() -> None:
             layer, only, fields = dialog.chosen(), dialog.only_selected(), dialog.fields()
             step = tr("points of {layer}").format(layer=layer.name())
-            self.read(step, lambda: area_reading.points(layer, only, fields, self._project))
+            self.read(step, lambda: points(layer, only, fields, self._project))
 
         self._open(dialog, take)
 
@@ -209,7 +206,7 @@ class AreaControl(QObject):
         )
         if path:
             unit = self._form.state().agl_unit
-            self.read(tr("text file"), lambda: area_reading.text_file(path, unit))
+            self.read(tr("text file"), lambda: text_file(path, unit))
 
     @staticmethod
     def _open(dialog: LayerDialog, take: Callable[[], None]) -> None:

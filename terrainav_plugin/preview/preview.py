@@ -10,14 +10,14 @@ from qgis.core import QgsFeature, QgsLayerTreeLayer, QgsProject, QgsRectangle, Q
 from qgis.gui import QgsMapCanvas
 from qgis.PyQt.QtCore import QObject, QTimer, pyqtSignal
 
-from .mission_group import MissionGroup
-from .preview_layers import KINDS, field_names
-from .preview_view import HALF_WORLD_M, View, view_of
+from ..map.mission_group import MissionGroup
+from .layers import KINDS, field_names
+from .view import HALF_WORLD_M, View, view_of
 
 if TYPE_CHECKING:
     from ...core.mission.mission import Mission
     from ...core.mission.plan import Plan
-    from .preview_scene import Drawing, Scene
+    from .scene import Drawing, Scene
 
 #: Pause in moving the map after which the preview follows.
 _PAUSE_MS = 60
@@ -186,7 +186,7 @@ class Preview(QObject):
 
     def _work(self, number: int, plan: Plan, scene: Scene | None, view: View | None) -> tuple[Scene, Drawing]:
         """Make features, ending early when overtaken. Runs on the preview's thread."""
-        from .preview_scene import Scene
+        from .scene import Scene
 
         def check() -> None:
             if number != self._latest:
