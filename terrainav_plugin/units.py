@@ -44,5 +44,14 @@ def area_text(value_m2: float, unit: str) -> str:
     )
 
 
+def duration_text(seconds: float) -> str:
+    """Return seconds, minutes or hours in words."""
+    if seconds < 90.0:
+        return tr("{count} s").format(count=max(round(seconds), 1))
+    if seconds < 5400.0:
+        return tr("{count} min").format(count=round(seconds / 60.0))
+    return tr("{count} h").format(count=number_text(seconds / 3600.0, ".1f"))
+
+
 def _number(value: float) -> str:
     return number_text(value, ",.0f") if value >= 1e3 else number_text(value, ".4g")

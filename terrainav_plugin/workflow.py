@@ -18,7 +18,8 @@ from ..core.errors import TerrAInavError
 from ..core.mission.area import Box
 from .area.control import AreaControl
 from .area.tools import BoxTool, PointTool
-from .dataset.cleaning import Cleaning
+from .capture.queue import Runs
+from .cleaning.cleaning import Cleaning
 from .dock.camera_choices import camera_choices
 from .dock.dock import Dock
 from .dock.estimates import readout
@@ -37,11 +38,10 @@ from .paths import folder_of, open_in_system
 from .planner import Planned, Planner
 from .preview.background import Background, SourceOnMap
 from .preview.preview import Preview
-from .runs.line import Runs
+from .results.viewing import Viewing
 from .runs.panel import RunPanel
 from .settings import Settings
 from .sources import policy_of
-from .viewer.viewing import Viewing
 from .widgets import free_of_menus
 
 if TYPE_CHECKING:

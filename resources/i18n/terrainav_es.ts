@@ -596,9 +596,566 @@
         <translation>mover el área</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/capture_task.py"/>
+        <location filename="../../terrainav_plugin/capture/endings.py"/>
+        <source>Camera frames make no mosaic: “View images” shows them one by one.</source>
+        <translation>Los encuadres de cámara no forman mosaico: «Ver imágenes» los muestra uno a uno.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/capture/endings.py"/>
+        <source>Capture only the failed ones</source>
+        <translation>Capturar solo las fallidas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/capture/endings.py"/>
+        <source>Its SHA-256 begins with {digest}; {image} shows it. It may be water or snow. If it shows no imagery, “Treat as missing” removes the images with it and asks for its places again; the options list what is treated so.</source>
+        <translation>Su SHA-256 empieza por {digest}; {image} la muestra. Puede ser agua o nieve. Si no muestra imágenes, «Tratar como ausente» elimina las imágenes que la contienen y vuelve a pedir sus lugares; las opciones enumeran lo que se trata así.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/capture/endings.py"/>
+        <source>Its project is closed: open the dataset by “Missions” to see it.</source>
+        <translation>Su proyecto está cerrado: abrir el conjunto de datos con «Misiones» para verlo.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/capture/endings.py"/>
+        <location filename="../../terrainav_plugin/cleaning/cleaning.py"/>
+        <location filename="../../terrainav_plugin/missions/plan_export.py"/>
+        <source>Open folder</source>
+        <translation>Abrir carpeta</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/capture/endings.py"/>
+        <source>Resume</source>
+        <translation>Reanudar</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/capture/endings.py"/>
+        <source>Test shot {lat:.5f} {lon:.5f}</source>
+        <translation>Toma de prueba {lat:.5f} {lon:.5f}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/capture/endings.py"/>
+        <location filename="../../terrainav_plugin/dock/add_source_dialog.py"/>
+        <location filename="../../terrainav_plugin/dock/options_page.py"/>
+        <source>Treat as missing</source>
+        <translation>Tratar como ausente</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/capture/endings.py"/>
+        <source>in an earlier run</source>
+        <translation>en una ejecución anterior</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/capture/endings.py"/>
+        <source>{name}: stopped before the first image.</source>
+        <translation>{name}: detenida antes de la primera imagen.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/capture/endings.py"/>
+        <source>{name}: stopped with {there} of {total} images.</source>
+        <translation>{name}: detenida con {there} de {total} imágenes.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/capture/endings.py"/>
+        <source>{name}: the same tile came for {places} places and is in {images} images.</source>
+        <translation>{name}: la misma tesela llegó para {places} lugares y está en {images} imágenes.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/capture/endings.py"/>
+        <source>{name}: {failed} of {total} images could not be made ({reason}).</source>
+        <translation>{name}: {failed} de {total} imágenes no se pudieron hacer ({reason}).</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/capture/questions.py"/>
+        <source>Capture into {name}</source>
+        <translation>Capturar en {name}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/capture/questions.py"/>
+        <source>Do you agree to these terms, and are you allowed to download?</source>
+        <translation>¿Acepta estas condiciones y tiene permiso para descargar?</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/capture/questions.py"/>
+        <location filename="../../terrainav_plugin/workflow.py"/>
+        <source>Nothing to capture yet.</source>
+        <translation>Aún no hay nada que capturar.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/capture/questions.py"/>
+        <source>Terms and alternatives</source>
+        <translation>Condiciones y alternativas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/capture/questions.py"/>
+        <source>TerrAInav: terms of the source</source>
+        <translation>TerrAInav: condiciones de la fuente</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/capture/questions.py"/>
+        <source>folder is empty: choose where the pictures go</source>
+        <translation>la carpeta está vacía: elegir adónde van las imágenes</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/capture/questions.py"/>
+        <source>{folder} holds another mission; nothing was changed there.</source>
+        <translation>{folder} contiene otra misión; no se ha cambiado nada en ella.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/capture/questions.py"/>
+        <source>{folder} is being captured already; a second mission needs a folder of its own.</source>
+        <translation>{folder} ya se está capturando; una segunda misión necesita una carpeta propia.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/capture/questions.py"/>
+        <source>{name} is being captured already.</source>
+        <translation>{name} ya se está capturando.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/capture/queue.py"/>
+        <source>No test shot.</source>
+        <translation>Sin toma de prueba.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/capture/queue.py"/>
+        <source>Nothing captured: {reason}</source>
+        <translation>No se ha capturado nada: {reason}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/capture/run.py"/>
+        <source>, {failed} failed</source>
+        <translation>, {failed} fallidas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/capture/run.py"/>
+        <source>, {rate} a second, {time} left</source>
+        <translation>, {rate} por segundo, quedan {time}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/capture/run.py"/>
+        <source>; making the mosaic…</source>
+        <translation>; creando el mosaico…</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/capture/run.py"/>
+        <source>All {total} images are there: {written} captured now in {time}, {skipped} before.</source>
+        <translation>Las {total} imágenes están: {written} capturadas ahora en {time}, {skipped} antes.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/capture/run.py"/>
+        <source>All {total} images were there already.</source>
+        <translation>Las {total} imágenes ya estaban todas.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/capture/run.py"/>
+        <source>Missing: {failed} of {total} images</source>
+        <translation>Faltan: {failed} de {total} imágenes</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/capture/run.py"/>
+        <source>No image was missing.</source>
+        <translation>No faltaba ninguna imagen.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/capture/run.py"/>
+        <source>One image captured in {time}.</source>
+        <translation>Una imagen capturada en {time}.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/capture/run.py"/>
+        <source>Paused</source>
+        <translation>En pausa</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/capture/run.py"/>
+        <source>Paused: {counts}</source>
+        <translation>En pausa: {counts}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/capture/run.py"/>
+        <source>Starting…</source>
+        <translation>Empezando…</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/capture/run.py"/>
+        <source>Stopped before the first image</source>
+        <translation>Detenida antes de la primera imagen</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/capture/run.py"/>
+        <source>Stopped with {there} of {total} images</source>
+        <translation>Detenida con {there} de {total} imágenes</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/capture/run.py"/>
+        <source>Stopped; making the mosaic…</source>
+        <translation>Detenida; haciendo el mosaico…</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/capture/run.py"/>
+        <source>Stopping…</source>
+        <translation>Deteniendo…</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/capture/run.py"/>
+        <location filename="../../terrainav_plugin/dock/dock.py"/>
+        <source>Test shot</source>
+        <translation>Toma de prueba</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/capture/run.py"/>
+        <source>The image was there already.</source>
+        <translation>La imagen ya estaba.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/capture/run.py"/>
+        <source>Waiting: next in line</source>
+        <translation>En espera: la siguiente</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/capture/run.py"/>
+        <source>Waiting: {place} before it</source>
+        <translation>En espera: {place} delante</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/capture/run.py"/>
+        <source>{done} of {total} images</source>
+        <translation>{done} de {total} imágenes</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/capture/run.py"/>
+        <source>{error} (the images are written)</source>
+        <translation>{error} (las imágenes están escritas)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/capture/run.py"/>
+        <source>{name}: failed images</source>
+        <translation>{name}: imágenes fallidas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/capture/run.py"/>
+        <source>{written} images captured in {time}.</source>
+        <translation>{written} imágenes capturadas en {time}.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/capture/task.py"/>
         <source>Capturing {name}</source>
         <translation>Capturando {name}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/cleaning/charts.py"/>
+        <source>Drag the line: images with less entropy (bits) are rejected.
+Arrow keys move it by {step}, with Shift by {shift}, Page keys by {page} bits.</source>
+        <translation>Arrastrar la línea: se rechazan las imágenes con menos entropía (bits).
+Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page} bits.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/cleaning/charts.py"/>
+        <source>Entropy (bits)</source>
+        <translation>Entropía (bits)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/cleaning/charts.py"/>
+        <source>Image, in the order of the flight</source>
+        <translation>Imagen, en el orden del vuelo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/cleaning/charts.py"/>
+        <location filename="../../terrainav_plugin/dock/estimates.py"/>
+        <location filename="../../terrainav_plugin/processing/clean.py"/>
+        <source>Images</source>
+        <translation>Imágenes</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/cleaning/charts.py"/>
+        <source>Threshold {bits} bits</source>
+        <translation>Umbral {bits} bits</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/cleaning/charts.py"/>
+        <location filename="../../terrainav_plugin/results/viewer.py"/>
+        <source>{bits} bits</source>
+        <translation>{bits} bits</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/cleaning/cleaning.py"/>
+        <source>Reading {name}…</source>
+        <translation>Leyendo {name}…</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/cleaning/cleaning.py"/>
+        <source>TerrAInav: folder for the pictures</source>
+        <translation>TerrAInav: carpeta para los gráficos</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/cleaning/cleaning.py"/>
+        <source>Update mosaic</source>
+        <translation>Actualizar mosaico</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/cleaning/cleaning.py"/>
+        <source>{count} pictures written to {folder}.</source>
+        <translation>{count} gráficos escritos en {folder}.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/cleaning/cleaning.py"/>
+        <source>{name}: stopped. Press the button again to finish, or Undo to put all back.</source>
+        <translation>{name}: detenido. Pulsar otra vez el botón para terminar, o Deshacer para devolverlo todo a su sitio.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/cleaning/marks.py"/>
+        <location filename="../../terrainav_plugin/dataset/footprints.py"/>
+        <source>footprints {path}: cannot be read ({reason})</source>
+        <translation>huellas {path}: no se pueden leer ({reason})</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/cleaning/marks.py"/>
+        <location filename="../../terrainav_plugin/dataset/footprints.py"/>
+        <source>footprints: stopped</source>
+        <translation>huellas: detenido</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/cleaning/marks.py"/>
+        <source>the map's CRS cannot be drawn in ({reason})</source>
+        <translation>en el SRC del mapa no se puede dibujar ({reason})</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
+        <source> bits</source>
+        <translation> bits</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
+        <source>&amp;Image by image</source>
+        <translation>&amp;Imagen por imagen</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
+        <source>&amp;Threshold</source>
+        <translation>Umbra&amp;l</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
+        <source>&lt;b&gt;{kept}&lt;/b&gt; of {count} images kept, &lt;b&gt;{rejected}&lt;/b&gt; rejected ({percent} %)</source>
+        <translation>&lt;b&gt;{kept}&lt;/b&gt; de {count} imágenes se conservan, &lt;b&gt;{rejected}&lt;/b&gt; se rechazan ({percent} %)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
+        <source>Choose the folder of a dataset.</source>
+        <translation>Elegir la carpeta de un conjunto de datos.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
+        <source>Cleaned before: {marked} images marked, {moved} files moved away.</source>
+        <translation>Limpiado antes: {marked} imágenes marcadas, {moved} archivos apartados.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
+        <source>Cross out the images on the map that would be rejected</source>
+        <translation>Tachar en el mapa las imágenes que se rechazarían</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
+        <source>Dataset &amp;folder</source>
+        <translation>Carpeta del con&amp;junto de datos</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
+        <source>Histo&amp;gram</source>
+        <translation>Hi&amp;stograma</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
+        <source>Images with less entropy are rejected: 0 bits is a single grey, 8 bits the most there can be</source>
+        <translation>Se rechazan las imágenes con menos entropía: 0 bits es un solo gris, 8 bits lo máximo que puede haber</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
+        <source>Just above: kept</source>
+        <translation>Justo por encima: se conservan</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
+        <source>Just below: rejected</source>
+        <translation>Justo por debajo: se rechazan</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
+        <source>Map t&amp;ype</source>
+        <translation>&amp;Tipo de mapa</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
+        <source>Map type that is shown; cleaning is of all map types, each with this threshold</source>
+        <translation>Tipo de mapa que se muestra; se limpian todos los tipos de mapa, cada uno con este umbral</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
+        <source>Mar&amp;k</source>
+        <translation>M&amp;arcar</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
+        <source>Mark rejected images, and move their files to a folder “rejected” beside the others</source>
+        <translation>Marcar las imágenes rechazadas y mover sus archivos a una carpeta «rejected» junto a las demás</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
+        <source>Move &amp;away</source>
+        <translation>A&amp;partar</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
+        <source>Not cleaned yet.</source>
+        <translation>Sin limpiar todavía.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
+        <source>Note in the dataset's table which images are rejected, and why</source>
+        <translation>Anotar en la tabla del conjunto de datos qué imágenes se rechazan, y por qué</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
+        <source>Of a capture, or of images with a meta_data.csv beside them</source>
+        <translation>De una captura, o de imágenes con un meta_data.csv al lado</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
+        <source>On the map</source>
+        <translation>En el mapa</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
+        <location filename="../../terrainav_plugin/dock/imagery_entries.py"/>
+        <location filename="../../terrainav_plugin/results/viewer.py"/>
+        <source>Roadmap</source>
+        <translation>Callejero</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
+        <source>S&amp;uggest</source>
+        <translation>S&amp;ugerir</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
+        <location filename="../../terrainav_plugin/dock/imagery_entries.py"/>
+        <location filename="../../terrainav_plugin/results/viewer.py"/>
+        <source>Satellite</source>
+        <translation>Satélite</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
+        <source>Save pictures…</source>
+        <translation>Guardar gráficos…</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
+        <source>Stop</source>
+        <translation>Detener</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
+        <source>Stop; what is done so far can be finished, or undone</source>
+        <translation>Detener; lo hecho hasta ahora se puede terminar, o deshacer</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
+        <source>Take all marks away, and put all files back in their place</source>
+        <translation>Quitar todas las marcas y devolver todos los archivos a su sitio</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
+        <source>TerrAInav: clean dataset</source>
+        <translation>TerrAInav: limpiar conjunto de datos</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
+        <source>TerrAInav: dataset to be cleaned</source>
+        <translation>TerrAInav: conjunto de datos que limpiar</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
+        <location filename="../../terrainav_plugin/dock/estimates.py"/>
+        <location filename="../../terrainav_plugin/dock/imagery_entries.py"/>
+        <location filename="../../terrainav_plugin/results/viewer.py"/>
+        <source>Terrain</source>
+        <translation>Relieve</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
+        <source>The roadmap decides for all of them.</source>
+        <translation>Para todas decide el callejero.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
+        <source>The roadmap decides for {count} of them.</source>
+        <translation>Para {count} de ellas decide el callejero.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
+        <source>This dataset has no footprints: it cannot be shown on the map.</source>
+        <translation>Este conjunto de datos no tiene huellas: no se puede mostrar en el mapa.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
+        <source>Threshold in bits that parts the entropies in two groups best, by Otsu's method: the dotted line</source>
+        <translation>Umbral en bits que mejor separa las entropías en dos grupos, por el método de Otsu: la línea de puntos</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
+        <source>U&amp;ndo</source>
+        <translation>Des&amp;hacer</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
+        <source>Write both charts of every map type as PNG; needs the Python package matplotlib</source>
+        <translation>Escribir los dos gráficos de cada tipo de mapa en PNG; necesita el paquete de Python matplotlib</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
+        <source>{count} images could not be made.</source>
+        <translation>{count} imágenes no se pudieron hacer.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
+        <source>{name}
+{bits} bits; press to show it on the map</source>
+        <translation>{name}
+{bits} bits; pulsar para verla en el mapa</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/cleaning/tasks.py"/>
+        <source>Cleaning {name}</source>
+        <translation>Limpiando {name}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/cleaning/tasks.py"/>
+        <source>Pictures of {name}</source>
+        <translation>Gráficos de {name}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/cleaning/tasks.py"/>
+        <source>{moved} moved away.</source>
+        <translation>{moved} apartadas.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/cleaning/tasks.py"/>
+        <source>{rejected} images are no longer marked, {returned} moved back.</source>
+        <translation>{rejected} imágenes ya no están marcadas, {returned} devueltas a su sitio.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/cleaning/tasks.py"/>
+        <source>{rejected} of {images} images are marked as rejected.</source>
+        <translation>{rejected} de {images} imágenes están marcadas como rechazadas.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/cleaning/tasks.py"/>
+        <source>{rejected} of {images} images of {count} map types are marked as rejected.</source>
+        <translation>{rejected} de {images} imágenes de {count} tipos de mapa están marcadas como rechazadas.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/cleaning/tasks.py"/>
+        <source>{returned} moved back.</source>
+        <translation>{returned} devueltas a su sitio.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/credentials.py"/>
@@ -629,324 +1186,6 @@
         <location filename="../../terrainav_plugin/credentials.py"/>
         <source>authentication configuration {id} is not there (any more): choose another</source>
         <translation>la configuración de autenticación {id} no existe (o ya no existe): elegir otra</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dataset/chart.py"/>
-        <source>Drag the line: images with less entropy (bits) are rejected.
-Arrow keys move it by {step}, with Shift by {shift}, Page keys by {page} bits.</source>
-        <translation>Arrastrar la línea: se rechazan las imágenes con menos entropía (bits).
-Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page} bits.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dataset/chart.py"/>
-        <source>Threshold {bits} bits</source>
-        <translation>Umbral {bits} bits</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dataset/chart.py"/>
-        <location filename="../../terrainav_plugin/viewer/details.py"/>
-        <source>{bits} bits</source>
-        <translation>{bits} bits</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dataset/charts.py"/>
-        <source>Entropy (bits)</source>
-        <translation>Entropía (bits)</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dataset/charts.py"/>
-        <source>Image, in the order of the flight</source>
-        <translation>Imagen, en el orden del vuelo</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dataset/charts.py"/>
-        <location filename="../../terrainav_plugin/dock/estimates.py"/>
-        <location filename="../../terrainav_plugin/processing/clean.py"/>
-        <source>Images</source>
-        <translation>Imágenes</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dataset/clean_panel.py"/>
-        <source> bits</source>
-        <translation> bits</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dataset/clean_panel.py"/>
-        <source>&amp;Image by image</source>
-        <translation>&amp;Imagen por imagen</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dataset/clean_panel.py"/>
-        <source>&amp;Threshold</source>
-        <translation>Umbra&amp;l</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dataset/clean_panel.py"/>
-        <source>&lt;b&gt;{kept}&lt;/b&gt; of {count} images kept, &lt;b&gt;{rejected}&lt;/b&gt; rejected ({percent} %)</source>
-        <translation>&lt;b&gt;{kept}&lt;/b&gt; de {count} imágenes se conservan, &lt;b&gt;{rejected}&lt;/b&gt; se rechazan ({percent} %)</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dataset/clean_panel.py"/>
-        <source>Choose the folder of a dataset.</source>
-        <translation>Elegir la carpeta de un conjunto de datos.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dataset/clean_panel.py"/>
-        <source>Cleaned before: {marked} images marked, {moved} files moved away.</source>
-        <translation>Limpiado antes: {marked} imágenes marcadas, {moved} archivos apartados.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dataset/clean_panel.py"/>
-        <source>Cross out the images on the map that would be rejected</source>
-        <translation>Tachar en el mapa las imágenes que se rechazarían</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dataset/clean_panel.py"/>
-        <source>Dataset &amp;folder</source>
-        <translation>Carpeta del con&amp;junto de datos</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dataset/clean_panel.py"/>
-        <source>Histo&amp;gram</source>
-        <translation>Hi&amp;stograma</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dataset/clean_panel.py"/>
-        <source>Images with less entropy are rejected: 0 bits is a single grey, 8 bits the most there can be</source>
-        <translation>Se rechazan las imágenes con menos entropía: 0 bits es un solo gris, 8 bits lo máximo que puede haber</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dataset/clean_panel.py"/>
-        <source>Map t&amp;ype</source>
-        <translation>&amp;Tipo de mapa</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dataset/clean_panel.py"/>
-        <source>Map type that is shown; cleaning is of all map types, each with this threshold</source>
-        <translation>Tipo de mapa que se muestra; se limpian todos los tipos de mapa, cada uno con este umbral</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dataset/clean_panel.py"/>
-        <source>Mar&amp;k</source>
-        <translation>M&amp;arcar</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dataset/clean_panel.py"/>
-        <source>Mark rejected images, and move their files to a folder “rejected” beside the others</source>
-        <translation>Marcar las imágenes rechazadas y mover sus archivos a una carpeta «rejected» junto a las demás</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dataset/clean_panel.py"/>
-        <source>Move &amp;away</source>
-        <translation>A&amp;partar</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dataset/clean_panel.py"/>
-        <source>Not cleaned yet.</source>
-        <translation>Sin limpiar todavía.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dataset/clean_panel.py"/>
-        <source>Note in the dataset's table which images are rejected, and why</source>
-        <translation>Anotar en la tabla del conjunto de datos qué imágenes se rechazan, y por qué</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dataset/clean_panel.py"/>
-        <source>Of a capture, or of images with a meta_data.csv beside them</source>
-        <translation>De una captura, o de imágenes con un meta_data.csv al lado</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dataset/clean_panel.py"/>
-        <source>On the map</source>
-        <translation>En el mapa</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dataset/clean_panel.py"/>
-        <location filename="../../terrainav_plugin/dock/imagery_entries.py"/>
-        <location filename="../../terrainav_plugin/viewer/viewer.py"/>
-        <source>Roadmap</source>
-        <translation>Callejero</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dataset/clean_panel.py"/>
-        <source>S&amp;uggest</source>
-        <translation>S&amp;ugerir</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dataset/clean_panel.py"/>
-        <location filename="../../terrainav_plugin/dock/imagery_entries.py"/>
-        <location filename="../../terrainav_plugin/viewer/viewer.py"/>
-        <source>Satellite</source>
-        <translation>Satélite</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dataset/clean_panel.py"/>
-        <source>Save pictures…</source>
-        <translation>Guardar gráficos…</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dataset/clean_panel.py"/>
-        <source>Stop</source>
-        <translation>Detener</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dataset/clean_panel.py"/>
-        <source>Stop; what is done so far can be finished, or undone</source>
-        <translation>Detener; lo hecho hasta ahora se puede terminar, o deshacer</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dataset/clean_panel.py"/>
-        <source>Take all marks away, and put all files back in their place</source>
-        <translation>Quitar todas las marcas y devolver todos los archivos a su sitio</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dataset/clean_panel.py"/>
-        <source>TerrAInav: clean dataset</source>
-        <translation>TerrAInav: limpiar conjunto de datos</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dataset/clean_panel.py"/>
-        <source>TerrAInav: dataset to be cleaned</source>
-        <translation>TerrAInav: conjunto de datos que limpiar</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dataset/clean_panel.py"/>
-        <location filename="../../terrainav_plugin/dock/estimates.py"/>
-        <location filename="../../terrainav_plugin/dock/imagery_entries.py"/>
-        <location filename="../../terrainav_plugin/viewer/viewer.py"/>
-        <source>Terrain</source>
-        <translation>Relieve</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dataset/clean_panel.py"/>
-        <source>The roadmap decides for all of them.</source>
-        <translation>Para todas decide el callejero.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dataset/clean_panel.py"/>
-        <source>The roadmap decides for {count} of them.</source>
-        <translation>Para {count} de ellas decide el callejero.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dataset/clean_panel.py"/>
-        <source>This dataset has no footprints: it cannot be shown on the map.</source>
-        <translation>Este conjunto de datos no tiene huellas: no se puede mostrar en el mapa.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dataset/clean_panel.py"/>
-        <source>Threshold in bits that parts the entropies in two groups best, by Otsu's method: the dotted line</source>
-        <translation>Umbral en bits que mejor separa las entropías en dos grupos, por el método de Otsu: la línea de puntos</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dataset/clean_panel.py"/>
-        <source>U&amp;ndo</source>
-        <translation>Des&amp;hacer</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dataset/clean_panel.py"/>
-        <source>Write both charts of every map type as PNG; needs the Python package matplotlib</source>
-        <translation>Escribir los dos gráficos de cada tipo de mapa en PNG; necesita el paquete de Python matplotlib</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dataset/clean_panel.py"/>
-        <source>{count} images could not be made.</source>
-        <translation>{count} imágenes no se pudieron hacer.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dataset/clean_task.py"/>
-        <source>Cleaning {name}</source>
-        <translation>Limpiando {name}</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dataset/clean_task.py"/>
-        <source>Pictures of {name}</source>
-        <translation>Gráficos de {name}</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dataset/clean_task.py"/>
-        <source>{moved} moved away.</source>
-        <translation>{moved} apartadas.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dataset/clean_task.py"/>
-        <source>{rejected} images are no longer marked, {returned} moved back.</source>
-        <translation>{rejected} imágenes ya no están marcadas, {returned} devueltas a su sitio.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dataset/clean_task.py"/>
-        <source>{rejected} of {images} images are marked as rejected.</source>
-        <translation>{rejected} de {images} imágenes están marcadas como rechazadas.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dataset/clean_task.py"/>
-        <source>{rejected} of {images} images of {count} map types are marked as rejected.</source>
-        <translation>{rejected} de {images} imágenes de {count} tipos de mapa están marcadas como rechazadas.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dataset/clean_task.py"/>
-        <source>{returned} moved back.</source>
-        <translation>{returned} devueltas a su sitio.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dataset/cleaning.py"/>
-        <location filename="../../terrainav_plugin/missions/plan_export.py"/>
-        <location filename="../../terrainav_plugin/runs/after.py"/>
-        <source>Open folder</source>
-        <translation>Abrir carpeta</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dataset/cleaning.py"/>
-        <source>Reading {name}…</source>
-        <translation>Leyendo {name}…</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dataset/cleaning.py"/>
-        <source>TerrAInav: folder for the pictures</source>
-        <translation>TerrAInav: carpeta para los gráficos</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dataset/cleaning.py"/>
-        <source>Update mosaic</source>
-        <translation>Actualizar mosaico</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dataset/cleaning.py"/>
-        <source>{count} pictures written to {folder}.</source>
-        <translation>{count} gráficos escritos en {folder}.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dataset/cleaning.py"/>
-        <source>{name}: stopped. Press the button again to finish, or Undo to put all back.</source>
-        <translation>{name}: detenido. Pulsar otra vez el botón para terminar, o Deshacer para devolverlo todo a su sitio.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dataset/examples.py"/>
-        <source>Just above: kept</source>
-        <translation>Justo por encima: se conservan</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dataset/examples.py"/>
-        <source>Just below: rejected</source>
-        <translation>Justo por debajo: se rechazan</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dataset/examples.py"/>
-        <source>{name}
-{bits} bits; press to show it on the map</source>
-        <translation>{name}
-{bits} bits; pulsar para verla en el mapa</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dataset/footprints.py"/>
-        <location filename="../../terrainav_plugin/dataset/outlines.py"/>
-        <source>footprints {path}: cannot be read ({reason})</source>
-        <translation>huellas {path}: no se pueden leer ({reason})</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dataset/footprints.py"/>
-        <location filename="../../terrainav_plugin/dataset/outlines.py"/>
-        <source>footprints: stopped</source>
-        <translation>huellas: detenido</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/dataset/footprints.py"/>
@@ -990,11 +1229,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>{title}, parte {number}</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/dataset/outlines.py"/>
-        <source>the map's CRS cannot be drawn in ({reason})</source>
-        <translation>en el SRC del mapa no se puede dibujar ({reason})</translation>
-    </message>
-    <message>
         <location filename="../../terrainav_plugin/dataset/picture.py"/>
         <source>The image cannot be read: {reason}</source>
         <translation>No se puede leer la imagen: {reason}</translation>
@@ -1031,7 +1265,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/dock/add_source_dialog.py"/>
-        <location filename="../../terrainav_plugin/viewer/details.py"/>
+        <location filename="../../terrainav_plugin/results/viewer.py"/>
         <source>Attribution</source>
         <translation>Atribución</translation>
     </message>
@@ -1134,13 +1368,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/dock/add_source_dialog.py"/>
-        <location filename="../../terrainav_plugin/dock/options_page.py"/>
-        <location filename="../../terrainav_plugin/runs/after.py"/>
-        <source>Treat as missing</source>
-        <translation>Tratar como ausente</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/add_source_dialog.py"/>
         <location filename="../../terrainav_plugin/dock/imagery_entries.py"/>
         <source>URL</source>
         <translation>URL</translation>
@@ -1201,7 +1428,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/dock/cache_dialog.py"/>
-        <location filename="../../terrainav_plugin/viewer/details.py"/>
+        <location filename="../../terrainav_plugin/results/viewer.py"/>
         <source>Size</source>
         <translation>Tamaño</translation>
     </message>
@@ -1209,7 +1436,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/dock/cache_dialog.py"/>
         <location filename="../../terrainav_plugin/dock/imagery_entries.py"/>
         <location filename="../../terrainav_plugin/dock/keys_table.py"/>
-        <location filename="../../terrainav_plugin/viewer/details.py"/>
+        <location filename="../../terrainav_plugin/results/viewer.py"/>
         <source>Source</source>
         <translation>Fuente</translation>
     </message>
@@ -1442,12 +1669,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/dock/dock.py"/>
         <source>TerrAInav mission</source>
         <translation>Misión de TerrAInav</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/dock.py"/>
-        <location filename="../../terrainav_plugin/runs/words.py"/>
-        <source>Test shot</source>
-        <translation>Toma de prueba</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/dock/dock.py"/>
@@ -1738,7 +1959,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/dock/dock_sections.py"/>
         <location filename="../../terrainav_plugin/dock/refusals.py"/>
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <location filename="../../terrainav_plugin/viewer/details.py"/>
+        <location filename="../../terrainav_plugin/results/viewer.py"/>
         <source>Zoom</source>
         <translation>Zoom</translation>
     </message>
@@ -1852,7 +2073,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/dock/estimates.py"/>
-        <location filename="../../terrainav_plugin/viewer/details.py"/>
+        <location filename="../../terrainav_plugin/results/viewer.py"/>
         <source>Time</source>
         <translation>Tiempo</translation>
     </message>
@@ -1913,16 +2134,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/dock/estimates.py"/>
-        <source>{count} h</source>
-        <translation>{count} h</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/estimates.py"/>
-        <source>{count} min</source>
-        <translation>{count} min</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/estimates.py"/>
         <source>{count} of the {most} requests that the provider allows</source>
         <translation>{count} de las {most} peticiones que permite el proveedor</translation>
     </message>
@@ -1935,11 +2146,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/dock/estimates.py"/>
         <source>{count} requests, more than the {most} that the provider allows: take a smaller area, coarser pixels or another source</source>
         <translation>{count} peticiones, más que las {most} que permite el proveedor: tome un área menor, píxeles más gruesos u otra fuente</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/estimates.py"/>
-        <source>{count} s</source>
-        <translation>{count} s</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/dock/estimates.py"/>
@@ -2848,21 +3054,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>TerrAInav: {name}</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/map/results.py"/>
-        <source>Open the picture ({map_type})</source>
-        <translation>Abrir la imagen ({map_type})</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/results.py"/>
-        <source>yaw, tilt, roll: {angles}</source>
-        <translation>guiñada, inclinación, alabeo: {angles}</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/missions/dataset_task.py"/>
-        <source>Opening {name}</source>
-        <translation>Abriendo {name}</translation>
-    </message>
-    <message>
         <location filename="../../terrainav_plugin/missions/missions.py"/>
         <source>&amp;Clean dataset…</source>
         <translation>&amp;Limpiar conjunto de datos…</translation>
@@ -2977,6 +3168,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/missions/missions.py"/>
         <source>{name}: opened without mosaic: {reason}</source>
         <translation>{name}: abierto sin mosaico: {reason}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/missions/opening.py"/>
+        <source>Opening {name}</source>
+        <translation>Abriendo {name}</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/missions/plan_export.py"/>
@@ -4298,225 +4494,195 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>capa {name}: su servicio tiene teselas de {size} px; elegir una capa con teselas de 256, 512 o 1024 px</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/runs/after.py"/>
-        <source>Camera frames make no mosaic: “View images” shows them one by one.</source>
-        <translation>Los encuadres de cámara no forman mosaico: «Ver imágenes» los muestra uno a uno.</translation>
+        <location filename="../../terrainav_plugin/results/layers.py"/>
+        <source>Open the picture ({map_type})</source>
+        <translation>Abrir la imagen ({map_type})</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/runs/after.py"/>
-        <source>Capture only the failed ones</source>
-        <translation>Capturar solo las fallidas</translation>
+        <location filename="../../terrainav_plugin/results/layers.py"/>
+        <source>yaw, tilt, roll: {angles}</source>
+        <translation>guiñada, inclinación, alabeo: {angles}</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/runs/after.py"/>
-        <source>Its SHA-256 begins with {digest}; {image} shows it. It may be water or snow. If it shows no imagery, “Treat as missing” removes the images with it and asks for its places again; the options list what is treated so.</source>
-        <translation>Su SHA-256 empieza por {digest}; {image} la muestra. Puede ser agua o nieve. Si no muestra imágenes, «Tratar como ausente» elimina las imágenes que la contienen y vuelve a pedir sus lugares; las opciones enumeran lo que se trata así.</translation>
+        <location filename="../../terrainav_plugin/results/shots.py"/>
+        <source>footprints {path}: have no poses</source>
+        <translation>huellas {path}: no tienen poses</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/runs/after.py"/>
-        <source>Its project is closed: open the dataset by “Missions” to see it.</source>
-        <translation>Su proyecto está cerrado: abrir el conjunto de datos con «Misiones» para verlo.</translation>
+        <location filename="../../terrainav_plugin/results/viewer.py"/>
+        <source>&amp;Zoom to</source>
+        <translation>&amp;Zoom a</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/runs/after.py"/>
-        <source>Resume</source>
-        <translation>Reanudar</translation>
+        <location filename="../../terrainav_plugin/results/viewer.py"/>
+        <location filename="../../terrainav_plugin/results/viewing.py"/>
+        <source>Click a captured footprint on the map.</source>
+        <translation>Pulsar una huella capturada en el mapa.</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/runs/after.py"/>
-        <source>Test shot {lat:.5f} {lon:.5f}</source>
-        <translation>Toma de prueba {lat:.5f} {lon:.5f}</translation>
+        <location filename="../../terrainav_plugin/results/viewer.py"/>
+        <source>Column, row</source>
+        <translation>Columna, fila</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/runs/after.py"/>
-        <source>in an earlier run</source>
-        <translation>en una ejecución anterior</translation>
+        <location filename="../../terrainav_plugin/results/viewer.py"/>
+        <source>Entropy</source>
+        <translation>Entropía</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/runs/after.py"/>
-        <source>{name}: stopped before the first image.</source>
-        <translation>{name}: detenida antes de la primera imagen.</translation>
+        <location filename="../../terrainav_plugin/results/viewer.py"/>
+        <source>Failed</source>
+        <translation>Fallida</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/runs/after.py"/>
-        <source>{name}: stopped with {there} of {total} images.</source>
-        <translation>{name}: detenida con {there} de {total} imágenes.</translation>
+        <location filename="../../terrainav_plugin/results/viewer.py"/>
+        <source>File</source>
+        <translation>Archivo</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/runs/after.py"/>
-        <source>{name}: the same tile came for {places} places and is in {images} images.</source>
-        <translation>{name}: la misma tesela llegó para {places} lugares y está en {images} imágenes.</translation>
+        <location filename="../../terrainav_plugin/results/viewer.py"/>
+        <source>Ground sample distance</source>
+        <translation>Distancia de muestreo del terreno</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/runs/after.py"/>
-        <source>{name}: {failed} of {total} images could not be made ({reason}).</source>
-        <translation>{name}: {failed} de {total} imágenes no se pudieron hacer ({reason}).</translation>
+        <location filename="../../terrainav_plugin/results/viewer.py"/>
+        <source>Height</source>
+        <translation>Altura</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/runs/before.py"/>
-        <source>Capture into {name}</source>
-        <translation>Capturar en {name}</translation>
+        <location filename="../../terrainav_plugin/results/viewer.py"/>
+        <source>Image</source>
+        <translation>Imagen</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/runs/before.py"/>
-        <source>Do you agree to these terms, and are you allowed to download?</source>
-        <translation>¿Acepta estas condiciones y tiene permiso para descargar?</translation>
+        <location filename="../../terrainav_plugin/results/viewer.py"/>
+        <source>Image after this one in the flight</source>
+        <translation>Imagen siguiente en el vuelo</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/runs/before.py"/>
-        <location filename="../../terrainav_plugin/workflow.py"/>
-        <source>Nothing to capture yet.</source>
-        <translation>Aún no hay nada que capturar.</translation>
+        <location filename="../../terrainav_plugin/results/viewer.py"/>
+        <source>Image before this one in the flight</source>
+        <translation>Imagen anterior en el vuelo</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/runs/before.py"/>
-        <source>Terms and alternatives</source>
-        <translation>Condiciones y alternativas</translation>
+        <location filename="../../terrainav_plugin/results/viewer.py"/>
+        <source>Imagery date</source>
+        <translation>Fecha de las imágenes</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/runs/before.py"/>
-        <source>TerrAInav: terms of the source</source>
-        <translation>TerrAInav: condiciones de la fuente</translation>
+        <location filename="../../terrainav_plugin/results/viewer.py"/>
+        <source>Images that show the place of the click</source>
+        <translation>Imágenes que muestran el lugar pulsado</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/runs/before.py"/>
-        <source>folder is empty: choose where the pictures go</source>
-        <translation>la carpeta está vacía: elegir adónde van las imágenes</translation>
+        <location filename="../../terrainav_plugin/results/viewer.py"/>
+        <source>Kind of map that is shown</source>
+        <translation>Clase de mapa que se muestra</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/runs/before.py"/>
-        <source>{folder} holds another mission; nothing was changed there.</source>
-        <translation>{folder} contiene otra misión; no se ha cambiado nada en ella.</translation>
+        <location filename="../../terrainav_plugin/results/viewer.py"/>
+        <source>Missing</source>
+        <translation>Falta</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/runs/before.py"/>
-        <source>{folder} is being captured already; a second mission needs a folder of its own.</source>
-        <translation>{folder} ya se está capturando; una segunda misión necesita una carpeta propia.</translation>
+        <location filename="../../terrainav_plugin/results/viewer.py"/>
+        <source>Ne&amp;xt</source>
+        <translation>&amp;Siguiente</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/runs/before.py"/>
-        <source>{name} is being captured already.</source>
-        <translation>{name} ya se está capturando.</translation>
+        <location filename="../../terrainav_plugin/results/viewer.py"/>
+        <source>Ope&amp;n</source>
+        <translation>&amp;Abrir</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/runs/line.py"/>
-        <source>No test shot.</source>
-        <translation>Sin toma de prueba.</translation>
+        <location filename="../../terrainav_plugin/results/viewer.py"/>
+        <source>Open the image in the program for such files</source>
+        <translation>Abrir la imagen con el programa para tales archivos</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/runs/line.py"/>
-        <source>Nothing captured: {reason}</source>
-        <translation>No se ha capturado nada: {reason}</translation>
+        <location filename="../../terrainav_plugin/results/viewer.py"/>
+        <source>Position</source>
+        <translation>Posición</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/runs/words.py"/>
-        <source>, {failed} failed</source>
-        <translation>, {failed} fallidas</translation>
+        <location filename="../../terrainav_plugin/results/viewer.py"/>
+        <source>Prev&amp;ious</source>
+        <translation>A&amp;nterior</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/runs/words.py"/>
-        <source>, {rate} a second, {time} left</source>
-        <translation>, {rate} por segundo, quedan {time}</translation>
+        <location filename="../../terrainav_plugin/results/viewer.py"/>
+        <source>Rejected</source>
+        <translation>Rechazada</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/runs/words.py"/>
-        <source>; making the mosaic…</source>
-        <translation>; creando el mosaico…</translation>
+        <location filename="../../terrainav_plugin/results/viewer.py"/>
+        <source>Show the image's footprint on the map</source>
+        <translation>Mostrar en el mapa la huella de la imagen</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/runs/words.py"/>
-        <source>All {total} images are there: {written} captured now in {time}, {skipped} before.</source>
-        <translation>Las {total} imágenes están: {written} capturadas ahora en {time}, {skipped} antes.</translation>
+        <location filename="../../terrainav_plugin/results/viewer.py"/>
+        <source>TerrAInav images</source>
+        <translation>Imágenes de TerrAInav</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/runs/words.py"/>
-        <source>All {total} images were there already.</source>
-        <translation>Las {total} imágenes ya estaban todas.</translation>
+        <location filename="../../terrainav_plugin/results/viewer.py"/>
+        <source>Yaw, tilt, roll</source>
+        <translation>Guiñada, inclinación, alabeo</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/runs/words.py"/>
-        <source>Missing: {failed} of {total} images</source>
-        <translation>Faltan: {failed} de {total} imágenes</translation>
+        <location filename="../../terrainav_plugin/results/viewer.py"/>
+        <source>by cleaning the dataset</source>
+        <translation>al limpiar el conjunto de datos</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/runs/words.py"/>
-        <source>No image was missing.</source>
-        <translation>No faltaba ninguna imagen.</translation>
+        <location filename="../../terrainav_plugin/results/viewer.py"/>
+        <source>{agl} m above ground</source>
+        <translation>{agl} m sobre el terreno</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/runs/words.py"/>
-        <source>One image captured in {time}.</source>
-        <translation>Una imagen capturada en {time}.</translation>
+        <location filename="../../terrainav_plugin/results/viewer.py"/>
+        <source>{gsd} m/px</source>
+        <translation>{gsd} m/px</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/runs/words.py"/>
-        <source>Paused</source>
-        <translation>En pausa</translation>
+        <location filename="../../terrainav_plugin/results/viewer.py"/>
+        <source>{lat}°, {lon}°</source>
+        <translation>{lat}°, {lon}°</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/runs/words.py"/>
-        <source>Paused: {counts}</source>
-        <translation>En pausa: {counts}</translation>
+        <location filename="../../terrainav_plugin/results/viewer.py"/>
+        <source>{number} of {count}</source>
+        <translation>{number} de {count}</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/runs/words.py"/>
-        <source>Starting…</source>
-        <translation>Empezando…</translation>
+        <location filename="../../terrainav_plugin/results/viewer.py"/>
+        <source>{number} of {count} here: {name}</source>
+        <translation>{number} de {count} aquí: {name}</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/runs/words.py"/>
-        <source>Stopped before the first image</source>
-        <translation>Detenida antes de la primera imagen</translation>
+        <location filename="../../terrainav_plugin/results/viewer.py"/>
+        <source>{width} × {height} px</source>
+        <translation>{width} × {height} px</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/runs/words.py"/>
-        <source>Stopped with {there} of {total} images</source>
-        <translation>Detenida con {there} de {total} imágenes</translation>
+        <location filename="../../terrainav_plugin/results/viewer.py"/>
+        <source>{}°, {}°, {}°</source>
+        <translation>{}°, {}°, {}°</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/runs/words.py"/>
-        <source>Stopped; making the mosaic…</source>
-        <translation>Detenida; haciendo el mosaico…</translation>
+        <location filename="../../terrainav_plugin/results/viewing.py"/>
+        <source>Looking for images…</source>
+        <translation>Buscando imágenes…</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/runs/words.py"/>
-        <source>Stopping…</source>
-        <translation>Deteniendo…</translation>
+        <location filename="../../terrainav_plugin/results/viewing.py"/>
+        <source>No image shows this place. Click a captured footprint on the map.</source>
+        <translation>Ninguna imagen muestra este lugar. Pulsar una huella capturada en el mapa.</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/runs/words.py"/>
-        <source>The image was there already.</source>
-        <translation>La imagen ya estaba.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/runs/words.py"/>
-        <source>Waiting: next in line</source>
-        <translation>En espera: la siguiente</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/runs/words.py"/>
-        <source>Waiting: {place} before it</source>
-        <translation>En espera: {place} delante</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/runs/words.py"/>
-        <source>{done} of {total} images</source>
-        <translation>{done} de {total} imágenes</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/runs/words.py"/>
-        <source>{error} (the images are written)</source>
-        <translation>{error} (las imágenes están escritas)</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/runs/words.py"/>
-        <source>{name}: failed images</source>
-        <translation>{name}: imágenes fallidas</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/runs/words.py"/>
-        <source>{written} images captured in {time}.</source>
-        <translation>{written} imágenes capturadas en {time}.</translation>
+        <location filename="../../terrainav_plugin/results/viewing.py"/>
+        <source>There are no captured images on the map yet: capture a mission, or open a dataset by “Missions”.</source>
+        <translation>Aún no hay imágenes capturadas en el mapa: capturar una misión, o abrir un conjunto de datos con «Misiones».</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/sources.py"/>
@@ -4565,189 +4731,23 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/units.py"/>
+        <source>{count} h</source>
+        <translation>{count} h</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/units.py"/>
+        <source>{count} min</source>
+        <translation>{count} min</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/units.py"/>
+        <source>{count} s</source>
+        <translation>{count} s</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/units.py"/>
         <source>{count} sq mi</source>
         <translation>{count} mi²</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/viewer/details.py"/>
-        <source>Column, row</source>
-        <translation>Columna, fila</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/viewer/details.py"/>
-        <source>Entropy</source>
-        <translation>Entropía</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/viewer/details.py"/>
-        <source>Failed</source>
-        <translation>Fallida</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/viewer/details.py"/>
-        <source>File</source>
-        <translation>Archivo</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/viewer/details.py"/>
-        <source>Ground sample distance</source>
-        <translation>Distancia de muestreo del terreno</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/viewer/details.py"/>
-        <source>Height</source>
-        <translation>Altura</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/viewer/details.py"/>
-        <source>Image</source>
-        <translation>Imagen</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/viewer/details.py"/>
-        <source>Imagery date</source>
-        <translation>Fecha de las imágenes</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/viewer/details.py"/>
-        <source>Missing</source>
-        <translation>Falta</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/viewer/details.py"/>
-        <source>Position</source>
-        <translation>Posición</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/viewer/details.py"/>
-        <source>Rejected</source>
-        <translation>Rechazada</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/viewer/details.py"/>
-        <source>Yaw, tilt, roll</source>
-        <translation>Guiñada, inclinación, alabeo</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/viewer/details.py"/>
-        <source>by cleaning the dataset</source>
-        <translation>al limpiar el conjunto de datos</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/viewer/details.py"/>
-        <source>{agl} m above ground</source>
-        <translation>{agl} m sobre el terreno</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/viewer/details.py"/>
-        <source>{gsd} m/px</source>
-        <translation>{gsd} m/px</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/viewer/details.py"/>
-        <source>{lat}°, {lon}°</source>
-        <translation>{lat}°, {lon}°</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/viewer/details.py"/>
-        <source>{width} × {height} px</source>
-        <translation>{width} × {height} px</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/viewer/details.py"/>
-        <source>{}°, {}°, {}°</source>
-        <translation>{}°, {}°, {}°</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/viewer/shots.py"/>
-        <source>footprints {path}: have no poses</source>
-        <translation>huellas {path}: no tienen poses</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/viewer/viewer.py"/>
-        <source>&amp;Zoom to</source>
-        <translation>&amp;Zoom a</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/viewer/viewer.py"/>
-        <location filename="../../terrainav_plugin/viewer/viewing.py"/>
-        <source>Click a captured footprint on the map.</source>
-        <translation>Pulsar una huella capturada en el mapa.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/viewer/viewer.py"/>
-        <source>Image after this one in the flight</source>
-        <translation>Imagen siguiente en el vuelo</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/viewer/viewer.py"/>
-        <source>Image before this one in the flight</source>
-        <translation>Imagen anterior en el vuelo</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/viewer/viewer.py"/>
-        <source>Images that show the place of the click</source>
-        <translation>Imágenes que muestran el lugar pulsado</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/viewer/viewer.py"/>
-        <source>Kind of map that is shown</source>
-        <translation>Clase de mapa que se muestra</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/viewer/viewer.py"/>
-        <source>Ne&amp;xt</source>
-        <translation>&amp;Siguiente</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/viewer/viewer.py"/>
-        <source>Ope&amp;n</source>
-        <translation>&amp;Abrir</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/viewer/viewer.py"/>
-        <source>Open the image in the program for such files</source>
-        <translation>Abrir la imagen con el programa para tales archivos</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/viewer/viewer.py"/>
-        <source>Prev&amp;ious</source>
-        <translation>A&amp;nterior</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/viewer/viewer.py"/>
-        <source>Show the image's footprint on the map</source>
-        <translation>Mostrar en el mapa la huella de la imagen</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/viewer/viewer.py"/>
-        <source>TerrAInav images</source>
-        <translation>Imágenes de TerrAInav</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/viewer/viewer.py"/>
-        <source>{number} of {count}</source>
-        <translation>{number} de {count}</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/viewer/viewer.py"/>
-        <source>{number} of {count} here: {name}</source>
-        <translation>{number} de {count} aquí: {name}</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/viewer/viewing.py"/>
-        <source>Looking for images…</source>
-        <translation>Buscando imágenes…</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/viewer/viewing.py"/>
-        <source>No image shows this place. Click a captured footprint on the map.</source>
-        <translation>Ninguna imagen muestra este lugar. Pulsar una huella capturada en el mapa.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/viewer/viewing.py"/>
-        <source>There are no captured images on the map yet: capture a mission, or open a dataset by “Missions”.</source>
-        <translation>Aún no hay imágenes capturadas en el mapa: capturar una misión, o abrir un conjunto de datos con «Misiones».</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/workflow.py"/>

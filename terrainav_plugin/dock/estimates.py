@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from ...core.mission.estimate import percent, size_text
 from ...core.mission.rungs import bound_text
 from ..i18n import localized, number_text, told, tr
-from ..units import METRES, area_text, gsd_text, length_text
+from ..units import METRES, area_text, duration_text, gsd_text, length_text
 from .refusals import in_words_of_the_dock
 
 if TYPE_CHECKING:
@@ -260,12 +260,3 @@ def _download(summary: Summary) -> str:
         return tr("nothing ({count} tiles from this computer)").format(count=count)
     size = localized(size_text(summary.download_bytes))
     return tr("about {size} in {count} tiles").format(size=size, count=count)
-
-
-def duration_text(seconds: float) -> str:
-    """Return seconds, minutes or hours in words."""
-    if seconds < 90.0:
-        return tr("{count} s").format(count=max(round(seconds), 1))
-    if seconds < 5400.0:
-        return tr("{count} min").format(count=round(seconds / 60.0))
-    return tr("{count} h").format(count=number_text(seconds / 3600.0, ".1f"))

@@ -19,12 +19,12 @@ from ..form.area import FormError
 from ..form.state import BOX_FIELDS
 from ..i18n import told, tr
 from ..map.mission_group import SavedMission, saved_missions
-from ..map.results import show_failed, show_results
 from ..paths import folder_of, next_folder
 from ..plain import shown_plain
+from ..results.layers import show_failed, show_results
 from ..settings import recent, remember
 from ..sources import grid_finder
-from .dataset_task import DatasetTask
+from .opening import DatasetTask
 from .plan_export import PlanExport
 
 if TYPE_CHECKING:

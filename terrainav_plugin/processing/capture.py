@@ -140,7 +140,7 @@ class _Capturing(WithImagery):
 
     def finished(self) -> None:
         """Put new mosaics in the place of those that the project may show."""
-        from ..map.results import place_mosaics
+        from ..results.layers import place_mosaics
 
         place_mosaics(QgsProject.instance(), self._made)
 

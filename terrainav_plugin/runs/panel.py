@@ -7,13 +7,12 @@ from typing import TYPE_CHECKING
 
 from qgis.PyQt.QtCore import QObject
 
+from ..capture.run import Run, Stage, row_text, title_of
 from ..dock.run_list import RunList
 from ..dock.run_row import RunRow
-from .run import Run, Stage
-from .words import row_text, title_of
 
 if TYPE_CHECKING:
-    from .line import Runs
+    from ..capture.queue import Runs
 
 
 class RunPanel(QObject):

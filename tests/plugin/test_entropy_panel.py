@@ -13,6 +13,8 @@ from qgis.PyQt.QtCore import QPoint, Qt
 from qgis.PyQt.QtGui import QColor, QPainter
 from qgis.PyQt.QtTest import QTest
 from qgis.PyQt.QtWidgets import QApplication, QDockWidget, QFileDialog, QLabel
+from terrainav.terrainav_plugin.cleaning import marks as cleaning_marks
+from terrainav.terrainav_plugin.cleaning import panel as cleaning_panel
 
 LEFT, PLAIN = Qt.MouseButton.LeftButton, Qt.KeyboardModifier.NoModifier
 AREA = "35.14_-89.87_35.131_-89.856_120"
@@ -94,7 +96,7 @@ def items_on_map(desk):
 
 @pytest.mark.parametrize("threshold", [0.0, 1.0, 2.1, 3.3, 5.0, 6.7, 8.0])
 def test_counts_are_those_of_cleaning(captured, threshold):
-    from terrainav.terrainav_plugin.dataset.entropies import read_entropies
+    from terrainav.terrainav_plugin.cleaning.entropies import read_entropies
 
     found = read_entropies(captured)
     assert set(found) == {"satellite", "roadmap"}
@@ -108,7 +110,7 @@ def test_counts_are_those_of_cleaning(captured, threshold):
 
 def test_rejected_images_are_those_that_cleaning_marks(dataset):
     from terrainav.core.dataset.clean import clean
-    from terrainav.terrainav_plugin.dataset.entropies import read_entropies
+    from terrainav.terrainav_plugin.cleaning.entropies import read_entropies
 
     found = read_entropies(dataset)["satellite"]
     threshold = float(np.median(found.bits))
@@ -118,7 +120,7 @@ def test_rejected_images_are_those_that_cleaning_marks(dataset):
 
 
 def test_published_folders_without_entropies_are_worked_out(tmp_path):
-    from terrainav.terrainav_plugin.dataset.entropies import read_entropies
+    from terrainav.terrainav_plugin.cleaning.entropies import read_entropies
 
     from tests.support.published import write_published
 
@@ -134,7 +136,7 @@ def test_published_folders_without_entropies_are_worked_out(tmp_path):
 
 
 def test_examples_are_the_images_next_to_the_threshold(captured):
-    from terrainav.terrainav_plugin.dataset.entropies import read_entropies
+    from terrainav.terrainav_plugin.cleaning.entropies import read_entropies
 
     found = read_entropies(captured)["satellite"]
     threshold = float(np.median(found.bits))
@@ -151,7 +153,7 @@ def test_examples_are_the_images_next_to_the_threshold(captured):
 
 
 def test_panels_beside_the_map_keep_their_width(desk, dataset):
-    from terrainav.terrainav_plugin.dataset.cleaning import Cleaning
+    from terrainav.terrainav_plugin.cleaning.cleaning import Cleaning
 
     # One of its own, whose window has not been opened before.
     cleaning = Cleaning(desk.workflow)
@@ -219,7 +221,7 @@ def test_threshold_is_dragged_typed_and_moved_by_keys(desk, dataset, opened, scr
 
 
 def test_histogram_shows_every_image_on_its_side_of_the_line(desk, dataset, opened):
-    from terrainav.terrainav_plugin.dataset.colours import KEPT, REJECTED
+    from terrainav.terrainav_plugin.cleaning.charts import KEPT, REJECTED
 
     panel = opened(dataset)
     histogram = panel.charts[0]
@@ -237,8 +239,7 @@ def test_histogram_shows_every_image_on_its_side_of_the_line(desk, dataset, open
 
 
 def test_chart_of_a_hundred_thousand_images_shows_the_only_poor_one(qtbot):
-    from terrainav.terrainav_plugin.dataset.charts import Bars, Histogram
-    from terrainav.terrainav_plugin.dataset.colours import REJECTED
+    from terrainav.terrainav_plugin.cleaning.charts import REJECTED, Bars, Histogram
 
     bits = np.full(100_000, 6.5)
     bits[70_000] = 0.7
@@ -256,7 +257,7 @@ def test_chart_of_a_hundred_thousand_images_shows_the_only_poor_one(qtbot):
 
 @pytest.mark.parametrize("size", [(240, 140), (420, 190), (900, 500)])
 def test_labels_of_axes_stand_apart(qtbot, monkeypatch, size):
-    from terrainav.terrainav_plugin.dataset.charts import Bars, Histogram
+    from terrainav.terrainav_plugin.cleaning.charts import Bars, Histogram
 
     drawn = []
 
@@ -265,7 +266,7 @@ def test_labels_of_axes_stand_apart(qtbot, monkeypatch, size):
             drawn.append((text, self.worldTransform().map(at)))
             super().drawText(at, text)
 
-    monkeypatch.setattr("terrainav.terrainav_plugin.dataset.chart.QPainter", Painter)
+    monkeypatch.setattr("terrainav.terrainav_plugin.cleaning.charts.QPainter", Painter)
     for chart in (Histogram(), Bars()):
         qtbot.addWidget(chart)
         chart.resize(*size)
@@ -328,7 +329,7 @@ def test_examples_show_their_pictures_and_lead_to_the_map(desk, dataset, opened)
 
 def is_crossed(colour):
     """Whether a line of a cross goes through; where lines meet their colours are mixed, to within rounding."""
-    from terrainav.terrainav_plugin.dataset.colours import REJECTED
+    from terrainav.terrainav_plugin.cleaning.charts import REJECTED
 
     parts = zip(colour.getRgb()[:3], REJECTED.getRgb()[:3])
     return colour.alpha() > 0 and all(abs(one - other) <= 2 for one, other in parts)
@@ -379,7 +380,7 @@ def test_rejected_images_are_crossed_out_on_the_map_while_the_window_is_open(
 
 
 def test_crosses_follow_outlines_of_any_shape_and_projection():
-    from terrainav.terrainav_plugin.dataset.outlines import Outlines, View, draw
+    from terrainav.terrainav_plugin.cleaning.marks import Outlines, View, draw
 
     ring_x = [-89.9, -89.8, -89.8, -89.9, -89.9, 10.0, 10.1, 10.1, 10.0, 10.0]
     ring_y = [35.2, 35.2, 35.1, 35.1, 35.2, 50.1, 50.1, 50.0, 50.0, 50.1]
@@ -661,7 +662,7 @@ def test_pictures_are_saved(desk, dataset, opened, tmp_path, monkeypatch):
 
 def test_nothing_long_is_done_on_the_main_thread(desk, dataset, opened, monkeypatch):
     """Tables, footprints and pictures are read, and crosses drawn, beside it: for any number of images."""
-    from terrainav.terrainav_plugin.dataset import entropies, examples, outlines
+    from terrainav.terrainav_plugin.cleaning import entropies
 
     done = {}
 
@@ -676,9 +677,9 @@ def test_nothing_long_is_done_on_the_main_thread(desk, dataset, opened, monkeypa
 
     watch(entropies, "deciding_entropies")
     watch(entropies, "otsu")
-    watch(outlines, "read_outlines")
-    watch(outlines, "draw")
-    watch(examples, "read_picture")
+    watch(cleaning_marks, "read_outlines")
+    watch(cleaning_marks, "draw")
+    watch(cleaning_panel, "read_picture")
     watch(entropies.Entropies, "rejected_stems")
     watch(entropies.Entropies, "examples")
     desk.look_at("EPSG:4326", (-89.88, 35.12, -89.85, 35.15))

@@ -7,10 +7,9 @@ import re
 import pytest
 from qgis.PyQt.QtCore import QLocale
 from qgis.PyQt.QtWidgets import QLabel
-from terrainav.terrainav_plugin.dock.estimates import duration_text
 from terrainav.terrainav_plugin.form.area import ground_text
 from terrainav.terrainav_plugin.i18n import localized, number_text, told
-from terrainav.terrainav_plugin.units import area_text, length_text
+from terrainav.terrainav_plugin.units import area_text, duration_text, length_text
 
 #: Narrow no-break space, between thousands in French.
 THIN = "\N{NARROW NO-BREAK SPACE}"

@@ -10,7 +10,7 @@ from qgis.core import QgsApplication, QgsProject, QgsTask
 from qgis.PyQt.QtCore import QPoint, Qt
 from qgis.PyQt.QtTest import QTest
 from terrainav.core.mission.mission import Mission
-from terrainav.terrainav_plugin.runs.run import Stage
+from terrainav.terrainav_plugin.capture.run import Stage
 
 from tests.support.tileserver import TileServer
 
@@ -72,7 +72,7 @@ def press(desk, run, deed):
     ],
 )
 def test_ends_are_told_in_words_that_fit_the_number(total, written, text):
-    from terrainav.terrainav_plugin.runs.words import done_text
+    from terrainav.terrainav_plugin.capture.run import done_text
 
     result = SimpleNamespace(total=total, written=written, skipped=total - written, seconds=2.0)
     assert done_text(result) == text

@@ -9,8 +9,8 @@ from terrainav.core.capture.runner import capture
 from terrainav.core.mission.area import Box
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
+from terrainav.terrainav_plugin.cleaning.tasks import CleanTask
 from terrainav.terrainav_plugin.dataset import mosaic
-from terrainav.terrainav_plugin.dataset.clean_task import CleanTask
 from terrainav.terrainav_plugin.missions.plan_export import ExportTask
 
 from tests.plugin.remedies.panel import captured, single

@@ -20,11 +20,10 @@ from ..widgets import free_of_menus
 
 if TYPE_CHECKING:
     from ..workflow import Workflow
-    from .clean_panel import CleanPanel
-    from .clean_task import CleanTask, PicturesTask
     from .entropies import Entropies
-    from .examples import Shown
     from .marks import Marks
+    from .panel import CleanPanel, Shown
+    from .tasks import CleanTask, PicturesTask
 
 _SIZE_PX = (700, 620)
 _CORNER_PX = (12, 36)
@@ -160,7 +159,7 @@ class Cleaning(QObject):
 
     def _follow(self, *_: object) -> None:
         """Show examples and crosses for the threshold as it is now."""
-        from .examples import COUNT, read_examples
+        from .panel import COUNT, read_examples
 
         panel, found = self.panel, self._found.get(self._map_type)
         if panel is None or found is None:
@@ -185,7 +184,7 @@ class Cleaning(QObject):
             self.marks.find(self._folder, found.stems[row], self._zoom_to_extent)
 
     def _zoom_to_extent(self, extent: QgsRectangle | None) -> None:
-        from .clean_panel import no_footprints
+        from .panel import no_footprints
 
         if extent is None:
             self._messages.warning(no_footprints())
@@ -197,13 +196,13 @@ class Cleaning(QObject):
     # --- what the buttons do
 
     def _do(self, deed: str) -> None:
-        from .clean_task import CleanTask
+        from .tasks import CleanTask
 
         if self.task is None and self._folder is not None:
             self._start(CleanTask(self._folder, deed, self.panel.threshold.value()), self._cleaned)
 
     def _save_pictures(self) -> None:
-        from .clean_task import PicturesTask
+        from .tasks import PicturesTask
 
         folder = self._folder
         if self.task is not None or folder is None:
@@ -266,8 +265,8 @@ class Cleaning(QObject):
 
     def _shown_panel(self) -> CleanPanel:
         if self.panel is None:
-            from .clean_panel import CleanPanel
             from .marks import Marks
+            from .panel import CleanPanel
 
             self.marks = Marks(self._canvas)
             self.marks.refused.connect(lambda message: self._messages.warning(told(message)))

@@ -22,9 +22,9 @@ from ..compat import field
 from ..dataset.layers import OpenedResults, open_raster
 from ..dataset.mosaic import Mosaic
 from ..i18n import tr
+from ..map.mission_group import CAPTURED, FAILED, MissionGroup, file_of
 from ..paths import place_of, style
 from ..plain import escaped_field
-from .mission_group import CAPTURED, FAILED, MissionGroup, file_of
 
 if TYPE_CHECKING:
     from ...core.mission.mission import Mission

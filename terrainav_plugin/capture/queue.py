@@ -1,4 +1,4 @@
-"""The line of captures: one works, the others wait for it; those that are over stay until they are dismissed."""
+"""The queue of captures: one works, the others wait for it; those that are over stay until they are dismissed."""
 
 from __future__ import annotations
 
@@ -15,15 +15,15 @@ from ..form import mission_form
 from ..form.mission_form import FormError
 from ..i18n import told, tr
 from ..sources import grid_of, key_of
-from .after import Endings
-from .before import Questions
+from .endings import Endings
+from .questions import Questions
 from .run import Run
 
 if TYPE_CHECKING:
     from ...core.mission.plan import Plan
-    from ..capture_task import CaptureTask
     from ..planner import Planned
     from ..workflow import Workflow
+    from .task import CaptureTask
 
 
 class Runs(QObject):

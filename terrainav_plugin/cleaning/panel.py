@@ -2,38 +2,45 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
 
 from qgis.core import QgsApplication
 from qgis.gui import QgsDockWidget, QgsFileWidget
-from qgis.PyQt.QtCore import QSignalBlocker, Qt, pyqtSignal
+from qgis.PyQt.QtCore import QSignalBlocker, QSize, Qt, pyqtSignal
+from qgis.PyQt.QtGui import QColor, QIcon, QPainter, QPaintEvent, QPixmap
 from qgis.PyQt.QtWidgets import (
     QCheckBox,
     QComboBox,
     QDoubleSpinBox,
     QFormLayout,
     QFrame,
+    QGridLayout,
     QHBoxLayout,
     QLabel,
     QProgressBar,
     QPushButton,
     QScrollArea,
     QTabWidget,
+    QToolButton,
     QVBoxLayout,
     QWidget,
 )
 
 from ...core.dataset.clean import DEFAULT_ENTROPY
+from ..dataset.picture import Picture, read_picture
 from ..i18n import number_text, tr
-from ..plain import plain_label
-from .chart import DECIMALS, HIGHEST, LOWEST
-from .charts import Bars, Histogram
-from .clean_task import MARK, MOVE, UNDO
-from .entropies import Entropies
-from .examples import ExampleStrip
+from ..plain import plain_label, shown_plain
+from .charts import DECIMALS, HIGHEST, KEPT, LOWEST, REJECTED, Bars, Histogram
+from .entropies import Entropies, Example
+from .tasks import MARK, MOVE, UNDO
 
 _STEP_BITS = 0.05
 _BAR_HEIGHT_PX = 6
+#: Pictures on either side.
+COUNT = 4
+_ICON_PX = (72, 54)
+_LINE_PX = 3
 
 
 class CleanPanel(QgsDockWidget):
@@ -351,3 +358,131 @@ def _button(name: str, text: str, tip: str) -> QPushButton:
     button.setToolTip(tip)
     button.setAutoDefault(False)
     return button
+
+
+class Shown(NamedTuple):
+    """An example with its picture."""
+
+    example: Example
+    picture: Picture
+
+
+def read_examples(
+    examples: tuple[Sequence[Example], Sequence[Example]], ratio: float
+) -> tuple[list[Shown], list[Shown]]:
+    """Read pictures for a screen that has ``ratio`` pixels for each of Qt's; on any thread."""
+    longest_px = round(max(_ICON_PX) * ratio)
+    below, above = ([Shown(one, read_picture(one.path, longest_px)) for one in side] for side in examples)
+    return below, above
+
+
+class ExampleStrip(QWidget):
+    """Shows images, those nearest to the threshold in the middle.
+
+    Signals
+    -------
+    chosen(int)
+        Row of the table.
+    """
+
+    chosen = pyqtSignal(int)
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.setObjectName("examples")
+        self.below, self.above = _buttons("below"), _buttons("above")
+        self._rows: dict[QToolButton, int] = {}
+        layout = QGridLayout(self)
+        layout.setContentsMargins(0, 0, 0, 0)
+        layout.setVerticalSpacing(2)
+        sides = (
+            # The nearest of the rejected ones comes last, beside the nearest of the kept ones.
+            (tr("Just below: rejected"), REJECTED, self.below[::-1]),
+            (tr("Just above: kept"), KEPT, self.above),
+        )
+        for column, (title, colour, buttons) in enumerate(sides):
+            heading = QLabel(title)
+            heading.setAlignment(Qt.AlignmentFlag.AlignCenter)
+            layout.addWidget(heading, 0, column)
+            layout.addWidget(_Line(colour), 1, column)
+            row = QHBoxLayout()
+            row.setSpacing(2)
+            for button in buttons:
+                row.addWidget(button)
+                button.clicked.connect(lambda _=False, button=button: self._choose(button))
+            layout.addLayout(row, 2, column)
+        self.clear()
+
+    def clear(self) -> None:
+        """Show none."""
+        self.show_examples([], [])
+
+    def show_examples(self, below: Sequence[Shown], above: Sequence[Shown]) -> None:
+        """Show images, the nearest to the threshold first."""
+        self._rows.clear()
+        for buttons, shown in ((self.below, below), (self.above, above)):
+            for button, one in zip(buttons, [*shown, *[None] * (len(buttons) - len(shown))]):
+                self._show(button, one)
+
+    def _show(self, button: QToolButton, shown: Shown | None) -> None:
+        button.setEnabled(shown is not None)
+        if shown is None:
+            button.setIcon(QIcon())
+            button.setText("")
+            button.setToolTip("")
+            button.setAccessibleName("")
+            return
+        example, picture = shown
+        button.setIcon(_icon(picture, self.devicePixelRatioF()))
+        button.setText(number_text(example.entropy, ".3f"))
+        tip = tr("{name}\n{bits} bits; press to show it on the map").format(
+            name=example.path.name, bits=number_text(example.entropy, ".3f")
+        )
+        button.setToolTip(shown_plain(f"{tip}\n{picture.problem}" if picture.problem else tip))
+        button.setAccessibleName(tip)
+        self._rows[button] = example.index
+
+    def _choose(self, button: QToolButton) -> None:
+        if button in self._rows:
+            self.chosen.emit(self._rows[button])
+
+
+class _Line(QWidget):
+    """A line in the colour that a side has in the charts."""
+
+    def __init__(self, colour: QColor) -> None:
+        super().__init__()
+        self._colour = colour
+        self.setFixedHeight(_LINE_PX)
+
+    def paintEvent(self, event: QPaintEvent) -> None:  # noqa: ARG002  Qt passes it
+        QPainter(self).fillRect(self.rect(), self._colour)
+
+
+def _buttons(side: str) -> list[QToolButton]:
+    buttons = []
+    for number in range(COUNT):
+        button = QToolButton()
+        button.setObjectName(f"{side}_{number}")
+        button.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextUnderIcon)
+        button.setIconSize(QSize(*_ICON_PX))
+        button.setAutoRaise(True)
+        button.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
+        buttons.append(button)
+    return buttons
+
+
+def _icon(picture: Picture, ratio: float) -> QIcon:
+    size = QSize(*_ICON_PX) * ratio
+    if picture.image is None:
+        pixmap = QPixmap(size)
+        pixmap.fill(QColor(0, 0, 0, 0))
+    else:
+        # Filled, its edges cut: pictures of many shapes make an even row.
+        whole = picture.image.scaled(
+            size, Qt.AspectRatioMode.KeepAspectRatioByExpanding, Qt.TransformationMode.SmoothTransformation
+        )
+        left, top = (whole.width() - size.width()) // 2, (whole.height() - size.height()) // 2
+        pixmap = QPixmap.fromImage(whole.copy(left, top, size.width(), size.height()))
+    pixmap.setDevicePixelRatio(ratio)
+    return QIcon(pixmap)

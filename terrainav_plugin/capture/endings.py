@@ -10,15 +10,13 @@ from qgis.core import QgsVectorLayer
 
 from ...core.errors import TerrAInavError
 from ..i18n import number_text, told, tr
-from ..map.results import load_test_shot, place_mosaics, show_failed, show_results
 from ..paths import open_in_system
-from .run import Run, Stage
-from .words import done_text, with_kept
+from ..results.layers import load_test_shot, place_mosaics, show_failed, show_results
+from .run import Run, Stage, done_text, with_kept
 
 if TYPE_CHECKING:
     from ..workflow import Workflow
-    from .line import Runs
-
+    from .queue import Runs
 
 #: Tiles of a run that messages of their own name; all are in the journal.
 _NAMED_REPEATS = 3

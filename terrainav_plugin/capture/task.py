@@ -9,17 +9,17 @@ from typing import TYPE_CHECKING
 
 from qgis.PyQt.QtCore import pyqtSignal
 
-from ..core.errors import OutputError
-from .i18n import tr
-from .settings import Settings
-from .sources import open_for_capture, snapshot_for, transport_for
-from .tasks import Task
+from ...core.errors import OutputError
+from ..i18n import tr
+from ..settings import Settings
+from ..sources import open_for_capture, snapshot_for, transport_for
+from ..tasks import Task
 
 if TYPE_CHECKING:
-    from ..core.capture.runner import CaptureResult, Progress
-    from ..core.mission.plan import Plan
-    from .dataset.layers import FailedImages, OpenedResults
-    from .dataset.mosaic import Mosaic
+    from ...core.capture.runner import CaptureResult, Progress
+    from ...core.mission.plan import Plan
+    from ..dataset.layers import FailedImages, OpenedResults
+    from ..dataset.mosaic import Mosaic
 
 #: Share of the progress that capturing is; the mosaic takes the rest.
 _CAPTURE_SHARE = 0.9
@@ -130,8 +130,8 @@ class CaptureTask(Task):
         super().finished(result)
 
     def _capture(self) -> None:
-        from ..core.capture.runner import capture
-        from .dataset.layers import FailedImages
+        from ...core.capture.runner import capture
+        from ..dataset.layers import FailedImages
 
         if not self._test_shot:
             self._failures = FailedImages(self.folder)
@@ -166,13 +166,13 @@ class CaptureTask(Task):
         return not result.cancelled or result.written + result.skipped > 0
 
     def _make_mosaics(self) -> None:
-        from .dataset.mosaic import MOST_PICTURES, build_mosaics
+        from ..dataset.mosaic import MOST_PICTURES, build_mosaics
 
         if len(self.plan) <= MOST_PICTURES:
             self.mosaics = build_mosaics(self.plan, self.folder, self._mosaic_progress)
 
     def _open_results(self) -> None:
-        from .dataset.layers import open_results
+        from ..dataset.layers import open_results
 
         self.opened = open_results(self.folder, self.plan.mission, self.mosaics)
 
@@ -181,7 +181,7 @@ class CaptureTask(Task):
         folder = self.folder / mission.map_types[0]
         picture = folder / f"{self.plan.names[0]}.{mission.image_format}"
         if self.plan.size_px is not None:
-            from .dataset.rectify import lay_on_map
+            from ..dataset.rectify import lay_on_map
 
             on_map = folder / "on-map.tif"
             lay_on_map(self.plan, picture, on_map)
@@ -202,7 +202,7 @@ class CaptureTask(Task):
         """Bring what is known of failed images up to date, and tell where it has changed."""
         if self._failures is None:
             return
-        from .dataset.layers import open_failed
+        from ..dataset.layers import open_failed
 
         began_s = time.monotonic()
         try:
