@@ -11,7 +11,7 @@ from qgis.PyQt.QtWidgets import QWidget
 from .paths import icon
 
 if TYPE_CHECKING:
-    from .dock.options_page import OptionsPage
+    from .panel.options_page import OptionsPage
 
 TITLE = "TerrAInav"
 #: By which QGIS finds the page to open its options at.
@@ -33,6 +33,6 @@ class OptionsFactory(QgsOptionsWidgetFactory):
 
     def createWidget(self, parent: QWidget | None = None) -> OptionsPage:
         """Make the page, each time the options are opened."""
-        from .dock.options_page import OptionsPage
+        from .panel.options_page import OptionsPage
 
         return OptionsPage(parent, self._applied)

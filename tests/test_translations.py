@@ -74,7 +74,7 @@ def test_surroundings_of_a_text_are_kept(translations):
         assert translated.endswith("…") == text.endswith("…"), text
 
 
-_PANEL = "dock/dock.py area/entries.py dock/camera_entries.py dock/flight_entries.py dock/output_entries.py"
+_PANEL = "panel/dock.py area/entries.py panel/camera.py panel/sections.py"
 #: Letters of QGIS's own menus, with those that its own plugins bring.
 _MENUS = {"en": "jevlspormchwd", "es": "yevcfmorwb"}
 
@@ -83,7 +83,7 @@ def test_keys_of_a_menu_or_form_differ(translations):
     known = translations.translated("es")
     together = {
         "menu": "plugin.py",
-        "ways to an area": "area/entries.py",
+        "ways to an area": "area/menu.py",
         "missions": "missions/missions.py",
         "viewer": "results/viewer.py",
         "area dialogs": "area/dialogs.py",

@@ -1,6 +1,7 @@
 """The area of a mission: its entries in the panel, the tools that draw and move it, and where else it comes from.
 
-entries     four edges around a button, and the menu of what an area may be taken from
+menu        what an area may be taken from
+entries     four edges around a button, as on a map, and what the area is
 history     undo and redo of changes to the area
 editing     what happens between the entries and the form that they are part of
 dialogs     questions about the layer that an area is taken from

@@ -12,15 +12,15 @@ from qgis.PyQt.QtWidgets import QApplication, QFileDialog
 from ...core.errors import InvalidInput, TerrAInavError
 from ...core.mission.area import Area, Box, Points
 from ..compat import POLYGON, VECTOR
-from ..dock.dock import Dock
 from ..form.area import FormError, area_words, entered_area, unit_of, with_area
 from ..i18n import told, tr
 from ..map.canvas import box_of, canvas_rectangle
 from ..messages import Messages
+from ..panel.dock import Dock
 from .bands import AreaMark
 from .dialogs import LayerDialog, PointsDialog, PolygonDialog
-from .entries import Way
 from .layers import Reading, ReadTask, extent_of, points, selected_polygon, text_file
+from .menu import Way
 from .tools import AreaTool, BoxTool, PointTool
 
 #: Room left around an area that is zoomed to, as a share of it.

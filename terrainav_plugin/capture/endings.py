@@ -15,7 +15,7 @@ from ..results.layers import load_test_shot, place_mosaics, show_failed, show_re
 from .run import Run, Stage, done_text, with_kept
 
 if TYPE_CHECKING:
-    from ..workflow import Workflow
+    from ..session import Session
     from .queue import Runs
 
 #: Tiles of a run that messages of their own name; all are in the journal.
@@ -29,16 +29,16 @@ class Endings:
     or another is that has a group for the same folder.
     """
 
-    def __init__(self, workflow: Workflow, runs: Runs) -> None:
-        self._workflow, self._runs = workflow, runs
-        self._messages = workflow.messages
+    def __init__(self, session: Session, runs: Runs) -> None:
+        self._session, self._runs = session, runs
+        self._messages = session.messages
         self._projects_closed = 0
         self._begun_in: dict[Run, int] = {}
-        workflow.project.cleared.connect(self._project_closed)
+        session.project.cleared.connect(self._project_closed)
 
     def close(self) -> None:
         """End for good."""
-        self._workflow.project.cleared.disconnect(self._project_closed)
+        self._session.project.cleared.disconnect(self._project_closed)
         self._begun_in.clear()
 
     def remember(self, run: Run) -> None:
@@ -48,9 +48,9 @@ class Endings:
     def show_failed(self, run: Run, layer: QgsVectorLayer | None) -> None:
         """Show what has failed so far."""
         if self._is_open(run) and not run.test_shot:
-            show_failed(self._workflow.group_of(run.folder), layer)
+            show_failed(self._session.group_of(run.folder), layer)
             if layer is not None:
-                self._workflow.group_of(run.folder).remember_mission(run.mission.to_json())
+                self._session.group_of(run.folder).remember_mission(run.mission.to_json())
 
     def tell(self, run: Run) -> None:
         """Show what a run has made, and say how it ended."""
@@ -63,7 +63,7 @@ class Endings:
         elif run.task.opened is not None and is_open and (run.result.written or run.result.skipped):
             self._show(lambda: self._load_results(run))
         else:
-            self._show(lambda: place_mosaics(self._workflow.project, run.task.mosaics))
+            self._show(lambda: place_mosaics(self._session.project, run.task.mosaics))
         # Layers that are not shown go away here: they keep their files open, and a run stays listed for long.
         run.task.opened = None
         # What comes last lies on top: failures before all, else what the user may want to look into.
@@ -80,7 +80,7 @@ class Endings:
     def _is_open(self, run: Run) -> bool:
         return (
             self._begun_in.get(run) == self._projects_closed
-            or self._workflow.group_of(run.folder).find() is not None
+            or self._session.group_of(run.folder).find() is not None
         )
 
     def _show(self, load: Callable[[], None]) -> None:
@@ -92,17 +92,17 @@ class Endings:
     def _load_results(self, run: Run) -> None:
         # Images that have failed may be gone: those of tiles that count as missing by now.
         changed = run.result is None or bool(run.result.written or run.result.failed)
-        group = self._workflow.group_of(run.folder)
+        group = self._session.group_of(run.folder)
         show_results(group, run.task.opened, changed=changed)
         # The pictures themselves are there now; plans on top would only hide them. Those of the rest are still wanted.
-        if run.stage is not Stage.STOPPED and self._workflow.group().is_same(group):
-            self._workflow.preview.set_footprints_visible(False)
+        if run.stage is not Stage.STOPPED and self._session.group().is_same(group):
+            self._session.preview.set_footprints_visible(False)
 
     def _load_test_shot(self, run: Run) -> None:
         lat, lon, _ = run.mission.area.poses[0]
         title = tr("Test shot {lat:.5f} {lon:.5f}").format(lat=lat, lon=lon)
-        layer = load_test_shot(self._workflow.group(), run.task.picture, title)
-        self._workflow.background.zoom_to_layer(layer)
+        layer = load_test_shot(self._session.group(), run.task.picture, title)
+        self._session.background.zoom_to_layer(layer)
 
     def _say(self, run: Run, is_open: bool) -> None:
         result, name = run.result, run.name

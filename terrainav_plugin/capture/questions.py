@@ -18,23 +18,23 @@ from ..sources import credentials_problem, terms_problem
 if TYPE_CHECKING:
     from ...core.mission.mission import Mission
     from ..form.state import FormState
-    from ..workflow import Workflow
+    from ..session import Session
     from .run import Run
 
 
 class Questions:
     """Asks and tells; what keeps a run from being made is said where it can be mended."""
 
-    def __init__(self, workflow: Workflow) -> None:
-        self._workflow = workflow
-        self._messages = workflow.messages
+    def __init__(self, session: Session) -> None:
+        self._session = session
+        self._messages = session.messages
 
     def folder_is_given(self, state: FormState) -> bool:
         """Whether there is a folder to write to; says so at the field where there is none."""
         if state.folder.strip():
             return True
         message = tr("folder is empty: choose where the pictures go")
-        self._workflow.dock.form.show_messages({"folder": message})
+        self._session.dock.form.show_messages({"folder": message})
         self._messages.refused(message, tr("Nothing to capture yet."))
         return False
 
@@ -45,7 +45,7 @@ class Questions:
         except TerrAInavError as wrong:
             problem = told(wrong)
         if problem:
-            self._workflow.dock.form.show_messages({"key": problem})
+            self._session.dock.form.show_messages({"key": problem})
             self._messages.refused(problem, tr("Nothing to capture yet."))
         return not problem
 
@@ -91,7 +91,7 @@ class Questions:
         if problem is None:
             return True
         text, can_agree = problem
-        window, title = self._workflow.iface.mainWindow(), tr("TerrAInav: terms of the source")
+        window, title = self._session.iface.mainWindow(), tr("TerrAInav: terms of the source")
         if not can_agree:
             # The message bar shows its first lines only.
             plain = QTextDocument()
@@ -106,5 +106,5 @@ class Questions:
         return answer == QMessageBox.StandardButton.Yes
 
     def _capture_into(self, folder: Path) -> None:
-        self._workflow.dock.form.set_state(mission_form.with_folder(self._workflow.state(), str(folder)))
-        self._workflow.capture()
+        self._session.dock.form.set_state(mission_form.with_folder(self._session.state(), str(folder)))
+        self._session.capture()

@@ -22,7 +22,7 @@ from .run import Run
 if TYPE_CHECKING:
     from ...core.mission.plan import Plan
     from ..planner import Planned
-    from ..workflow import Workflow
+    from ..session import Session
     from .task import CaptureTask
 
 
@@ -45,13 +45,13 @@ class Runs(QObject):
     dismissed = pyqtSignal(object)
     moved = pyqtSignal()
 
-    def __init__(self, workflow: Workflow) -> None:
+    def __init__(self, session: Session) -> None:
         super().__init__()
-        self._workflow = workflow
-        self._messages = workflow.messages
-        self.questions = Questions(workflow)
+        self._session = session
+        self._messages = session.messages
+        self.questions = Questions(session)
         self.runs: list[Run] = []
-        self._endings = Endings(workflow, self)
+        self._endings = Endings(session, self)
         self._was_idle = True
         self._closed = False
 
@@ -82,7 +82,7 @@ class Runs(QObject):
 
     def treat_as_missing(self, run: Run, digest: str, images: int) -> None:
         """Have a tile count as missing from now on, and capture the images of a run again that show it."""
-        self._workflow.settings.treat_as_missing(digest)
+        self._session.settings.treat_as_missing(digest)
         self._capture_again(run, run.task.failed + images, only_failed=False)
 
     def _capture_again(self, run: Run, images: int, *, only_failed: bool) -> None:
@@ -107,10 +107,10 @@ class Runs(QObject):
         if not self.idle:
             return
         try:
-            mission = mission_form.test_shot(self._workflow.state(), lat_deg, lon_deg)
+            mission = mission_form.test_shot(self._session.state(), lat_deg, lon_deg)
             steps = plan(mission, grid_of(mission))
         except FormError as wrong:
-            self._workflow.dock.form.show_messages(wrong.messages)
+            self._session.dock.form.show_messages(wrong.messages)
             self._messages.refused(told(wrong), tr("No test shot."))
             return
         except TerrAInavError as wrong:
@@ -189,4 +189,4 @@ class Runs(QObject):
         self.moved.emit()
         if self._was_idle != self.idle:
             self._was_idle = self.idle
-            self._workflow.running.emit(not self.idle)
+            self._session.running.emit(not self.idle)

@@ -19,7 +19,7 @@ from ..tasks import Task, Worker
 from ..widgets import free_of_menus
 
 if TYPE_CHECKING:
-    from ..workflow import Workflow
+    from ..session import Session
     from .entropies import Entropies
     from .marks import Marks
     from .panel import CleanPanel, Shown
@@ -39,10 +39,10 @@ class Cleaning(QObject):
     #: Number of a reading, and the percentage of it that is done; emitted on the reader's thread.
     _read_so_far = pyqtSignal(int, float)
 
-    def __init__(self, workflow: Workflow) -> None:
+    def __init__(self, session: Session) -> None:
         super().__init__()
-        self._workflow, self._iface, self._messages = workflow, workflow.iface, workflow.messages
-        self._canvas = workflow.iface.mapCanvas()
+        self._session, self._iface, self._messages = session, session.iface, session.messages
+        self._canvas = session.iface.mapCanvas()
         self.panel: CleanPanel | None = None
         self.marks: Marks | None = None
         self.task: Task | None = None
@@ -98,8 +98,8 @@ class Cleaning(QObject):
 
     def _last(self) -> Path | None:
         """Folder of the dataset captured last, or else of the mission in the panel, or of the one opened last."""
-        captured = [run.folder for run in self._workflow.runs.runs if not run.test_shot]
-        in_panel = folder_of(self._workflow.state().folder)
+        captured = [run.folder for run in self._session.runs.runs if not run.test_shot]
+        in_panel = folder_of(self._session.state().folder)
         for folder in (*reversed(captured), in_panel, *recent()):
             if (folder / MISSION_FILE).is_file():
                 return folder
@@ -247,7 +247,7 @@ class Cleaning(QObject):
             )
         else:
             moved = any(one.moved or one.returned for one in task.cleaned)
-            update = (tr("Update mosaic"), lambda: self._workflow.missions.open_dataset(task.folder))
+            update = (tr("Update mosaic"), lambda: self._session.missions.open_dataset(task.folder))
             mosaics = moved and any(task.folder.glob("*.vrt"))
             self._messages.success(f"{task.folder.name}: {task.text()}", update if mosaics else None)
         self._read(task.folder)

@@ -29,7 +29,7 @@ from .plan_export import PlanExport
 
 if TYPE_CHECKING:
     from ...core.mission.mission import Mission
-    from ..workflow import Workflow
+    from ..session import Session
 
 #: Entries of a form without an area.
 _NO_AREA = dict.fromkeys((*BOX_FIELDS, "shape"), "")
@@ -38,18 +38,18 @@ _NO_AREA = dict.fromkeys((*BOX_FIELDS, "shape"), "")
 class Missions(QObject):
     """The menu of missions, and what it does."""
 
-    def __init__(self, workflow: Workflow) -> None:
+    def __init__(self, session: Session) -> None:
         super().__init__()
-        self._workflow, self._messages = workflow, workflow.messages
+        self._session, self._messages = session, session.messages
         self._task: DatasetTask | None = None
-        self.plan_export = PlanExport(workflow)
+        self.plan_export = PlanExport(session)
         self._projects_closed = 0
-        self.menu = QMenu(workflow.dock.missions)
+        self.menu = QMenu(session.dock.missions)
         self.menu.setObjectName("missions_menu")
         self.menu.setToolTipsVisible(True)
         self.menu.aboutToShow.connect(self._fill)
-        workflow.dock.missions.setMenu(self.menu)
-        workflow.project.cleared.connect(self._project_closed)
+        session.dock.missions.setMenu(self.menu)
+        session.project.cleared.connect(self._project_closed)
 
     @property
     def busy(self) -> bool:
@@ -59,7 +59,7 @@ class Missions(QObject):
     def close(self) -> None:
         """End for good."""
         self.plan_export.close()
-        self._workflow.project.cleared.disconnect(self._project_closed)
+        self._session.project.cleared.disconnect(self._project_closed)
         if self._task is not None:
             self._task.ended.disconnect()
             self._task.cancel()
@@ -71,7 +71,7 @@ class Missions(QObject):
     def _fill(self) -> None:
         menu = self.menu
         menu.clear()
-        saved = saved_missions(self._workflow.project)
+        saved = saved_missions(self._session.project)
         if saved:
             menu.addSection(tr("In this project"))
         current = str(self._folder())
@@ -107,7 +107,7 @@ class Missions(QObject):
 
     def restore(self) -> None:
         """Take up the mission that was in the panel when the project that has been opened was saved."""
-        saved = saved_missions(self._workflow.project)
+        saved = saved_missions(self._session.project)
         if saved:
             self._open_saved(next((mission for mission in saved if mission.current), saved[0]), zoom=False)
 
@@ -118,9 +118,9 @@ class Missions(QObject):
     def ask_for_file(self) -> None:
         """Let the user choose a mission file, and open it."""
         path, _ = QFileDialog.getOpenFileName(
-            self._workflow.iface.mainWindow(),
+            self._session.iface.mainWindow(),
             tr("TerrAInav: open mission"),
-            str(self._workflow.settings.missions),
+            str(self._session.settings.missions),
             tr("Mission files (*.json);;All files (*)"),
         )
         if path:
@@ -129,9 +129,9 @@ class Missions(QObject):
     def ask_for_dataset(self) -> None:
         """Let the user choose the folder of a dataset, and open it."""
         path = QFileDialog.getExistingDirectory(
-            self._workflow.iface.mainWindow(),
+            self._session.iface.mainWindow(),
             tr("TerrAInav: open dataset"),
-            str(self._workflow.settings.missions),
+            str(self._session.settings.missions),
         )
         if path:
             self.open_path(Path(path))
@@ -149,14 +149,14 @@ class Missions(QObject):
         """Take a mission file's mission into the panel; it is captured into a folder of its own."""
         from ...core.mission.mission import Mission
 
-        folder = self._workflow.settings.missions / path.stem
+        folder = self._session.settings.missions / path.stem
         try:
             self._take_up(Mission.load(path), folder if not folder.exists() else next_folder(folder))
         except TerrAInavError as wrong:
             self._tell_broken(path.name, wrong)
             return
         remember(path)
-        self._workflow.set_preview(True)
+        self._session.set_preview(True)
 
     def open_dataset(self, folder: Path) -> None:
         """Take a dataset's mission into the panel, and its results onto the map."""
@@ -186,38 +186,38 @@ class Missions(QObject):
 
     def begin_new(self) -> None:
         """Empty the area and take a folder that is free; camera, height and source stay as they are."""
-        state = self._workflow.state()
-        folder = self._folder() if state.folder.strip() else self._workflow.settings.missions / "mission-1"
-        taken = {Path(saved.folder) for saved in saved_missions(self._workflow.project)}
-        taken |= {run.folder for run in self._workflow.runs.runs}
+        state = self._session.state()
+        folder = self._folder() if state.folder.strip() else self._session.settings.missions / "mission-1"
+        taken = {Path(saved.folder) for saved in saved_missions(self._session.project)}
+        taken |= {run.folder for run in self._session.runs.runs}
         folder = next_folder(folder, taken | {folder})
-        self._workflow.set_preview(False)
-        self._workflow.dock.form.set_state(replace(state, folder=str(folder), **_NO_AREA))
+        self._session.set_preview(False)
+        self._session.dock.form.set_state(replace(state, folder=str(folder), **_NO_AREA))
 
     def begin_anew(self) -> None:
         """Empty the area for a new project, with a folder that is free, unless captures are under way."""
-        state = self._workflow.state()
-        if not self._workflow.runs.idle or not any(getattr(state, name) for name in _NO_AREA):
+        state = self._session.state()
+        if not self._session.runs.idle or not any(getattr(state, name) for name in _NO_AREA):
             return
         folder = self._folder()
         if state.folder.strip() and folder.exists():
-            taken = {run.folder for run in self._workflow.runs.runs}
+            taken = {run.folder for run in self._session.runs.runs}
             state = mission_form.with_folder(state, str(next_folder(folder, taken)))
-        self._workflow.dock.form.set_state(replace(state, **_NO_AREA))
+        self._session.dock.form.set_state(replace(state, **_NO_AREA))
 
     def save_as(self) -> None:
         """Let the user choose where the mission in the panel is saved."""
         try:
-            mission = mission_form.mission(self._workflow.state())
+            mission = mission_form.mission(self._session.state())
         except FormError as wrong:
-            self._workflow.dock.form.show_messages(wrong.messages)
+            self._session.dock.form.show_messages(wrong.messages)
             reason = next(iter(wrong.messages.values()), "")
             self._messages.refused(reason, tr("Nothing to save yet."))
             return
         chosen, _ = QFileDialog.getSaveFileName(
-            self._workflow.iface.mainWindow(),
+            self._session.iface.mainWindow(),
             tr("TerrAInav: save mission"),
-            str(self._workflow.settings.missions / f"{self._folder().name}.json"),
+            str(self._session.settings.missions / f"{self._folder().name}.json"),
             tr("Mission files (*.json)"),
         )
         if not chosen:
@@ -234,25 +234,25 @@ class Missions(QObject):
 
     def capture_failed(self) -> None:
         """Capture only those images of the mission in the panel that have failed."""
-        self._workflow.capture(only_failed=True)
+        self._session.capture(only_failed=True)
 
     def clean(self) -> None:
         """Open the window in which the dataset of the mission in the panel is cleaned."""
-        self._workflow.cleaning.open(self._folder())
+        self._session.cleaning.open(self._folder())
 
     # --- how
 
     def _folder(self) -> Path:
-        return folder_of(self._workflow.state().folder)
+        return folder_of(self._session.state().folder)
 
     def _project_closed(self) -> None:
         self._projects_closed += 1
 
     def _state_of(self, mission: Mission, folder: Path) -> mission_form.FormState:
-        return mission_form.state_of(mission, str(folder), like=self._workflow.state())
+        return mission_form.state_of(mission, str(folder), like=self._session.state())
 
     def _take_up(self, mission: Mission, folder: Path) -> None:
-        self._workflow.dock.form.set_state(self._state_of(mission, folder))
+        self._session.dock.form.set_state(self._state_of(mission, folder))
 
     def _open_saved(self, saved: SavedMission, zoom: bool) -> None:
         from ...core.mission.mission import Mission
@@ -265,9 +265,9 @@ class Missions(QObject):
                 tr("The project's mission cannot be read: {error}").format(error=told(wrong))
             )
             return
-        self._workflow.show_preview_again()
+        self._session.show_preview_again()
         if zoom:
-            self._workflow.zoom_to(mission.area.bounds)
+            self._session.zoom_to(mission.area.bounds)
 
     def _dataset_opened(self, task: DatasetTask, state: mission_form.FormState, begun_in: int) -> None:
         self._task = None
@@ -278,14 +278,14 @@ class Missions(QObject):
         if task.opened is None or begun_in != self._projects_closed:
             return
         remember(task.folder)
-        group = self._workflow.group_of(task.folder)
+        group = self._session.group_of(task.folder)
         show_results(group, task.opened)
         # Layers that were not needed keep their files open.
         task.opened = None
         show_failed(group, task.failed)
-        self._workflow.dock.form.set_state(state)
+        self._session.dock.form.set_state(state)
         group.make_current()
-        self._workflow.zoom_to(task.mission.area.bounds)
+        self._session.zoom_to(task.mission.area.bounds)
         if task.left_out:
             self._messages.warning(
                 tr("{name}: opened without mosaic: {reason}").format(

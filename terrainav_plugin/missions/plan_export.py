@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from ...core.mission.export import Exported
     from ...core.mission.plan import Plan
     from ..planner import Planned
-    from ..workflow import Workflow
+    from ..session import Session
 
 #: Ending of a name that has none.
 _USUAL = ".kml"
@@ -48,9 +48,9 @@ class ExportTask(Task):
 class PlanExport(QObject):
     """Asks for the file, has it written, and says what its format could not say."""
 
-    def __init__(self, workflow: Workflow) -> None:
+    def __init__(self, session: Session) -> None:
         super().__init__()
-        self._workflow, self._messages = workflow, workflow.messages
+        self._session, self._messages = session, session.messages
         self._task: ExportTask | None = None
 
     @property
@@ -74,10 +74,10 @@ class PlanExport(QObject):
                 )
             )
             return
-        folder = self._workflow.settings.missions
-        name = Path(self._workflow.state().folder.strip()).name or tr("mission")
+        folder = self._session.settings.missions
+        name = Path(self._session.state().folder.strip()).name or tr("mission")
         chosen, kind = QFileDialog.getSaveFileName(
-            self._workflow.iface.mainWindow(),
+            self._session.iface.mainWindow(),
             tr("TerrAInav: export plan"),
             str((folder if folder.is_dir() else Path.home()) / f"{name}{_USUAL}"),
             ";;".join(f"{title} (*{ending})" for ending, title in formats().items()),
@@ -86,7 +86,7 @@ class PlanExport(QObject):
             return
         path = with_ending(Path(chosen), kind)
         refusal = tr("Nothing to export yet.")
-        self._workflow.with_plan(lambda planned: self._write(planned, path), refusal)
+        self._session.with_plan(lambda planned: self._write(planned, path), refusal)
 
     def _write(self, planned: Planned, path: Path) -> None:
         from ...core.mission.export import check_plan_ending

@@ -31,8 +31,8 @@ from ..sources import WORLD, tile_layer_uri
 from ..tasks import Task
 
 if TYPE_CHECKING:
-    from ..dock.dock import Dock
     from ..messages import Messages
+    from ..panel.dock import Dock
     from ..settings import Settings
 
 #: Where a first look at the embedded world goes while nothing says where: the fields of the published dataset.

@@ -23,8 +23,7 @@ from qgis.core import (
 from ...core.dataset.folder import FOOTPRINTS_FILE, MISSION_FILE
 from ...core.errors import InvalidInput
 from ..i18n import number_text, told, tr
-from .algorithm import paragraphs, run_beside
-from .beside import Watch
+from .algorithm import Watch, paragraphs, run_beside
 from .imagery import WithImagery, check_terms
 from .mission_parameters import add_mission_parameters, mission_of
 

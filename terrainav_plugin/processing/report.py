@@ -16,8 +16,7 @@ from qgis.core import (
 
 from ...core.errors import Cancelled
 from ..i18n import told, tr
-from .algorithm import paragraphs, run_beside
-from .beside import Watch
+from .algorithm import Watch, paragraphs, run_beside
 from .imagery import WithImagery, check_terms
 from .mission_parameters import add_mission_parameters, mission_of
 

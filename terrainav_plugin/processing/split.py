@@ -19,8 +19,7 @@ from qgis.core import (
 )
 
 from ..i18n import number_text, tr
-from .algorithm import Algorithm, paragraphs, run_beside
-from .beside import Watch
+from .algorithm import Algorithm, Watch, paragraphs, run_beside
 
 if TYPE_CHECKING:
     from ...core.dataset.split import Split as Made

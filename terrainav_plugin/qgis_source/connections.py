@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 #: What sources that are connections of QGIS to XYZ tiles are named by.
 XYZ = "qgis:xyz/"
 #: What stands in the chooser for a service whose layer is still to be chosen; no mission names it.
-SERVICE = "qgis:service/"
+SERVICE_PREFIX = "qgis:service/"
 #: The folder of QGIS's browser that holds the connections, by the name of its provider.
 _BROWSER = "XYZ Tiles"
 _SERVICE_KIND = "WMS"

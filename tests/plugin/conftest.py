@@ -178,14 +178,14 @@ def desk(
     monkeypatch.setenv("TERRAINAV_CACHE_DIR", str(tmp_path / "cache"))
     monkeypatch.setenv("TERRAINAV_CONFIG_DIR", str(tmp_path / "config"))
     desk = Desk(plugin, iface, qtbot, tmp_path / "mission")
-    desk.workflow.settings.backgrounds_folder = str(tmp_path / "backgrounds")
-    desk.workflow.show_dock(True)
+    desk.session.settings.backgrounds_folder = str(tmp_path / "backgrounds")
+    desk.session.show_dock(True)
     desk.form.set_state(FormState(folder=str(desk.folder)))
     yield desk
-    desk.workflow.runs.cancel()
+    desk.session.runs.cancel()
     desk.wait_for_tasks()
     desk.wait_for_run()
-    for run in list(desk.workflow.runs.runs):
-        desk.workflow.runs.dismiss(run)
-    desk.workflow.set_preview(False)
+    for run in list(desk.session.runs.runs):
+        desk.session.runs.dismiss(run)
+    desk.session.set_preview(False)
     desk.form.set_state(FormState())

@@ -236,10 +236,10 @@ def test_several_selected_polygons_are_counted(desk):
     layer = layer_of("Polygon", "EPSG:4326", ["Polygon ((0 0, 1 0, 1 1, 0 0))"] * 3)
     desk.iface.setActiveLayer(layer)
     layer.selectAll()
-    state = desk.workflow.state()
+    state = desk.session.state()
     choose_way(desk, "polygon")
     desk.wait(lambda: any("3 polygons are selected" in text for text in desk.messages()))
-    assert desk.workflow.state() == state
+    assert desk.session.state() == state
 
 
 def test_layer_of_the_polygon_is_asked_for_where_the_active_one_has_none(desk, screenshot):

@@ -137,7 +137,7 @@ def test_presets_fill_in_lens_and_sensor_of_their_data_sheets(desk):
     for index, preset in enumerate(shipped_cameras()):
         desk.form.camera.setCurrentIndex(index)
         desk.form.camera.activated.emit(index)
-        assert desk.workflow.state().fov_deg == preset.camera.fov_deg
+        assert desk.session.state().fov_deg == preset.camera.fov_deg
         if preset.sensor_mm is not None:
             shown = [group.entries[name].value() for name in ("sensor_width_mm", "sensor_height_mm")]
             assert shown == pytest.approx(preset.sensor_mm, abs=1e-6)
@@ -145,7 +145,7 @@ def test_presets_fill_in_lens_and_sensor_of_their_data_sheets(desk):
         tip = desk.form.camera.itemData(index, Qt.ItemDataRole.ToolTipRole)
         assert preset.source in tip
         assert preset.width_px is None or f"{preset.width_px} × {preset.height_px} px" in tip
-        assert desk.workflow.state().image_px == (preset.image_px or 640)
+        assert desk.session.state().image_px == (preset.image_px or 640)
         assert desk.form.camera.currentText() == preset.name
 
 
@@ -224,7 +224,7 @@ def test_own_camera_is_saved_chosen_and_removed(own):
     assert chooser.currentText() == "Own values"
     chooser.setCurrentIndex(chooser.findText("My quad"))
     chooser.activated.emit(chooser.currentIndex())
-    assert own.workflow.state().fov_deg == 50.0
+    assert own.session.state().fov_deg == 50.0
     group.remove.trigger()
     assert user_cameras() == ()
     assert chooser.findText("My quad") < 0
@@ -250,4 +250,4 @@ def test_own_camera_keeps_its_lens_and_sensor(own):
     group.save.trigger()
     (saved,) = user_cameras()
     assert (saved.sensor_mm, saved.focal_length_mm) == ((13.2, 8.8), 8.38)
-    assert saved.camera.fov_deg == pytest.approx(own.workflow.state().fov_deg, rel=1e-15)
+    assert saved.camera.fov_deg == pytest.approx(own.session.state().fov_deg, rel=1e-15)

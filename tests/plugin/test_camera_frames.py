@@ -145,13 +145,13 @@ def test_wind_gives_every_capture_an_outline_of_its_own():
 @pytest.fixture
 def tilted(desk):
     desk.enter_small_mission()
-    desk.form.set_state(replace(desk.workflow.state(), tilt_deg=60.0, yaw_deg=30.0, agl=300.0))
+    desk.form.set_state(replace(desk.session.state(), tilt_deg=60.0, yaw_deg=30.0, agl=300.0))
     desk.wait_planned()
     return desk
 
 
 def test_tilted_mission_from_preview_to_footprints(tilted):
-    planned = tilted.workflow.planned.plan
+    planned = tilted.session.planned.plan
     assert planned.size_px == (640, 480)
     tilted.click(tilted.dock.preview)
     tilted.wait_previewed()

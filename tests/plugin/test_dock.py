@@ -104,7 +104,7 @@ def test_bad_value_is_marked_at_its_field_only(desk, field, entries, words):
     from dataclasses import replace
 
     desk.enter_small_mission()
-    desk.form.set_state(replace(desk.workflow.state(), **entries))
+    desk.form.set_state(replace(desk.session.state(), **entries))
     assert words in desk.message(field)
     labels = [label for _, label in desk.form.marks.fields() if label.text()]
     assert len(labels) == 1
@@ -127,7 +127,7 @@ def test_empty_fields_are_no_errors(desk):
 
 def test_feet_and_metres_are_the_same_height(desk):
     desk.enter_small_mission()
-    images = desk.workflow.planned.summary.images
+    images = desk.session.planned.summary.images
     desk.choose(desk.form.agl_unit, "ft")
     assert desk.form.agl.value() == pytest.approx(393.7, abs=0.01)
     assert desk.wait_planned().summary.images == images
@@ -139,7 +139,7 @@ def test_camera_presets_fill_in_their_values(desk):
     for index, preset in enumerate(cameras()):
         desk.form.camera.setCurrentIndex(index)
         desk.form.camera.activated.emit(index)
-        state = desk.workflow.state()
+        state = desk.session.state()
         # What a preset is, to the decimals the fields show.
         assert state.fov_deg == pytest.approx(preset.camera.fov_deg, abs=1e-4)
         width, height = (float(part) for part in state.aspect.split(":"))
@@ -187,8 +187,8 @@ def test_entries_are_remembered(desk):
 
     desk.enter_small_mission()
     desk.form.agl.setValue(77.0)
-    desk.wait(lambda: not desk.workflow.memory.pending)
-    assert FormState.from_json(desk.workflow.settings.form) == desk.workflow.state()
+    desk.wait(lambda: not desk.session.memory.pending)
+    assert FormState.from_json(desk.session.settings.form) == desk.session.state()
 
 
 class Written:
@@ -206,17 +206,17 @@ class Written:
 
 def test_entries_are_written_down_once_when_typing_pauses(desk, monkeypatch):
     written = Written()
-    monkeypatch.setattr(desk.workflow.memory, "_settings", written)
+    monkeypatch.setattr(desk.session.memory, "_settings", written)
     for key in range(20):
         desk.form.agl.setValue(100.0 + key)
     assert written.texts == []
     desk.wait(lambda: len(written.texts) > 0)
-    assert written.texts == [desk.workflow.state().to_json()]
+    assert written.texts == [desk.session.state().to_json()]
     desk.form.agl.setValue(50.0)
-    desk.workflow.memory.write()
+    desk.session.memory.write()
     # What is written down need not be written again.
-    assert not desk.workflow.memory.pending
-    assert written.texts[1:] == [desk.workflow.state().to_json()]
+    assert not desk.session.memory.pending
+    assert written.texts[1:] == [desk.session.state().to_json()]
 
 
 def test_large_shapes_are_looked_at_once_however_much_is_typed(desk, monkeypatch):

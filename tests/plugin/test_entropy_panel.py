@@ -42,10 +42,10 @@ def dataset(captured, tmp_path):
 @pytest.fixture
 def cleaning(desk):
     """The plugin's part that cleans; its window is closed at the end."""
-    yield desk.workflow.cleaning
-    desk.wait(lambda: not desk.workflow.cleaning.busy)
-    if desk.workflow.cleaning.panel is not None:
-        desk.workflow.cleaning.panel.hide()
+    yield desk.session.cleaning
+    desk.wait(lambda: not desk.session.cleaning.busy)
+    if desk.session.cleaning.panel is not None:
+        desk.session.cleaning.panel.hide()
 
 
 @pytest.fixture
@@ -156,7 +156,7 @@ def test_panels_beside_the_map_keep_their_width(desk, dataset):
     from terrainav.terrainav_plugin.cleaning.cleaning import Cleaning
 
     # One of its own, whose window has not been opened before.
-    cleaning = Cleaning(desk.workflow)
+    cleaning = Cleaning(desk.session)
     layers = desk.iface.mainWindow().findChild(QDockWidget, "Layers")
     before = layers.width(), desk.canvas.width()
     try:
@@ -292,10 +292,10 @@ def test_labels_of_axes_stand_apart(qtbot, monkeypatch, size):
 
 
 def test_examples_show_their_pictures_and_lead_to_the_map(desk, dataset, opened):
-    desk.workflow.missions.open_dataset(dataset)
-    desk.wait(lambda: not desk.workflow.missions.busy)
+    desk.session.missions.open_dataset(dataset)
+    desk.wait(lambda: not desk.session.missions.busy)
     panel = opened(dataset)
-    cleaning = desk.workflow.cleaning
+    cleaning = desk.session.cleaning
     type_bits(desk, panel, str(middle_bits(panel)))
     desk.wait(lambda: not cleaning.busy)
     for button in (*panel.strip.below, *panel.strip.above):
@@ -338,11 +338,11 @@ def is_crossed(colour):
 def test_rejected_images_are_crossed_out_on_the_map_while_the_window_is_open(
     desk, dataset, opened, screenshot
 ):
-    desk.workflow.missions.open_dataset(dataset)
-    desk.wait(lambda: not desk.workflow.missions.busy)
+    desk.session.missions.open_dataset(dataset)
+    desk.wait(lambda: not desk.session.missions.busy)
     desk.canvas.waitWhileRendering()
     before = len(items_on_map(desk))
-    panel, cleaning = opened(dataset), desk.workflow.cleaning
+    panel, cleaning = opened(dataset), desk.session.cleaning
     type_bits(desk, panel, str(middle_bits(panel)))
     desk.wait(lambda: not cleaning.busy)
     assert cleaning.marks.drawn == panel.entropies.rejected(panel.threshold.value()) > 5
@@ -410,7 +410,7 @@ def test_crosses_follow_outlines_of_any_shape_and_projection():
 
 
 def test_mark_move_and_undo(desk, dataset, opened, screenshot):
-    panel, cleaning = opened(dataset), desk.workflow.cleaning
+    panel, cleaning = opened(dataset), desk.session.cleaning
     before = {path.relative_to(dataset) for path in dataset.rglob("*.tif")}
     tables = {path: path.read_bytes() for path in dataset.glob("*/meta_data.csv")}
     type_bits(desk, panel, str(middle_bits(panel)))
@@ -448,19 +448,19 @@ def test_mark_move_and_undo(desk, dataset, opened, screenshot):
 
 
 def test_mosaic_is_offered_anew_where_images_have_moved(desk, dataset, opened):
-    desk.workflow.missions.open_dataset(dataset)
-    desk.wait(lambda: not desk.workflow.missions.busy)
-    panel, cleaning = opened(dataset), desk.workflow.cleaning
+    desk.session.missions.open_dataset(dataset)
+    desk.wait(lambda: not desk.session.missions.busy)
+    panel, cleaning = opened(dataset), desk.session.cleaning
     type_bits(desk, panel, str(middle_bits(panel)))
     desk.click(panel.buttons["move"])
     desk.wait(lambda: not cleaning.busy)
     desk.click(desk.buttons_in_message_bar()["Update mosaic"])
-    desk.wait(lambda: not desk.workflow.missions.busy)
+    desk.wait(lambda: not desk.session.missions.busy)
     assert "rejected" not in (dataset / "satellite.vrt").read_text()
 
 
 def test_what_goes_wrong_is_said_and_changes_nothing(desk, dataset, opened, tmp_path):
-    panel, cleaning = opened(tmp_path), desk.workflow.cleaning
+    panel, cleaning = opened(tmp_path), desk.session.cleaning
     assert "is no dataset" in panel.charts[0]._hint
     assert not any(button.isEnabled() for button in panel.buttons.values())
     panel = opened(dataset)
@@ -476,7 +476,7 @@ def test_what_goes_wrong_is_said_and_changes_nothing(desk, dataset, opened, tmp_
 
 
 def test_what_is_shown_is_what_is_there_after_something_went_wrong(desk, dataset, opened):
-    panel, cleaning = opened(dataset), desk.workflow.cleaning
+    panel, cleaning = opened(dataset), desk.session.cleaning
     shutil.rmtree(dataset)
     desk.click(panel.buttons["mark"])
     desk.wait(lambda: not cleaning.busy)
@@ -487,7 +487,7 @@ def test_what_is_shown_is_what_is_there_after_something_went_wrong(desk, dataset
 
 
 def test_window_closed_while_it_works_stays_closed(desk, dataset, opened):
-    panel, cleaning = opened(dataset), desk.workflow.cleaning
+    panel, cleaning = opened(dataset), desk.session.cleaning
     desk.click(panel.buttons["mark"])
     panel.close()
     desk.wait(lambda: not cleaning.busy)
@@ -502,7 +502,7 @@ def test_a_dataset_that_cannot_be_written_is_left_as_it_is(desk, dataset, opened
     def full(*_):
         raise OutputError("folder satellite: cannot write meta_data.csv (Read-only file system)")
 
-    panel, cleaning = opened(dataset), desk.workflow.cleaning
+    panel, cleaning = opened(dataset), desk.session.cleaning
     monkeypatch.setattr(Table, "save", full)
     type_bits(desk, panel, str(middle_bits(panel)))
     threshold = panel.threshold.value()
@@ -516,7 +516,7 @@ def test_a_dataset_that_cannot_be_written_is_left_as_it_is(desk, dataset, opened
 
 
 def test_a_folder_that_is_no_more_entered_is_not_cleaned(desk, dataset, opened):
-    panel, cleaning = opened(dataset), desk.workflow.cleaning
+    panel, cleaning = opened(dataset), desk.session.cleaning
     desk.type_text(panel.folder.lineEdit(), "")
     desk.wait(lambda: not cleaning.busy)
     assert panel.entropies is None
@@ -530,7 +530,7 @@ def test_a_folder_that_is_no_more_entered_is_not_cleaned(desk, dataset, opened):
 
 
 def test_focus_comes_back_when_the_work_is_done(desk, dataset, opened):
-    panel, cleaning = opened(dataset), desk.workflow.cleaning
+    panel, cleaning = opened(dataset), desk.session.cleaning
     panel.activateWindow()
     panel.buttons["mark"].setFocus()
     QTest.keyClick(panel.buttons["mark"], Qt.Key.Key_Space)
@@ -547,7 +547,7 @@ def test_focus_comes_back_when_the_work_is_done(desk, dataset, opened):
 def test_everything_is_reached_by_tab(desk, dataset, opened):
     panel = opened(dataset)
     type_bits(desk, panel, str(middle_bits(panel)))
-    desk.wait(lambda: not desk.workflow.cleaning.busy)
+    desk.wait(lambda: not desk.session.cleaning.busy)
     panel.activateWindow()
     first = panel.folder.lineEdit()
     first.setFocus()
@@ -575,7 +575,7 @@ def test_beside_other_panels_it_is_as_narrow_and_low_as_they_are(desk, dataset, 
 
 def test_datasets_without_footprints_say_that_they_are_not_on_the_map(desk, dataset, opened):
     (dataset / "footprints.geojson").unlink()
-    panel, cleaning = opened(dataset), desk.workflow.cleaning
+    panel, cleaning = opened(dataset), desk.session.cleaning
     assert not panel.on_map.isEnabled()
     assert "no footprints" in panel.on_map.toolTip()
     before = desk.canvas.extent()
@@ -604,7 +604,7 @@ def test_reading_that_takes_long_shows_how_far_it_is(desk, captured, tmp_path, c
 
 
 def test_map_types_and_folders_are_chosen(desk, dataset, captured, opened):
-    panel, cleaning = opened(dataset), desk.workflow.cleaning
+    panel, cleaning = opened(dataset), desk.session.cleaning
     assert [panel.map_type.itemText(index) for index in range(panel.map_type.count())] == [
         "Roadmap",
         "Satellite",
@@ -627,10 +627,10 @@ def test_map_types_and_folders_are_chosen(desk, dataset, captured, opened):
 def test_capture_s_row_menu_and_toolbar_lead_to_its_dataset(desk, cleaning, qtbot):
     desk.enter_coarse_mission()
     desk.click(desk.dock.capture)
-    desk.wait(lambda: not desk.workflow.runs.idle)
-    desk.wait(lambda: desk.workflow.runs.idle)
-    (run,) = desk.workflow.runs.runs
-    desk.click(desk.workflow.run_panel.row(run).buttons["clean"])
+    desk.wait(lambda: not desk.session.runs.idle)
+    desk.wait(lambda: desk.session.runs.idle)
+    (run,) = desk.session.runs.runs
+    desk.click(desk.session.run_panel.row(run).buttons["clean"])
     desk.wait(lambda: not cleaning.busy)
     assert cleaning.panel.isVisible()
     assert cleaning._folder == desk.folder
@@ -645,7 +645,7 @@ def test_capture_s_row_menu_and_toolbar_lead_to_its_dataset(desk, cleaning, qtbo
 
 def test_pictures_are_saved(desk, dataset, opened, tmp_path, monkeypatch):
     pytest.importorskip("matplotlib")
-    panel, cleaning = opened(dataset), desk.workflow.cleaning
+    panel, cleaning = opened(dataset), desk.session.cleaning
     target = tmp_path / "pictures"
     target.mkdir()
     monkeypatch.setattr(QFileDialog, "getExistingDirectory", lambda *_: str(target))
@@ -685,7 +685,7 @@ def test_nothing_long_is_done_on_the_main_thread(desk, dataset, opened, monkeypa
     desk.look_at("EPSG:4326", (-89.88, 35.12, -89.85, 35.15))
     panel = opened(dataset)
     type_bits(desk, panel, str(middle_bits(panel)))
-    desk.wait(lambda: not desk.workflow.cleaning.busy)
+    desk.wait(lambda: not desk.session.cleaning.busy)
     assert done == {
         name: {False}
         for name in (
@@ -701,7 +701,7 @@ def test_nothing_long_is_done_on_the_main_thread(desk, dataset, opened, monkeypa
 
 
 def test_examples_and_crosses_wait_until_the_threshold_rests(desk, dataset, opened, monkeypatch):
-    panel, cleaning = opened(dataset), desk.workflow.cleaning
+    panel, cleaning = opened(dataset), desk.session.cleaning
     asked = []
     monkeypatch.setattr(cleaning.marks, "show", lambda *_: asked.append(panel.threshold.value()))
     for bits in np.linspace(1.0, 3.0, 40):

@@ -61,7 +61,7 @@ def test_capture_of_an_undated_source_follows_a_wrong_date(desk):
 def test_nothing_hidden_is_asked_for_whatever_is_chosen(desk, source):
     """Every entry that is hidden may be wrong, and the mission is sound, or says at an entry in sight why not."""
     desk.enter_small_mission()
-    sound = replace(desk.workflow.state(), zoom=16, gsd_m_per_px=2.0)
+    sound = replace(desk.session.state(), zoom=16, gsd_m_per_px=2.0)
     choices = itertools.product(FOV_MODES, ("auto", "zoom", "gsd"), (True, False))
     seen = set()
     for mode, resolution, resize in choices:
@@ -71,7 +71,7 @@ def test_nothing_hidden_is_asked_for_whatever_is_chosen(desk, source):
         if mode == "sensor":
             state = replace(state, focal_length_mm=8.8, sensor_width_mm=13.2, sensor_height_mm=9.9)
         desk.form.set_state(state)
-        hidden = set(desk.workflow.state().hidden)
+        hidden = set(desk.session.state().hidden)
         seen |= hidden
         off = {"wind_speed_m_per_s", "wind_from_deg", "turbulence", "template"}
         wrong = {name: WRONG[name] for name in WRONG if name in hidden | off}
@@ -124,4 +124,4 @@ def test_a_date_of_a_mission_file_is_kept_where_its_source_may_have_dates(desk, 
     )
     desk.form.set_state(state_of(there, str(desk.folder)))
     assert desk.form.date.isVisibleTo(desk.form) == dated
-    assert mission(desk.workflow.state()) == there
+    assert mission(desk.session.state()) == there

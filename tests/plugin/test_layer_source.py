@@ -606,7 +606,7 @@ def test_whole_map_is_captured_from_the_panel(desk, server):
     desk.choose(desk.form.source, PROJECT_SOURCE)
     planned = desk.wait_planned()
     desk.click(desk.dock.capture)
-    desk.wait(lambda: desk.workflow.runs.task is not None)
+    desk.wait(lambda: desk.session.runs.task is not None)
     desk.wait_for_run()
     files = sorted((desk.folder / "satellite").glob("*.tif"))
     assert len(files) == len(planned.plan)

@@ -9,7 +9,7 @@ import pytest
 from qgis.core import QgsApplication, QgsAuthMethodConfig, QgsSettings
 from qgis.PyQt.QtCore import QTimer
 from qgis.PyQt.QtWidgets import QApplication, QDialog, QDialogButtonBox
-from terrainav.terrainav_plugin.dock.options_page import OptionsPage, folder_problem
+from terrainav.terrainav_plugin.panel.options_page import OptionsPage, folder_problem
 from terrainav.terrainav_plugin.settings import Settings, credential_name
 from terrainav.terrainav_plugin.sources import transport_for
 
@@ -249,13 +249,13 @@ def test_folders_that_cannot_be_written_to(tmp_path):
 
 
 def test_units_are_taken_up_by_the_panel(desk):
-    page = OptionsPage(None, desk.workflow.settings_changed)
-    height_m = desk.workflow.state().agl_m
+    page = OptionsPage(None, desk.session.settings_changed)
+    height_m = desk.session.state().agl_m
     page.units.setCurrentIndex(page.units.findData("ft"))
     page.apply()
-    assert desk.workflow.state().agl_unit == "ft"
-    assert desk.workflow.state().agl_m == pytest.approx(height_m, abs=1e-3)
+    assert desk.session.state().agl_unit == "ft"
+    assert desk.session.state().agl_m == pytest.approx(height_m, abs=1e-3)
     page.units.setCurrentIndex(page.units.findData("m"))
     page.apply()
-    assert desk.workflow.state().agl_unit == "m"
+    assert desk.session.state().agl_unit == "m"
     page.deleteLater()

@@ -11,8 +11,8 @@ from qgis.core import QgsProject, QgsVectorLayer
 from qgis.PyQt.QtCore import QTimer
 from qgis.PyQt.QtWidgets import QApplication, QDialogButtonBox, QFileDialog, QMessageBox
 from terrainav.core.imagery.catalogue.user_sources import user_sources
-from terrainav.terrainav_plugin.dock.add_source_dialog import AddSourceDialog
-from terrainav.terrainav_plugin.dock.cache_dialog import CacheDialog
+from terrainav.terrainav_plugin.panel.options_page import CacheDialog
+from terrainav.terrainav_plugin.panel.source_dialogs import AddSourceDialog
 
 from tests.support.patterns import decode_position
 from tests.support.tileserver import TileServer
@@ -38,9 +38,9 @@ def dialog(qtbot, iface):
 @pytest.fixture
 def shelf(desk):
     """The chooser, without what other tests kept."""
-    desk.workflow.shelf.refresh()
+    desk.session.shelf.refresh()
     yield desk
-    desk.workflow.shelf.refresh()
+    desk.session.shelf.refresh()
 
 
 def in_dialog(desk, kind, act):
@@ -74,7 +74,7 @@ def capture(desk, folder):
     desk.form.folder.setFilePath(str(folder))
     desk.wait_planned()
     desk.click(desk.dock.capture)
-    desk.wait(lambda: desk.workflow.runs.task is not None)
+    desk.wait(lambda: desk.session.runs.task is not None)
     desk.wait_for_run()
 
 
@@ -162,11 +162,11 @@ def test_source_by_url_is_captured_and_again_without_the_network(shelf, tmp_path
         screenshot("own-source")
         capture(desk, tmp_path / "first")
         asked = sum(server.requests.values())
-        assert asked == desk.workflow.planned.plan.requests
+        assert asked == desk.session.planned.plan.requests
     # The server is gone now.
     capture(desk, tmp_path / "second")
     first, second = (sorted((tmp_path / name / "satellite").glob("*.tif")) for name in ("first", "second"))
-    assert len(second) == len(desk.workflow.planned.plan)
+    assert len(second) == len(desk.session.planned.plan)
     assert [path.read_bytes() for path in first] == [path.read_bytes() for path in second]
     shown = np.moveaxis(gdal.Open(str(second[0])).ReadAsArray(), 0, -1)
     columns, _ = decode_position(shown)
@@ -204,7 +204,7 @@ def test_own_source_is_removed_after_asking(shelf, monkeypatch):
 
     desk = shelf
     add("mine", described("https://tiles.example.org/{z}/{x}/{y}.png", title="Mine"))
-    desk.workflow.shelf.refresh()
+    desk.session.shelf.refresh()
     remove = menu_entry(desk, "Remove this source")
     desk.choose(desk.form.source, "osm")
     assert not remove.isEnabled()
@@ -223,8 +223,8 @@ def test_broken_file_of_sources_is_told_once_and_the_others_stay(shelf, tmp_path
     desk = shelf
     (tmp_path / "config").mkdir()
     (tmp_path / "config" / "sources.json").write_text("not JSON")
-    desk.workflow.shelf.refresh()
-    desk.workflow.shelf.refresh()
+    desk.session.shelf.refresh()
+    desk.session.shelf.refresh()
     assert len([text for text in desk.messages() if "left out" in text]) == 1
     assert desk.form.source.findData("osm") >= 0
 
@@ -240,7 +240,7 @@ def test_layers_come_and_go_in_the_chooser(shelf):
     desk.enter_small_mission()
     project.removeAllMapLayers()
     desk.wait(lambda: desk.form.source.currentText() == "Layer that is not there")
-    desk.workflow.capture()
+    desk.session.capture()
     desk.wait(lambda: "no such layer" in desk.message("source"))
 
 
@@ -258,7 +258,7 @@ def test_file_is_a_source(shelf, tmp_path, monkeypatch):
     monkeypatch.setattr(QFileDialog, "getOpenFileName", lambda *_: (str(path), ""))
     menu_entry(desk, "Open raster or MBTiles file…").trigger()
     assert desk.form.source.currentText() == "ortho.tif"
-    assert desk.workflow.state().source_name == str(path)
+    assert desk.session.state().source_name == str(path)
     desk.enter_small_mission()
     planned = desk.wait_planned()
     assert planned.mission.source == str(path)

@@ -8,7 +8,7 @@ import pyproj
 import pytest
 from qgis.core import QgsApplication, QgsProcessingFeedback
 from terrainav.core.errors import InvalidInput
-from terrainav.terrainav_plugin.processing.beside import beside_main
+from terrainav.terrainav_plugin.processing.algorithm import beside_main
 from terrainav.terrainav_plugin.tasks import Task, is_foreign, on_python_thread
 
 PATIENCE_MS = 60_000

@@ -239,9 +239,8 @@ def test_menus_are_spanish(spanish_plugin, english):
 
 
 def test_dialogs_are_spanish(spanish_desk, english, qtbot):
-    from terrainav.terrainav_plugin.dock.add_source_dialog import AddSourceDialog
-    from terrainav.terrainav_plugin.dock.cache_dialog import CacheDialog
-    from terrainav.terrainav_plugin.dock.options_page import OptionsPage
+    from terrainav.terrainav_plugin.panel.options_page import CacheDialog, OptionsPage
+    from terrainav.terrainav_plugin.panel.source_dialogs import AddSourceDialog
 
     for dialog in (AddSourceDialog(None), CacheDialog(None), OptionsPage(None, lambda: None)):
         qtbot.addWidget(dialog)

@@ -16,7 +16,7 @@ from terrainav.terrainav_plugin.area.dialogs import PolygonDialog
 from terrainav.terrainav_plugin.area.layers import PointFields, extent_of, points_of, polygon_of
 from terrainav.terrainav_plugin.form.area import area_of_text
 from terrainav.terrainav_plugin.map.canvas import canvas_rectangle
-from terrainav.terrainav_plugin.processing.areas import _polygon
+from terrainav.terrainav_plugin.processing.mission_parameters import _polygon
 
 from tests.plugin.steps import SMALL_BOX
 from tests.plugin.test_area_layers import choose_way, dialog_of, layer_of
@@ -195,7 +195,7 @@ def _nothing_copied(case: Case) -> None:
     def copy():
         QApplication.clipboard().setText("35.16_-89.90_35.157_-89.897")
         choose_way(desk, "paste")
-        return desk.workflow.state().has_box
+        return desk.session.state().has_box
 
     case.follow("copy coordinates first", copy)
 
@@ -261,17 +261,17 @@ def drawn(desk):
     desk.look_at("EPSG:4326", (-0.5, -1.0, 3.5, 2.0))
     desk.click(desk.form.area.draw_box)
     desk.drag(desk.at(0.4, 0.4), desk.at(0.6, 0.6))
-    return desk.workflow.state().has_box
+    return desk.session.state().has_box
 
 
-@remedy("workflow.py", "no area yet; draw a box or enter coordinates")
+@remedy("session.py", "no area yet; draw a box or enter coordinates")
 def _no_area(case: Case) -> None:
     desk = case.fixture("desk")
     desk.click(desk.dock.capture)
     case.says("\n".join(desk.messages()))
     case.follow("draw a box", lambda: drawn(desk) and desk.wait_planned() is not None)
-    desk.workflow.missions.begin_new()
-    assert not desk.workflow.state().has_box
+    desk.session.missions.begin_new()
+    assert not desk.session.state().has_box
 
     def enter():
         desk.enter_box(**SMALL_BOX)
@@ -280,7 +280,7 @@ def _no_area(case: Case) -> None:
     case.follow("enter coordinates", enter)
 
 
-@remedy("workflow.py", "show the imagery chosen below and draw a box")
+@remedy("session.py", "show the imagery chosen below and draw a box")
 def _empty_map(case: Case) -> None:
     case.fixture("small_pictures")
     desk = case.fixture("desk")
@@ -290,10 +290,10 @@ def _empty_map(case: Case) -> None:
     case.follow(
         "show the imagery chosen below", lambda: desk.wait(lambda: bool(QgsProject.instance().mapLayers()))
     )
-    desk.wait(lambda: desk.canvas.mapTool() is desk.workflow.box_tool)
+    desk.wait(lambda: desk.canvas.mapTool() is desk.session.box_tool)
 
     def draw():
         desk.drag(desk.at(0.4, 0.4), desk.at(0.6, 0.6))
-        return desk.workflow.state().has_box
+        return desk.session.state().has_box
 
     case.follow("and draw a box", draw)

@@ -7,10 +7,9 @@ import pytest
 from qgis.core import QgsCoordinateReferenceSystem, QgsProject, QgsRasterLayer, QgsSettings, QgsVectorLayer
 from qgis.PyQt.QtWidgets import QDialogButtonBox
 from terrainav.core.imagery.catalogue.user_sources import add, described, user_sources
-from terrainav.terrainav_plugin.dock.add_source_dialog import AddSourceDialog
-from terrainav.terrainav_plugin.dock.service_dialog import ServiceDialog
-from terrainav.terrainav_plugin.dock.source_choices import source_choices
-from terrainav.terrainav_plugin.qgis_source.connections import SERVICE, connection
+from terrainav.terrainav_plugin.panel.choices import source_choices
+from terrainav.terrainav_plugin.panel.source_dialogs import AddSourceDialog, ServiceDialog
+from terrainav.terrainav_plugin.qgis_source.connections import SERVICE_PREFIX, connection
 from terrainav.terrainav_plugin.qgis_source.snapshot import (
     PROJECT_SOURCE,
     grid_of_layers,
@@ -194,8 +193,8 @@ def _service_of_layers(case: Case) -> None:
         server.answers["/wms"] = (200, {"Content-Type": "text/xml"}, body)
         QgsSettings().setValue(f"{WMS_SETTINGS}/Survey/url", server.url + "/wms")
         choices, _ = source_choices(QgsProject.instance())
-        case.says(next(choice.limits for choice in choices if choice.name == SERVICE + "Survey"))
-        desk.workflow.shelf.refresh()
+        case.says(next(choice.limits for choice in choices if choice.name == SERVICE_PREFIX + "Survey"))
+        desk.session.shelf.refresh()
 
         def choose(dialog):
             desk.wait(lambda: not dialog.told.text().startswith("Asking"))
@@ -204,14 +203,12 @@ def _service_of_layers(case: Case) -> None:
             desk.click(dialog.buttons.button(QDialogButtonBox.StandardButton.Ok))
 
         wrong = in_dialog(desk, ServiceDialog, choose)
-        case.follow("choose it", lambda: desk.choose(desk.form.source, SERVICE + "Survey"))
+        case.follow("choose it", lambda: desk.choose(desk.form.source, SERVICE_PREFIX + "Survey"))
         assert not wrong, wrong
         case.follow("then one of them", lambda: bool(user_sources()))
     # The dialog closes when the layer is kept.
     (kept,) = user_sources()
-    case.follow(
-        "which is kept with your own sources.", lambda: desk.workflow.state().source_name == kept.name
-    )
+    case.follow("which is kept with your own sources.", lambda: desk.session.state().source_name == kept.name)
 
 
 # --- backgrounds

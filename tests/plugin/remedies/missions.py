@@ -40,7 +40,7 @@ def open_by_menu(case, desk, folder):
     """Open a dataset by the menu “Missions”."""
     case.monkeypatch.setattr(QFileDialog, "getExistingDirectory", lambda *_: str(folder))
     choose_in_menu(desk, "Open dataset folder…")
-    desk.wait(lambda: not desk.workflow.missions.busy)
+    desk.wait(lambda: not desk.session.missions.busy)
 
 
 @remedy(
@@ -55,7 +55,7 @@ def _no_dataset(case: Case) -> None:
 
     def choose():
         open_by_menu(case, desk, folder)
-        return desk.workflow.state().folder == str(folder) and "Satellite images" in desk.layer_names()
+        return desk.session.state().folder == str(folder) and "Satellite images" in desk.layer_names()
 
     case.follow("choose its folder", choose)
 
@@ -63,7 +63,7 @@ def _no_dataset(case: Case) -> None:
 @remedy("missions/plan_export.py", "{name} is still being written; try again when it is there.")
 def _still_being_written(case: Case) -> None:
     desk, path = case.fixture("desk"), case.tmp_path / "survey.kml"
-    exporting = desk.workflow.missions.plan_export
+    exporting = desk.session.missions.plan_export
     single(desk)
     case.monkeypatch.setattr(QFileDialog, "getSaveFileName", lambda *_: (str(path), ""))
     exporting._task = ExportTask(desk.wait_planned().plan, path)
@@ -77,7 +77,7 @@ def _still_being_written(case: Case) -> None:
 
     def again():
         choose_in_menu(desk, "Export plan…")
-        desk.wait(lambda: not desk.workflow.planner.busy and not exporting.busy)
+        desk.wait(lambda: not desk.session.planner.busy and not exporting.busy)
         return path.exists()
 
     case.follow("try again when it is there.", again)
@@ -106,16 +106,16 @@ def _held_open(case: Case) -> None:
 @pytest.fixture
 def looking(desk):
     """The plugin's part that shows images; its window is closed at the end."""
-    yield desk.workflow.viewing
-    desk.workflow.viewing.stop()
-    if desk.workflow.viewing.viewer is not None:
-        desk.workflow.viewing.viewer.hide()
+    yield desk.session.viewing
+    desk.session.viewing.stop()
+    if desk.session.viewing.viewer is not None:
+        desk.session.viewing.viewer.hide()
 
 
 def look(desk):
     """Press the button that shows images; whether its tool is there then."""
     desk.plugin.actions["view_images"].trigger()
-    return desk.canvas.mapTool() is desk.workflow.viewing.tool
+    return desk.canvas.mapTool() is desk.session.viewing.tool
 
 
 @remedy(
@@ -129,7 +129,7 @@ def _nothing_to_look_at(case: Case) -> None:
     case.says("\n".join(desk.messages()))
     single(desk)
     case.follow("capture a mission", lambda: captured(desk) and shown(desk) and look(desk))
-    desk.workflow.viewing.stop()
+    desk.session.viewing.stop()
     QgsProject.instance().clear()
     assert not look(desk)
     dataset(folder)
@@ -199,9 +199,9 @@ def _beside_all(case: Case) -> None:
 @pytest.fixture
 def cleaning(desk):
     """The plugin's part that cleans; its window is closed at the end."""
-    yield desk.workflow.cleaning
-    desk.wait(lambda: not desk.workflow.cleaning.busy)
-    desk.workflow.cleaning.panel.hide()
+    yield desk.session.cleaning
+    desk.wait(lambda: not desk.session.cleaning.busy)
+    desk.session.cleaning.panel.hide()
 
 
 def read(desk, cleaning):

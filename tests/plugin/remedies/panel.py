@@ -16,11 +16,11 @@ from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 from terrainav.core.mission.presets import user_cameras
 from terrainav.terrainav_plugin.credentials import key_in, problem_with
-from terrainav.terrainav_plugin.dock.camera_choices import save_camera
-from terrainav.terrainav_plugin.dock.estimates import readout
-from terrainav.terrainav_plugin.dock.options_page import folder_problem
 from terrainav.terrainav_plugin.form import mission_form
 from terrainav.terrainav_plugin.form.state import FormState
+from terrainav.terrainav_plugin.panel.camera import save_camera
+from terrainav.terrainav_plugin.panel.figures import readout
+from terrainav.terrainav_plugin.panel.options_page import folder_problem
 
 from tests.plugin.steps import SMALL_BOX
 from tests.plugin.transports import MASTER_PASSWORD
@@ -81,7 +81,7 @@ def _database_is_locked(case: Case) -> None:
 
     with TileServer() as server:
         add("keyed", described(server.url_template + "?token={key}"))
-        desk.workflow.shelf.refresh()
+        desk.session.shelf.refresh()
         single(desk)
         desk.choose(desk.form.source, "keyed")
         desk.form.key.setConfigId(authcfg)
@@ -177,7 +177,7 @@ def _no_folder(case: Case) -> None:
     case.follow("choose where the pictures go", lambda: captured(desk))
 
 
-@remedy("workflow.py", "The entries have changed before their plan was there: press the button again.")
+@remedy("session.py", "The entries have changed before their plan was there: press the button again.")
 def _changed_meanwhile(case: Case) -> None:
     desk = case.fixture("desk")
     single(desk)

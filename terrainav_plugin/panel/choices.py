@@ -1,22 +1,30 @@
-"""The entries of the source chooser: catalogue, own sources, QGIS's connections, the project's layers, and files."""
+"""What the panel offers to choose from: cameras by name, and sources from wherever there are some."""
 
 from __future__ import annotations
 
 import html
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from qgis.core import QgsProject
 
 from ...core.errors import InvalidInput, TerrAInavError
 from ..i18n import number_text, told, tr
-from ..qgis_source.connections import SERVICE as SERVICE_NAME
-from ..qgis_source.connections import XYZ, connection, connection_names, is_connection, service_names
+from ..qgis_source.connections import (
+    SERVICE_PREFIX,
+    XYZ,
+    connection,
+    connection_names,
+    is_connection,
+    service_names,
+)
 from ..qgis_source.snapshot import is_of_qgis, layer_choices
-from .choices import CATALOGUE, CONNECTION, FILE, OWN, PROJECT, REGIONAL, SERVICE, SourceChoice
 
 if TYPE_CHECKING:
     from ...core.imagery.catalogue.entry import CatalogueEntry
+
+#: Groups of the source chooser, in their order.
+CATALOGUE, REGIONAL, OWN, CONNECTION, SERVICE, PROJECT, FILE, OTHER = range(8)
 
 
 def source_choices(project: QgsProject) -> tuple[list[SourceChoice], str]:
@@ -36,7 +44,7 @@ def source_choices(project: QgsProject) -> tuple[list[SourceChoice], str]:
     choices += [_of_connection(name) for name in connection_names()]
     asked = tr("A service of many layers: choose it, then one of them, which is kept with your own sources.")
     choices += [
-        SourceChoice(SERVICE_NAME + name, tr("{name}…").format(name=name), group=SERVICE, limits=asked)
+        SourceChoice(SERVICE_PREFIX + name, tr("{name}…").format(name=name), group=SERVICE, limits=asked)
         for name in service_names()
     ]
     drawn = tr("Drawn by QGIS as the map shows it, and read from where the layer's data are.")
@@ -139,3 +147,62 @@ def limits_html(entry: CatalogueEntry) -> str:
 def _without_options(text: str) -> str:
     """Words of the core without the names of its command's options."""
     return text.replace(" (--date)", "")
+
+
+class SourceChoice(NamedTuple):
+    """An entry of the source chooser.
+
+    Parameters
+    ----------
+    name, title : str
+    map_types : tuple of str
+        Empty where the source has one kind of picture.
+    needs_key : bool
+    group : int
+        Where it comes from: one of the groups above.
+    limits : str
+        What its provider allows, as HTML.
+    dates : str
+        Dates it can be had of, in words; empty where there is but one.
+    default_date : str
+    may_authenticate : bool
+        Whether an authentication configuration can be chosen for its requests.
+    """
+
+    name: str
+    title: str
+    map_types: tuple[str, ...] = ()
+    needs_key: bool = False
+    group: int = CATALOGUE
+    limits: str = ""
+    dates: str = ""
+    default_date: str = ""
+    may_authenticate: bool = False
+
+
+class CameraChoice(NamedTuple):
+    """An entry of the camera chooser.
+
+    Parameters
+    ----------
+    name : str
+    fov_deg : float
+        Diagonal field of view.
+    aspect_ratio : float
+    sensor_mm : (width, height) or None
+        Where it is known.
+    image_px : int or None
+        Pixels along the longer side of its image, where they are known.
+    tip : str
+        What is known of the camera, and from where.
+    user : bool
+        Whether it is one that the user has saved.
+    """
+
+    name: str
+    fov_deg: float
+    aspect_ratio: float
+    sensor_mm: tuple[float, float] | None = None
+    image_px: int | None = None
+    tip: str = ""
+    user: bool = False

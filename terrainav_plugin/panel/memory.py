@@ -6,8 +6,8 @@ from collections.abc import Callable
 
 from qgis.PyQt.QtCore import QObject, QTimer
 
-from .form.state import FormState
-from .settings import Settings
+from ..form.state import FormState
+from ..settings import Settings
 
 #: Pause in typing after which entries are written down: QGIS writes its whole file of settings each time.
 _PAUSE_MS = 1000

@@ -1,25 +1,28 @@
-"""The entries of the camera: presets and own cameras, field of view in the terms a person has it, size of pictures."""
+"""The entries of the camera: by name, by field of view in the terms a person has it, and the size of images."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any
+from fractions import Fraction
+from typing import TYPE_CHECKING, Any
 
 from qgis.core import QgsApplication
 from qgis.PyQt.QtCore import Qt, pyqtSignal
 from qgis.PyQt.QtWidgets import QInputDialog, QLineEdit, QMenu, QToolButton
 
 from ...core.errors import InvalidInput, OutputError
-from ..form.camera import given_by, with_height
+from ..form.camera import camera_of, given_by, with_height
 from ..form.state import DIAGONAL, HORIZONTAL, SENSOR, VERTICAL, FormState
 from ..form.text import aspect_text, parse_aspect
-from ..i18n import told, tr
+from ..i18n import number_text, told, tr
 from ..plain import shown_plain
 from ..widgets import FieldMarks, combo, row, spin
-from .camera_choices import camera_choices, forget_camera, save_camera
 from .choices import CameraChoice
 from .entries import Entries
+
+if TYPE_CHECKING:
+    from ...core.mission.presets import CameraPreset
 
 #: What the spin boxes let through; what is right is said in words.
 _DEGREES, _MM, _SIZE_PX = 360.0, 1e6, 1_000_000
@@ -28,6 +31,8 @@ _SAME_DECIMALS = 6
 #: Room for "Focal length".
 _MODE_LETTERS = 10
 _SENSOR = ("sensor_width_mm", "sensor_height_mm")
+#: Largest number that the parts of an aspect ratio are written with; beyond, it is written as it is.
+_MOST_IN_RATIO = 10_000
 
 
 class CameraEntries(Entries):
@@ -222,4 +227,83 @@ def _is(choice: CameraChoice, state: FormState) -> bool:
         round(choice.fov_deg, _SAME_DECIMALS) == round(state.fov_deg, _SAME_DECIMALS)
         and ratio == choice.aspect_ratio
         and choice.image_px in (None, state.image_px)
+    )
+
+
+def camera_choices() -> tuple[list[CameraChoice], str]:
+    """Entries of the camera chooser, the paper's camera first; and what is wrong with the user's own cameras."""
+    from ...core.mission.presets import camera_shelf, shipped_cameras
+
+    own: tuple[CameraPreset, ...] = ()
+    try:
+        own, problems = camera_shelf()
+        wrong = "; ".join(map(told, problems.values()))
+    except InvalidInput as unreadable:
+        wrong = told(unreadable)
+    return [_choice(preset) for preset in (*shipped_cameras(), *own)], wrong
+
+
+def save_camera(name: str, state: FormState) -> None:
+    """Keep the camera that is entered under a name.
+
+    Raises
+    ------
+    InvalidInput
+        No name, one that is taken, or entries that make no camera.
+    OutputError
+        The file of own cameras cannot be written.
+    """
+    from ...core.mission.presets import add_camera
+
+    camera = camera_of(state)
+    if camera is None:
+        raise InvalidInput(tr("The values entered make no camera: put right what is marked, and save then."))
+    fraction = Fraction(camera.aspect_ratio).limit_denominator(_MOST_IN_RATIO)
+    exact = fraction.numerator / fraction.denominator == camera.aspect_ratio
+    ratio = [fraction.numerator, fraction.denominator] if exact else [camera.aspect_ratio, 1]
+    facts: dict[str, Any] = {"fov_deg": camera.fov_deg}
+    if state.fov_mode == SENSOR:
+        size_mm = [state.sensor_width_mm, state.sensor_height_mm]
+        facts = {"sensor_mm": size_mm, "focal_length_mm": state.focal_length_mm}
+    add_camera(name.strip(), {**facts, "aspect_ratio": ratio, "image_px": state.image_px})
+
+
+def forget_camera(name: str) -> None:
+    """Remove one of the user's own cameras; raises InvalidInput or OutputError."""
+    from ...core.mission.presets import remove_camera
+
+    remove_camera(name)
+
+
+def _choice(preset: CameraPreset) -> CameraChoice:
+    camera = preset.camera
+    lines = [
+        tr("{name}: {degrees}° across the diagonal").format(
+            name=preset.name, degrees=number_text(camera.fov_deg, ".1f")
+        )
+    ]
+    if preset.width_px is not None and preset.height_px is not None:
+        lines.append(
+            tr("The real camera's pictures: {width} × {height} px").format(
+                width=preset.width_px, height=preset.height_px
+            )
+        )
+    if preset.sensor_mm is not None:
+        lines.append(
+            tr("Sensor {width} × {height} mm, focal length {focal} mm").format(
+                width=number_text(preset.sensor_mm[0], "g"),
+                height=number_text(preset.sensor_mm[1], "g"),
+                focal=number_text(preset.focal_length_mm, "g"),
+            )
+        )
+    if preset.source:
+        lines.append(tr("Source: {source}").format(source=preset.source))
+    return CameraChoice(
+        preset.name,
+        camera.fov_deg,
+        camera.aspect_ratio,
+        preset.sensor_mm,
+        preset.image_px,
+        "\n".join(lines),
+        preset.user,
     )

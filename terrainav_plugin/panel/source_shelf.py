@@ -11,10 +11,10 @@ from ..i18n import told, tr
 from ..messages import Messages
 from ..plain import shown_plain
 from ..settings import Settings
-from .add_source_dialog import AddSourceDialog
-from .cache_dialog import CacheDialog
-from .imagery_entries import ImageryEntries
-from .source_choices import source_choices
+from .choices import source_choices
+from .imagery import ImageryEntries
+from .options_page import CacheDialog
+from .source_dialogs import AddSourceDialog
 
 
 class SourceShelf(QObject):
@@ -74,7 +74,7 @@ class SourceShelf(QObject):
     def choose_layer(self, name: str) -> None:
         """Ask which layer of a service of QGIS is wanted, keep it, and choose it."""
         from ..qgis_source.connections import service
-        from .service_dialog import ServiceDialog
+        from .source_dialogs import ServiceDialog
 
         dialog = ServiceDialog(service(name), self._window)
         if dialog.exec() and dialog.added:

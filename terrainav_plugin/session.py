@@ -20,26 +20,26 @@ from .area.control import AreaControl
 from .area.tools import BoxTool, PointTool
 from .capture.queue import Runs
 from .cleaning.cleaning import Cleaning
-from .dock.camera_choices import camera_choices
-from .dock.dock import Dock
-from .dock.estimates import readout
-from .dock.refusals import in_words_of_the_dock, refused_fields
-from .dock.source_choices import source_choices
-from .dock.source_shelf import SourceShelf
 from .form import mission_form
 from .form.mission_form import FormError
 from .form.state import BOX_FIELDS, FormState
-from .form_memory import FormMemory
 from .i18n import told, tr
 from .map.mission_group import MissionGroup
 from .messages import Messages
 from .missions.missions import Missions
+from .panel.camera import camera_choices
+from .panel.choices import source_choices
+from .panel.dock import Dock
+from .panel.figures import readout
+from .panel.memory import FormMemory
+from .panel.refusals import in_words_of_the_dock, refused_fields
+from .panel.runs import RunPanel
+from .panel.source_shelf import SourceShelf
 from .paths import folder_of, open_in_system
 from .planner import Planned, Planner
 from .preview.background import Background, SourceOnMap
 from .preview.preview import Preview
 from .results.viewing import Viewing
-from .runs.panel import RunPanel
 from .settings import Settings
 from .sources import policy_of
 from .widgets import free_of_menus
@@ -51,7 +51,7 @@ if TYPE_CHECKING:
 _USUAL_AGL_FT = 400.0
 
 
-class Workflow(QObject):
+class Session(QObject):
     """The plugin at work; made when it is first used.
 
     Signals

@@ -7,14 +7,17 @@ from functools import partial
 
 from qgis.core import QgsApplication
 from qgis.gui import QgsAuthConfigSelect, QgsCollapsibleGroupBoxBasic
-from qgis.PyQt.QtCore import Qt, pyqtSignal
+from qgis.PyQt.QtCore import QStringListModel, Qt, pyqtSignal
+from qgis.PyQt.QtGui import QFont, QStandardItemModel
 from qgis.PyQt.QtWidgets import (
     QCheckBox,
     QComboBox,
+    QCompleter,
     QFileDialog,
     QLabel,
     QLineEdit,
     QMenu,
+    QStyle,
     QToolButton,
     QWidget,
 )
@@ -23,14 +26,26 @@ from ..form.state import URL_TEMPLATE
 from ..i18n import tr
 from ..paths import icon
 from ..plain import shown_plain
-from ..qgis_source.connections import SERVICE
-from ..widgets import FieldMarks, form_layout, row
-from .choices import OWN, SourceChoice
-from .source_choices import template_limits, unlisted
-from .source_combo import SourceCombo
+from ..qgis_source.connections import SERVICE_PREFIX
+from ..widgets import Chooser, FieldMarks, form_layout, row
+from .choices import (
+    CATALOGUE,
+    CONNECTION,
+    FILE,
+    OTHER,
+    OWN,
+    PROJECT,
+    REGIONAL,
+    SERVICE,
+    SourceChoice,
+    template_limits,
+    unlisted,
+)
 
 #: Room for "Synthetic (offline)", the widest title most people see.
 _TITLE_LETTERS = 16
+#: Entries that are seen without scrolling.
+_ROWS = 24
 
 
 class ImageryEntries(QgsCollapsibleGroupBoxBasic):
@@ -236,12 +251,12 @@ class ImageryEntries(QgsCollapsibleGroupBoxBasic):
 
     def _source_chosen(self) -> None:
         chosen = self.source.currentData()
-        if isinstance(chosen, str) and chosen.startswith(SERVICE):
+        if isinstance(chosen, str) and chosen.startswith(SERVICE_PREFIX):
             # Of a service a layer has to be chosen first; until then things stay as they are.
             self.source.blockSignals(True)
             self.choose_source(self._last)
             self.source.blockSignals(False)
-            self.service_chosen.emit(chosen[len(SERVICE) :])
+            self.service_chosen.emit(chosen[len(SERVICE_PREFIX) :])
             return
         self._last = chosen
         self.show_details()
@@ -275,3 +290,113 @@ class ImageryEntries(QgsCollapsibleGroupBoxBasic):
         )
         if path:
             self.choose_source(path)
+
+
+class SourceCombo(Chooser):
+    """Chooser of a source: headings above groups; what is typed finds titles that have it anywhere in them.
+
+    Signals
+    -------
+    about_to_open()
+        The list is going to be shown; this is the time to bring it up to date.
+    """
+
+    about_to_open = pyqtSignal()
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.setObjectName("source")
+        self.setEditable(True)
+        self.setInsertPolicy(QComboBox.InsertPolicy.NoInsert)
+        self.setMaxVisibleItems(_ROWS)
+        self.setSizeAdjustPolicy(QComboBox.SizeAdjustPolicy.AdjustToMinimumContentsLengthWithIcon)
+        self._titles = QStringListModel(self)
+        completer = QCompleter(self._titles, self)
+        completer.setFilterMode(Qt.MatchFlag.MatchContains)
+        completer.setCaseSensitivity(Qt.CaseSensitivity.CaseInsensitive)
+        completer.setMaxVisibleItems(_ROWS)
+        self.setCompleter(completer)
+        completer.activated[str].connect(self._take)
+        self.lineEdit().editingFinished.connect(self._take_typed)
+        self.currentIndexChanged.connect(self._show_start)
+
+    def fill(self, choices: Sequence[SourceChoice], others: Sequence[tuple[str, str]]) -> None:
+        """Offer choices, and (value, title) pairs below them; the first choice is chosen."""
+        self.clear()
+        group = None
+        for choice in choices:
+            if choice.group != group:
+                group = choice.group
+                self._add_heading(group)
+            self.add(choice.name, choice.title)
+        self._add_heading(OTHER)
+        for value, title in others:
+            self.add(value, title)
+        self.setCurrentIndex(self._first())
+
+    def add(self, value: str, title: str) -> None:
+        """Add an entry at the end."""
+        self.addItem(title, value)
+        row = self.count() - 1
+        self.setItemData(row, shown_plain(title), Qt.ItemDataRole.ToolTipRole)
+        self._titles.setStringList([self.itemText(at) for at in range(self.count()) if self._can_choose(at)])
+
+    def choose(self, value: str) -> None:
+        """Choose an entry; the first one where there is none of this value."""
+        index = self.findData(value)
+        self.setCurrentIndex(index if index >= 0 else self._first())
+
+    def showPopup(self) -> None:
+        """Show the list, as it is now."""
+        self.about_to_open.emit()
+        # The panel is narrow; titles are read whole all the same.
+        bar = self.style().pixelMetric(QStyle.PixelMetric.PM_ScrollBarExtent)
+        self.view().setMinimumWidth(self.view().sizeHintForColumn(0) + bar)
+        super().showPopup()
+
+    def _add_heading(self, group: int) -> None:
+        titles = {
+            CATALOGUE: tr("Catalogue: worldwide"),
+            REGIONAL: tr("Catalogue: one country"),
+            OWN: tr("Your own sources"),
+            CONNECTION: tr("QGIS connections: XYZ tiles"),
+            SERVICE: tr("QGIS connections: WMS and WMTS"),
+            PROJECT: tr("This project"),
+            FILE: tr("Files"),
+            OTHER: tr("Other"),
+        }
+        self.addItem(titles[group])
+        model = self.model()
+        if isinstance(model, QStandardItemModel):
+            item = model.item(self.count() - 1)
+            item.setFlags(Qt.ItemFlag.NoItemFlags)
+            font = QFont(self.font())
+            font.setBold(True)
+            item.setFont(font)
+
+    def _can_choose(self, row: int) -> bool:
+        return self.itemData(row) is not None
+
+    def _first(self) -> int:
+        return next((row for row in range(self.count()) if self._can_choose(row)), -1)
+
+    def _take(self, title: str) -> None:
+        rows = [row for row in range(self.count()) if self._can_choose(row) and self.itemText(row) == title]
+        if rows and self.currentIndex() not in rows:
+            self.setCurrentIndex(rows[0])
+
+    def _take_typed(self) -> None:
+        """Choose what has been typed, where it says which; otherwise show again what is chosen."""
+        typed = self.currentText().strip().casefold()
+        own = self.itemText(self.currentIndex())
+        if typed and typed != own.casefold():
+            titles = [self.itemText(row) for row in range(self.count()) if self._can_choose(row)]
+            same = [title for title in titles if title.casefold() == typed]
+            found = same or [title for title in titles if typed in title.casefold()]
+            if len(set(found)) == 1:
+                self._take(found[0])
+        self.setEditText(self.itemText(self.currentIndex()))
+
+    def _show_start(self) -> None:
+        # A title longer than the field is read from its beginning.
+        self.lineEdit().setCursorPosition(0)

@@ -6,33 +6,42 @@ import os
 from collections.abc import Callable
 from pathlib import Path
 
-from qgis.gui import QgsFileWidget, QgsOptionsPageWidget, QgsSpinBox
+from qgis.gui import QgsAuthConfigSelect, QgsFileWidget, QgsOptionsPageWidget, QgsSpinBox
 from qgis.PyQt.QtCore import Qt
 from qgis.PyQt.QtWidgets import (
+    QAbstractItemView,
+    QComboBox,
+    QDialog,
     QDialogButtonBox,
     QFormLayout,
     QFrame,
     QGroupBox,
+    QHeaderView,
     QLabel,
     QLineEdit,
     QPushButton,
     QScrollArea,
+    QTableWidget,
+    QTableWidgetItem,
     QVBoxLayout,
     QWidget,
 )
 
-from ...core.errors import InvalidInput
+from ...core.errors import InvalidInput, TerrAInavError
+from ...core.mission.estimate import size_text
 from ..help import add_help_button
-from ..i18n import told, tr
+from ..i18n import localized, number_text, told, tr
 from ..messages import log
 from ..options import PAGE
+from ..plain import plain_label, shown_plain
 from ..settings import Settings
 from ..widgets import STYLE_SHEET, FieldMarks, choose, combo, row
-from .cache_dialog import CacheDialog
-from .keys_table import KeysTable
 
 #: Folders that can be chosen, by the names of their settings.
 _FOLDERS = ("missions_folder", "backgrounds_folder", "cache_folder")
+#: Rows that are seen without scrolling.
+_ROWS = 6
+_ROOM_PX = (620, 320)
 
 
 class OptionsPage(QgsOptionsPageWidget):
@@ -264,3 +273,149 @@ def _whole(name: str, least: int, most: int, tip: str) -> QgsSpinBox:
     spin.setToolTip(tip)
     spin.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
     return spin
+
+
+class KeysTable(QTableWidget):
+    """Sources that need a key or have a configuration, each with a chooser of one.
+
+    Attributes
+    ----------
+    choosers : dict of str to QgsAuthConfigSelect
+        By what the settings call the sources.
+    """
+
+    def __init__(self, settings: Settings) -> None:
+        super().__init__(0, 2)
+        self.setObjectName("keys")
+        self.setToolTip(
+            tr("Sources that need a key or are authenticated, and the configurations that hold it")
+        )
+        self._settings = settings
+        self.choosers: dict[str, QgsAuthConfigSelect] = {}
+        self.setHorizontalHeaderLabels([tr("Source"), tr("Authentication configuration")])
+        self.verticalHeader().hide()
+        self.setSelectionMode(QAbstractItemView.SelectionMode.NoSelection)
+        self.setEditTriggers(QAbstractItemView.EditTrigger.NoEditTriggers)
+        self.setFocusPolicy(Qt.FocusPolicy.NoFocus)
+        self.horizontalHeader().setSectionResizeMode(0, QHeaderView.ResizeMode.ResizeToContents)
+        self.horizontalHeader().setSectionResizeMode(1, QHeaderView.ResizeMode.Stretch)
+
+    def fill(self) -> None:
+        """Show what is set."""
+        chosen = self._settings.authcfgs()
+        titles = {**dict.fromkeys(chosen, ""), **_in_need_of_keys()}
+        self.choosers.clear()
+        self.setRowCount(len(titles))
+        for line, (name, title) in enumerate(sorted(titles.items(), key=lambda one: one[1] or one[0])):
+            item = QTableWidgetItem(title or name)
+            item.setToolTip(shown_plain(name))
+            self.setItem(line, 0, item)
+            chooser = QgsAuthConfigSelect()
+            chooser.setObjectName(f"key_{name}")
+            chooser.setConfigId(chosen.get(name, ""))
+            # Its buttons beside it tell the same.
+            chooser.findChild(QComboBox).setToolTip(
+                shown_plain(tr("Configuration for {title}").format(title=title or name))
+            )
+            self.choosers[name] = chooser
+            self.setCellWidget(line, 1, chooser)
+            self.setRowHeight(line, chooser.sizeHint().height() + 4)
+        shown = range(min(self.rowCount(), _ROWS))
+        rows_px = sum(self.rowHeight(line) for line in shown)
+        self.setMinimumHeight(self.horizontalHeader().sizeHint().height() + rows_px + 2 * self.frameWidth())
+
+    def keep(self) -> None:
+        """Keep what is chosen."""
+        for name, chooser in self.choosers.items():
+            self._settings.set_authcfg(name, chooser.configId())
+
+
+def _in_need_of_keys() -> dict[str, str]:
+    """Titles of the sources that need a key, by name."""
+    from ...core.imagery.catalogue.listing import sources
+
+    try:
+        return {entry.name: entry.title for entry in sources() if entry.key_env is not None}
+    except TerrAInavError:
+        # The chooser of sources tells what is wrong with the user's own.
+        from ...core.imagery.catalogue.entry import shipped
+
+        return {entry.name: entry.title for entry in shipped() if entry.key_env is not None}
+
+
+class CacheDialog(QDialog):
+    """Lists the files of the tile cache, and clears some or all of them."""
+
+    def __init__(self, parent: QWidget | None = None) -> None:
+        from ..settings import Settings
+
+        super().__init__(parent)
+        self.setObjectName("terrainav_cache")
+        self.setWindowTitle(tr("TerrAInav: cache"))
+        self._cache = Settings().tile_cache()
+        self.told = plain_label()
+        self.told.setWordWrap(True)
+        self.told.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
+        self.table = QTableWidget(0, 5)
+        self.table.setHorizontalHeaderLabels(
+            [tr("Source"), tr("Map type"), tr("Date"), tr("Tiles"), tr("Size")]
+        )
+        self.table.setSelectionBehavior(QAbstractItemView.SelectionBehavior.SelectRows)
+        self.table.setEditTriggers(QAbstractItemView.EditTrigger.NoEditTriggers)
+        self.table.verticalHeader().hide()
+        self.table.horizontalHeader().setSectionResizeMode(0, QHeaderView.ResizeMode.Stretch)
+        self.table.itemSelectionChanged.connect(self._show_selection)
+        buttons = QDialogButtonBox(QDialogButtonBox.StandardButton.Close)
+        role = QDialogButtonBox.ButtonRole.ActionRole
+        self.clear_some = buttons.addButton(tr("Clear selected"), role)
+        self.clear_all = buttons.addButton(tr("Clear all"), role)
+        self.clear_some.clicked.connect(lambda: self._clear(self._selected()))
+        self.clear_all.clicked.connect(lambda: self._clear(None))
+        buttons.rejected.connect(self.reject)
+        add_help_button(buttons, tr("sources"))
+        layout = QVBoxLayout(self)
+        for widget in (self.told, self.table, buttons):
+            layout.addWidget(widget)
+        self.resize(*_ROOM_PX)
+        self._fill()
+
+    def _fill(self, more: str = "") -> None:
+        files = self._cache.list()
+        self.table.setRowCount(len(files))
+        for line, file in enumerate(files):
+            texts = (
+                file.title or file.source,
+                file.map_type,
+                file.date,
+                number_text(file.tiles),
+                localized(size_text(file.bytes)),
+            )
+            for column, text in enumerate(texts):
+                item = QTableWidgetItem(text)
+                item.setData(Qt.ItemDataRole.UserRole, file.path.name)
+                if column > 2:
+                    item.setTextAlignment(Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter)
+                self.table.setItem(line, column, item)
+        size = localized(size_text(sum(file.bytes for file in files)))
+        limit = localized(size_text(self._cache.limit_bytes))
+        text = tr("{size} of at most {limit} in {folder}").format(
+            size=size, limit=limit, folder=self._cache.folder
+        )
+        self.told.setText(f"{more} {text}".strip())
+        self.clear_all.setEnabled(bool(files))
+        self._show_selection()
+
+    def _selected(self) -> list[str]:
+        rows = {index.row() for index in self.table.selectionModel().selectedRows()}
+        return [self.table.item(line, 0).data(Qt.ItemDataRole.UserRole) for line in sorted(rows)]
+
+    def _show_selection(self) -> None:
+        self.clear_some.setEnabled(bool(self._selected()))
+
+    def _clear(self, names: list[str] | None) -> None:
+        try:
+            freed = self._cache.clear(names)
+        except TerrAInavError as wrong:
+            self._fill(told(wrong))
+            return
+        self._fill(tr("{size} freed.").format(size=localized(size_text(freed))))

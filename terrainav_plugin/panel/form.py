@@ -1,13 +1,15 @@
-"""The entries of the dock: area, camera, flight, imagery, output, and what most missions leave as it is."""
+"""The entries of the panel: area, camera, flight, imagery, output, and what most missions leave as it is."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import Any
 
-from qgis.PyQt.QtCore import pyqtSignal
-from qgis.PyQt.QtWidgets import QVBoxLayout, QWidget
+from qgis.core import QgsSettings
+from qgis.gui import QgsCollapsibleGroupBoxBasic
+from qgis.PyQt.QtCore import Qt, pyqtSignal
+from qgis.PyQt.QtWidgets import QGridLayout, QLayout, QLayoutItem, QVBoxLayout, QWidget
 
 from ..area.editing import AreaEditing
 from ..area.entries import AreaEntries
@@ -15,14 +17,19 @@ from ..form.camera import settled
 from ..form.mission_form import beyond_text
 from ..form.state import FormState, with_unchanged
 from ..widgets import STYLE_SHEET, FieldMarks
-from .camera_entries import CameraEntries
+from .camera import CameraEntries
 from .choices import CameraChoice, SourceChoice
-from .dock_sections import AccuracySection, AttitudeSection, PixelsSection, WindSection
-from .flight_entries import FlightEntries
-from .folds import Folds
-from .imagery_entries import ImageryEntries
-from .output_entries import OutputEntries
-from .tab_order import set_tab_order
+from .imagery import ImageryEntries
+from .sections import (
+    AccuracySection,
+    AttitudeSection,
+    FlightEntries,
+    OutputEntries,
+    PixelsSection,
+    WindSection,
+)
+
+_KEY = "TerrAInav/folded/{name}"
 
 
 class DockForm(QWidget):
@@ -183,3 +190,54 @@ class DockForm(QWidget):
     def _take_camera(self, choice: CameraChoice) -> None:
         self._enter(self.camera_group.with_camera(self.state(), choice))
         self.changed.emit()
+
+
+class Folds:
+    """Remembers what is folded and unfolded by hand, by the names of the groups."""
+
+    def __init__(self, boxes: Sequence[QgsCollapsibleGroupBoxBasic]) -> None:
+        self._boxes = boxes
+        self._restored = False
+        for box in boxes:
+            box.collapsedStateChanged.connect(
+                lambda folded, box=box: QgsSettings().setValue(_KEY.format(name=box.objectName()), folded)
+            )
+
+    def restore(self) -> None:
+        """Fold as it was when the last session ended; once, as soon as the entries are those of that session."""
+        if self._restored:
+            return
+        self._restored = True
+        settings = QgsSettings()
+        for box in self._boxes:
+            key = _KEY.format(name=box.objectName())
+            if settings.contains(key):
+                box.setCollapsed(settings.value(key, box.isCollapsed(), type=bool))
+
+
+def set_tab_order(layout: QLayout) -> None:
+    """Let the Tab key follow the rows of a layout, and of those inside it."""
+    widgets = list(_in_order(layout))
+    for before, after in zip(widgets, widgets[1:]):
+        QWidget.setTabOrder(before, after)
+
+
+def _in_order(layout: QLayout) -> Iterator[QWidget]:
+    """Widgets that take the keyboard, line by line."""
+    for item in _items(layout):
+        widget, inner = item.widget(), item.layout()
+        if widget is not None:
+            if widget.focusProxy() is None and widget.focusPolicy() & Qt.FocusPolicy.TabFocus:
+                yield widget
+            inner = widget.layout()
+        if inner is not None:
+            yield from _in_order(inner)
+
+
+def _items(layout: QLayout) -> list[QLayoutItem]:
+    """Items of a layout; those of a grid by line and column."""
+    numbers = range(layout.count())
+    if isinstance(layout, QGridLayout):
+        places = sorted((layout.getItemPosition(number)[:2], number) for number in numbers)
+        numbers = [number for _, number in places]
+    return [layout.itemAt(number) for number in numbers]
