@@ -7,20 +7,21 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from qgis.core import QgsApplication, QgsProject
-from qgis.gui import QgisInterface
+from qgis.gui import QgisInterface, QgsOptionsWidgetFactory
 from qgis.PyQt.QtCore import QTimer
-from qgis.PyQt.QtWidgets import QMenu
+from qgis.PyQt.QtWidgets import QMenu, QWidget
 
 from .compat import QAction
 from .i18n import install_translator, remove_translator, tr
 from .messages import LogPanelHandler, Messages
-from .options import PAGE, OptionsFactory
+from .packages import NEEDED
 from .paths import icon
 
 if TYPE_CHECKING:
     from qgis.PyQt.QtCore import QTranslator
     from qgis.PyQt.QtWidgets import QToolBar
 
+    from .panel.options_page import OptionsPage
     from .processing.provider import Provider
     from .session import Session
 
@@ -29,8 +30,8 @@ MENU = "TerrAInav"
 PROVIDER = "terrainav"
 #: Actions that look as they do everywhere in QGIS.
 _OF_QGIS = {"settings": "/mActionOptions.svg", "help": "/mActionHelpContents.svg"}
-#: Packages the plugin needs beside QGIS.
-_NEEDED = {"numpy": "numpy", "pyproj": "pyproj", "PIL": "Pillow", "requests": "requests"}
+#: By which QGIS finds the page to open its options at.
+PAGE = "terrainav_options"
 
 
 class TerrAInavPlugin:
@@ -224,11 +225,11 @@ class TerrAInavPlugin:
     def _project_begun(self) -> None:
         # QGIS begins with a new project, too: entries of the session before are kept then.
         if self._session is not None and self.iface.mainWindow().isVisible():
-            self._session.missions.begin_anew()
+            self._session.project_begun()
 
     def _can_work(self) -> bool:
         """Whether the needed packages are there; says which are not."""
-        missing = [package for module, package in _NEEDED.items() if not _importable(module)]
+        missing = [package for module, package in NEEDED.items() if not _importable(module)]
         if missing:
             self.messages.warning(
                 tr("TerrAInav needs Python packages that this QGIS lacks: {packages}.").format(
@@ -244,3 +245,25 @@ def _importable(module: str) -> bool:
     except ImportError:
         return False
     return True
+
+
+class OptionsFactory(QgsOptionsWidgetFactory):
+    """Makes the page.
+
+    Parameters
+    ----------
+    applied : callable
+        Called after settings were kept.
+    """
+
+    def __init__(self, applied: Callable[[], None]) -> None:
+        super().__init__(MENU, icon("icon"))
+        self._applied = applied
+
+    def createWidget(self, parent: QWidget | None = None) -> OptionsPage:
+        """Make the page, each time the options are opened."""
+        from .panel.options_page import OptionsPage
+
+        page = OptionsPage(parent, self._applied)
+        page.setObjectName(PAGE)
+        return page

@@ -1,4 +1,4 @@
-"""What happens when: from an entry in the dock to figures, preview, background and runs."""
+"""The plugin at work: makes what the rooms hold, and joins it by signals and callables."""
 
 from __future__ import annotations
 
@@ -15,14 +15,13 @@ from qgis.PyQt.QtCore import QObject, Qt, pyqtSignal
 from qgis.PyQt.QtWidgets import QComboBox, QDialog
 
 from ..core.errors import TerrAInavError
-from ..core.mission.area import Box
 from .area.control import AreaControl
 from .area.tools import BoxTool, PointTool
 from .capture.queue import Runs
 from .cleaning.cleaning import Cleaning
+from .dataset.placing import OpenProject
 from .form import mission_form
-from .form.mission_form import FormError
-from .form.state import BOX_FIELDS, FormState
+from .form.state import FormState
 from .i18n import told, tr
 from .map.mission_group import MissionGroup
 from .messages import Messages
@@ -30,9 +29,8 @@ from .missions.missions import Missions
 from .panel.camera import camera_choices
 from .panel.choices import source_choices
 from .panel.dock import Dock
-from .panel.figures import readout
-from .panel.memory import FormMemory
-from .panel.refusals import in_words_of_the_dock, refused_fields
+from .panel.form import FormMemory
+from .panel.planning import Planning
 from .panel.runs import RunPanel
 from .panel.source_shelf import SourceShelf
 from .paths import folder_of, open_in_system
@@ -41,11 +39,10 @@ from .preview.background import Background, SourceOnMap
 from .preview.preview import Preview
 from .results.viewing import Viewing
 from .settings import Settings
-from .sources import policy_of
 from .widgets import free_of_menus
 
 if TYPE_CHECKING:
-    from ..core.mission.mission import Mission
+    from ..core.mission.area import Box
 
 #: Height of a first mission in feet, where those are set: about that in metres.
 _USUAL_AGL_FT = 400.0
@@ -58,31 +55,28 @@ class Session(QObject):
     -------
     preview_shown(bool)
         The preview has come or gone, or its layers have in the layer tree.
-    running(bool)
-        A run has begun or ended.
     """
 
     preview_shown = pyqtSignal(bool)
-    running = pyqtSignal(bool)
 
     def __init__(self, iface: QgisInterface, messages: Messages) -> None:
         super().__init__()
-        self.iface = iface
-        self.messages = messages
+        self.iface, self.messages = iface, messages
         self.settings = Settings()
         self._units = self.settings.units
         self.project = QgsProject.instance()
-        canvas = iface.mapCanvas()
+        self.open_project = OpenProject(self.project)
+        canvas, window = iface.mapCanvas(), iface.mainWindow()
         self.planner = Planner()
         self.preview = Preview(self.project, canvas)
         self.background = Background(self.project, iface)
-        self.box_tool = BoxTool(canvas)
-        self.point_tool = PointTool(canvas)
+        self.box_tool, self.point_tool = BoxTool(canvas), PointTool(canvas)
         self.dock = Dock(source_choices(self.project)[0], camera_choices()[0])
-        self.source_on_map = SourceOnMap(self.background, self.dock, messages, self.settings)
-        self.memory = FormMemory(self.settings, self.state, self)
-        self.areas = AreaControl(iface, self.dock, messages, self.box_tool)
-        self.runs = Runs(self)
+        form = self.dock.form
+        self.source_on_map = SourceOnMap(self.background, messages, form.state, form.imagery.title)
+        self.memory = FormMemory(self.settings, form.state, self)
+        self.areas = AreaControl(iface, self.dock, form.area, form.area_editing, messages, self.box_tool)
+        self.runs = Runs(messages, window, self.open_project, self.group)
         self.run_panel = RunPanel(
             self.runs,
             self.dock.run_list,
@@ -90,26 +84,35 @@ class Session(QObject):
             open_folder=lambda run: open_in_system(run.folder),
             clean=lambda run: self.cleaning.open(run.folder),
         )
-        self.missions = Missions(self)
+        self.planning = Planning(self.dock, self.planner, messages, lambda: self.runs.idle)
+        self.missions = Missions(
+            self.dock.missions,
+            messages,
+            self.open_project,
+            form.state,
+            form.set_state,
+            lambda: self.runs.folders,
+        )
         self.viewing = Viewing(self.project, iface, messages)
-        self.cleaning = Cleaning(self)
-        self.shelf = SourceShelf(self.project, self.dock.form.imagery, messages, iface.mainWindow())
-        self.planned: Planned | None = None
-        self._timed: tuple[Mission, str] | None = None
-        self._when_planned: Callable[[Planned], None] | None = None
-        self._refusal = ""
-        self._closed = False
+        self.cleaning = Cleaning(iface, messages, self._datasets)
+        self.shelf = SourceShelf(self.project, form.imagery, messages, window)
         self._previewing = self._zoom_to_preview = False
-        self._connect()
-        free_of_menus(self.dock, iface.mainWindow().menuBar())
+        self._join_panel()
+        self._join_rooms()
+        free_of_menus(self.dock, window.menuBar())
         iface.addDockWidget(Qt.DockWidgetArea.RightDockWidgetArea, self.dock)
         self._restore()
 
-    # --- what toolbar and dock ask for
+    # --- what toolbar and panel ask for
 
     def state(self) -> FormState:
         """What is entered."""
         return self.dock.form.state()
+
+    @property
+    def planned(self) -> Planned | None:
+        """Plan of what is entered; None while it makes none."""
+        return self.planning.latest
 
     def show_dock(self, visible: bool) -> None:
         """Show or hide the dock."""
@@ -136,34 +139,19 @@ class Session(QObject):
         # Layers may be there, and hidden.
         self.preview.set_footprints_visible(True)
         self._show_preview_state(True)
-        if not self._plan(at_once=True):
+        if not self.planning.plan(at_once=True):
             self._show_preview_state(False)
-            self.messages.refused(self._reason(), tr("No preview yet."))
+            self.planning.refuse(tr("No preview yet."))
 
     def capture(self, only_failed: bool = False) -> None:
         """Capture the mission that is entered, as it is now; or of it only what has failed."""
         self.dock.setUserVisible(True)
-        state, asks = self.state(), self.runs.questions
-        if asks.folder_is_given(state) and asks.key_is_there(state.source_name):
+        state = self.state()
+        if self.runs.can_start(state):
             folder = folder_of(state.folder)
-            self.with_plan(lambda planned: self.runs.start(planned, folder, only_failed))
-
-    def with_plan(self, act: Callable[[Planned], None], refusal: str = "") -> None:
-        """Do something with the plan of what is entered now, as soon as there is one.
-
-        Parameters
-        ----------
-        refusal : str
-            What to say after the reason where there is none.
-        """
-        if self._closed:
-            # Unloaded while a dialog was open that has led here.
-            return
-        self._when_planned = act
-        self._refusal = refusal or tr("Nothing to capture yet.")
-        if not self._plan(at_once=True):
-            self._when_planned = None
-            self.messages.refused(self._reason(), self._refusal)
+            self.planning.with_plan(
+                lambda planned: self.runs.start(planned, folder, only_failed), tr("Nothing to capture yet.")
+            )
 
     def show_on_map(self) -> None:
         """Add the source as background and zoom to the area."""
@@ -171,23 +159,11 @@ class Session(QObject):
 
     def group(self) -> MissionGroup:
         """Group of the mission that is entered."""
-        return self.group_of(folder_of(self.state().folder))
-
-    def group_of(self, folder: Path) -> MissionGroup:
-        """Group of the mission that is captured into a folder."""
-        return MissionGroup(self.project, folder.name or tr("mission"), str(folder))
-
-    def show_preview_again(self) -> None:
-        """Show the preview of a mission that has been opened."""
-        self._show_preview_state(True)
-        self._plan(at_once=True)
+        return self.open_project.group_of(folder_of(self.state().folder))
 
     def zoom_to(self, box: Box) -> None:
         """Show an area on the map."""
-        try:
-            self.background.zoom_to(box)
-        except TerrAInavError as wrong:
-            self.messages.warning(told(wrong))
+        self._on_map(lambda: self.background.zoom_to(box))
 
     def settings_changed(self) -> None:
         """Take up what the user has set among QGIS's options."""
@@ -195,22 +171,30 @@ class Session(QObject):
         if self._units != self.settings.units:
             self._units = self.settings.units
             units.setCurrentIndex(units.findData(self._units))
-        self.dock.form.show_key(self.settings.authcfg(self.state().source_name))
-        self._plan()
+        self._show_key()
+        self.planning.plan()
+
+    def project_begun(self) -> None:
+        """Begin a mission with a new project, unless captures are under way."""
+        if self.runs.idle:
+            self.missions.begin_anew()
 
     def close(self) -> None:
         """Leave nothing behind."""
-        self._closed = True
         # One that stays open would be deleted with the dock while it still runs.
         for dialog in self.dock.findChildren(QDialog):
             dialog.reject()
         self.memory.write()
-        self.runs.close()
-        self.missions.close()
-        self.viewing.close()
-        self.cleaning.close()
-        self.source_on_map.close()
-        self.planner.close()
+        for room in (
+            self.runs,
+            self.missions,
+            self.viewing,
+            self.cleaning,
+            self.source_on_map,
+            self.planning,
+        ):
+            room.close()
+        self.open_project.close()
         for signal in (self.project.layersAdded, self.project.layersRemoved, self.project.cleared):
             signal.disconnect(self._show_hint)
         self.shelf.close()
@@ -223,30 +207,46 @@ class Session(QObject):
         self.iface.removeDockWidget(self.dock)
         self.dock.deleteLater()
 
-    # --- from entries to a plan
+    # --- how the rooms are joined
 
-    def _connect(self) -> None:
-        form = self.dock.form
-        form.changed.connect(self._form_changed)
+    def _join_panel(self) -> None:
+        dock, form = self.dock, self.dock.form
+        form.changed.connect(self.memory.note)
+        form.changed.connect(self._show_key)
+        form.changed.connect(self._show_hint)
         form.draw_box_clicked.connect(self.draw_box)
         form.show_on_map_clicked.connect(self.show_on_map)
         form.key.selectedConfigIdChanged.connect(self._key_chosen)
-        self.dock.preview_toggled.connect(self.set_preview)
-        self.dock.test_shot_clicked.connect(self.take_test_shot)
-        self.dock.hint_followed.connect(self._follow_hint)
-        self.dock.capture_clicked.connect(self.capture)
-        self.running.connect(self.dock.show_busy)
-        self.box_tool.refused.connect(self.messages.warning)
-        self.point_tool.clicked.connect(self.runs.start_test_shot)
-        self.point_tool.refused.connect(self.messages.warning)
-        self.planner.planned.connect(self._show_planned)
-        self.planner.costed.connect(self._show_cost)
-        self.planner.refused.connect(self._show_refused)
-        self.preview.closed.connect(lambda: self._show_preview_state(False))
-        self.preview.visibility_changed.connect(lambda _visible: self._show_preview_state(self._previewing))
-        self.preview.failed.connect(self._preview_failed)
+        dock.preview_toggled.connect(self.set_preview)
+        dock.test_shot_clicked.connect(self.take_test_shot)
+        dock.hint_followed.connect(self._follow_hint)
+        dock.capture_clicked.connect(self.capture)
+        self.planning.planned.connect(self._show_preview_of)
+        self.source_on_map.drawing.connect(form.show_on_map.setDisabled)
         for signal in (self.project.layersAdded, self.project.layersRemoved, self.project.cleared):
             signal.connect(self._show_hint)
+
+    def _join_rooms(self) -> None:
+        form, runs, missions, preview = self.dock.form, self.runs, self.missions, self.preview
+        self.box_tool.refused.connect(self.messages.warning)
+        self.point_tool.refused.connect(self.messages.warning)
+        self.point_tool.clicked.connect(lambda lat, lon: runs.start_test_shot(self.state(), lat, lon))
+        runs.running.connect(self.dock.show_busy)
+        runs.refused.connect(form.show_messages)
+        runs.other_folder_wanted.connect(self._capture_into)
+        runs.results_shown.connect(self._hide_planned)
+        runs.test_shot_shown.connect(self.background.zoom_to_layer)
+        missions.preview_wanted.connect(self.set_preview)
+        missions.reopened.connect(self._show_preview_again)
+        missions.zoom_wanted.connect(self.zoom_to)
+        missions.refused.connect(form.show_messages)
+        missions.capture_failed_wanted.connect(lambda: self.capture(only_failed=True))
+        missions.clean_wanted.connect(self.cleaning.open)
+        missions.plan_export.plan_wanted.connect(self.planning.with_plan)
+        self.cleaning.dataset_wanted.connect(missions.open_dataset)
+        preview.closed.connect(lambda: self._show_preview_state(False))
+        preview.visibility_changed.connect(lambda _visible: self._show_preview_state(self._previewing))
+        preview.failed.connect(self._preview_failed)
 
     def _restore(self) -> None:
         state = FormState.from_json(self.settings.form)
@@ -257,102 +257,21 @@ class Session(QObject):
         self.dock.form.set_state(state)
         self._show_hint()
 
-    def _form_changed(self) -> None:
-        self.memory.note()
-        self.dock.form.show_key(self.settings.authcfg(self.state().source_name))
-        if self._when_planned is not None:
-            self._when_planned = None
-            self.messages.info(
-                tr("The entries have changed before their plan was there: press the button again.")
-            )
-        self._plan()
-        self._show_hint()
+    # --- the preview
 
-    def _plan(self, at_once: bool = False) -> bool:
-        """Have what is entered planned; False where an entry is wrong, which is then marked."""
-        state = self.state()
-        try:
-            mission = mission_form.mission(state)
-        except FormError as wrong:
-            self.planner.forget()
-            self.planned = None
-            messages = wrong.messages
-            if not any(getattr(state, name).strip() for name in BOX_FIELDS):
-                # Nothing entered yet is not an error.
-                messages = {name: text for name, text in messages.items() if name not in BOX_FIELDS}
-            self.dock.form.show_messages(messages)
-            unseen = self.dock.form.marks.out_of_sight(messages)
-            self.dock.show_problem(unseen) if unseen or state.has_box else self.dock.show_nothing()
-            return False
-        self.dock.form.show_messages({})
-        # Beside a run, times would be those of the run.
-        timed = not self._cost_of(mission) and self.runs.idle and self._when_planned is None
-        self.planner.request(mission, at_once, timed)
-        return True
+    def _show_preview_of(self, planned: Planned) -> None:
+        if not self._previewing:
+            return
+        self.preview.show(self.group(), planned.mission, planned.plan)
+        self.group().make_current()
+        if self._zoom_to_preview:
+            self._zoom_to_preview = False
+            self._on_map(lambda: self._zoom_if_out_of_sight(planned.mission.area.bounds))
 
-    def _show_planned(self, planned: Planned) -> None:
-        self.planned = planned
-        self._show_figures(planned)
-        if self._previewing:
-            self.preview.show(self.group(), planned.mission, planned.plan)
-            self.group().make_current()
-            if self._zoom_to_preview:
-                self._zoom_to_preview = False
-                self._zoom_if_out_of_sight(planned.mission.area.bounds)
-        act, self._when_planned = self._when_planned, None
-        if act is not None:
-            act(planned)
-
-    def _show_cost(self, planned: Planned, cost: str) -> None:
-        self._timed = planned.mission, cost
-        self._show_figures(planned)
-
-    def _show_figures(self, planned: Planned) -> None:
-        cost = self._cost_of(planned.mission)
-        if not cost and (not self.runs.idle or self._when_planned is not None):
-            cost = tr("not timed beside a run")
-        unit = self.state().agl_unit
-        policy = policy_of(planned.mission.source)
-        self.dock.figures.show_readout(readout(planned.plan, planned.summary, unit, cost, policy))
-
-    def _cost_of(self, mission: Mission) -> str:
-        """What a mission's methods were timed at; empty where that is not known."""
-        return self._timed[1] if self._timed is not None and self._timed[0] == mission else ""
-
-    def _show_refused(self, error: Exception) -> None:
-        self.planned = None
-        waiting, self._when_planned = self._when_planned, None
-        if isinstance(error, FormError):
-            self.dock.form.show_messages(error.messages)
-            self.dock.show_problem(self.dock.form.marks.out_of_sight(error.messages))
-        elif isinstance(error, TerrAInavError):
-            messages = refused_fields(error)
-            self.dock.form.show_messages(messages)
-            self.dock.show_problem(next(iter(messages.values()), in_words_of_the_dock(error)))
-        else:
-            self.dock.show_problem(tr("Unexpected error: {error}").format(error=repr(error)))
-            self.messages.error(
-                tr("The mission could not be planned."),
-                "".join(traceback.format_exception(None, error, error.__traceback__)),
-            )
-        if waiting is not None:
-            self.messages.refused(self._reason(), self._refusal)
-
-    def _reason(self) -> str:
-        """First thing that is wrong with the entries."""
-        wrong = self.dock.form.marks.first_message() or self.dock.problem.text()
-        return wrong or tr("no area yet; draw a box or enter coordinates")
-
-    # --- smaller reactions
-
-    def _box(self) -> Box | None:
-        """Area that is entered; None while there is none."""
-        return mission_form.box(self.state())
-
-    def _key_chosen(self, authcfg: str) -> None:
-        self.settings.set_authcfg(self.state().source_name, authcfg)
-        # What was said about it no longer holds.
-        self._plan()
+    def _show_preview_again(self) -> None:
+        """Show the preview of a mission that has been opened."""
+        self._show_preview_state(True)
+        self.planning.plan(at_once=True)
 
     def _show_preview_state(self, on: bool) -> None:
         """Keep a preview from now on, or none; the buttons are pressed while it is to be seen."""
@@ -366,14 +285,39 @@ class Session(QObject):
         trace = "".join(traceback.format_exception(None, error, error.__traceback__))
         self.messages.error(tr("The preview could not be drawn: {error}").format(error=repr(error)), trace)
 
-    def _zoom_if_out_of_sight(self, box: Box) -> None:
-        """Move the map only where the preview could not be seen: users keep the view they chose."""
-        canvas = self.iface.mapCanvas()
+    def _hide_planned(self, folder: Path) -> None:
+        """Hide the planned images of a mission whose images are there."""
+        if self.group().is_same(self.open_project.group_of(folder)):
+            self.preview.set_footprints_visible(False)
+
+    # --- smaller reactions
+
+    def _datasets(self) -> list[Path]:
+        """Folders of the datasets captured last, and of the mission in the panel."""
+        return [*reversed(self.runs.folders), folder_of(self.state().folder)]
+
+    def _capture_into(self, folder: Path) -> None:
+        self.dock.form.set_state(mission_form.with_folder(self.state(), str(folder)))
+        self.capture()
+
+    def _show_key(self) -> None:
+        self.dock.form.show_key(self.settings.authcfg(self.state().source_name))
+
+    def _key_chosen(self, authcfg: str) -> None:
+        self.settings.set_authcfg(self.state().source_name, authcfg)
+        # What was said about it no longer holds.
+        self.planning.plan()
+
+    def _on_map(self, zoom: Callable[[], None]) -> None:
         try:
-            if not canvas.extent().intersects(self.background.rectangle(box)):
-                self.background.zoom_to(box)
+            zoom()
         except TerrAInavError as wrong:
             self.messages.warning(told(wrong))
+
+    def _zoom_if_out_of_sight(self, box: Box) -> None:
+        """Move the map only where the preview could not be seen: users keep the view they chose."""
+        if not self.iface.mapCanvas().extent().intersects(self.background.rectangle(box)):
+            self.background.zoom_to(box)
 
     def _show_hint(self, *_: object) -> None:
         hint = ""

@@ -1240,6 +1240,16 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>No hay imagen (todavía).</translation>
     </message>
     <message>
+        <location filename="../../terrainav_plugin/dataset/placing.py"/>
+        <source>Open the picture ({map_type})</source>
+        <translation>Abrir la imagen ({map_type})</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/placing.py"/>
+        <source>yaw, tilt, roll: {angles}</source>
+        <translation>guiñada, inclinación, alabeo: {angles}</translation>
+    </message>
+    <message>
         <location filename="../../terrainav_plugin/form/area.py"/>
         <source>1 hole</source>
         <translation>1 hueco</translation>
@@ -1361,6 +1371,79 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>{what} «{text}»: debe ser un número</translation>
     </message>
     <message>
+        <location filename="../../terrainav_plugin/form/refusals.py"/>
+        <location filename="../../terrainav_plugin/panel/figures.py"/>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>Allow enlarged pixels</source>
+        <translation>Permitir píxeles ampliados</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/refusals.py"/>
+        <location filename="../../terrainav_plugin/panel/imagery.py"/>
+        <location filename="../../terrainav_plugin/panel/options_page.py"/>
+        <source>Date</source>
+        <translation>Fecha</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/refusals.py"/>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>Error budget</source>
+        <translation>Error admisible</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/refusals.py"/>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>Go on beyond the budget</source>
+        <translation>Seguir aunque se supere el error</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/refusals.py"/>
+        <source>Image's longer side</source>
+        <translation>Lado mayor de la imagen</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/refusals.py"/>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <source>Layout</source>
+        <translation>Disposición</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/refusals.py"/>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>Longest side</source>
+        <translation>Lado mayor</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/refusals.py"/>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>Resize pictures</source>
+        <translation>Redimensionar</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/refusals.py"/>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>Source's ground per px</source>
+        <translation>Terreno por px de la fuente</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/refusals.py"/>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <location filename="../../terrainav_plugin/results/viewer.py"/>
+        <source>Zoom</source>
+        <translation>Zoom</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/refusals.py"/>
+        <source>“Most images” of the algorithm “Plan a mission”, or max_images in the mission's file</source>
+        <translation>«Máximo de imágenes» del algoritmo «Planificar una misión», o max_images en el archivo de la misión</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/refusals.py"/>
+        <source>“{entry}”</source>
+        <translation>«{entry}»</translation>
+    </message>
+    <message>
         <location filename="../../terrainav_plugin/help.py"/>
         <location filename="../../terrainav_plugin/panel/dock.py"/>
         <source>Open the guide</source>
@@ -1395,6 +1478,12 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/map/mission_group.py"/>
         <source>TerrAInav: {name}</source>
         <translation>TerrAInav: {name}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/map/mission_group.py"/>
+        <location filename="../../terrainav_plugin/missions/plan_export.py"/>
+        <source>mission</source>
+        <translation>misión</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/messages.py"/>
@@ -1577,12 +1666,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/missions/plan_export.py"/>
         <source>Writing {name}</source>
         <translation>Escribiendo {name}</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/missions/plan_export.py"/>
-        <location filename="../../terrainav_plugin/session.py"/>
-        <source>mission</source>
-        <translation>misión</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/missions/plan_export.py"/>
@@ -1909,13 +1992,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
-        <location filename="../../terrainav_plugin/panel/refusals.py"/>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>Allow enlarged pixels</source>
-        <translation>Permitir píxeles ampliados</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/figures.py"/>
         <source>Condition number</source>
         <translation>Número de condición</translation>
     </message>
@@ -2184,13 +2260,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/panel/imagery.py"/>
         <source>Catalogue: worldwide</source>
         <translation>Catálogo: todo el mundo</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/imagery.py"/>
-        <location filename="../../terrainav_plugin/panel/options_page.py"/>
-        <location filename="../../terrainav_plugin/panel/refusals.py"/>
-        <source>Date</source>
-        <translation>Fecha</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/imagery.py"/>
@@ -2501,63 +2570,29 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>{size} de un máximo de {limit} en {folder}</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/panel/refusals.py"/>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>Error budget</source>
-        <translation>Error admisible</translation>
+        <location filename="../../terrainav_plugin/panel/planning.py"/>
+        <source>The entries have changed before their plan was there: press the button again.</source>
+        <translation>Las entradas han cambiado antes de que estuviera su plan: pulsar el botón de nuevo.</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/panel/refusals.py"/>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>Go on beyond the budget</source>
-        <translation>Seguir aunque se supere el error</translation>
+        <location filename="../../terrainav_plugin/panel/planning.py"/>
+        <source>The mission could not be planned.</source>
+        <translation>No se ha podido planificar la misión.</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/panel/refusals.py"/>
-        <source>Image's longer side</source>
-        <translation>Lado mayor de la imagen</translation>
+        <location filename="../../terrainav_plugin/panel/planning.py"/>
+        <source>Unexpected error: {error}</source>
+        <translation>Error inesperado: {error}</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/panel/refusals.py"/>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>Layout</source>
-        <translation>Disposición</translation>
+        <location filename="../../terrainav_plugin/panel/planning.py"/>
+        <source>no area yet; draw a box or enter coordinates</source>
+        <translation>aún no hay área; dibujar un recuadro o introducir coordenadas</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/panel/refusals.py"/>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>Longest side</source>
-        <translation>Lado mayor</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/refusals.py"/>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>Resize pictures</source>
-        <translation>Redimensionar</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/refusals.py"/>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>Source's ground per px</source>
-        <translation>Terreno por px de la fuente</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/refusals.py"/>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <location filename="../../terrainav_plugin/results/viewer.py"/>
-        <source>Zoom</source>
-        <translation>Zoom</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/refusals.py"/>
-        <source>“Most images” of the algorithm “Plan a mission”, or max_images in the mission's file</source>
-        <translation>«Máximo de imágenes» del algoritmo «Planificar una misión», o max_images en el archivo de la misión</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/refusals.py"/>
-        <source>“{entry}”</source>
-        <translation>«{entry}»</translation>
+        <location filename="../../terrainav_plugin/panel/planning.py"/>
+        <source>not timed beside a run</source>
+        <translation>sin medir mientras hay una captura en curso</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/runs.py"/>
@@ -4493,16 +4528,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>capa {name}: su servicio tiene teselas de {size} px; elegir una capa con teselas de 256, 512 o 1024 px</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/results/layers.py"/>
-        <source>Open the picture ({map_type})</source>
-        <translation>Abrir la imagen ({map_type})</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/results/layers.py"/>
-        <source>yaw, tilt, roll: {angles}</source>
-        <translation>guiñada, inclinación, alabeo: {angles}</translation>
-    </message>
-    <message>
         <location filename="../../terrainav_plugin/results/shots.py"/>
         <source>footprints {path}: have no poses</source>
         <translation>huellas {path}: no tienen poses</translation>
@@ -4695,38 +4720,13 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/session.py"/>
-        <source>The entries have changed before their plan was there: press the button again.</source>
-        <translation>Las entradas han cambiado antes de que estuviera su plan: pulsar el botón de nuevo.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/session.py"/>
         <source>The map is empty: {link}, or add layers of your own.</source>
         <translation>El mapa está vacío: {link}, o añada capas propias.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/session.py"/>
-        <source>The mission could not be planned.</source>
-        <translation>No se ha podido planificar la misión.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/session.py"/>
         <source>The preview could not be drawn: {error}</source>
         <translation>No se ha podido dibujar la vista previa: {error}</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/session.py"/>
-        <source>Unexpected error: {error}</source>
-        <translation>Error inesperado: {error}</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/session.py"/>
-        <source>no area yet; draw a box or enter coordinates</source>
-        <translation>aún no hay área; dibujar un recuadro o introducir coordenadas</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/session.py"/>
-        <source>not timed beside a run</source>
-        <translation>sin medir mientras hay una captura en curso</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/session.py"/>

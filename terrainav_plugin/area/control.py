@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from qgis.core import QgsApplication, QgsCsException, QgsMapLayer, QgsProject, QgsVectorLayer
-from qgis.gui import QgisInterface
+from qgis.gui import QgisInterface, QgsDockWidget
 from qgis.PyQt.QtCore import QObject, QTimer
 from qgis.PyQt.QtWidgets import QApplication, QFileDialog
 
@@ -16,9 +16,10 @@ from ..form.area import FormError, area_words, entered_area, unit_of, with_area
 from ..i18n import told, tr
 from ..map.canvas import box_of, canvas_rectangle
 from ..messages import Messages
-from ..panel.dock import Dock
 from .bands import AreaMark
 from .dialogs import LayerDialog, PointsDialog, PolygonDialog
+from .editing import AreaEditing
+from .entries import AreaEntries
 from .layers import Reading, ReadTask, extent_of, points, selected_polygon, text_file
 from .menu import Way
 from .tools import AreaTool, BoxTool, PointTool
@@ -34,6 +35,16 @@ _PAUSE_MS = 600
 class AreaControl(QObject):
     """Takes areas from wherever a person has them into the form, one undoable step each.
 
+    Parameters
+    ----------
+    iface : QgisInterface
+    panel : QgsDockWidget
+        That the entries are part of; the area is marked on the map while it is to be seen.
+    entries : AreaEntries
+    editing : AreaEditing
+    messages : Messages
+    box_tool : BoxTool
+
     Attributes
     ----------
     tool : AreaTool
@@ -44,10 +55,18 @@ class AreaControl(QObject):
         Shows the area on the map as long as neither that tool nor a preview does.
     """
 
-    def __init__(self, iface: QgisInterface, dock: Dock, messages: Messages, box_tool: BoxTool) -> None:
+    def __init__(
+        self,
+        iface: QgisInterface,
+        panel: QgsDockWidget,
+        entries: AreaEntries,
+        editing: AreaEditing,
+        messages: Messages,
+        box_tool: BoxTool,
+    ) -> None:
         super().__init__()
-        self._iface, self._dock, self._messages = iface, dock, messages
-        self._form, self._editing = dock.form, dock.form.area_editing
+        self._iface, self._panel, self._messages = iface, panel, messages
+        self._entries, self._editing = entries, editing
         self._canvas, self._project = iface.mapCanvas(), QgsProject.instance()
         self._box_tool = box_tool
         self._task: ReadTask | None = None
@@ -61,17 +80,16 @@ class AreaControl(QObject):
         self._pause.setSingleShot(True)
         self._pause.setInterval(_PAUSE_MS)
         self._pause.timeout.connect(self._go_to_typed)
-        dock.installEventFilter(keys)
-        entries = self._form.area
+        panel.installEventFilter(keys)
         self.tool.setButton(entries.edit)
         entries.edit.clicked.connect(self._switch_tool)
         entries.area_from.chosen.connect(self._take)
-        self._form.changed.connect(self._follow)
+        self._editing.noted.connect(self._follow)
         self._editing.coordinates_entered.connect(self._pause.start)
         # Whoever moves the map meanwhile looks at something else.
         self._canvas.extentsChanged.connect(self._pause.stop)
         self._canvas.mapToolSet.connect(self._show_mark)
-        dock.visibilityChanged.connect(self._show_mark)
+        panel.visibilityChanged.connect(self._show_mark)
         self.tool.dragging.connect(self._show_dragged)
         self.tool.changed.connect(self._take_moved)
         box_tool.drawn.connect(self._take_drawn)
@@ -99,7 +117,7 @@ class AreaControl(QObject):
         self._pause.stop()
         self._canvas.extentsChanged.disconnect(self._pause.stop)
         self._canvas.mapToolSet.disconnect(self._show_mark)
-        self._dock.visibilityChanged.disconnect(self._show_mark)
+        self._panel.visibilityChanged.disconnect(self._show_mark)
         self.mark.close()
         for tool in (self.tool, self.single_tool):
             tool.stop()
@@ -187,7 +205,7 @@ class AreaControl(QObject):
         self.read(step, lambda: selected_polygon(layer, self._project))
 
     def _ask_for_points(self) -> None:
-        state = self._form.state()
+        state = self._editing.state()
         dialog = PointsDialog(self._iface.mainWindow(), self._iface.activeLayer(), state.agl, state.agl_unit)
 
         def take() -> None:
@@ -205,7 +223,7 @@ class AreaControl(QObject):
             tr("Text files (*.txt *.csv *.dat);;All files (*)"),
         )
         if path:
-            unit = self._form.state().agl_unit
+            unit = self._editing.state().agl_unit
             self.read(tr("text file"), lambda: text_file(path, unit))
 
     @staticmethod
@@ -245,7 +263,7 @@ class AreaControl(QObject):
         self.tool.start()
 
     def _take_single(self, lat_deg: float, lon_deg: float) -> None:
-        state = self._form.state()
+        state = self._editing.state()
         if self._enter(lambda: Points(((lat_deg, lon_deg, state.agl_m),)), tr("single capture")):
             self.tool.start()
 
@@ -265,7 +283,7 @@ class AreaControl(QObject):
         self.tool.start()
 
     def _follow(self) -> None:
-        area = entered_area(self._form.state())
+        area = entered_area(self._editing.state())
         self.tool.set_area(area)
         self.mark.set_area(area)
 
@@ -275,21 +293,21 @@ class AreaControl(QObject):
         self._show_mark()
 
     def _show_mark(self, *_: object) -> None:
-        self.mark.set_shown(self._dock.isUserVisible() and not (self._previewed or self.tool.isActive()))
+        self.mark.set_shown(self._panel.isUserVisible() and not (self._previewed or self.tool.isActive()))
 
     def _go_to_typed(self) -> None:
-        if entered_area(self._form.state()) is not None:
+        if entered_area(self._editing.state()) is not None:
             self._show_on_canvas()
 
     def _show_dragged(self, area: Area) -> None:
         """Show the numbers of what is still being dragged."""
-        state = self._form.state()
-        self._form.area.show_edges(with_area(state, area))
-        self._form.area.show_words(area_words(area, *unit_of(state)), not isinstance(area, Box))
+        state = self._editing.state()
+        self._entries.show_edges(with_area(state, area))
+        self._entries.show_words(area_words(area, *unit_of(state)), not isinstance(area, Box))
 
     def _show_on_canvas(self) -> None:
         """Move the map only where the area could not be seen."""
-        area = entered_area(self._form.state())
+        area = entered_area(self._editing.state())
         if area is None:
             return
         try:

@@ -31,6 +31,8 @@ class AreaEditing(QObject):
         An edge is no longer what it was; the form has changed.
     coordinates_entered()
         The area has been typed or pasted, in part or whole.
+    noted()
+        The form has changed, and with it perhaps the area.
 
     Attributes
     ----------
@@ -40,6 +42,7 @@ class AreaEditing(QObject):
 
     typed = pyqtSignal()
     coordinates_entered = pyqtSignal()
+    noted = pyqtSignal()
 
     def __init__(
         self,
@@ -63,6 +66,10 @@ class AreaEditing(QObject):
             widget.installEventFilter(self.undo_keys)
         for name, edit in entries.edges.items():
             edit.textChanged.connect(partial(self._take_typed, name))
+
+    def state(self) -> FormState:
+        """State of the form that the area is part of."""
+        return self._read()
 
     def set_area(self, area: Area, step: str, agl_m: float | None = None, joined: bool = False) -> None:
         """Enter an area as one step; ``joined`` makes one step of those of its name that follow each other.
@@ -94,6 +101,7 @@ class AreaEditing(QObject):
         if (area, unit) != self._worded[:2]:
             self._worded = area, unit, "" if area is None else area_words(area, *unit)
         self._entries.show_words(self._worded[2], bool(self._entries.shape), self._shape_lost)
+        self.noted.emit()
 
     def _set(self, state: FormState, step: str, joined: bool = False) -> None:
         self._shape_lost = False

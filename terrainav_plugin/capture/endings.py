@@ -7,50 +7,77 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from qgis.core import QgsVectorLayer
+from qgis.PyQt.QtCore import QObject, pyqtSignal
 
 from ...core.errors import TerrAInavError
+from ..dataset.placing import load_test_shot, place_mosaics, show_failed, show_results
 from ..i18n import number_text, told, tr
 from ..paths import open_in_system
-from ..results.layers import load_test_shot, place_mosaics, show_failed, show_results
 from .run import Run, Stage, done_text, with_kept
 
 if TYPE_CHECKING:
-    from ..session import Session
-    from .queue import Runs
+    from ..dataset.placing import OpenProject
+    from ..map.mission_group import MissionGroup
+    from ..messages import Messages
 
 #: Tiles of a run that messages of their own name; all are in the journal.
 _NAMED_REPEATS = 3
 
 
-class Endings:
-    """Brings runs to the map and to the message bar.
+class Endings(QObject):
+    """Brings runs to the map and to the message bar, and offers what can be done about them.
 
-    A run goes on when its project is closed. Its results are put on the map only where that project is still open,
-    or another is that has a group for the same folder.
+    Parameters
+    ----------
+    messages : Messages
+    open_project : OpenProject
+    group : callable
+        Group of the mission in the panel, which test shots come into.
+
+    Signals
+    -------
+    shown(object)
+        The folder of a run whose images are all on the map.
+    test_shot_shown(object)
+        The layer of a test shot.
+    resume_wanted(object), failed_wanted(object)
+        A run that is to go on, or whose failed images are to be captured again.
+    missing_wanted(object, str, int)
+        A run, the SHA-256 of a tile that is to count as missing, and how many of its images show the tile.
     """
 
-    def __init__(self, session: Session, runs: Runs) -> None:
-        self._session, self._runs = session, runs
-        self._messages = session.messages
-        self._projects_closed = 0
+    shown = pyqtSignal(object)
+    test_shot_shown = pyqtSignal(object)
+    resume_wanted = pyqtSignal(object)
+    failed_wanted = pyqtSignal(object)
+    missing_wanted = pyqtSignal(object, str, int)
+
+    def __init__(
+        self,
+        messages: Messages,
+        open_project: OpenProject,
+        group: Callable[[], MissionGroup],
+        parent: QObject,
+    ) -> None:
+        super().__init__(parent)
+        self._messages, self._open_project, self._group = messages, open_project, group
         self._begun_in: dict[Run, int] = {}
-        session.project.cleared.connect(self._project_closed)
 
     def close(self) -> None:
         """End for good."""
-        self._session.project.cleared.disconnect(self._project_closed)
         self._begun_in.clear()
 
     def remember(self, run: Run) -> None:
         """Note which project a run belongs to."""
-        self._begun_in[run] = self._projects_closed
+        self._begun_in[run] = self._open_project.number
 
     def show_failed(self, run: Run, layer: QgsVectorLayer | None) -> None:
         """Show what has failed so far."""
         if self._is_open(run) and not run.test_shot:
-            show_failed(self._session.group_of(run.folder), layer)
+            group = self._open_project.group_of(run.folder)
+            show_failed(group, layer)
             if layer is not None:
-                self._session.group_of(run.folder).remember_mission(run.mission.to_json())
+                group.remember_mission(run.mission.to_json())
 
     def tell(self, run: Run) -> None:
         """Show what a run has made, and say how it ended."""
@@ -63,7 +90,7 @@ class Endings:
         elif run.task.opened is not None and is_open and (run.result.written or run.result.skipped):
             self._show(lambda: self._load_results(run))
         else:
-            self._show(lambda: place_mosaics(self._session.project, run.task.mosaics))
+            self._show(lambda: place_mosaics(self._open_project.project, run.task.mosaics))
         # Layers that are not shown go away here: they keep their files open, and a run stays listed for long.
         run.task.opened = None
         # What comes last lies on top: failures before all, else what the user may want to look into.
@@ -74,14 +101,8 @@ class Endings:
             self._say(run, is_open)
             self._tell_repeated(run)
 
-    def _project_closed(self) -> None:
-        self._projects_closed += 1
-
     def _is_open(self, run: Run) -> bool:
-        return (
-            self._begun_in.get(run) == self._projects_closed
-            or self._session.group_of(run.folder).find() is not None
-        )
+        return self._open_project.shows(self._begun_in.get(run), run.folder)
 
     def _show(self, load: Callable[[], None]) -> None:
         try:
@@ -92,17 +113,15 @@ class Endings:
     def _load_results(self, run: Run) -> None:
         # Images that have failed may be gone: those of tiles that count as missing by now.
         changed = run.result is None or bool(run.result.written or run.result.failed)
-        group = self._session.group_of(run.folder)
-        show_results(group, run.task.opened, changed=changed)
+        show_results(self._open_project.group_of(run.folder), run.task.opened, changed=changed)
         # The pictures themselves are there now; plans on top would only hide them. Those of the rest are still wanted.
-        if run.stage is not Stage.STOPPED and self._session.group().is_same(group):
-            self._session.preview.set_footprints_visible(False)
+        if run.stage is not Stage.STOPPED:
+            self.shown.emit(run.folder)
 
     def _load_test_shot(self, run: Run) -> None:
         lat, lon, _ = run.mission.area.poses[0]
         title = tr("Test shot {lat:.5f} {lon:.5f}").format(lat=lat, lon=lon)
-        layer = load_test_shot(self._session.group(), run.task.picture, title)
-        self._session.background.zoom_to_layer(layer)
+        self.test_shot_shown.emit(load_test_shot(self._group(), run.task.picture, title))
 
     def _say(self, run: Run, is_open: bool) -> None:
         result, name = run.result, run.name
@@ -118,7 +137,7 @@ class Endings:
                     there=number_text(result.written + result.skipped),
                     total=number_text(result.total),
                 ),
-                (tr("Resume"), lambda: self._runs.resume(run)),
+                (tr("Resume"), lambda: self.resume_wanted.emit(run)),
             )
         elif run.task.failed or result.failed:
             self._tell_failed(run)
@@ -141,7 +160,7 @@ class Endings:
             reason=reason,
         )
         lines = (f"{failure.map_type}/{failure.name}: {told(failure.reason)}" for failure in failed)
-        again = (tr("Capture only the failed ones"), lambda: self._runs.capture_failed(run))
+        again = (tr("Capture only the failed ones"), lambda: self.failed_wanted.emit(run))
         self._messages.warning(text, "\n".join(lines), again)
 
     def _tell_repeated(self, run: Run) -> None:
@@ -156,5 +175,5 @@ class Endings:
                 "“Treat as missing” removes the images with it and asks for its places again; the options list what is "
                 "treated so."
             ).format(digest=repeat.sha256, image=next(iter(repeat.images), ""))
-            missing = partial(self._runs.treat_as_missing, run, repeat.sha256, images)
+            missing = partial(self.missing_wanted.emit, run, repeat.sha256, images)
             self._messages.warning(text, details, (tr("Treat as missing"), missing))

@@ -3,38 +3,54 @@
 from __future__ import annotations
 
 import html
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from qgis.PyQt.QtGui import QTextDocument
-from qgis.PyQt.QtWidgets import QMessageBox
+from qgis.PyQt.QtWidgets import QMessageBox, QWidget
 
 from ...core.errors import TerrAInavError
-from ..form import mission_form
 from ..i18n import told, tr
 from ..paths import next_folder, place_of
 from ..sources import credentials_problem, terms_problem
 
 if TYPE_CHECKING:
     from ...core.mission.mission import Mission
-    from ..form.state import FormState
-    from ..session import Session
+    from ..messages import Messages
     from .run import Run
 
 
 class Questions:
-    """Asks and tells; what keeps a run from being made is said where it can be mended."""
+    """Asks and tells; what keeps a run from being made is said where it can be mended.
 
-    def __init__(self, session: Session) -> None:
-        self._session = session
-        self._messages = session.messages
+    Parameters
+    ----------
+    messages : Messages
+    window : QWidget
+        That dialogs belong to.
+    mark : callable
+        Shows messages at the entries that they are about.
+    capture_into : callable
+        Captures what is entered into another folder.
+    """
 
-    def folder_is_given(self, state: FormState) -> bool:
+    def __init__(
+        self,
+        messages: Messages,
+        window: QWidget,
+        mark: Callable[[dict[str, str]], None],
+        capture_into: Callable[[Path], None],
+    ) -> None:
+        self._messages, self._window = messages, window
+        self._mark, self._capture_into = mark, capture_into
+
+    def folder_is_given(self, text: str) -> bool:
         """Whether there is a folder to write to; says so at the field where there is none."""
-        if state.folder.strip():
+        if text.strip():
             return True
         message = tr("folder is empty: choose where the pictures go")
-        self._session.dock.form.show_messages({"folder": message})
+        self._mark({"folder": message})
         self._messages.refused(message, tr("Nothing to capture yet."))
         return False
 
@@ -45,7 +61,7 @@ class Questions:
         except TerrAInavError as wrong:
             problem = told(wrong)
         if problem:
-            self._session.dock.form.show_messages({"key": problem})
+            self._mark({"key": problem})
             self._messages.refused(problem, tr("Nothing to capture yet."))
         return not problem
 
@@ -68,7 +84,7 @@ class Questions:
         )
         return True
 
-    def is_in_line(self, mission: Mission, folder: Path, others: list[Run]) -> bool:
+    def is_queued(self, mission: Mission, folder: Path, others: list[Run]) -> bool:
         """Whether one of the runs that are not over captures into the folder already; says so."""
         found = next((run for run in others if place_of(run.folder) == place_of(folder)), None)
         if found is None:
@@ -91,7 +107,7 @@ class Questions:
         if problem is None:
             return True
         text, can_agree = problem
-        window, title = self._session.iface.mainWindow(), tr("TerrAInav: terms of the source")
+        window, title = self._window, tr("TerrAInav: terms of the source")
         if not can_agree:
             # The message bar shows its first lines only.
             plain = QTextDocument()
@@ -104,7 +120,3 @@ class Questions:
         asked = tr("Do you agree to these terms, and are you allowed to download?")
         answer = QMessageBox.question(window, title, f"{text}<p>{html.escape(asked)}</p>")
         return answer == QMessageBox.StandardButton.Yes
-
-    def _capture_into(self, folder: Path) -> None:
-        self._session.dock.form.set_state(mission_form.with_folder(self._session.state(), str(folder)))
-        self._session.capture()

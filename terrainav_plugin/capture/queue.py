@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from qgis.core import QgsProcessingUtils
 from qgis.PyQt.QtCore import QObject, pyqtSignal
+from qgis.PyQt.QtWidgets import QWidget
 
 from ...core.errors import TerrAInavError
 from ..form import mission_form
 from ..form.mission_form import FormError
 from ..i18n import told, tr
+from ..settings import Settings
 from ..sources import grid_of, key_of
 from .endings import Endings
 from .questions import Questions
@@ -21,8 +24,11 @@ from .run import Run
 
 if TYPE_CHECKING:
     from ...core.mission.plan import Plan
+    from ..dataset.placing import OpenProject
+    from ..form.state import FormState
+    from ..map.mission_group import MissionGroup
+    from ..messages import Messages
     from ..planner import Planned
-    from ..session import Session
     from .task import CaptureTask
 
 
@@ -31,6 +37,15 @@ class Runs(QObject):
 
     One that is paused keeps its place, and the others wait behind it.
 
+    Parameters
+    ----------
+    messages : Messages
+    window : QWidget
+        That dialogs belong to.
+    open_project : OpenProject
+    group : callable
+        Group of the mission in the panel, which test shots come into.
+
     Signals
     -------
     listed(object)
@@ -38,20 +53,43 @@ class Runs(QObject):
     dismissed(object)
         A run has left the list.
     moved()
-        The line has moved on.
+        The queue has moved on.
+    running(bool)
+        A run has begun while none was under way, or the last one has ended.
+    refused(object)
+        What is wrong with entries, by their fields.
+    other_folder_wanted(object)
+        What is entered is to be captured into another folder.
+    results_shown(object), test_shot_shown(object)
+        As `Endings` has them.
     """
 
     listed = pyqtSignal(object)
     dismissed = pyqtSignal(object)
     moved = pyqtSignal()
+    running = pyqtSignal(bool)
+    refused = pyqtSignal(object)
+    other_folder_wanted = pyqtSignal(object)
+    results_shown = pyqtSignal(object)
+    test_shot_shown = pyqtSignal(object)
 
-    def __init__(self, session: Session) -> None:
+    def __init__(
+        self,
+        messages: Messages,
+        window: QWidget,
+        open_project: OpenProject,
+        group: Callable[[], MissionGroup],
+    ) -> None:
         super().__init__()
-        self._session = session
-        self._messages = session.messages
-        self.questions = Questions(session)
+        self._messages = messages
+        self._questions = Questions(messages, window, self.refused.emit, self.other_folder_wanted.emit)
         self.runs: list[Run] = []
-        self._endings = Endings(session, self)
+        self._endings = Endings(messages, open_project, group, self)
+        self._endings.shown.connect(self.results_shown)
+        self._endings.test_shot_shown.connect(self.test_shot_shown)
+        self._endings.resume_wanted.connect(self.resume)
+        self._endings.failed_wanted.connect(self.capture_failed)
+        self._endings.missing_wanted.connect(self.treat_as_missing)
         self._was_idle = True
         self._closed = False
 
@@ -70,9 +108,20 @@ class Runs(QObject):
         """Task of the run at work; None when idle."""
         return next((run.task for run in self.waiting), None)
 
+    @property
+    def folders(self) -> list[Path]:
+        """Folders of the datasets that are captured or have been, in the order they were asked for."""
+        return [run.folder for run in self.runs if not run.test_shot]
+
+    def can_start(self, state: FormState) -> bool:
+        """Whether there is a folder to capture what is entered into, and the key that its source needs; says so."""
+        return self._questions.folder_is_given(state.folder) and self._questions.key_is_there(
+            state.source_name
+        )
+
     def start(self, planned: Planned, folder: Path, only_failed: bool = False) -> None:
-        """Put the capture of a plan into the line, after what has to be asked has been asked."""
-        if self.questions.belongs_to_another(planned.mission, folder):
+        """Put the capture of a plan into the queue, after what has to be asked has been asked."""
+        if self._questions.belongs_to_another(planned.mission, folder):
             return
         self._enqueue(planned.plan, folder, only_failed, self._requests(planned.plan))
 
@@ -82,41 +131,41 @@ class Runs(QObject):
 
     def treat_as_missing(self, run: Run, digest: str, images: int) -> None:
         """Have a tile count as missing from now on, and capture the images of a run again that show it."""
-        self._session.settings.treat_as_missing(digest)
+        Settings().treat_as_missing(digest)
         self._capture_again(run, run.task.failed + images, only_failed=False)
 
     def _capture_again(self, run: Run, images: int, *, only_failed: bool) -> None:
         share = min(images / max(len(run.plan) * len(run.mission.map_types), 1), 1.0)
-        if not self.questions.key_is_there(run.mission.source):
+        if not self._questions.key_is_there(run.mission.source):
             return
         requests = math.ceil(share * self._requests(run.plan))
         if self._enqueue(run.plan, run.folder, only_failed, requests):
             self.dismiss(run)
 
     def resume(self, run: Run) -> None:
-        """Let a run that is paused go on, or put one that has ended early into the line again."""
+        """Let a run that is paused go on, or put one that has ended early into the queue again."""
         if not run.over:
             run.pause(False)
-        elif self.questions.key_is_there(run.mission.source):
+        elif self._questions.key_is_there(run.mission.source):
             self._enqueue(run.plan, run.folder, run.only_failed, self._requests(run.plan))
 
-    def start_test_shot(self, lat_deg: float, lon_deg: float) -> None:
+    def start_test_shot(self, state: FormState, lat_deg: float, lon_deg: float) -> None:
         """Capture one picture above a point, with camera, height and source as entered."""
         from ...core.mission.plan import plan
 
         if not self.idle:
             return
         try:
-            mission = mission_form.test_shot(self._session.state(), lat_deg, lon_deg)
+            mission = mission_form.test_shot(state, lat_deg, lon_deg)
             steps = plan(mission, grid_of(mission))
         except FormError as wrong:
-            self._session.dock.form.show_messages(wrong.messages)
+            self.refused.emit(wrong.messages)
             self._messages.refused(told(wrong), tr("No test shot."))
             return
         except TerrAInavError as wrong:
             self._messages.refused(told(wrong), tr("No test shot."))
             return
-        questions = self.questions
+        questions = self._questions
         if questions.key_is_there(mission.source) and questions.terms_allow(mission, steps.requests):
             # QGIS removes its temporary folder when it ends.
             folder = Path(QgsProcessingUtils.generateTempFilename("test-shot"))
@@ -148,7 +197,7 @@ class Runs(QObject):
 
     def _enqueue(self, plan: Plan, folder: Path, only_failed: bool, requests: int) -> bool:
         mission = plan.mission
-        if self.questions.is_in_line(mission, folder, self.waiting) or not self.questions.terms_allow(
+        if self._questions.is_queued(mission, folder, self.waiting) or not self._questions.terms_allow(
             mission, requests
         ):
             return False
@@ -183,10 +232,10 @@ class Runs(QObject):
         self._move_on()
 
     def _move_on(self) -> None:
-        line = self.waiting
-        if line and not line[0].under_way:
-            line[0].begin()
+        waiting = self.waiting
+        if waiting and not waiting[0].under_way:
+            waiting[0].begin()
         self.moved.emit()
         if self._was_idle != self.idle:
             self._was_idle = self.idle
-            self._session.running.emit(not self.idle)
+            self.running.emit(not self.idle)

@@ -212,7 +212,7 @@ def row_text(run: Run, place: int = 0) -> str:
     Parameters
     ----------
     place : int
-        Runs before it in the line.
+        Runs before it in the queue.
     """
     if run.stage is Stage.WAITING:
         return (

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from qgis.core import QgsApplication, QgsRectangle
+from qgis.gui import QgisInterface
 from qgis.PyQt.QtCore import QObject, QPoint, QRect, Qt, QTimer, pyqtSignal
 from qgis.PyQt.QtWidgets import QFileDialog
 
@@ -19,7 +20,7 @@ from ..tasks import Task, Worker
 from ..widgets import free_of_menus
 
 if TYPE_CHECKING:
-    from ..session import Session
+    from ..messages import Messages
     from .entropies import Entropies
     from .marks import Marks
     from .panel import CleanPanel, Shown
@@ -34,15 +35,31 @@ _MARGIN = 4.0
 
 
 class Cleaning(QObject):
-    """The window, what is on the map with it, and the work that it starts."""
+    """The window, what is on the map with it, and the work that it starts.
 
+    Parameters
+    ----------
+    iface : QgisInterface
+    messages : Messages
+    datasets : callable
+        Folders that may be a dataset's, those that are meant most likely first.
+
+    Signals
+    -------
+    dataset_wanted(object)
+        Folder of a dataset that is to be opened, its mosaics made anew.
+    """
+
+    dataset_wanted = pyqtSignal(object)
     #: Number of a reading, and the percentage of it that is done; emitted on the reader's thread.
     _read_so_far = pyqtSignal(int, float)
 
-    def __init__(self, session: Session) -> None:
+    def __init__(
+        self, iface: QgisInterface, messages: Messages, datasets: Callable[[], Iterable[Path]]
+    ) -> None:
         super().__init__()
-        self._session, self._iface, self._messages = session, session.iface, session.messages
-        self._canvas = session.iface.mapCanvas()
+        self._iface, self._messages, self._datasets = iface, messages, datasets
+        self._canvas = iface.mapCanvas()
         self.panel: CleanPanel | None = None
         self.marks: Marks | None = None
         self.task: Task | None = None
@@ -97,13 +114,9 @@ class Cleaning(QObject):
     # --- from a folder to what is shown
 
     def _last(self) -> Path | None:
-        """Folder of the dataset captured last, or else of the mission in the panel, or of the one opened last."""
-        captured = [run.folder for run in self._session.runs.runs if not run.test_shot]
-        in_panel = folder_of(self._session.state().folder)
-        for folder in (*reversed(captured), in_panel, *recent()):
-            if (folder / MISSION_FILE).is_file():
-                return folder
-        return None
+        """Folder of the dataset that is meant most likely, or else of the one opened last."""
+        folders = (*self._datasets(), *recent())
+        return next((folder for folder in folders if (folder / MISSION_FILE).is_file()), None)
 
     def _folder_chosen(self, text: str) -> None:
         if text.strip():
@@ -247,7 +260,7 @@ class Cleaning(QObject):
             )
         else:
             moved = any(one.moved or one.returned for one in task.cleaned)
-            update = (tr("Update mosaic"), lambda: self._session.missions.open_dataset(task.folder))
+            update = (tr("Update mosaic"), lambda: self.dataset_wanted.emit(task.folder))
             mosaics = moved and any(task.folder.glob("*.vrt"))
             self._messages.success(f"{task.folder.name}: {task.text()}", update if mosaics else None)
         self._read(task.folder)

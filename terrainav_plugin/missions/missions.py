@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from qgis.core import QgsApplication
-from qgis.PyQt.QtCore import QObject
-from qgis.PyQt.QtWidgets import QFileDialog, QMenu
+from qgis.PyQt.QtCore import QObject, pyqtSignal
+from qgis.PyQt.QtWidgets import QFileDialog, QMenu, QToolButton
 
 from ...core.dataset.folder import JOURNAL_FILE, MISSION_FILE
 from ...core.errors import InvalidInput, TerrAInavError
 from ..dataset.layers import FAILED_FILE
+from ..dataset.placing import show_failed, show_results
 from ..form import mission_form
 from ..form.area import FormError
 from ..form.state import BOX_FIELDS
@@ -21,35 +23,78 @@ from ..i18n import told, tr
 from ..map.mission_group import SavedMission, saved_missions
 from ..paths import folder_of, next_folder
 from ..plain import shown_plain
-from ..results.layers import show_failed, show_results
-from ..settings import recent, remember
+from ..settings import Settings, recent, remember
 from ..sources import grid_finder
 from .opening import DatasetTask
 from .plan_export import PlanExport
 
 if TYPE_CHECKING:
     from ...core.mission.mission import Mission
-    from ..session import Session
+    from ..dataset.placing import OpenProject
+    from ..form.state import FormState
+    from ..messages import Messages
 
 #: Entries of a form without an area.
 _NO_AREA = dict.fromkeys((*BOX_FIELDS, "shape"), "")
 
 
 class Missions(QObject):
-    """The menu of missions, and what it does."""
+    """The menu of missions, and what it does.
 
-    def __init__(self, session: Session) -> None:
+    Parameters
+    ----------
+    button : QToolButton
+        That opens the menu.
+    messages : Messages
+    open_project : OpenProject
+    read, write : callable
+        What is entered, and its setter.
+    captures : callable
+        Folders that captures of this session go into.
+
+    Signals
+    -------
+    preview_wanted(bool)
+        The preview is to come, and the map to go there, or it is to go.
+    reopened()
+        A mission of the project is in the panel again: its preview is kept.
+    zoom_wanted(object)
+        A box.
+    refused(object)
+        What is wrong with entries, by their fields.
+    capture_failed_wanted()
+        The failed images of what is entered are to be captured.
+    clean_wanted(object)
+        The folder of a dataset.
+    """
+
+    preview_wanted = pyqtSignal(bool)
+    reopened = pyqtSignal()
+    zoom_wanted = pyqtSignal(object)
+    refused = pyqtSignal(object)
+    capture_failed_wanted = pyqtSignal()
+    clean_wanted = pyqtSignal(object)
+
+    def __init__(
+        self,
+        button: QToolButton,
+        messages: Messages,
+        open_project: OpenProject,
+        read: Callable[[], FormState],
+        write: Callable[[FormState], None],
+        captures: Callable[[], list[Path]],
+    ) -> None:
         super().__init__()
-        self._session, self._messages = session, session.messages
+        self._button, self._messages, self._open_project = button, messages, open_project
+        self._read, self._write, self._captures = read, write, captures
+        self._settings = Settings()
         self._task: DatasetTask | None = None
-        self.plan_export = PlanExport(session)
-        self._projects_closed = 0
-        self.menu = QMenu(session.dock.missions)
+        self.plan_export = PlanExport(button, messages, self._folder)
+        self.menu = QMenu(button)
         self.menu.setObjectName("missions_menu")
         self.menu.setToolTipsVisible(True)
         self.menu.aboutToShow.connect(self._fill)
-        session.dock.missions.setMenu(self.menu)
-        session.project.cleared.connect(self._project_closed)
+        button.setMenu(self.menu)
 
     @property
     def busy(self) -> bool:
@@ -59,7 +104,6 @@ class Missions(QObject):
     def close(self) -> None:
         """End for good."""
         self.plan_export.close()
-        self._session.project.cleared.disconnect(self._project_closed)
         if self._task is not None:
             self._task.ended.disconnect()
             self._task.cancel()
@@ -71,7 +115,7 @@ class Missions(QObject):
     def _fill(self) -> None:
         menu = self.menu
         menu.clear()
-        saved = saved_missions(self._session.project)
+        saved = saved_missions(self._open_project.project)
         if saved:
             menu.addSection(tr("In this project"))
         current = str(self._folder())
@@ -107,7 +151,7 @@ class Missions(QObject):
 
     def restore(self) -> None:
         """Take up the mission that was in the panel when the project that has been opened was saved."""
-        saved = saved_missions(self._session.project)
+        saved = saved_missions(self._open_project.project)
         if saved:
             self._open_saved(next((mission for mission in saved if mission.current), saved[0]), zoom=False)
 
@@ -118,9 +162,9 @@ class Missions(QObject):
     def ask_for_file(self) -> None:
         """Let the user choose a mission file, and open it."""
         path, _ = QFileDialog.getOpenFileName(
-            self._session.iface.mainWindow(),
+            self._button.window(),
             tr("TerrAInav: open mission"),
-            str(self._session.settings.missions),
+            str(self._settings.missions),
             tr("Mission files (*.json);;All files (*)"),
         )
         if path:
@@ -129,9 +173,9 @@ class Missions(QObject):
     def ask_for_dataset(self) -> None:
         """Let the user choose the folder of a dataset, and open it."""
         path = QFileDialog.getExistingDirectory(
-            self._session.iface.mainWindow(),
+            self._button.window(),
             tr("TerrAInav: open dataset"),
-            str(self._session.settings.missions),
+            str(self._settings.missions),
         )
         if path:
             self.open_path(Path(path))
@@ -149,14 +193,14 @@ class Missions(QObject):
         """Take a mission file's mission into the panel; it is captured into a folder of its own."""
         from ...core.mission.mission import Mission
 
-        folder = self._session.settings.missions / path.stem
+        folder = self._settings.missions / path.stem
         try:
             self._take_up(Mission.load(path), folder if not folder.exists() else next_folder(folder))
         except TerrAInavError as wrong:
             self._tell_broken(path.name, wrong)
             return
         remember(path)
-        self._session.set_preview(True)
+        self.preview_wanted.emit(True)
 
     def open_dataset(self, folder: Path) -> None:
         """Take a dataset's mission into the panel, and its results onto the map."""
@@ -177,7 +221,7 @@ class Missions(QObject):
         except TerrAInavError as wrong:
             self._tell_broken(folder.name, wrong)
             return
-        begun_in = self._projects_closed
+        begun_in = self._open_project.number
         task.ended.connect(lambda task: self._dataset_opened(task, state, begun_in))
         self._task = task
         QgsApplication.taskManager().addTask(task)
@@ -186,38 +230,38 @@ class Missions(QObject):
 
     def begin_new(self) -> None:
         """Empty the area and take a folder that is free; camera, height and source stay as they are."""
-        state = self._session.state()
-        folder = self._folder() if state.folder.strip() else self._session.settings.missions / "mission-1"
-        taken = {Path(saved.folder) for saved in saved_missions(self._session.project)}
-        taken |= {run.folder for run in self._session.runs.runs}
+        state = self._read()
+        folder = self._folder() if state.folder.strip() else self._settings.missions / "mission-1"
+        taken = {Path(saved.folder) for saved in saved_missions(self._open_project.project)}
+        taken |= set(self._captures())
         folder = next_folder(folder, taken | {folder})
-        self._session.set_preview(False)
-        self._session.dock.form.set_state(replace(state, folder=str(folder), **_NO_AREA))
+        self.preview_wanted.emit(False)
+        self._write(replace(state, folder=str(folder), **_NO_AREA))
 
     def begin_anew(self) -> None:
-        """Empty the area for a new project, with a folder that is free, unless captures are under way."""
-        state = self._session.state()
-        if not self._session.runs.idle or not any(getattr(state, name) for name in _NO_AREA):
+        """Empty the area for a new project, with a folder that is free."""
+        state = self._read()
+        if not any(getattr(state, name) for name in _NO_AREA):
             return
         folder = self._folder()
         if state.folder.strip() and folder.exists():
-            taken = {run.folder for run in self._session.runs.runs}
+            taken = set(self._captures())
             state = mission_form.with_folder(state, str(next_folder(folder, taken)))
-        self._session.dock.form.set_state(replace(state, **_NO_AREA))
+        self._write(replace(state, **_NO_AREA))
 
     def save_as(self) -> None:
         """Let the user choose where the mission in the panel is saved."""
         try:
-            mission = mission_form.mission(self._session.state())
+            mission = mission_form.mission(self._read())
         except FormError as wrong:
-            self._session.dock.form.show_messages(wrong.messages)
+            self.refused.emit(wrong.messages)
             reason = next(iter(wrong.messages.values()), "")
             self._messages.refused(reason, tr("Nothing to save yet."))
             return
         chosen, _ = QFileDialog.getSaveFileName(
-            self._session.iface.mainWindow(),
+            self._button.window(),
             tr("TerrAInav: save mission"),
-            str(self._session.settings.missions / f"{self._folder().name}.json"),
+            str(self._settings.missions / f"{self._folder().name}.json"),
             tr("Mission files (*.json)"),
         )
         if not chosen:
@@ -234,25 +278,22 @@ class Missions(QObject):
 
     def capture_failed(self) -> None:
         """Capture only those images of the mission in the panel that have failed."""
-        self._session.capture(only_failed=True)
+        self.capture_failed_wanted.emit()
 
     def clean(self) -> None:
         """Open the window in which the dataset of the mission in the panel is cleaned."""
-        self._session.cleaning.open(self._folder())
+        self.clean_wanted.emit(self._folder())
 
     # --- how
 
     def _folder(self) -> Path:
-        return folder_of(self._session.state().folder)
-
-    def _project_closed(self) -> None:
-        self._projects_closed += 1
+        return folder_of(self._read().folder)
 
     def _state_of(self, mission: Mission, folder: Path) -> mission_form.FormState:
-        return mission_form.state_of(mission, str(folder), like=self._session.state())
+        return mission_form.state_of(mission, str(folder), like=self._read())
 
     def _take_up(self, mission: Mission, folder: Path) -> None:
-        self._session.dock.form.set_state(self._state_of(mission, folder))
+        self._write(self._state_of(mission, folder))
 
     def _open_saved(self, saved: SavedMission, zoom: bool) -> None:
         from ...core.mission.mission import Mission
@@ -265,9 +306,9 @@ class Missions(QObject):
                 tr("The project's mission cannot be read: {error}").format(error=told(wrong))
             )
             return
-        self._session.show_preview_again()
+        self.reopened.emit()
         if zoom:
-            self._session.zoom_to(mission.area.bounds)
+            self.zoom_wanted.emit(mission.area.bounds)
 
     def _dataset_opened(self, task: DatasetTask, state: mission_form.FormState, begun_in: int) -> None:
         self._task = None
@@ -275,17 +316,17 @@ class Missions(QObject):
             tell = self._messages.error if task.trace else self._messages.warning
             tell(told(task.error), task.trace)
             return
-        if task.opened is None or begun_in != self._projects_closed:
+        if task.opened is None or begun_in != self._open_project.number:
             return
         remember(task.folder)
-        group = self._session.group_of(task.folder)
+        group = self._open_project.group_of(task.folder)
         show_results(group, task.opened)
         # Layers that were not needed keep their files open.
         task.opened = None
         show_failed(group, task.failed)
-        self._session.dock.form.set_state(state)
+        self._write(state)
         group.make_current()
-        self._session.zoom_to(task.mission.area.bounds)
+        self.zoom_wanted.emit(task.mission.area.bounds)
         if task.left_out:
             self._messages.warning(
                 tr("{name}: opened without mosaic: {reason}").format(

@@ -2,23 +2,25 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from qgis.core import QgsApplication
-from qgis.PyQt.QtCore import QObject
-from qgis.PyQt.QtWidgets import QFileDialog
+from qgis.PyQt.QtCore import QObject, pyqtSignal
+from qgis.PyQt.QtWidgets import QFileDialog, QWidget
 
 from ...core.errors import TerrAInavError
 from ..i18n import told, tr
 from ..paths import open_in_system
+from ..settings import Settings
 from ..tasks import Task
 
 if TYPE_CHECKING:
     from ...core.mission.export import Exported
     from ...core.mission.plan import Plan
+    from ..messages import Messages
     from ..planner import Planned
-    from ..session import Session
 
 #: Ending of a name that has none.
 _USUAL = ".kml"
@@ -46,11 +48,27 @@ class ExportTask(Task):
 
 
 class PlanExport(QObject):
-    """Asks for the file, has it written, and says what its format could not say."""
+    """Asks for the file, has it written, and says what its format could not say.
 
-    def __init__(self, session: Session) -> None:
+    Parameters
+    ----------
+    parent : QWidget
+        Dialogs belong to its window.
+    messages : Messages
+    folder : callable
+        Folder of the mission that is entered, whose name files have until the user gives them another.
+
+    Signals
+    -------
+    plan_wanted(object, str)
+        What to do with the plan of what is entered, as soon as there is one; and what to say where there is none.
+    """
+
+    plan_wanted = pyqtSignal(object, str)
+
+    def __init__(self, parent: QWidget, messages: Messages, folder: Callable[[], Path]) -> None:
         super().__init__()
-        self._session, self._messages = session, session.messages
+        self._parent, self._messages, self._mission_folder = parent, messages, folder
         self._task: ExportTask | None = None
 
     @property
@@ -74,10 +92,10 @@ class PlanExport(QObject):
                 )
             )
             return
-        folder = self._session.settings.missions
-        name = Path(self._session.state().folder.strip()).name or tr("mission")
+        folder = Settings().missions
+        name = self._mission_folder().name or tr("mission")
         chosen, kind = QFileDialog.getSaveFileName(
-            self._session.iface.mainWindow(),
+            self._parent.window(),
             tr("TerrAInav: export plan"),
             str((folder if folder.is_dir() else Path.home()) / f"{name}{_USUAL}"),
             ";;".join(f"{title} (*{ending})" for ending, title in formats().items()),
@@ -86,7 +104,7 @@ class PlanExport(QObject):
             return
         path = with_ending(Path(chosen), kind)
         refusal = tr("Nothing to export yet.")
-        self._session.with_plan(lambda planned: self._write(planned, path), refusal)
+        self.plan_wanted.emit(lambda planned: self._write(planned, path), refusal)
 
     def _write(self, planned: Planned, path: Path) -> None:
         from ...core.mission.export import check_plan_ending

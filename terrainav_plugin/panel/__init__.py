@@ -1,7 +1,7 @@
 """The mission panel: what is typed, chosen and shown there, and QGIS's page of the plugin's settings.
 
 dock            entries, figures, buttons and captures, one below the other
-form            the entries together, as the state that they make
+form            the entries together, as the state that they make, remembered between sessions
 entries         groups of entries that are fields of the state
 sections        flight, output, and what most missions leave as it is
 camera          the entries of the camera, and the cameras to choose from
@@ -10,8 +10,7 @@ choices         the sources to choose from
 source_shelf    these as the project's layers come and go, and as the user adds and removes some
 source_dialogs  dialogs for sources of one's own
 figures         the figures of a plan in the user's words
-refusals        what the core says of a mission, at the entry where it is put right
+planning        from what is entered to a plan
 runs            the captures of this session
-memory          the entries, remembered between sessions
 options_page    the plugin's settings, among QGIS's own
 """

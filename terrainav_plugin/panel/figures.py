@@ -15,9 +15,9 @@ from qgis.PyQt.QtWidgets import QFrame, QLabel, QScrollArea, QSizePolicy, QToolB
 
 from ...core.mission.estimate import percent, size_text
 from ...core.mission.rungs import bound_text
+from ..form.refusals import in_words_of_the_dock
 from ..i18n import localized, number_text, told, tr
 from ..units import METRES, area_text, duration_text, gsd_text, length_text
-from .refusals import in_words_of_the_dock
 
 if TYPE_CHECKING:
     from ...core.imagery.policy import Policy

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from typing import Any
 
 from qgis.core import QgsSettings
 from qgis.gui import QgsCollapsibleGroupBoxBasic
-from qgis.PyQt.QtCore import Qt, pyqtSignal
+from qgis.PyQt.QtCore import QObject, Qt, QTimer, pyqtSignal
 from qgis.PyQt.QtWidgets import QGridLayout, QLayout, QLayoutItem, QVBoxLayout, QWidget
 
 from ..area.editing import AreaEditing
@@ -16,6 +16,7 @@ from ..area.entries import AreaEntries
 from ..form.camera import settled
 from ..form.mission_form import beyond_text
 from ..form.state import FormState, with_unchanged
+from ..settings import Settings
 from ..widgets import STYLE_SHEET, FieldMarks
 from .camera import CameraEntries
 from .choices import CameraChoice, SourceChoice
@@ -30,6 +31,8 @@ from .sections import (
 )
 
 _KEY = "TerrAInav/folded/{name}"
+#: Pause in typing after which entries are written down: QGIS writes its whole file of settings each time.
+_PAUSE_MS = 1000
 
 
 class DockForm(QWidget):
@@ -241,3 +244,35 @@ def _items(layout: QLayout) -> list[QLayoutItem]:
         places = sorted((layout.getItemPosition(number)[:2], number) for number in numbers)
         numbers = [number for _, number in places]
     return [layout.itemAt(number) for number in numbers]
+
+
+class FormMemory(QObject):
+    """Writes entries to the settings once typing has paused.
+
+    Parameters
+    ----------
+    read : callable
+        State of the form.
+    """
+
+    def __init__(self, settings: Settings, read: Callable[[], FormState], parent: QObject) -> None:
+        super().__init__(parent)
+        self._settings, self._read = settings, read
+        self._pause = QTimer(self)
+        self._pause.setSingleShot(True)
+        self._pause.setInterval(_PAUSE_MS)
+        self._pause.timeout.connect(self.write)
+
+    @property
+    def pending(self) -> bool:
+        """Whether there is something to be written down."""
+        return self._pause.isActive()
+
+    def note(self) -> None:
+        """Take up that the form has changed."""
+        self._pause.start()
+
+    def write(self) -> None:
+        """Write down what is entered now."""
+        self._pause.stop()
+        self._settings.form = self._read().to_json()

@@ -32,7 +32,6 @@ from ...core.mission.estimate import size_text
 from ..help import add_help_button
 from ..i18n import localized, number_text, told, tr
 from ..messages import log
-from ..options import PAGE
 from ..plain import plain_label, shown_plain
 from ..settings import Settings
 from ..widgets import STYLE_SHEET, FieldMarks, choose, combo, row
@@ -61,7 +60,6 @@ class OptionsPage(QgsOptionsPageWidget):
 
     def __init__(self, parent: QWidget | None, applied: Callable[[], None]) -> None:
         super().__init__(parent)
-        self.setObjectName(PAGE)
         self.setStyleSheet(STYLE_SHEET)
         self._settings, self._applied = Settings(), applied
         self.marks = FieldMarks()

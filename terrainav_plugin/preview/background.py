@@ -13,7 +13,7 @@ import numpy as np
 from osgeo import gdal
 from qgis.core import QgsApplication, QgsMapLayer, QgsProject, QgsRasterLayer, QgsRectangle
 from qgis.gui import QgisInterface
-from qgis.PyQt.QtCore import QObject
+from qgis.PyQt.QtCore import QObject, pyqtSignal
 
 from ...core.capture.georeference import WEB_MERCATOR_WKT
 from ...core.errors import Cancelled, InvalidInput, OutputError, TerrAInavError
@@ -27,13 +27,13 @@ from ..i18n import told, tr
 from ..map.canvas import box_of, canvas_rectangle
 from ..map.mission_group import ROLE
 from ..qgis_source.snapshot import is_of_qgis
+from ..settings import Settings
 from ..sources import WORLD, tile_layer_uri
 from ..tasks import Task
 
 if TYPE_CHECKING:
+    from ..form.state import FormState
     from ..messages import Messages
-    from ..panel.dock import Dock
-    from ..settings import Settings
 
 #: Where a first look at the embedded world goes while nothing says where: the fields of the published dataset.
 _FIRST_PLACE = Box(35.16, -89.90, 35.115, -89.823)
@@ -53,19 +53,42 @@ _OVERVIEWS = (2, 4, 8, 16, 32)
 
 
 class SourceOnMap(QObject):
-    """Shows sources as background; the embedded world is drawn first, on a thread of the task manager."""
+    """Shows sources as background; the embedded world is drawn first, on a thread of the task manager.
 
-    def __init__(self, background: Background, dock: Dock, messages: Messages, settings: Settings) -> None:
+    Parameters
+    ----------
+    background : Background
+    messages : Messages
+    read : callable
+        What is entered.
+    title : callable
+        Title of the source that is.
+
+    Signals
+    -------
+    drawing(bool)
+        The embedded world is being drawn, or has been.
+    """
+
+    drawing = pyqtSignal(bool)
+
+    def __init__(
+        self,
+        background: Background,
+        messages: Messages,
+        read: Callable[[], FormState],
+        title: Callable[[], str],
+    ) -> None:
         super().__init__()
-        self._background, self._form = background, dock.form
-        self._messages, self._settings = messages, settings
+        self._background, self._messages = background, messages
+        self._read, self._title = read, title
         self._task: WorldTask | None = None
 
     def show(self, then: Callable[[], None] | None = None) -> None:
         """Show what is entered, and zoom to the area; ``then`` is called once it is there."""
         from ...core.imagery.opening import is_file
 
-        state = self._form.state()
+        state = self._read()
         area, seen = mission_form.box(state), self._background.looked_at()
         map_type = state.map_types[0] if state.map_types else "satellite"
         try:
@@ -73,7 +96,7 @@ class SourceOnMap(QObject):
             if state.source == WORLD:
                 self._show_world(area or seen or _FIRST_PLACE, map_type, state.seed, stay, then)
                 return
-            title = self._form.imagery.title()
+            title = self._title()
             if is_file(state.source):
                 self._background.show_file(state.source, title)
             elif not is_of_qgis(state.source):
@@ -98,13 +121,13 @@ class SourceOnMap(QObject):
         """Draw and show the embedded world around a box, and zoom there unless the map is to stay where it is."""
         if self._task is not None:
             return
-        folder = self._settings.backgrounds
+        folder = Settings().backgrounds
         task = self._background.world_task(box, map_type, seed, folder)
-        title = self._form.imagery.title()
+        title = self._title()
 
         def show(task: WorldTask | None) -> None:
             self._task = None
-            self._form.show_on_map.setEnabled(True)
+            self.drawing.emit(False)
             if task is not None and task.error:
                 self._messages.error(told(task.error), task.trace)
             elif task is None or not task.isCanceled():
@@ -121,7 +144,7 @@ class SourceOnMap(QObject):
             show(None)
             return
         self._task = task
-        self._form.show_on_map.setEnabled(False)
+        self.drawing.emit(True)
         task.ended.connect(show)
         QgsApplication.taskManager().addTask(task)
 

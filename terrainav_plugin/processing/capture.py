@@ -139,7 +139,7 @@ class _Capturing(WithImagery):
 
     def finished(self) -> None:
         """Put new mosaics in the place of those that the project may show."""
-        from ..results.layers import place_mosaics
+        from ..dataset.placing import place_mosaics
 
         place_mosaics(QgsProject.instance(), self._made)
 

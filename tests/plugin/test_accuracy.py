@@ -17,9 +17,9 @@ from terrainav.core.mission.plan import plan
 from terrainav.core.mission.rungs import bound_text
 from terrainav.core.mission.wind import Wind
 from terrainav.terrainav_plugin.form.mission_form import mission, state_of
+from terrainav.terrainav_plugin.form.refusals import refused_fields
 from terrainav.terrainav_plugin.form.state import FormState
 from terrainav.terrainav_plugin.panel.figures import readout
-from terrainav.terrainav_plugin.panel.refusals import refused_fields
 from terrainav.terrainav_plugin.sources import grid_of
 
 AREA = Box(35.16, -89.90, 35.115, -89.823)

@@ -156,7 +156,7 @@ def test_panels_beside_the_map_keep_their_width(desk, dataset):
     from terrainav.terrainav_plugin.cleaning.cleaning import Cleaning
 
     # One of its own, whose window has not been opened before.
-    cleaning = Cleaning(desk.session)
+    cleaning = Cleaning(desk.iface, desk.session.messages, list)
     layers = desk.iface.mainWindow().findChild(QDockWidget, "Layers")
     before = layers.width(), desk.canvas.width()
     try:

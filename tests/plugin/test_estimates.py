@@ -13,8 +13,8 @@ from terrainav.core.mission.area import Box, Points
 from terrainav.core.mission.estimate import OFFLINE, ONLINE, estimate
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
+from terrainav.terrainav_plugin.form.refusals import in_words_of_the_dock
 from terrainav.terrainav_plugin.panel.figures import readout
-from terrainav.terrainav_plugin.panel.refusals import in_words_of_the_dock
 from terrainav.terrainav_plugin.sources import grid_of
 from terrainav.terrainav_plugin.units import duration_text
 

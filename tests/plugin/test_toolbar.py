@@ -89,8 +89,8 @@ def test_capture_button_captures(desk):
 
 def test_missing_package_is_one_line(plugin, iface, monkeypatch):
     """Nothing else happens, and nothing is raised."""
-    needed = {**plugin_module._NEEDED, "no_such_module_anywhere": "Imaginary"}
-    monkeypatch.setattr(plugin_module, "_NEEDED", needed)
+    needed = {**plugin_module.NEEDED, "no_such_module_anywhere": "Imaginary"}
+    monkeypatch.setattr(plugin_module, "NEEDED", needed)
     monkeypatch.setattr(plugin, "_session", None)
     for name in BUTTONS:
         plugin.actions[name].trigger()

@@ -45,10 +45,10 @@ def captured(desk, server, viewing):
         change()
         planned = desk.wait_planned()
         seen = []
-        desk.session.running.connect(seen.append)
+        desk.session.runs.running.connect(seen.append)
         desk.click(desk.dock.capture)
         desk.wait(lambda: seen[-1:] == [False])
-        desk.session.running.disconnect(seen.append)
+        desk.session.runs.running.disconnect(seen.append)
         desk.look_at("EPSG:3857", (0, 0, 1, 1))
         desk.session.zoom_to(planned.mission.area.bounds)
         desk.canvas.waitWhileRendering()

@@ -1,12 +1,16 @@
-"""What the core says of a mission, at the entry where it is put right and in the dock's own words."""
+"""What the core says of a mission, at the entry where it is put right and in the panel's own words."""
 
 from __future__ import annotations
 
 import re
+from typing import TYPE_CHECKING
 
 from ...core.errors import InvalidInput, TerrAInavError
-from ..form.mission_form import entry_of
 from ..i18n import told, tr
+from .mission_form import entry_of
+
+if TYPE_CHECKING:
+    pass
 
 #: An option of the command, as the core's advice names it.
 _OPTION = re.compile(r"--[a-z][a-z-]*")

@@ -1,4 +1,4 @@
-"""Results on the map: a mosaic of map frames for each map type, the footprints, and what has failed."""
+"""Results in their mission's group: a mosaic of map frames for each map type, the footprints, and what has failed."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ from qgis.core import (
 from qgis.PyQt.QtCore import QThread
 
 from ..compat import field
-from ..dataset.layers import OpenedResults, open_raster
-from ..dataset.mosaic import Mosaic
 from ..i18n import tr
 from ..map.mission_group import CAPTURED, FAILED, MissionGroup, file_of
 from ..paths import place_of, style
 from ..plain import escaped_field
+from .layers import OpenedResults, open_raster
+from .mosaic import Mosaic
 
 if TYPE_CHECKING:
     from ...core.mission.mission import Mission
@@ -32,6 +32,35 @@ if TYPE_CHECKING:
 #: Formats that map tips can show.
 _SHOWN_IN_TIPS = ("jpg", "png")
 _TIP_PX = 320
+
+
+class OpenProject:
+    """Which of a session's projects is open: the one that work was begun in, or one after it.
+
+    Work goes on when its project is closed. Its results are shown only where that project is still open, or another is
+    that has a group for the same folder.
+    """
+
+    def __init__(self, project: QgsProject) -> None:
+        self.project = project
+        #: How many have been closed before it.
+        self.number = 0
+        project.cleared.connect(self._closed)
+
+    def close(self) -> None:
+        """End for good."""
+        self.project.cleared.disconnect(self._closed)
+
+    def group_of(self, folder: Path) -> MissionGroup:
+        """Group of the mission that is captured into a folder."""
+        return MissionGroup(self.project, folder)
+
+    def shows(self, number: int | None, folder: Path) -> bool:
+        """Whether results of a folder are shown that were begun in the project of a number."""
+        return number == self.number or self.group_of(folder).find() is not None
+
+    def _closed(self) -> None:
+        self.number += 1
 
 
 def show_results(group: MissionGroup, opened: OpenedResults, changed: bool = True) -> list[QgsMapLayer]:
