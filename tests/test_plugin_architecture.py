@@ -124,7 +124,9 @@ def test_circles_are_found():
 def test_a_room_names_its_modules_in_reading_order(room):
     text = (PLUGIN / room / "__init__.py").read_text(encoding="utf-8")
     named = [line.split()[0] for line in ast.get_docstring(ast.parse(text)).splitlines()[2:]]
-    assert sorted(named) == sorted(path.stem for path in (PLUGIN / room).glob("*.py") if path.stem != "__init__")
+    assert sorted(named) == sorted(
+        path.stem for path in (PLUGIN / room).glob("*.py") if path.stem != "__init__"
+    )
 
 
 @pytest.mark.parametrize(

@@ -3424,6 +3424,41 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>Detenido: {reason}</translation>
     </message>
     <message>
+        <location filename="../../terrainav_plugin/processing/areas.py"/>
+        <source>area of {count} separate polygons: must be one; select one, or run it as a batch</source>
+        <translation>área de {count} polígonos separados: debe ser uno; seleccionar uno, o ejecutarlo por lotes</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/areas.py"/>
+        <source>area {name}: has no features</source>
+        <translation>área {name}: no tiene objetos espaciales</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/areas.py"/>
+        <source>area {name}: has no place in latitude and longitude ({error})</source>
+        <translation>área {name}: no tiene lugar en latitud y longitud ({error})</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/areas.py"/>
+        <source>area {name}: no such layer</source>
+        <translation>área {name}: no existe tal capa</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/areas.py"/>
+        <source>extent {text}: cannot be read; must be xmin,xmax,ymin,ymax [EPSG:code]</source>
+        <translation>extensión {text}: no se puede leer; debe ser xmin,xmax,ymin,ymax [EPSG:código]</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/areas.py"/>
+        <source>extent: has no place in latitude and longitude ({error})</source>
+        <translation>extensión: no tiene lugar en latitud y longitud ({error})</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/areas.py"/>
+        <source>point {id}, field {field}: {value} is no number</source>
+        <translation>punto {id}, campo {field}: {value} no es un número</translation>
+    </message>
+    <message>
         <location filename="../../terrainav_plugin/processing/capture.py"/>
         <source>A new folder, or one that holds this mission, to go on with it.</source>
         <translation>Una carpeta nueva, o una que contiene esta misión, para continuarla.</translation>
@@ -4054,26 +4089,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>area of {count} separate polygons: must be one; select one, or run it as a batch</source>
-        <translation>área de {count} polígonos separados: debe ser uno; seleccionar uno, o ejecutarlo por lotes</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>area {name}: has no features</source>
-        <translation>área {name}: no tiene objetos espaciales</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>area {name}: has no place in latitude and longitude ({error})</source>
-        <translation>área {name}: no tiene lugar en latitud y longitud ({error})</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>area {name}: no such layer</source>
-        <translation>área {name}: no existe tal capa</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
         <source>aspect ratio {text!r}: must be such as 4:3</source>
         <translation>relación de aspecto {text!r}: debe ser como 4:3</translation>
     </message>
@@ -4089,16 +4104,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>extent {text}: cannot be read; must be xmin,xmax,ymin,ymax [EPSG:code]</source>
-        <translation>extensión {text}: no se puede leer; debe ser xmin,xmax,ymin,ymax [EPSG:código]</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>extent: has no place in latitude and longitude ({error})</source>
-        <translation>extensión: no tiene lugar en latitud y longitud ({error})</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
         <source>image size {text!r}: must be width height channels, such as 256 256 3</source>
         <translation>tamaño de imagen {text!r}: debe ser anchura altura canales, como 256 256 3</translation>
     </message>
@@ -4106,11 +4111,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
         <source>lat_lon_agl for one capture, latTL_lonTL_latBR_lonBR_agl for a box, or a text file of lat lon agl [yaw] lines; heights in metres.</source>
         <translation>lat_lon_agl para una captura, latTL_lonTL_latBR_lonBR_agl para un recuadro, o un archivo de texto con líneas de lat lon agl [guiñada]; alturas en metros.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>point {id}, field {field}: {value} is no number</source>
-        <translation>punto {id}, campo {field}: {value} no es un número</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>

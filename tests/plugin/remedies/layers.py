@@ -36,7 +36,7 @@ def project():
     QgsProject.instance().clear()
 
 
-@remedy("layers/snapshot.py", "the map shows no layer: tick one in the Layers panel")
+@remedy("qgis_source/snapshot.py", "the map shows no layer: tick one in the Layers panel")
 def _nothing_ticked(case: Case) -> None:
     project = case.fixture("project")
     layer = memory_layer(project)
@@ -56,7 +56,8 @@ def memory_layer(project):
 
 
 @remedy(
-    "layers/snapshot.py", "source {name}: the project has no such layer (any more); choose another source"
+    "qgis_source/snapshot.py",
+    "source {name}: the project has no such layer (any more); choose another source",
 )
 def _no_such_layer(case: Case) -> None:
     project = case.fixture("project")
@@ -67,7 +68,7 @@ def _no_such_layer(case: Case) -> None:
     case.follow("choose another source", lambda: layers_of(source_name(there), project) == [there])
 
 
-@remedy("layers/snapshot.py", "layer {name}: shows nothing; repair its data source")
+@remedy("qgis_source/snapshot.py", "layer {name}: shows nothing; repair its data source")
 def _broken_layer(case: Case) -> None:
     project = case.fixture("project")
     path = case.tmp_path / "points.geojson"
@@ -80,7 +81,7 @@ def _broken_layer(case: Case) -> None:
     case.follow("repair its data source", lambda: layers_of(source_name(layer), project) == [layer])
 
 
-@remedy("layers/snapshot.py", "layer {name}: its place on the globe is not known; set its CRS")
+@remedy("qgis_source/snapshot.py", "layer {name}: its place on the globe is not known; set its CRS")
 def _unknown_place(case: Case) -> None:
     project = case.fixture("project")
     utm = (505_000.0, 2.0, 0.0, 5_317_000.0, 0.0, -2.0)
@@ -93,7 +94,7 @@ def _unknown_place(case: Case) -> None:
 
 
 @remedy(
-    "layers/tiles.py",
+    "qgis_source/tiles.py",
     "layer {name}: its service has tiles of {size} px; choose a layer with tiles of 256, 512 or 1024 px",
 )
 def _odd_tiles(case: Case) -> None:
@@ -127,7 +128,7 @@ def entry_of(name):
 
 
 @remedy(
-    "layers/connections.py",
+    "qgis_source/connections.py",
     "source {name}: QGIS has no such XYZ connection (any more); choose another source",
 )
 def _no_such_connection(case: Case) -> None:
@@ -138,7 +139,7 @@ def _no_such_connection(case: Case) -> None:
 
 
 @remedy(
-    "layers/connections.py",
+    "qgis_source/connections.py",
     "QGIS connection “{name}” holds a user name and password in plain text: give it an authentication configuration "
     "in QGIS's Browser panel",
 )
@@ -162,7 +163,7 @@ def authenticated(case, **told):
 
 
 @remedy(
-    "layers/connections.py",
+    "qgis_source/connections.py",
     "QGIS connection “{name}” holds keys in its address ({keys}), which would end up in files: take them out of it, "
     "and give it an authentication configuration in QGIS's Browser panel",
 )
@@ -180,7 +181,7 @@ def _several_keys(case: Case) -> None:
 
 
 @remedy(
-    "dock/source_choices.py",
+    "panel/choices.py",
     "A service of many layers: choose it, then one of them, which is kept with your own sources.",
 )
 def _service_of_layers(case: Case) -> None:
@@ -251,7 +252,7 @@ def _other_zooms(case: Case) -> None:
         case.follow("add its layer by QGIS's Browser", layer.isValid)
 
 
-@remedy("dock/add_source_dialog.py", "“{name}” is taken; choose another name")
+@remedy("panel/source_dialogs.py", "“{name}” is taken; choose another name")
 def _name_is_taken(case: Case) -> None:
     case.fixture("desk")
     dialog = AddSourceDialog()

@@ -83,7 +83,7 @@ def _still_being_written(case: Case) -> None:
     case.follow("try again when it is there.", again)
 
 
-@remedy("map/mosaic.py", "file {}: cannot be replaced ({}); close what shows it")
+@remedy("dataset/mosaic.py", "file {}: cannot be replaced ({}); close what shows it")
 def _held_open(case: Case) -> None:
     """As on Windows, where a program has it open."""
     folder = case.tmp_path / "out"
@@ -119,7 +119,7 @@ def look(desk):
 
 
 @remedy(
-    "viewer/viewing.py",
+    "results/viewing.py",
     "There are no captured images on the map yet: capture a mission, or open a dataset by “Missions”.",
 )
 def _nothing_to_look_at(case: Case) -> None:
@@ -166,14 +166,14 @@ def hint_of(viewing):
     return viewing.viewer.view.accessibleName()
 
 
-@remedy("viewer/viewer.py", "Click a captured footprint on the map.")
+@remedy("results/viewer.py", "Click a captured footprint on the map.")
 def _first_look(case: Case) -> None:
     _, viewing, click = looked_at(case)
     case.says(hint_of(viewing), only_here=False)
     case.follow("Click a captured footprint on the map.", click)
 
 
-@remedy("viewer/viewing.py", "Click a captured footprint on the map.")
+@remedy("results/viewing.py", "Click a captured footprint on the map.")
 def _image_has_gone(case: Case) -> None:
     desk, viewing, click = looked_at(case)
     assert click()
@@ -184,7 +184,7 @@ def _image_has_gone(case: Case) -> None:
     case.follow("Click a captured footprint on the map.", click)
 
 
-@remedy("viewer/viewing.py", "No image shows this place. Click a captured footprint on the map.")
+@remedy("results/viewing.py", "No image shows this place. Click a captured footprint on the map.")
 def _beside_all(case: Case) -> None:
     desk, viewing, click = looked_at(case)
     desk.click_map(desk.at(0.01, 0.01))
@@ -209,7 +209,7 @@ def read(desk, cleaning):
     return cleaning.panel.entropies is not None
 
 
-@remedy("dataset/clean_panel.py", "Choose the folder of a dataset.")
+@remedy("cleaning/panel.py", "Choose the folder of a dataset.")
 def _no_folder(case: Case) -> None:
     desk, cleaning, folder = case.fixture("desk"), case.fixture("cleaning"), case.tmp_path / "out"
     dataset(folder)
@@ -221,7 +221,7 @@ def _no_folder(case: Case) -> None:
     case.follow("Choose the folder of a dataset.", lambda: read(desk, cleaning))
 
 
-@remedy("dataset/cleaning.py", "{name}: stopped. Press the button again to finish, or Undo to put all back.")
+@remedy("cleaning/cleaning.py", "{name}: stopped. Press the button again to finish, or Undo to put all back.")
 def _cleaning_stopped(case: Case) -> None:
     desk, cleaning, folder = case.fixture("desk"), case.fixture("cleaning"), case.tmp_path / "out"
     total = len(dataset(folder))
