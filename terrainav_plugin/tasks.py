@@ -65,23 +65,30 @@ class Task(QgsTask):
         self.ended.emit(self)
 
 
-class Worker(QObject):
-    """Answers with what the last work gave; earlier answers are dropped.
+class LatestWorker(QObject):
+    """One piece of work at a time on a thread of its own: the last one asked for wins.
+
+    Answers and errors of work that is overtaken are dropped, and so is work that has not begun by then.
+
+    Parameters
+    ----------
+    name : str
+        Of the thread.
 
     Signals
     -------
-    refused(str)
-        The message of an error.
+    failed(object)
+        The error of the last work asked for.
     """
 
-    refused = pyqtSignal(str)
+    failed = pyqtSignal(object)
     _finished = pyqtSignal(int, object, object)
 
-    def __init__(self) -> None:
-        super().__init__()
+    def __init__(self, name: str, parent: QObject | None = None) -> None:
+        super().__init__(parent)
         self._latest = self._open = 0
         self._closed = False
-        self._pool = ThreadPoolExecutor(1, thread_name_prefix="terrainav-viewer")
+        self._pool = ThreadPoolExecutor(1, thread_name_prefix=f"terrainav-{name}")
         # Emitted on the worker's thread, received on this object's.
         self._finished.connect(self._deliver)
 
@@ -92,21 +99,37 @@ class Worker(QObject):
 
     @property
     def busy(self) -> bool:
-        """Whether an answer is still to come."""
+        """Whether work is under way or waits, overtaken or not."""
         return self._open > 0
 
-    def ask(self, work: Callable[[], Any], answer: Callable[[Any], None]) -> None:
-        """Have something done, and ``answer`` called with what it gave, on the thread of the caller."""
-        self._latest += 1
+    def ask(self, work: Callable[[Callable[[], bool]], Any], answer: Callable[[Any], None]) -> None:
+        """Have something done.
+
+        Parameters
+        ----------
+        work : callable
+            Called on the worker's thread with what says, at any time, whether nobody waits for it any more.
+        answer : callable
+            Called with what the work gave, on the thread of the caller.
+        """
+        self.forget()
         self._open += 1
         number = self._latest
-        self._pool.submit(lambda: work() if number == self._latest else None).add_done_callback(
+
+        def overtaken() -> bool:
+            return number != self._latest
+
+        self._pool.submit(lambda: None if overtaken() else work(overtaken)).add_done_callback(
             lambda future: self._finished.emit(number, future, answer)
         )
 
+    def forget(self) -> None:
+        """Wait for nothing any more: what has been asked for is overtaken."""
+        self._latest += 1
+
     def close(self) -> None:
         """End the thread; no answer comes any more."""
-        self._latest += 1
+        self.forget()
         self._closed = True
         self._pool.shutdown(wait=True, cancel_futures=True)
 
@@ -117,10 +140,13 @@ class Worker(QObject):
         error = future.exception()
         if error is None:
             answer(future.result())
-        elif isinstance(error, TerrAInavError):
-            self.refused.emit(str(error))
         else:
-            self.refused.emit(repr(error))
+            self.failed.emit(error)
+
+
+def reason_of(error: BaseException) -> str:
+    """Why work has failed: in words, or as Python has it where that should not have happened."""
+    return str(error) if isinstance(error, TerrAInavError) else repr(error)
 
 
 class PythonThread(Generic[Result]):

@@ -30,8 +30,7 @@ from ...core.mission.area import Area, Box, Points, Polygon, Position
 from ...core.mission.coords import parse_coords
 from ..compat import POINT, POLYGON
 from ..i18n import number_text, tr
-from ..map.canvas import WGS84 as LON_LAT
-from ..map.canvas import box_of
+from ..map.canvas import LON_LAT, box_of
 from ..tasks import Task
 
 #: Metres that an edge or a curve of a layer may be off on the ground, once it is straight between degrees: about a

@@ -16,8 +16,7 @@ from ..compat import POLYGON
 from ..form.area import readout, size_text
 from ..i18n import told, tr
 from ..map.canvas import TemporaryTool, box_of, lon_lat_of
-from .bands import AreaBands, area_band
-from .bands import PointerText as Readout
+from .bands import AreaBands, PointerText, area_band
 from .outline import Outline, contains, grip_at, middle_of, moved, place_at, stretched
 
 #: Screen pixels within which the pointer is at an edge, a corner or a point: a fingertip of a mouse's precision.
@@ -56,7 +55,7 @@ class BoxTool(TemporaryTool):
     def __init__(self, canvas: QgsMapCanvas) -> None:
         super().__init__(canvas)
         self._band: QgsRubberBand | None = None
-        self._readout = Readout(canvas)
+        self._readout = PointerText(canvas)
         self._pressed_at: QPoint | None = None
         self._start: QgsPointXY | None = None
         self._given_up = False
@@ -203,7 +202,7 @@ class AreaTool(TemporaryTool):
         self._from: tuple[float, float] | None = None
         self._pressed_at: QPoint | None = None
         self._panned_from: QgsPointXY | None = None
-        self._bands, self._readout = AreaBands(canvas), Readout(canvas)
+        self._bands, self._readout = AreaBands(canvas), PointerText(canvas)
 
     def set_area(self, area: Area | None) -> None:
         """Take another area; without one there is nothing to move."""

@@ -16,7 +16,7 @@ from ...core.dataset.folder import DECIDING, FOOTPRINTS_FILE, MISSION_FILE
 from ..i18n import told, tr
 from ..paths import folder_of, open_in_system
 from ..settings import recent
-from ..tasks import Task, Worker
+from ..tasks import LatestWorker, Task, reason_of
 from ..widgets import free_of_menus
 
 if TYPE_CHECKING:
@@ -68,8 +68,8 @@ class Cleaning(QObject):
         self._map_type = ""
         self._asked = 0
         # Pictures are wanted while a long table is still being read, and the other way round.
-        self._reader, self._pictures = Worker(), Worker()
-        self._reader.refused.connect(self._refused)
+        self._reader, self._pictures = LatestWorker("entropies"), LatestWorker("examples")
+        self._reader.failed.connect(self._refused)
         self._read_so_far.connect(self._show_reading)
         self._rested = QTimer(self)
         self._rested.setSingleShot(True)
@@ -123,7 +123,7 @@ class Cleaning(QObject):
             self._read(folder_of(text))
             return
         # What is being read is nobody's any more.
-        self._reader.ask(dict, lambda _nothing: None)
+        self._reader.forget()
         self._forget(None)
         self.panel.show_hint()
 
@@ -141,11 +141,14 @@ class Cleaning(QObject):
         number = self._forget(folder)
         self.panel.show_hint(tr("Reading {name}…").format(name=folder.name))
 
-        def go_on(share: float) -> bool:
-            self._read_so_far.emit(number, 100.0 * share)
-            return number == self._asked
+        def read(overtaken: Callable[[], bool]) -> dict[str, Entropies]:
+            def go_on(share: float) -> bool:
+                self._read_so_far.emit(number, 100.0 * share)
+                return not overtaken()
 
-        self._reader.ask(partial(read_entropies, folder, go_on), self._show)
+            return read_entropies(folder, go_on)
+
+        self._reader.ask(read, self._show)
 
     def _show_reading(self, number: int, percent: float) -> None:
         if number == self._asked and self.panel is not None and not self._found:
@@ -164,9 +167,9 @@ class Cleaning(QObject):
             self.panel.show_entropies(self._found, map_type, footprints)
             self._follow()
 
-    def _refused(self, message: str) -> None:
+    def _refused(self, error: Exception) -> None:
         if self.panel is not None:
-            self.panel.show_hint(told(message))
+            self.panel.show_hint(told(reason_of(error)))
 
     # --- what follows the threshold
 
@@ -179,7 +182,7 @@ class Cleaning(QObject):
             return
         threshold, ratio = panel.threshold.value(), panel.devicePixelRatioF()
         self._pictures.ask(
-            lambda: read_examples(found.examples(threshold, COUNT), ratio),
+            lambda _: read_examples(found.examples(threshold, COUNT), ratio),
             partial(self._show_examples, found),
         )
         if panel.on_map.isChecked() and panel.isVisible() and self._folder is not None:
@@ -282,7 +285,7 @@ class Cleaning(QObject):
             from .panel import CleanPanel
 
             self.marks = Marks(self._canvas)
-            self.marks.refused.connect(lambda message: self._messages.warning(told(message)))
+            self.marks.failed.connect(lambda error: self._messages.warning(told(reason_of(error))))
             panel = self.panel = CleanPanel()
             panel.folder_chosen.connect(self._folder_chosen)
             panel.map_type_chosen.connect(self._show_map_type)

@@ -23,7 +23,7 @@ from ...core.errors import Cancelled, InvalidInput
 from ...core.safe_json import parse_json
 from ..dataset.footprints import rings_of, stamp_of
 from ..i18n import tr
-from ..tasks import Worker
+from ..tasks import LatestWorker
 from .charts import REJECTED
 
 Floats = NDArray[np.float64]
@@ -66,8 +66,8 @@ class Marks(QObject):
 
     Signals
     -------
-    refused(str)
-        The message of an error.
+    failed(object)
+        An error that has kept them from being drawn.
 
     Attributes
     ----------
@@ -75,13 +75,13 @@ class Marks(QObject):
         How many images the picture on the map was to cross out.
     """
 
-    refused = pyqtSignal(str)
+    failed = pyqtSignal(object)
 
     def __init__(self, canvas: QgsMapCanvas) -> None:
         super().__init__()
         self._canvas = canvas
-        self._worker = Worker()
-        self._worker.refused.connect(self.refused)
+        self._worker = LatestWorker("marks")
+        self._worker.failed.connect(self.failed)
         self._drawer = Drawer(lambda: self._worker.closed)
         self._item: MarksItem | None = None
         self._wanted: tuple[Path, Callable[[], Collection[str]]] | None = None
@@ -120,7 +120,8 @@ class Marks(QObject):
             found(None if bounds is None else QgsRectangle(*bounds))
             self._draw()
 
-        self._worker.ask(partial(self._drawer.bounds_of, folder, self._wkt(), stem), answer)
+        wkt = self._wkt()
+        self._worker.ask(lambda _: self._drawer.bounds_of(folder, wkt, stem), answer)
 
     def close(self) -> None:
         """End for good."""
@@ -162,14 +163,11 @@ class Marks(QObject):
         )
         self._asked += 1
         number = self._asked
-        work = partial(
-            self._drawer.draw,
-            folder,
-            self._wkt(),
-            stems,
-            view,
-            lambda: number != self._asked or self._worker.closed,
-        )
+        wkt = self._wkt()
+
+        def work(overtaken: Callable[[], bool]) -> Drawn | None:
+            return self._drawer.draw(folder, wkt, stems, view, lambda: number != self._asked or overtaken())
+
         self._worker.ask(work, partial(self._show, number, extent))
 
     def _show(self, number: int, extent: QgsRectangle, drawn: Drawn | None) -> None:

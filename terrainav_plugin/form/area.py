@@ -17,7 +17,7 @@ from ...core.mission.coords import parse_coords
 from ...core.mission.mission import SCHEMA, Mission
 from ...core.safe_json import parse_json
 from ..i18n import localized, number_text, told, tr
-from ..units import M_PER_FT
+from ..units import M_PER_FT, METRES, area_text, length_text
 from .state import BOX_FIELDS, FormState
 from .text import SEPARATORS, degrees_text, exact_degrees_text, parse_number
 
@@ -27,7 +27,6 @@ SAME_HEIGHT_M = 1e-4
 _KEPT = 8
 #: Of a corner, of a point with its height and yaw, and of two corners.
 _POINT, _POSE, _POSE_AND_YAW, _CORNERS = 2, 3, 4, 4
-_M_PER_KM, _M2_PER_KM2 = 1e3, 1e6
 #: Latitudes at which a meridian's curvature is looked at, for its length to the four digits that are shown.
 _LATITUDES = 17
 
@@ -247,26 +246,10 @@ def size_m(box: Box) -> tuple[float, float]:
     return width, float(radii.mean()) * math.radians(box.north_deg - box.south_deg)
 
 
-def length_text(length_m: float) -> str:
-    """Length in m or km."""
-    if length_m < _M_PER_KM:
-        return number_text(length_m, ".1f" if length_m < 10.0 else ".0f") + " m"
-    km = length_m / _M_PER_KM
-    return number_text(km, ".2f" if km < 100.0 else ",.0f") + " km"
-
-
-def ground_text(area_m2: float) -> str:
-    """Ground in m² or km²."""
-    if area_m2 < 1e4:
-        return number_text(area_m2, ",.0f") + " m²"
-    km2 = area_m2 / _M2_PER_KM2
-    return number_text(km2, ".2g" if km2 < 0.1 else ",.0f" if km2 >= 100.0 else ".3g") + " km²"
-
-
 def size_text(box: Box) -> str:
     """Width, height and ground of a box."""
-    width, height = (length_text(length) for length in size_m(box))
-    return f"{width} × {height}, {ground_text(box.area_m2())}"
+    width, height = (length_text(length, METRES) for length in size_m(box))
+    return f"{width} × {height}, {area_text(box.area_m2(), METRES)}"
 
 
 def area_words(area: Area, m_per_unit: float = 1.0, unit: str = "m") -> str:
@@ -303,7 +286,7 @@ def _polygon_words(polygon: Polygon) -> str:
     holes = len(polygon.rings) - 1
     if holes:
         words.append(tr("1 hole") if holes == 1 else tr("{n} holes").format(n=holes))
-    words.append(ground_text(polygon.area_m2()))
+    words.append(area_text(polygon.area_m2(), METRES))
     return ", ".join(words)
 
 
@@ -311,4 +294,4 @@ def readout(area: Area) -> str:
     """What is said at the cursor while an area is drawn or moved."""
     if isinstance(area, Points):
         return tr("{n} points").format(n=len(area.poses)) if len(area.poses) > 1 else tr("Single capture")
-    return size_text(area) if isinstance(area, Box) else ground_text(area.area_m2())
+    return size_text(area) if isinstance(area, Box) else area_text(area.area_m2(), METRES)

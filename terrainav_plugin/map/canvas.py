@@ -22,14 +22,14 @@ from ...core.errors import InvalidInput
 from ...core.mission.area import Box
 from ..i18n import tr
 
-WGS84 = "EPSG:4326"
+LON_LAT = "EPSG:4326"
 #: Points a side is walked along: a parallel's bulge between two of them is under 1/16000 of the side's own.
 _POINTS_A_SIDE = 64
 
 
 def to_lon_lat(crs: QgsCoordinateReferenceSystem, project: QgsProject) -> QgsCoordinateTransform:
     """Return the transformation from a CRS to longitude and latitude on WGS84."""
-    return QgsCoordinateTransform(crs, QgsCoordinateReferenceSystem(WGS84), project.transformContext())
+    return QgsCoordinateTransform(crs, QgsCoordinateReferenceSystem(LON_LAT), project.transformContext())
 
 
 def lon_lat_of(

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from concurrent.futures import Future, ThreadPoolExecutor
+from collections.abc import Callable, Iterator
+from functools import partial
 from typing import TYPE_CHECKING
 
 from qgis.core import QgsFeature, QgsLayerTreeLayer, QgsProject, QgsRectangle, QgsVectorLayer
@@ -11,6 +11,7 @@ from qgis.gui import QgsMapCanvas
 from qgis.PyQt.QtCore import QObject, QTimer, pyqtSignal
 
 from ..map.mission_group import MissionGroup
+from ..tasks import LatestWorker
 from .layers import KINDS, field_names
 from .view import HALF_WORLD_M, View, view_of
 
@@ -52,7 +53,6 @@ class Preview(QObject):
     closed = pyqtSignal()
     visibility_changed = pyqtSignal(bool)
     failed = pyqtSignal(object)
-    _finished = pyqtSignal(int, object)
 
     def __init__(self, project: QgsProject, canvas: QgsMapCanvas) -> None:
         super().__init__()
@@ -70,13 +70,10 @@ class Preview(QObject):
         self._filling = False
         self._scene: Scene | None = None
         self._visible = True
-        self._latest = 0
-        self._running: Future[tuple[Scene, Drawing]] | None = None
-        self._pool = ThreadPoolExecutor(1, thread_name_prefix="terrainav-preview")
+        self._worker = LatestWorker("preview", self)
+        self._worker.failed.connect(self.failed)
         self._pause = _timer(self, self._look)
         self._turn = _timer(self, self._fill_on)
-        # Emitted on the preview's thread, received on this object's.
-        self._finished.connect(self._deliver)
         project.layersWillBeRemoved["QStringList"].connect(self._keep_styles)
         project.layersRemoved.connect(self._forget)
         project.layerTreeRoot().visibilityChanged.connect(self._look_at_visibility)
@@ -105,7 +102,7 @@ class Preview(QObject):
     @property
     def busy(self) -> bool:
         """Whether layers are still to be filled."""
-        return self._pause.isActive() or self._running is not None or self._pieces is not None
+        return self._pause.isActive() or self._worker.busy or self._pieces is not None
 
     @property
     def drawing(self) -> Drawing | None:
@@ -134,7 +131,7 @@ class Preview(QObject):
 
     def remove(self) -> None:
         """Take the preview off the map; results in its group stay."""
-        self._latest += 1
+        self._worker.forget()
         self._pause.stop()
         self._plan = self._scene = self._drawing = self._pieces = None
         self._held = {}
@@ -157,7 +154,7 @@ class Preview(QObject):
         self._project.layerTreeRoot().visibilityChanged.disconnect(self._look_at_visibility)
         self.remove()
         self._project.layersWillBeRemoved["QStringList"].disconnect(self._keep_styles)
-        self._pool.shutdown(wait=True, cancel_futures=True)
+        self._worker.close()
 
     # --- from a view to features
 
@@ -174,48 +171,37 @@ class Preview(QObject):
             return
         view = view_of(self._canvas)
         if self._drawing is not None and view is not None and self._drawing.is_right_for(view):
-            if self._running is not None:
-                # On its way is another view, which has been left meanwhile.
-                self._latest += 1
-            return
-        self._latest += 1
-        if self._running is None:
-            self._running = self._pool.submit(self._work, self._latest, self._plan, self._scene, view)
-            number = self._latest
-            self._running.add_done_callback(lambda future: self._finished.emit(number, future))
+            # On its way may be another view, which has been left meanwhile.
+            self._worker.forget()
+        else:
+            self._worker.ask(partial(self._work, self._plan, view), self._take)
 
-    def _work(self, number: int, plan: Plan, scene: Scene | None, view: View | None) -> tuple[Scene, Drawing]:
+    def _work(self, plan: Plan, view: View | None, overtaken: Callable[[], bool]) -> Drawing:
         """Make features, ending early when overtaken. Runs on the preview's thread."""
         from .scene import Scene
 
         def check() -> None:
-            if number != self._latest:
+            if overtaken():
                 raise _Overtaken
 
         def check_plan() -> None:
             if self._plan is not plan:
                 raise _Overtaken
 
+        scene = self._scene
         if scene is None or scene.plan is not plan:
             # It serves all views of its plan, so that only another plan overtakes it.
-            scene = self._scene = Scene(plan, check_plan)
-        return scene, scene.draw(view, check)
+            scene = Scene(plan, check_plan)
+            check_plan()
+            self._scene = scene
+        return scene.draw(view, check)
 
-    def _deliver(self, number: int, future: Future[tuple[Scene, Drawing]]) -> None:
-        self._running = None
-        if number != self._latest:
-            if not self._pause.isActive():
-                self._look()
-            return
-        error = future.exception()
-        if isinstance(error, Exception):
-            self.failed.emit(error)
-        elif self._plan is not None:
-            self._drawing = future.result()[1]
-            # Layers that are still being made are filled after that.
-            if self._pieces is None or self._filling:
-                self._pieces = self._fill(self._drawing)
-                self._fill_on()
+    def _take(self, drawing: Drawing) -> None:
+        self._drawing = drawing
+        # Layers that are still being made are filled after that.
+        if self._pieces is None or self._filling:
+            self._pieces = self._fill(drawing)
+            self._fill_on()
 
     def _fill_on(self) -> None:
         """Take the next step, and let the application breathe before the one after it."""

@@ -16,7 +16,7 @@ from ..map.canvas import TemporaryTool, lon_lat_of
 from ..map.mission_group import CAPTURED, ROLE
 from ..messages import Messages
 from ..paths import open_in_system
-from ..tasks import Worker
+from ..tasks import LatestWorker, reason_of
 from ..widgets import free_of_menus
 
 if TYPE_CHECKING:
@@ -73,8 +73,8 @@ class Viewing(QObject):
         self._shots: list[Shot] = []
         self._finder: Finder | None = None
         self._band: QgsRubberBand | None = None
-        self._worker = Worker()
-        self._worker.refused.connect(self._refused)
+        self._worker = LatestWorker("viewer")
+        self._worker.failed.connect(self._refused)
         project.layersRemoved.connect(self._layers_removed)
 
     @property
@@ -131,7 +131,7 @@ class Viewing(QObject):
         finder = self._finder = self._finder or Finder(lambda: self._worker.closed)
         if self.seen is None:
             self._shown_viewer().show_hint(tr("Looking for images…"))
-        self._worker.ask(lambda: finder.shots_at(footprints, lat_deg, lon_deg), self._found)
+        self._worker.ask(lambda _: finder.shots_at(footprints, lat_deg, lon_deg), self._found)
 
     def _found(self, shots: list[Shot]) -> None:
         self._shots = shots
@@ -151,7 +151,7 @@ class Viewing(QObject):
             return
         wanted = map_type or (self.seen.map_type if self.seen is not None else "")
         self._outline(shot)
-        self._worker.ask(lambda: see(shot, wanted, _LONGEST_PX), self._show)
+        self._worker.ask(lambda _: see(shot, wanted, _LONGEST_PX), self._show)
 
     def _show(self, seen: Seen) -> None:
         self.seen = seen
@@ -166,11 +166,11 @@ class Viewing(QObject):
             return
         shot, finder = self.seen.shot, self._finder
         self.viewer.leave_click()
-        self._worker.ask(lambda: finder.neighbour(shot, step), self._look_at)
+        self._worker.ask(lambda _: finder.neighbour(shot, step), self._look_at)
 
-    def _refused(self, message: str) -> None:
+    def _refused(self, error: Exception) -> None:
         if self.viewer is not None:
-            self.viewer.show_hint(told(message))
+            self.viewer.show_hint(told(reason_of(error)))
 
     # --- the window and the outline
 

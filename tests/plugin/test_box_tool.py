@@ -110,7 +110,7 @@ def test_size_is_told_beside_the_pointer_while_drawing(desk, screenshot):
     width = geod.inv(west, middle, east, middle)[2] / 1000.0
     height = geod.inv(west, south, west, north)[2] / 1000.0
     ground = width * height
-    assert label.text() == f"{width:.2f} km × {height:.2f} km, {ground:.3g} km²"
+    assert label.text() == f"{width:.4g} km × {height:.4g} km, {ground:.4g} km²"
     assert viewport.rect().contains(label.geometry())
     screenshot("draw-box")
     QTest.mouseRelease(viewport, Qt.MouseButton.LeftButton, Qt.KeyboardModifier.NoModifier, end)

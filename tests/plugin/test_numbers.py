@@ -7,7 +7,6 @@ import re
 import pytest
 from qgis.PyQt.QtCore import QLocale
 from qgis.PyQt.QtWidgets import QLabel
-from terrainav.terrainav_plugin.form.area import ground_text
 from terrainav.terrainav_plugin.i18n import localized, number_text, told
 from terrainav.terrainav_plugin.units import area_text, duration_text, length_text
 
@@ -71,7 +70,7 @@ def test_words_with_numbers_in_them(country, english, spanish):
 
 def test_one_way_for_all_figures(country):
     country("es_ES")
-    assert ground_text(7_288.3) == "7.288 m²"
+    assert area_text(7_288.3, "m") == "7.288 m²"
     assert area_text(72_883.0, "m") == "72.883 m²"
     assert length_text(2_525.0, "m") == "2,525 km"
     assert length_text(2_525.0, "ft") == "1,569 mi"
