@@ -102,7 +102,7 @@ def measure(count: int, folder: Path) -> Figures:
     watch.reset()
     steps.reset()
     start = time.perf_counter()
-    preview.show(MissionGroup(project, "benchmark", str(folder)), mission, planned)
+    preview.show(MissionGroup(project, folder), mission, planned)
     wait(preview)
     first_s = time.perf_counter() - start
     canvas.waitWhileRendering()

@@ -905,19 +905,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../terrainav_plugin/cleaning/marks.py"/>
         <location filename="../../terrainav_plugin/dataset/footprints.py"/>
-        <source>footprints {path}: cannot be read ({reason})</source>
-        <translation>huellas {path}: no se pueden leer ({reason})</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/cleaning/marks.py"/>
-        <location filename="../../terrainav_plugin/dataset/footprints.py"/>
         <source>footprints: stopped</source>
         <translation>huellas: detenido</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/cleaning/marks.py"/>
-        <source>the map's CRS cannot be drawn in ({reason})</source>
-        <translation>en el SRC del mapa no se puede dibujar ({reason})</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/cleaning/panel.py"/>
@@ -1190,6 +1179,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/dataset/footprints.py"/>
+        <source>footprints {path}: cannot be read ({reason})</source>
+        <translation>huellas {path}: no se pueden leer ({reason})</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/footprints.py"/>
         <source>it has changed</source>
         <translation>ha cambiado</translation>
     </message>
@@ -1197,6 +1191,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/dataset/footprints.py"/>
         <source>it is none of a capture</source>
         <translation>no es de ninguna captura</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/footprints.py"/>
+        <source>the map's CRS cannot be drawn in ({reason})</source>
+        <translation>en el SRC del mapa no se puede dibujar ({reason})</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/dataset/layers.py"/>

@@ -82,7 +82,7 @@ class Runs(QObject):
     ) -> None:
         super().__init__()
         self._messages = messages
-        self._questions = Questions(messages, window, self.refused.emit, self.other_folder_wanted.emit)
+        self.questions = Questions(messages, window, self.refused.emit, self.other_folder_wanted.emit)
         self.runs: list[Run] = []
         self._endings = Endings(messages, open_project, group, self)
         self._endings.shown.connect(self.results_shown)
@@ -115,13 +115,11 @@ class Runs(QObject):
 
     def can_start(self, state: FormState) -> bool:
         """Whether there is a folder to capture what is entered into, and the key that its source needs; says so."""
-        return self._questions.folder_is_given(state.folder) and self._questions.key_is_there(
-            state.source_name
-        )
+        return self.questions.folder_is_given(state.folder) and self.questions.key_is_there(state.source_name)
 
     def start(self, planned: Planned, folder: Path, only_failed: bool = False) -> None:
         """Put the capture of a plan into the queue, after what has to be asked has been asked."""
-        if self._questions.belongs_to_another(planned.mission, folder):
+        if self.questions.belongs_to_another(planned.mission, folder):
             return
         self._enqueue(planned.plan, folder, only_failed, self._requests(planned.plan))
 
@@ -136,7 +134,7 @@ class Runs(QObject):
 
     def _capture_again(self, run: Run, images: int, *, only_failed: bool) -> None:
         share = min(images / max(len(run.plan) * len(run.mission.map_types), 1), 1.0)
-        if not self._questions.key_is_there(run.mission.source):
+        if not self.questions.key_is_there(run.mission.source):
             return
         requests = math.ceil(share * self._requests(run.plan))
         if self._enqueue(run.plan, run.folder, only_failed, requests):
@@ -146,7 +144,7 @@ class Runs(QObject):
         """Let a run that is paused go on, or put one that has ended early into the queue again."""
         if not run.over:
             run.pause(False)
-        elif self._questions.key_is_there(run.mission.source):
+        elif self.questions.key_is_there(run.mission.source):
             self._enqueue(run.plan, run.folder, run.only_failed, self._requests(run.plan))
 
     def start_test_shot(self, state: FormState, lat_deg: float, lon_deg: float) -> None:
@@ -165,7 +163,7 @@ class Runs(QObject):
         except TerrAInavError as wrong:
             self._messages.refused(told(wrong), tr("No test shot."))
             return
-        questions = self._questions
+        questions = self.questions
         if questions.key_is_there(mission.source) and questions.terms_allow(mission, steps.requests):
             # QGIS removes its temporary folder when it ends.
             folder = Path(QgsProcessingUtils.generateTempFilename("test-shot"))
@@ -197,7 +195,7 @@ class Runs(QObject):
 
     def _enqueue(self, plan: Plan, folder: Path, only_failed: bool, requests: int) -> bool:
         mission = plan.mission
-        if self._questions.is_queued(mission, folder, self.waiting) or not self._questions.terms_allow(
+        if self.questions.is_queued(mission, folder, self.waiting) or not self.questions.terms_allow(
             mission, requests
         ):
             return False

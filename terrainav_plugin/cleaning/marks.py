@@ -2,41 +2,30 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterator
-from dataclasses import dataclass
+from collections.abc import Callable, Collection
 from functools import partial
-from itertools import chain
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from pyproj import CRS, Transformer
-from pyproj.exceptions import ProjError
 from qgis.core import QgsCoordinateReferenceSystem, QgsRectangle
 from qgis.gui import QgsMapCanvas, QgsMapCanvasItem
 from qgis.PyQt.QtCore import QLineF, QObject, QPointF, QRectF, Qt, pyqtSignal
 from qgis.PyQt.QtGui import QColor, QImage, QPainter, QPen, QPolygonF
 
 from ...core.dataset.folder import FOOTPRINTS_FILE
-from ...core.errors import Cancelled, InvalidInput
-from ...core.safe_json import parse_json
-from ..dataset.footprints import rings_of, stamp_of
+from ...core.errors import Cancelled
+from ..dataset.footprints import Bounds, Outlines, read_outlines, stamp_of
 from ..i18n import tr
 from ..tasks import LatestWorker
 from .charts import REJECTED
 
 Floats = NDArray[np.float64]
-Numbers = NDArray[np.int64]
-Bounds = tuple[float, float, float, float]
 #: Footprints smaller than this on the screen are blots; larger ones are crossed out.
 _BLOT_PX = 6.0
 _LINE_PX = 2.0
 _VEIL_ALPHA = 70
-#: Read in one go.
-_BLOCK_BYTES = 1 << 20
-#: How the lines of footprints begin.
-_FEATURE = b'{"type": "Feature",'
 #: Footprints after which it is asked whether to go on.
 _LOOK = 500
 
@@ -197,109 +186,6 @@ class View(NamedTuple):
     north: float
     units_per_px: float
     ratio: float
-
-
-@dataclass(frozen=True, eq=False)
-class Outlines:
-    """Outlines of the footprints of a dataset, as rings of places one after the other.
-
-    Parameters
-    ----------
-    stems : tuple of str
-        Names of the images, without ending.
-    x, y : array (n,)
-        Of all rings: degrees of longitude and latitude, or what they have been projected to.
-    starts : array (r + 1,)
-        Where each ring begins.
-    owners : array (r,)
-        Number of the image that a ring is of.
-    """
-
-    stems: tuple[str, ...]
-    x: Floats
-    y: Floats
-    starts: Numbers
-    owners: Numbers
-
-    def projected(self, wkt: str) -> Outlines:
-        """Outlines in another CRS, by its WKT; places that have none in it are infinite.
-
-        Raises
-        ------
-        InvalidInput
-            A CRS that cannot be projected to.
-        """
-        try:
-            transformer = Transformer.from_crs("EPSG:4326", CRS.from_wkt(wkt), always_xy=True)
-            x, y = transformer.transform(self.x, self.y)
-        except ProjError as wrong:
-            raise InvalidInput(
-                tr("the map's CRS cannot be drawn in ({reason})").format(reason=wrong)
-            ) from wrong
-        return Outlines(self.stems, np.asarray(x), np.asarray(y), self.starts, self.owners)
-
-    def bounds_of(self, stem: str) -> Bounds | None:
-        """West, south, east and north of an image; None where it has no outline here."""
-        if stem not in self.stems:
-            return None
-        rings = np.flatnonzero(self.owners == self.stems.index(stem))
-        if not len(rings):
-            return None
-        places = slice(int(self.starts[rings[0]]), int(self.starts[rings[-1] + 1]))
-        x, y = self.x[places], self.y[places]
-        if not (np.isfinite(x).all() and np.isfinite(y).all()):
-            return None
-        return float(x.min()), float(y.min()), float(x.max()), float(y.max())
-
-
-def read_outlines(folder: Path, cancelled: Callable[[], bool] = lambda: False) -> Outlines:
-    """Outlines of the footprints that a capture has left; none where there is no such file.
-
-    Raises
-    ------
-    InvalidInput
-        A file that cannot be read.
-    Cancelled
-        When ``cancelled`` said so.
-    """
-    path = folder / FOOTPRINTS_FILE
-    stems: list[str] = []
-    x: list[float] = []
-    y: list[float] = []
-    starts, owners = [0], []
-    try:
-        for feature in _features(path):
-            if len(stems) % _LOOK == 0 and cancelled():
-                raise Cancelled(tr("footprints: stopped"))
-            for ring in chain.from_iterable(rings_of(feature)):
-                x += [at[0] for at in ring]
-                y += [at[1] for at in ring]
-                starts.append(len(x))
-                owners.append(len(stems))
-            stems.append(str(feature["properties"]["name"]))
-    except (OSError, ValueError, KeyError, TypeError, IndexError) as wrong:
-        raise InvalidInput(
-            tr("footprints {path}: cannot be read ({reason})").format(path=path, reason=wrong)
-        ) from wrong
-    return Outlines(
-        tuple(stems),
-        np.array(x, np.float64),
-        np.array(y, np.float64),
-        np.array(starts, np.int64),
-        np.array(owners, np.int64),
-    )
-
-
-def _features(path: Path) -> Iterator[dict[str, Any]]:
-    """Features of a file that has one a line; none of a file that is not there, as with images from elsewhere."""
-    if not path.is_file():
-        return
-    # A thread that reads little at a time gives Python's lock away and takes it back before another one wakes: the main
-    # one would wait for most of a second.
-    with path.open("rb", buffering=_BLOCK_BYTES) as file:
-        for line in file:
-            if line.startswith(_FEATURE):
-                yield parse_json(line.rstrip().rstrip(b","))
 
 
 class Drawer:

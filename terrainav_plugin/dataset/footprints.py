@@ -4,18 +4,21 @@ QGIS itself reads a GeoJSON file of this size from its beginning for every quest
 Ours has a footprint a line, so that it is read once and then only where a footprint is. And a parser of JSON keeps
 Python's lock while it reads: the application would falter for seconds, although the file is read on another thread.
 Bounds are therefore read by numpy, on whole arrays, which goes on without the lock.
-
 """
 
 from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from itertools import chain
 from pathlib import Path
 from typing import Any, BinaryIO
 
 import numpy as np
 from numpy.typing import NDArray
+from pyproj import CRS, Transformer
+from pyproj.exceptions import ProjError
 
 from ...core.dataset.folder import FOOTPRINTS_FILE
 from ...core.errors import Cancelled, InvalidInput
@@ -24,7 +27,11 @@ from ..i18n import tr
 
 #: Read in one go: enough for arrays to be worth it, little memory.
 _BLOCK_BYTES = 1 << 20
+#: How the lines of footprints begin.
 _FEATURE = b'{"type": "Feature",'
+#: Footprints after which it is asked whether to go on.
+_LOOK = 500
+Bounds = tuple[float, float, float, float]
 Floats = NDArray[np.float64]
 Bytes = NDArray[np.uint8]
 Numbers = NDArray[np.int64]
@@ -87,11 +94,103 @@ class FootprintFile:
         try:
             with self.path.open("rb") as file:
                 file.seek(int(self._offsets[number]))
-                return _feature(file.readline())
+                return feature_of(file.readline())
         except OSError as wrong:
             raise _unreadable(self.path, wrong.strerror) from wrong
         except (ValueError, IndexError) as wrong:
             raise _unreadable(self.path, tr("it has changed")) from wrong
+
+
+@dataclass(frozen=True, eq=False)
+class Outlines:
+    """Outlines of the footprints of a dataset, as rings of places one after the other.
+
+    Parameters
+    ----------
+    stems : tuple of str
+        Names of the images, without ending.
+    x, y : array (n,)
+        Of all rings: degrees of longitude and latitude, or what they have been projected to.
+    starts : array (r + 1,)
+        Where each ring begins.
+    owners : array (r,)
+        Number of the image that a ring is of.
+    """
+
+    stems: tuple[str, ...]
+    x: Floats
+    y: Floats
+    starts: Numbers
+    owners: Numbers
+
+    def projected(self, wkt: str) -> Outlines:
+        """Outlines in another CRS, by its WKT; places that have none in it are infinite.
+
+        Raises
+        ------
+        InvalidInput
+            A CRS that cannot be projected to.
+        """
+        try:
+            transformer = Transformer.from_crs("EPSG:4326", CRS.from_wkt(wkt), always_xy=True)
+            x, y = transformer.transform(self.x, self.y)
+        except ProjError as wrong:
+            raise InvalidInput(
+                tr("the map's CRS cannot be drawn in ({reason})").format(reason=wrong)
+            ) from wrong
+        return Outlines(self.stems, np.asarray(x), np.asarray(y), self.starts, self.owners)
+
+    def bounds_of(self, stem: str) -> Bounds | None:
+        """West, south, east and north of an image; None where it has no outline here."""
+        if stem not in self.stems:
+            return None
+        rings = np.flatnonzero(self.owners == self.stems.index(stem))
+        if not len(rings):
+            return None
+        places = slice(int(self.starts[rings[0]]), int(self.starts[rings[-1] + 1]))
+        x, y = self.x[places], self.y[places]
+        if not (np.isfinite(x).all() and np.isfinite(y).all()):
+            return None
+        return float(x.min()), float(y.min()), float(x.max()), float(y.max())
+
+
+def read_outlines(folder: Path, cancelled: Callable[[], bool] = lambda: False) -> Outlines:
+    """Outlines of the footprints that a capture has left; none where there is no such file.
+
+    Raises
+    ------
+    InvalidInput
+        A file that cannot be read.
+    Cancelled
+        When ``cancelled`` said so.
+    """
+    path = folder / FOOTPRINTS_FILE
+    stems: list[str] = []
+    x: list[float] = []
+    y: list[float] = []
+    starts, owners = [0], []
+    try:
+        # Images from elsewhere have none.
+        for feature in map(feature_of, feature_lines(path) if path.is_file() else ()):
+            if len(stems) % _LOOK == 0 and cancelled():
+                raise Cancelled(tr("footprints: stopped"))
+            for ring in chain.from_iterable(rings_of(feature)):
+                x += [at[0] for at in ring]
+                y += [at[1] for at in ring]
+                starts.append(len(x))
+                owners.append(len(stems))
+            stems.append(str(feature["properties"]["name"]))
+    except (OSError, ValueError, KeyError, TypeError, IndexError) as wrong:
+        raise InvalidInput(
+            tr("footprints {path}: cannot be read ({reason})").format(path=path, reason=wrong)
+        ) from wrong
+    return Outlines(
+        tuple(stems),
+        np.array(x, np.float64),
+        np.array(y, np.float64),
+        np.array(starts, np.int64),
+        np.array(owners, np.int64),
+    )
 
 
 def stamp_of(path: Path) -> tuple[int, int]:
@@ -111,7 +210,16 @@ def rings_of(feature: dict[str, Any]) -> list[list[list[list[float]]]]:
     return coordinates if geometry["type"] == "MultiPolygon" else [coordinates]
 
 
-def _feature(line: bytes) -> dict[str, Any]:
+def feature_lines(path: Path) -> Iterator[bytes]:
+    """Lines of the features of a file."""
+    # A thread that reads little at a time gives Python's lock away and takes it back before another one wakes: the main
+    # one would wait for most of a second.
+    with path.open("rb", buffering=_BLOCK_BYTES) as file:
+        yield from (line for line in file if line.startswith(_FEATURE))
+
+
+def feature_of(line: bytes) -> dict[str, Any]:
+    """Feature of a line; raises InvalidInput where the line is none."""
     feature = parse_json(line.rstrip().rstrip(b","))
     return feature if isinstance(feature, dict) else {}
 

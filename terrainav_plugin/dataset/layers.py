@@ -14,8 +14,8 @@ from ...core.capture.journal import FAILED, Outcome
 from ...core.dataset.folder import FOOTPRINTS_FILE, JOURNAL_FILE
 from ...core.errors import InvalidInput, OutputError
 from ...core.files import write_whole
-from ...core.safe_json import parse_json
 from ..i18n import told, tr
+from .footprints import feature_lines, feature_of
 from .mosaic import Mosaic
 
 if TYPE_CHECKING:
@@ -172,12 +172,11 @@ class FailedImages:
         wanted = {name for _, name in self._reasons} - set(self._footprints)
         if not wanted:
             return
-        with (self._folder / FOOTPRINTS_FILE).open("rb", buffering=_CHUNK_BYTES) as file:
-            for line in file:
-                found = _NAME.search(line)
-                name = found[1].decode("utf-8", "replace") if found else ""
-                if name in wanted:
-                    self._footprints[name] = _feature(line)
+        for line in feature_lines(self._folder / FOOTPRINTS_FILE):
+            found = _NAME.search(line)
+            name = found[1].decode("utf-8", "replace") if found else ""
+            if name in wanted:
+                self._footprints[name] = _footprint(line)
 
     def _lines(self) -> list[bytes]:
         features = []
@@ -191,11 +190,10 @@ class FailedImages:
         return [b'{"type": "FeatureCollection", "features": [\n', b",\n".join(features), b"\n]}\n"]
 
 
-def _feature(line: bytes) -> dict[str, Any] | None:
+def _footprint(line: bytes) -> dict[str, Any] | None:
     """Feature of a line, or None where the file is not as a capture leaves it."""
     try:
-        feature = parse_json(line.rstrip().rstrip(b","))
+        feature = feature_of(line)
     except InvalidInput:
         return None
-    shaped = isinstance(feature, dict) and isinstance(feature.get("properties"), dict)
-    return feature if shaped else None
+    return feature if isinstance(feature.get("properties"), dict) else None

@@ -49,10 +49,10 @@ def prepared(desk, server):
 def capture(desk):
     """Press Capture and wait for the end of the run, however short it is."""
     seen = []
-    desk.session.running.connect(seen.append)
+    desk.session.runs.running.connect(seen.append)
     desk.click(desk.dock.capture)
     desk.wait(lambda: seen[-1:] == [False])
-    desk.session.running.disconnect(seen.append)
+    desk.session.runs.running.disconnect(seen.append)
 
 
 def images(desk, map_type="satellite", ending="tif"):

@@ -380,7 +380,8 @@ def test_rejected_images_are_crossed_out_on_the_map_while_the_window_is_open(
 
 
 def test_crosses_follow_outlines_of_any_shape_and_projection():
-    from terrainav.terrainav_plugin.cleaning.marks import Outlines, View, draw
+    from terrainav.terrainav_plugin.cleaning.marks import View, draw
+    from terrainav.terrainav_plugin.dataset.footprints import Outlines
 
     ring_x = [-89.9, -89.8, -89.8, -89.9, -89.9, 10.0, 10.1, 10.1, 10.0, 10.0]
     ring_y = [35.2, 35.2, 35.1, 35.1, 35.2, 50.1, 50.1, 50.0, 50.0, 50.1]

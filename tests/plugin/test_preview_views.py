@@ -62,7 +62,7 @@ class Map:
     def __init__(self, canvas, qtbot, folder):
         self.canvas, self.qtbot = canvas, qtbot
         self.project = QgsProject.instance()
-        self.group = MissionGroup(self.project, "mission", str(folder))
+        self.group = MissionGroup(self.project, folder)
         self.preview = Preview(self.project, canvas)
         self.failures = []
         self.preview.failed.connect(self.failures.append)
