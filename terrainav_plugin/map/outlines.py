@@ -1,15 +1,22 @@
-"""What a plan draws on the map: footprints of its images, as geometries in EPSG:3857. Runs in the background."""
+"""What a plan draws on the map: footprints and the flight line in EPSG:3857, cut at the antimeridian. On any thread."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import TYPE_CHECKING
 
 import numpy as np
-from qgis.core import QgsGeometry, QgsLineString, QgsMultiPolygon, QgsPolygon
+from qgis.core import (
+    QgsGeometry,
+    QgsLineString,
+    QgsMultiLineString,
+    QgsMultiPolygon,
+    QgsPolygon,
+    QgsRectangle,
+)
 
 from ...core.geodesy.mercator import HALF_WORLD_M, MAX_LAT_DEG, lat_to_v, lon_to_u
-from ...core.mission.export import footprint_ring, split_at_antimeridian
+from ...core.mission.export.rings import footprint_ring, line_parts, split_at_antimeridian
 from ...core.mission.shape import cut_half_plane
 
 if TYPE_CHECKING:
@@ -24,6 +31,27 @@ if TYPE_CHECKING:
 _BENT_DEG = 0.1
 #: A centimetre from the poles, which are infinitely far away on the map.
 _FARTHEST_DEG = 90.0 - 1e-7
+
+
+def footprint_shapes(plan: Plan) -> Iterator[QgsGeometry]:
+    """What each picture shows: the frame that its file will state, or the ground that the camera sees."""
+    if plan.size_px is not None:
+        yield from camera_outlines(plan)
+        return
+    for edges in zip(*(edge.tolist() for edge in plan.edges_m)):
+        yield _rectangle(*edges)
+
+
+def flight_lines(runs: Iterable[tuple[Floats, Floats]]) -> QgsGeometry:
+    """Ways through longitudes and latitudes in their order, from each place to the next the shorter way around."""
+    lines = QgsMultiLineString()
+    for lon_deg, lat_deg in runs:
+        for lon, lat, _ in line_parts(lon_deg, lat_deg, np.zeros(len(lon_deg))):
+            # A single capture is no line.
+            if len(lon) > 1:
+                x, y = metres(lon, lat)
+                lines.addGeometry(QgsLineString(x.tolist(), y.tolist()))
+    return QgsGeometry(lines)
 
 
 def camera_outlines(plan: Plan) -> Iterator[QgsGeometry]:
@@ -81,6 +109,19 @@ def ring_polygon(lon_deg: Floats, lat_deg: Floats) -> QgsGeometry:
     geometry = QgsGeometry(parts)
     # A ring cut in two may keep its halves joined along the cut.
     return geometry if geometry.isGeosValid() else geometry.makeValid()
+
+
+def _rectangle(west: float, south: float, east: float, north: float) -> QgsGeometry:
+    """Rectangle, in two parts where it crosses the antimeridian."""
+    world_m = 2.0 * HALF_WORLD_M
+    shift = world_m * ((west + HALF_WORLD_M) // world_m)
+    west, east = west - shift, east - shift
+    if east <= HALF_WORLD_M:
+        return QgsGeometry.fromRect(QgsRectangle(west, south, east, north))
+    parts = QgsMultiPolygon()
+    for left, right in ((west, HALF_WORLD_M), (-HALF_WORLD_M, east - world_m)):
+        parts.addGeometry(surface([left, left, right, right], [south, north, north, south]))
+    return QgsGeometry(parts)
 
 
 def _whole(x_m: Floats, y_m: Floats) -> QgsGeometry:

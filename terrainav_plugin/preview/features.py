@@ -10,19 +10,14 @@ import numpy as np
 from qgis.core import (
     QgsFeature,
     QgsGeometry,
-    QgsLineString,
-    QgsMultiLineString,
-    QgsMultiPolygon,
     QgsPointXY,
-    QgsRectangle,
 )
 from qgis.PyQt.QtCore import QDateTime, QTimeZone
 
-from ...core.geodesy.mercator import HALF_WORLD_M, wrap_lon_deg
+from ...core.geodesy.mercator import wrap_lon_deg
 from ...core.mission.area import Polygon
-from ..map.outlines import camera_outlines, metres, ring_polygon, surface
+from ..map.outlines import flight_lines, footprint_shapes, metres, ring_polygon
 from .index import Boxes
-from .view import WORLD_M
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -144,7 +139,7 @@ def footprint_features(picked: Picked) -> list[QgsFeature]:
     columns = (values.tolist() for values in (*where, *sight))
     return [
         feature(shape, name, *values, *times)
-        for shape, name, times, *values in zip(_shapes(plan), plan.names, _times(picked), *columns)
+        for shape, name, times, *values in zip(footprint_shapes(plan), plan.names, _times(picked), *columns)
     ]
 
 
@@ -170,26 +165,6 @@ def _times(picked: Picked) -> Iterator[tuple[QDateTime, QDateTime]]:
         yield moment(at), moment(until)
 
 
-def _shapes(plan: Plan) -> Iterator[QgsGeometry]:
-    if plan.size_px is not None:
-        yield from camera_outlines(plan)
-        return
-    for edges in zip(*(edge.tolist() for edge in plan.edges_m)):
-        yield _rectangle(*edges)
-
-
-def _rectangle(west: float, south: float, east: float, north: float) -> QgsGeometry:
-    """Rectangle in EPSG:3857, in two parts where it crosses the antimeridian."""
-    shift = WORLD_M * ((west + HALF_WORLD_M) // WORLD_M)
-    west, east = west - shift, east - shift
-    if east <= HALF_WORLD_M:
-        return QgsGeometry.fromRect(QgsRectangle(west, south, east, north))
-    parts = QgsMultiPolygon()
-    for left, right in ((west, HALF_WORLD_M), (-HALF_WORLD_M, east - WORLD_M)):
-        parts.addGeometry(surface([left, left, right, right], [south, north, north, south]))
-    return QgsGeometry(parts)
-
-
 class Flight:
     """The way from the first capture of a plan to the last."""
 
@@ -208,7 +183,7 @@ class Flight:
         if self.is_short:
             return
         # Legs longer than the pictures beside them may cross a view that no picture of them touches.
-        x, y = metres(plan.lon_deg, plan.lat_deg)
+        x, y = metres(np.unwrap(plan.lon_deg, period=360.0), plan.lat_deg)
         step = np.maximum(np.abs(np.diff(x)), np.abs(np.diff(y)))
         self._long = np.flatnonzero(step > np.minimum(index.longer_m[:-1], index.longer_m[1:]))
         x0, y0, x1, y1 = (values[self._long + shift] for shift in (0, 1) for values in (x, y))
@@ -249,12 +224,8 @@ class Flight:
         return self._feature([np.append(run, run[-1] + 1) for run in np.split(legs, cuts) if len(run)])
 
     def _feature(self, runs: list[Numbers]) -> list[QgsFeature]:
-        lines = QgsMultiLineString()
-        for run in runs:
-            for lon, lat in _split_at_antimeridian(self._plan.lon_deg[run], self._plan.lat_deg[run]):
-                x, y = metres(lon, lat)
-                lines.addGeometry(QgsLineString(x.tolist(), y.tolist()))
-        return [feature(QgsGeometry(lines), *self._attributes)]
+        lines = flight_lines((self._plan.lon_deg[run], self._plan.lat_deg[run]) for run in runs)
+        return [feature(lines, *self._attributes)]
 
 
 def _corners(row: Numbers) -> Numbers:
@@ -267,25 +238,3 @@ def _corners(row: Numbers) -> Numbers:
         return np.unique(np.linspace(0, count - 1, MOST_CORNERS).astype(np.int64))
     between = np.linspace(0, count - 1, MOST_CORNERS - len(ends)).astype(np.int64)
     return np.union1d(ends, between)
-
-
-def _split_at_antimeridian(lon: Floats, lat: Floats) -> list[tuple[Floats, Floats]]:
-    """Parts of a line of continuous longitudes, each within one turn of the Earth."""
-    turn = np.floor((lon + 180.0) / 360.0)
-    at = np.flatnonzero(turn[1:] != turn[:-1])
-    if not len(at):
-        return [(lon - 360.0 * turn[0], lat)]
-    border = 360.0 * np.maximum(turn[at], turn[at + 1]) - 180.0
-    share = (border - lon[at]) / (lon[at + 1] - lon[at])
-    crossing_lat = lat[at] + share * (lat[at + 1] - lat[at])
-    parts = []
-    for begin, end in zip([0, *(at + 1)], [*(at + 1), len(lon)]):
-        part_lon, part_lat = lon[begin:end], lat[begin:end]
-        if begin > 0:
-            index = int(np.searchsorted(at + 1, begin))
-            part_lon, part_lat = np.r_[border[index], part_lon], np.r_[crossing_lat[index], part_lat]
-        if end < len(lon):
-            index = int(np.searchsorted(at + 1, end))
-            part_lon, part_lat = np.r_[part_lon, border[index]], np.r_[part_lat, crossing_lat[index]]
-        parts.append((part_lon - 360.0 * turn[begin], part_lat))
-    return parts

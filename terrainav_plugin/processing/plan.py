@@ -12,9 +12,6 @@ from qgis.core import (
     QgsFeatureSink,
     QgsFields,
     QgsGeometry,
-    QgsLineString,
-    QgsMultiLineString,
-    QgsMultiPolygon,
     QgsPointXY,
     QgsProcessing,
     QgsProcessingContext,
@@ -268,7 +265,11 @@ def flight_fields() -> QgsFields:
 
 def footprints(plan: Plan) -> Iterator[QgsFeature]:
     """What each picture shows: the frame its file will state, or the ground the camera sees."""
-    return (_feature(shape, values) for shape, values in zip(_shapes(plan), _attributes(plan)))
+    from ..map.outlines import footprint_shapes
+
+    for shape, values in zip(footprint_shapes(plan), _attributes(plan)):
+        shape.convertToMultiType()
+        yield _feature(shape, values)
 
 
 def captures(plan: Plan) -> Iterator[QgsFeature]:
@@ -283,31 +284,10 @@ def captures(plan: Plan) -> Iterator[QgsFeature]:
 
 def flight_line(plan: Plan) -> QgsFeature:
     """Way from the first capture to the last, in two parts where it crosses the antimeridian."""
-    import numpy as np
+    from ..map.outlines import flight_lines
 
-    from ..map.outlines import metres
-
-    lat, lon = plan.lat_deg, plan.lon_deg
-    turn = np.floor((lon + 180.0) / 360.0)
-    lines = QgsMultiLineString()
-    # A leg across is cut at 180 degrees, where its latitude is that of the straight line on the map.
-    at = np.flatnonzero(turn[1:] != turn[:-1])
-    border = 360.0 * np.maximum(turn[at], turn[at + 1]) - 180.0
-    share = (border - lon[at]) / (lon[at + 1] - lon[at])
-    crossing = lat[at] + share * (lat[at + 1] - lat[at])
-    starts, ends = [0, *(at + 1).tolist()], [*(at + 1).tolist(), len(lon)]
-    for number, (start, end) in enumerate(zip(starts, ends)):
-        part_lon, part_lat = lon[start:end], lat[start:end]
-        if number > 0:
-            part_lon = np.r_[border[number - 1], part_lon]
-            part_lat = np.r_[crossing[number - 1], part_lat]
-        if number < len(at):
-            part_lon, part_lat = np.r_[part_lon, border[number]], np.r_[part_lat, crossing[number]]
-        east, north = metres(part_lon - 360.0 * turn[start], part_lat)
-        # A single capture is no line.
-        if len(east) > 1:
-            lines.addGeometry(QgsLineString(east.tolist(), north.tolist()))
-    return _feature(QgsGeometry(lines), (len(plan), plan.flight_distance_m, plan.flight_s))
+    lines = flight_lines([(plan.lon_deg, plan.lat_deg)])
+    return _feature(lines, (len(plan), plan.flight_distance_m, plan.flight_s))
 
 
 def _fields(kinds: tuple[tuple[str, str], ...]) -> QgsFields:
@@ -351,23 +331,3 @@ def _attributes(plan: Plan) -> Iterator[tuple[Any, ...]]:
     )
     for name, *values in zip(plan.names, *(column.tolist() for column in columns)):
         yield (name, *values, start.addMSecs(round(1000.0 * values[-1])))
-
-
-def _shapes(plan: Plan) -> Iterator[QgsGeometry]:
-    from ...core.geodesy.mercator import HALF_WORLD_M
-    from ..map.outlines import camera_outlines, surface
-
-    if plan.size_px is not None:
-        yield from camera_outlines(plan)
-        return
-    turn = 2.0 * HALF_WORLD_M
-    for west, south, east, north in zip(*(edge.tolist() for edge in plan.edges_m)):
-        shift = turn * ((west + HALF_WORLD_M) // turn)
-        left, right = west - shift, east - shift
-        pieces = [(left, min(right, HALF_WORLD_M))]
-        if right > HALF_WORLD_M:
-            pieces.append((-HALF_WORLD_M, right - turn))
-        shape = QgsMultiPolygon()
-        for start, end in pieces:
-            shape.addGeometry(surface([start, start, end, end], [south, north, north, south]))
-        yield QgsGeometry(shape)
