@@ -20,8 +20,8 @@ from terrainav.terrainav_plugin.sources import tile_layer_uri
 
 from tests.plugin.remedies.areas import feature
 from tests.plugin.test_background import show
-from tests.plugin.test_layer_source import WINDOW, opened, picture, wmts_service
-from tests.plugin.test_sources_dialog import in_dialog
+from tests.plugin.test_qgis_source import WINDOW, opened, picture, wmts_service
+from tests.plugin.test_source_dialogs import in_dialog
 from tests.plugin.test_sources_keys import WMS_SETTINGS, XYZ_SETTINGS, connect_xyz
 from tests.plugin.transports import PASSWORD, Server
 from tests.support import rasters
