@@ -22,7 +22,7 @@ from .cleaning.cleaning import Cleaning
 from .dataset.placing import OpenProject
 from .form import mission_form
 from .form.state import FormState
-from .i18n import told, tr
+from .i18n import tr, translate
 from .map.mission_group import MissionGroup
 from .messages import Messages
 from .missions.missions import Missions
@@ -312,7 +312,7 @@ class Session(QObject):
         try:
             zoom()
         except TerrAInavError as wrong:
-            self.messages.warning(told(wrong))
+            self.messages.warning(translate(wrong))
 
     def _zoom_if_out_of_sight(self, box: Box) -> None:
         """Move the map only where the preview could not be seen: users keep the view they chose."""

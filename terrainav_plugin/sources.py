@@ -13,7 +13,7 @@ from qgis.core import QgsProject
 from ..core.errors import InvalidInput, SourceError
 from .credentials import key_in, problem_with
 from .form.mission_form import FormError
-from .i18n import number_text, told, tr
+from .i18n import number_text, tr, translate
 from .qgis_source.connections import Connection, connection, is_connection
 from .qgis_source.snapshot import Snapshot, grid_of_layers, is_of_qgis, policies_of_layers, take_snapshot
 from .qgis_source.source import LayerSource
@@ -64,7 +64,7 @@ def grid_of(mission: Mission) -> PixelGrid:
         source = _opened(mission, plan_only=True)
     except (InvalidInput, SourceError) as wrong:
         field = "date" if str(wrong).startswith("date ") else "source"
-        raise FormError({field: told(wrong).replace(" (--date)", "")}) from wrong
+        raise FormError({field: translate(wrong).replace(" (--date)", "")}) from wrong
     grid = source.grid
     source.close()
     return grid
@@ -197,7 +197,7 @@ def credentials_problem(source: str) -> str:
             if key_of_environment(source):
                 return ""
         except SourceError as wrong:
-            return told(wrong)
+            return translate(wrong)
     return problem_with(authcfg, is_key)
 
 
@@ -327,5 +327,5 @@ def _authenticated(name: str, known: Connection | None) -> str:
     """What a layer's data source says of authentication: the id of a configuration, and no secret."""
     authcfg = authcfg_of_requests(name) if known is None else known.authcfg
     referer = "" if known is None else known.headers.get("Referer", "")
-    told = f"&authcfg={authcfg}" if authcfg else ""
-    return f"{told}&referer={quote(referer, safe='')}" if referer else told
+    known_by = f"&authcfg={authcfg}" if authcfg else ""
+    return f"{known_by}&referer={quote(referer, safe='')}" if referer else known_by

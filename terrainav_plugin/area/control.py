@@ -13,7 +13,7 @@ from ...core.errors import InvalidInput, TerrAInavError
 from ...core.mission.area import Area, Box, Points
 from ..compat import POLYGON, VECTOR
 from ..form.area import FormError, area_words, entered_area, unit_of, with_area
-from ..i18n import told, tr
+from ..i18n import tr, translate
 from ..map.canvas import box_of, canvas_rectangle
 from ..messages import Messages
 from .bands import AreaMark
@@ -142,14 +142,14 @@ class AreaControl(QObject):
         try:
             self._editing.set_coordinates(text)
         except FormError as wrong:
-            self._refuse(told(wrong))
+            self._refuse(translate(wrong))
 
     def read(self, step: str, reading: Callable[[], Reading]) -> None:
         """Read an area on a thread, and enter it when it is there; a reading under way is dropped."""
         try:
             task = ReadTask(step, reading())
         except TerrAInavError as wrong:
-            self._refuse(told(wrong))
+            self._refuse(translate(wrong))
             return
         if self._task is not None:
             self._task.cancel()
@@ -241,7 +241,7 @@ class AreaControl(QObject):
         try:
             self._editing.set_area(area(), step, agl_m)
         except (TerrAInavError, QgsCsException) as wrong:
-            self._refuse(told(wrong))
+            self._refuse(translate(wrong))
             return False
         return True
 
@@ -250,9 +250,9 @@ class AreaControl(QObject):
             return
         self._task = None
         if task.trace:
-            self._messages.error(tr("No area: {reason}").format(reason=told(task.error)), task.trace)
+            self._messages.error(tr("No area: {reason}").format(reason=translate(task.error)), task.trace)
         elif task.error:
-            self._refuse(told(task.error))
+            self._refuse(translate(task.error))
         elif task.found is not None:
             area, agl_m = task.found
             if self._enter(lambda: area, task.step, agl_m):
@@ -314,7 +314,7 @@ class AreaControl(QObject):
             crs = self._canvas.mapSettings().destinationCrs()
             rectangle = canvas_rectangle(area.bounds, crs, self._project)
         except InvalidInput as wrong:
-            self._messages.warning(told(wrong))
+            self._messages.warning(translate(wrong))
             return
         wide_px = max(rectangle.width(), rectangle.height()) / self._canvas.mapUnitsPerPixel()
         if 0.0 < wide_px < _DOT_PX or not self._canvas.extent().intersects(rectangle):

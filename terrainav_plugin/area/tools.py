@@ -14,7 +14,7 @@ from ...core.errors import TerrAInavError
 from ...core.mission.area import Area, Box, Points
 from ..compat import POLYGON
 from ..form.area import readout, size_text
-from ..i18n import told, tr
+from ..i18n import tr, translate
 from ..map.canvas import TemporaryTool, box_of, lon_lat_of
 from .bands import AreaBands, PointerText, area_band
 from .outline import Outline, contains, grip_at, middle_of, moved, place_at, stretched
@@ -89,7 +89,7 @@ class BoxTool(TemporaryTool):
         try:
             box = self._box(event.pos())
         except (TerrAInavError, QgsCsException) as wrong:
-            self.refused.emit(told(wrong))
+            self.refused.emit(translate(wrong))
             return
         finally:
             self._clear()
@@ -170,7 +170,7 @@ class PointTool(TemporaryTool):
         try:
             lon, lat = lon_lat_of(self.toMapCoordinates(event.pos()), crs, QgsProject.instance())
         except (TerrAInavError, QgsCsException) as wrong:
-            self.refused.emit(told(wrong))
+            self.refused.emit(translate(wrong))
             return
         self.stop()
         self.clicked.emit(lat, lon)

@@ -11,7 +11,7 @@ from qgis.PyQt.QtCore import QObject, pyqtSignal
 
 from ...core.errors import TerrAInavError
 from ..dataset.placing import load_test_shot, place_mosaics, show_failed, show_results
-from ..i18n import number_text, told, tr
+from ..i18n import number_text, tr, translate
 from ..paths import open_in_system
 from .run import Run, Stage, done_text, with_kept
 
@@ -108,7 +108,7 @@ class Endings(QObject):
         try:
             load()
         except TerrAInavError as wrong:
-            self._messages.error(told(wrong))
+            self._messages.error(translate(wrong))
 
     def _load_results(self, run: Run) -> None:
         # Images that have failed may be gone: those of tiles that count as missing by now.
@@ -127,7 +127,7 @@ class Endings(QObject):
         result, name = run.result, run.name
         if run.task.error:
             tell = self._messages.error if run.task.trace else self._messages.warning
-            tell(with_kept(told(run.task.error), result), run.task.trace)
+            tell(with_kept(translate(run.task.error), result), run.task.trace)
         elif run.stage is Stage.STOPPED and result is None:
             self._messages.info(tr("{name}: stopped before the first image.").format(name=name))
         elif run.stage is Stage.STOPPED:
@@ -152,14 +152,14 @@ class Endings(QObject):
 
     def _tell_failed(self, run: Run) -> None:
         failed = run.result.failed
-        reason = told(failed[0].reason) if failed else tr("in an earlier run")
+        reason = translate(failed[0].reason) if failed else tr("in an earlier run")
         text = tr("{name}: {failed} of {total} images could not be made ({reason}).").format(
             name=run.name,
             failed=number_text(run.task.failed or len(failed)),
             total=number_text(len(run.plan) * len(run.mission.map_types)),
             reason=reason,
         )
-        lines = (f"{failure.map_type}/{failure.name}: {told(failure.reason)}" for failure in failed)
+        lines = (f"{failure.map_type}/{failure.name}: {translate(failure.reason)}" for failure in failed)
         again = (tr("Capture only the failed ones"), lambda: self.failed_wanted.emit(run))
         self._messages.warning(text, "\n".join(lines), again)
 

@@ -11,7 +11,7 @@ from qgis.PyQt.QtGui import QTextDocument
 from qgis.PyQt.QtWidgets import QMessageBox, QWidget
 
 from ...core.errors import TerrAInavError
-from ..i18n import told, tr
+from ..i18n import tr, translate
 from ..paths import next_folder, place_of
 from ..sources import credentials_problem, terms_problem
 
@@ -59,7 +59,7 @@ class Questions:
         try:
             problem = credentials_problem(source)
         except TerrAInavError as wrong:
-            problem = told(wrong)
+            problem = translate(wrong)
         if problem:
             self._mark({"key": problem})
             self._messages.refused(problem, tr("Nothing to capture yet."))

@@ -15,7 +15,7 @@ from qgis.PyQt.QtWidgets import QWidget
 from ...core.errors import TerrAInavError
 from ..form import mission_form
 from ..form.mission_form import FormError
-from ..i18n import told, tr
+from ..i18n import tr, translate
 from ..settings import Settings
 from ..sources import grid_of, key_of
 from .endings import Endings
@@ -158,10 +158,10 @@ class Runs(QObject):
             steps = plan(mission, grid_of(mission))
         except FormError as wrong:
             self.refused.emit(wrong.messages)
-            self._messages.refused(told(wrong), tr("No test shot."))
+            self._messages.refused(translate(wrong), tr("No test shot."))
             return
         except TerrAInavError as wrong:
-            self._messages.refused(told(wrong), tr("No test shot."))
+            self._messages.refused(translate(wrong), tr("No test shot."))
             return
         questions = self.questions
         if questions.key_is_there(mission.source) and questions.terms_allow(mission, steps.requests):
@@ -203,7 +203,7 @@ class Runs(QObject):
             # A copy: what a plan keeps of its views belongs to whoever captures it.
             run = Run(replace(plan), folder, key_of(mission.source), only_failed=only_failed)
         except TerrAInavError as wrong:
-            self._messages.warning(tr("Nothing captured: {reason}").format(reason=told(wrong)))
+            self._messages.warning(tr("Nothing captured: {reason}").format(reason=translate(wrong)))
             return False
         self._add(run)
         return True

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from qgis.core import QgsApplication
 from qgis.PyQt.QtCore import QObject, pyqtSignal
 
-from ..i18n import number_text, told, tr
+from ..i18n import number_text, tr, translate
 from ..units import duration_text
 from .task import CaptureTask
 
@@ -255,7 +255,7 @@ def _pace(progress: Progress, making_mosaic: bool) -> str:
 def _end_text(run: Run) -> str:
     result = run.result
     if run.task.error:
-        return with_kept(told(run.task.error), result)
+        return with_kept(translate(run.task.error), result)
     if result is None:
         return tr("Stopped before the first image")
     there = number_text(result.written + result.skipped)

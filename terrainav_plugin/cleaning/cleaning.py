@@ -13,7 +13,7 @@ from qgis.PyQt.QtCore import QObject, QPoint, QRect, Qt, QTimer, pyqtSignal
 from qgis.PyQt.QtWidgets import QFileDialog
 
 from ...core.dataset.folder import DECIDING, FOOTPRINTS_FILE, MISSION_FILE
-from ..i18n import told, tr
+from ..i18n import tr, translate
 from ..paths import folder_of, open_in_system
 from ..settings import recent
 from ..tasks import LatestWorker, Task, reason_of
@@ -169,7 +169,7 @@ class Cleaning(QObject):
 
     def _refused(self, error: Exception) -> None:
         if self.panel is not None:
-            self.panel.show_hint(told(reason_of(error)))
+            self.panel.show_hint(translate(reason_of(error)))
 
     # --- what follows the threshold
 
@@ -247,7 +247,7 @@ class Cleaning(QObject):
             self.panel.show_busy(False)
         if task.error:
             say = self._messages.error if task.trace else self._messages.warning
-            say(told(task.error), task.trace)
+            say(translate(task.error), task.trace)
             if self.panel is not None and self._folder is not None:
                 # Whatever was wrong: show what is there now.
                 self._read(self._folder)
@@ -285,7 +285,7 @@ class Cleaning(QObject):
             from .panel import CleanPanel
 
             self.marks = Marks(self._canvas)
-            self.marks.failed.connect(lambda error: self._messages.warning(told(reason_of(error))))
+            self.marks.failed.connect(lambda error: self._messages.warning(translate(reason_of(error))))
             panel = self.panel = CleanPanel()
             panel.folder_chosen.connect(self._folder_chosen)
             panel.map_type_chosen.connect(self._show_map_type)

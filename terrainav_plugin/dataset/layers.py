@@ -14,7 +14,7 @@ from ...core.capture.journal import FAILED, Outcome
 from ...core.dataset.folder import FOOTPRINTS_FILE, JOURNAL_FILE
 from ...core.errors import InvalidInput, OutputError
 from ...core.files import write_whole
-from ..i18n import told, tr
+from ..i18n import tr, translate
 from .footprints import feature_lines, feature_of
 from .mosaic import Mosaic
 
@@ -184,7 +184,7 @@ class FailedImages:
             footprint = self._footprints.get(name)
             if footprint is None:
                 continue
-            more = {"map_type": map_type, "reason": told(reason)}
+            more = {"map_type": map_type, "reason": translate(reason)}
             feature = {**footprint, "properties": {**footprint["properties"], **more}}
             features.append(json.dumps(feature, ensure_ascii=False).encode("utf-8"))
         return [b'{"type": "FeatureCollection", "features": [\n', b",\n".join(features), b"\n]}\n"]

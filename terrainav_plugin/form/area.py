@@ -16,7 +16,7 @@ from ...core.mission.area import Area, Box, Points, Polygon
 from ...core.mission.coords import parse_coords
 from ...core.mission.mission import SCHEMA, Mission
 from ...core.safe_json import parse_json
-from ..i18n import localized, number_text, told, tr
+from ..i18n import localized, number_text, tr, translate
 from ..units import M_PER_FT, METRES, area_text, length_text
 from .state import BOX_FIELDS, FormState
 from .text import SEPARATORS, degrees_text, exact_degrees_text, parse_number
@@ -66,7 +66,7 @@ def with_coordinates(state: FormState, text: str) -> FormState:
     try:
         return with_area(state, *area_of_text(text, state.agl, state.agl_unit))
     except TerrAInavError as wrong:
-        raise FormError({"north": told(wrong)}) from wrong
+        raise FormError({"north": translate(wrong)}) from wrong
 
 
 def entered_shape(state: FormState) -> Polygon | Points | None:

@@ -8,7 +8,7 @@ from dataclasses import fields, replace
 from typing import TYPE_CHECKING, Any
 
 from ...core.errors import InvalidInput
-from ..i18n import number_text, told, tr
+from ..i18n import number_text, tr, translate
 from .area import FormError, entered_shape, shape_text, with_box
 from .camera import camera_as_typed, given_by, in_length_unit
 from .state import DIAGONAL, SENSOR, URL_TEMPLATE, FormState
@@ -60,7 +60,7 @@ class _Checks:
         try:
             return check()
         except TerrAInavError as wrong:
-            self.messages.setdefault(field, told(wrong))
+            self.messages.setdefault(field, translate(wrong))
         return None
 
     def number(self, field: str, what: str, text: str, parse: Callable[[str], float]) -> float | None:
@@ -135,7 +135,7 @@ def _mission(state: FormState, area: Area | None, checks: _Checks) -> Mission:
         return beyond.with_(area=area, agl_m=state.agl_m, camera=camera, **entries)
     except InvalidInput as wrong:
         # Entries that are right one by one, and do not go together.
-        raise FormError({entry_of(wrong.field) or "more": told(wrong)}) from wrong
+        raise FormError({entry_of(wrong.field) or "more": translate(wrong)}) from wrong
 
 
 def _pixels(state: FormState) -> dict[str, Any]:

@@ -6,7 +6,7 @@ import re
 from typing import TYPE_CHECKING
 
 from ...core.errors import InvalidInput, TerrAInavError
-from ..i18n import told, tr
+from ..i18n import tr, translate
 from .mission_form import entry_of
 
 if TYPE_CHECKING:
@@ -19,10 +19,10 @@ _OPTION = re.compile(r"--[a-z][a-z-]*")
 def refused_fields(error: TerrAInavError) -> dict[str, str]:
     """Message at the entry that a refusal is about; empty where it is about no single one."""
     entry = entry_of(error.field) if isinstance(error, InvalidInput) and error.field else ""
-    return {entry: in_words_of_the_dock(error)} if entry else {}
+    return {entry: in_words_of_the_panel(error)} if entry else {}
 
 
-def in_words_of_the_dock(message: object) -> str:
+def in_words_of_the_panel(message: object) -> str:
     """Message of the core that names entries of the dock instead of options of the command."""
     names = {
         "--error-budget": tr("Error budget"),
@@ -37,7 +37,7 @@ def in_words_of_the_dock(message: object) -> str:
         "--date": tr("Date"),
     }
     elsewhere = tr("“Most images” of the algorithm “Plan a mission”, or max_images in the mission's file")
-    text = told(message).replace("--max-images", elsewhere)
+    text = translate(message).replace("--max-images", elsewhere)
     for option in sorted(set(_OPTION.findall(text)) - set(names), key=len, reverse=True):
         # What the dock has no entry for is no advice here.
         text = re.sub(rf" ?\({option}\)", "", text)

@@ -19,7 +19,7 @@ from ..dataset.placing import show_failed, show_results
 from ..form import mission_form
 from ..form.area import FormError
 from ..form.state import BOX_FIELDS
-from ..i18n import told, tr
+from ..i18n import tr, translate
 from ..map.mission_group import SavedMission, saved_missions
 from ..paths import folder_of, next_folder
 from ..plain import shown_plain
@@ -271,7 +271,7 @@ class Missions(QObject):
         try:
             mission.save(path)
         except TerrAInavError as wrong:
-            self._messages.warning(told(wrong))
+            self._messages.warning(translate(wrong))
             return
         remember(path)
         self._messages.success(tr("Mission saved as {name}.").format(name=path.name))
@@ -303,7 +303,7 @@ class Missions(QObject):
             self._take_up(mission, Path(saved.folder))
         except TerrAInavError as wrong:
             self._messages.warning(
-                tr("The project's mission cannot be read: {error}").format(error=told(wrong))
+                tr("The project's mission cannot be read: {error}").format(error=translate(wrong))
             )
             return
         self.reopened.emit()
@@ -314,7 +314,7 @@ class Missions(QObject):
         self._task = None
         if task.error:
             tell = self._messages.error if task.trace else self._messages.warning
-            tell(told(task.error), task.trace)
+            tell(translate(task.error), task.trace)
             return
         if task.opened is None or begun_in != self._open_project.number:
             return
@@ -335,7 +335,9 @@ class Missions(QObject):
             )
 
     def _tell_broken(self, name: str, wrong: TerrAInavError) -> None:
-        self._messages.warning(tr("{name} was not opened: {reason}").format(name=name, reason=told(wrong)))
+        self._messages.warning(
+            tr("{name} was not opened: {reason}").format(name=name, reason=translate(wrong))
+        )
 
 
 def _plain(text: str) -> str:

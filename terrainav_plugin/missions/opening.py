@@ -11,7 +11,7 @@ from qgis.core import QgsVectorLayer
 from ...core.errors import OutputError, TerrAInavError
 from ..dataset.layers import FailedImages, OpenedResults, open_failed, open_results
 from ..dataset.mosaic import MOST_PICTURES, Mosaic, build_mosaics, mosaics_there
-from ..i18n import told, tr
+from ..i18n import tr, translate
 from ..tasks import Task
 
 if TYPE_CHECKING:
@@ -58,7 +58,7 @@ class DatasetTask(Task):
             FailedImages(self.folder).update()
             self.failed = open_failed(self.folder)
         except OutputError as wrong:
-            self.left_out = self.left_out or told(wrong)
+            self.left_out = self.left_out or translate(wrong)
 
     def _made_mosaics(self) -> list[Mosaic]:
         from ...core.mission.plan import plan
@@ -70,7 +70,7 @@ class DatasetTask(Task):
             return build_mosaics(steps, self.folder, self._go_on)
         except TerrAInavError as wrong:
             # The footprints can be had without the source.
-            self.left_out = told(wrong)
+            self.left_out = translate(wrong)
             return []
 
     def _go_on(self, share: float) -> bool:

@@ -11,7 +11,7 @@ from qgis.PyQt.QtCore import QObject, pyqtSignal
 from qgis.PyQt.QtWidgets import QFileDialog, QWidget
 
 from ...core.errors import TerrAInavError
-from ..i18n import told, tr
+from ..i18n import tr, translate
 from ..paths import open_in_system
 from ..settings import Settings
 from ..tasks import Task
@@ -112,7 +112,7 @@ class PlanExport(QObject):
         try:
             check_plan_ending(path)
         except TerrAInavError as wrong:
-            self._messages.warning(told(wrong))
+            self._messages.warning(translate(wrong))
             return
         self._task = ExportTask(planned.plan, path)
         self._task.ended.connect(self._ended)
@@ -122,7 +122,7 @@ class PlanExport(QObject):
         self._task = None
         if task.error:
             tell = self._messages.error if task.trace else self._messages.warning
-            tell(told(task.error), task.trace)
+            tell(translate(task.error), task.trace)
             return
         if task.exported is None:
             return
@@ -131,7 +131,7 @@ class PlanExport(QObject):
         folder = files[0].parent
         open_folder = (tr("Open folder"), lambda: open_in_system(folder))
         if notes:
-            lines = [told(note) for note in notes]
+            lines = [translate(note) for note in notes]
             self._messages.warning(f"{text} {' '.join(lines)}", "\n".join(lines), open_folder)
         else:
             self._messages.success(text, open_folder)

@@ -15,7 +15,7 @@ from ...core.errors import InvalidInput, OutputError
 from ..form.camera import camera_of, given_by, with_height
 from ..form.state import DIAGONAL, HORIZONTAL, SENSOR, VERTICAL, FormState
 from ..form.text import aspect_text, parse_aspect
-from ..i18n import number_text, told, tr
+from ..i18n import number_text, tr, translate
 from ..plain import shown_plain
 from ..widgets import FieldMarks, combo, row, spin
 from .choices import CameraChoice
@@ -199,7 +199,7 @@ class CameraEntries(Entries):
         try:
             act()
         except (InvalidInput, OutputError) as wrong:
-            self._trouble = told(wrong)
+            self._trouble = translate(wrong)
         else:
             self._cameras, self._trouble = camera_choices()
             self._fill_chooser()
@@ -237,9 +237,9 @@ def camera_choices() -> tuple[list[CameraChoice], str]:
     own: tuple[CameraPreset, ...] = ()
     try:
         own, problems = camera_shelf()
-        wrong = "; ".join(map(told, problems.values()))
+        wrong = "; ".join(map(translate, problems.values()))
     except InvalidInput as unreadable:
-        wrong = told(unreadable)
+        wrong = translate(unreadable)
     return [_choice(preset) for preset in (*shipped_cameras(), *own)], wrong
 
 

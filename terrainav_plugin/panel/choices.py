@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from qgis.core import QgsProject
 
 from ...core.errors import InvalidInput, TerrAInavError
-from ..i18n import number_text, told, tr
+from ..i18n import number_text, tr, translate
 from ..qgis_source.connections import (
     SERVICE_PREFIX,
     XYZ,
@@ -96,7 +96,7 @@ def _of_connection(name: str) -> SourceChoice:
     try:
         limits = limits_html(connection(XYZ + name).entry())
     except InvalidInput as wrong:
-        limits = html.escape(told(wrong))
+        limits = html.escape(translate(wrong))
     return SourceChoice(XYZ + name, name, group=CONNECTION, limits=limits)
 
 

@@ -15,8 +15,8 @@ from qgis.PyQt.QtWidgets import QFrame, QLabel, QScrollArea, QSizePolicy, QToolB
 
 from ...core.mission.estimate import percent, size_text
 from ...core.mission.rungs import bound_text
-from ..form.refusals import in_words_of_the_dock
-from ..i18n import localized, number_text, told, tr
+from ..form.refusals import in_words_of_the_panel
+from ..i18n import localized, number_text, tr, translate
 from ..units import METRES, area_text, duration_text, gsd_text, length_text
 
 if TYPE_CHECKING:
@@ -206,7 +206,7 @@ def readout(
     coarser = own_m > _COARSER * summary.requested_gsd_m_per_px
     enlargeable = grid.max_zoom > grid.native_zoom and not mission.upsample
     return Readout(
-        tuple(in_words_of_the_dock(text) for text in summary.warnings),
+        tuple(in_words_of_the_panel(text) for text in summary.warnings),
         (*_figures(mission, summary, unit, own_m if coarser else None), *_limit(plan, policy)),
         tuple(_details(summary, cost)),
         _why_html(plan.accuracy),
@@ -261,7 +261,7 @@ def _details(summary: Summary, cost: str) -> list[tuple[str, str]]:
         (tr("Tiles"), _tiles(summary)),
         (tr("On disk"), localized(size_text(summary.output_bytes))),
         *_accuracy_lines(summary.accuracy),
-        (tr("Cost"), localized(told(cost)) or tr("being timed…")),
+        (tr("Cost"), localized(translate(cost)) or tr("being timed…")),
     ]
 
 
@@ -269,13 +269,13 @@ def _accuracy_lines(accuracy: Accuracy) -> list[tuple[str, str]]:
     """What was chosen, with its bounds."""
     methods = "; ".join(
         tr("{stage}: {name}, ≤ {px} px").format(
-            stage=told(choice.rung.stage),
+            stage=translate(choice.rung.stage),
             name=choice.rung.name,
             px=localized(bound_text(choice.rung.bound_px)),
         )
         for choice in accuracy.choices
     )
-    terrain = told(accuracy.terrain_text()).partition(": ")[2]
+    terrain = translate(accuracy.terrain_text()).partition(": ")[2]
     return [
         (tr("Methods"), _unbroken(methods)),
         (
@@ -285,7 +285,7 @@ def _accuracy_lines(accuracy: Accuracy) -> list[tuple[str, str]]:
             )
             + ("" if accuracy.bound_px <= accuracy.budget_px else tr(", which is exceeded")),
         ),
-        (tr("Left out"), ", ".join(told(what) for what, _ in accuracy.left_out) or told("nothing")),
+        (tr("Left out"), ", ".join(translate(what) for what, _ in accuracy.left_out) or translate("nothing")),
         (tr("Terrain"), _unbroken(terrain)),
     ]
 
@@ -304,10 +304,12 @@ def _why_html(accuracy: Accuracy) -> str:
             name=rung.name, px=localized(bound_text(rung.bound_px)), metres=_ground_text(rung.bound_m)
         )
         if rejected is not None:
-            text += tr("; not {name}: {reason}").format(name=rejected.name, reason=told(choice.reason))
-        lines.append((told(rung.stage).capitalize(), text))
-    lines += [(tr("No {what}").format(what=told(what)), told(why)) for what, why in accuracy.left_out]
-    lines.append((tr("Condition number"), localized(told(dict(accuracy.lines())["condition number"]))))
+            text += tr("; not {name}: {reason}").format(name=rejected.name, reason=translate(choice.reason))
+        lines.append((translate(rung.stage).capitalize(), text))
+    lines += [
+        (tr("No {what}").format(what=translate(what)), translate(why)) for what, why in accuracy.left_out
+    ]
+    lines.append((tr("Condition number"), localized(translate(dict(accuracy.lines())["condition number"]))))
     return _table(lines)
 
 

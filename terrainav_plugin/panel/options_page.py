@@ -30,7 +30,7 @@ from qgis.PyQt.QtWidgets import (
 from ...core.errors import InvalidInput, TerrAInavError
 from ...core.mission.estimate import size_text
 from ..help import add_help_button
-from ..i18n import localized, number_text, told, tr
+from ..i18n import localized, number_text, tr, translate
 from ..messages import log
 from ..plain import plain_label, shown_plain
 from ..settings import Settings
@@ -231,7 +231,7 @@ def placeholders_problem(text: str) -> str:
     try:
         Placeholder().with_files(text.split())
     except InvalidInput as wrong:
-        return told(wrong)
+        return translate(wrong)
     return ""
 
 
@@ -414,6 +414,6 @@ class CacheDialog(QDialog):
         try:
             freed = self._cache.clear(names)
         except TerrAInavError as wrong:
-            self._fill(told(wrong))
+            self._fill(translate(wrong))
             return
         self._fill(tr("{size} freed.").format(size=localized(size_text(freed))))

@@ -26,7 +26,7 @@ from qgis.PyQt.QtWidgets import (
 from ...core.errors import SourceError, TerrAInavError
 from ..credentials import store_key
 from ..help import add_help_button
-from ..i18n import number_text, told, tr
+from ..i18n import number_text, tr, translate
 from ..network.transport import QgisTransport
 from ..plain import plain_label, shown_plain
 from ..qgis_source.connections import ServiceConnection
@@ -259,7 +259,7 @@ def _name_problem(name: str) -> dict[str, str]:
     try:
         taken = any(entry.name == name for entry in sources())
     except TerrAInavError as wrong:
-        return {"name": told(wrong)}
+        return {"name": translate(wrong)}
     return {"name": tr("“{name}” is taken; choose another name").format(name=name)} if taken else {}
 
 
@@ -272,7 +272,7 @@ def _at_field(text: str) -> dict[str, str]:
         ("terms", "terms_url"),
         ("placeholder", "placeholders"),
     )
-    return {next((field for words, field in fields if plain.startswith(words)), "url"): told(plain)}
+    return {next((field for words, field in fields if plain.startswith(words)), "url"): translate(plain)}
 
 
 class _Capabilities(Task):
@@ -416,7 +416,7 @@ class ServiceDialog(QDialog):
         text = tr("{count} layers").format(count=number_text(len(task.layers)))
         if self._service.key:
             text += " " + tr("The key in its address will be kept in QGIS's authentication database.")
-        self.told.setText(told(task.error) or text)
+        self.told.setText(translate(task.error) or text)
         self._show_ready()
 
     def _keep(self, task: _Capabilities) -> None:
@@ -426,7 +426,7 @@ class ServiceDialog(QDialog):
                 raise SourceError(task.error or tr("nothing was answered"))
             self.added = kept(task.entry, self._service, self._chosen())
         except TerrAInavError as wrong:
-            self.told.setText(told(wrong))
+            self.told.setText(translate(wrong))
             self._show_ready()
             return
         super().accept()

@@ -7,7 +7,7 @@ from qgis.PyQt.QtCore import QObject, QTimer
 from qgis.PyQt.QtWidgets import QMessageBox, QWidget
 
 from ...core.errors import TerrAInavError
-from ..i18n import told, tr
+from ..i18n import tr, translate
 from ..messages import Messages
 from ..plain import shown_plain
 from ..settings import Settings
@@ -59,7 +59,7 @@ class SourceShelf(QObject):
         self._imagery.set_choices(choices)
         if problem and problem != self._told:
             self._messages.warning(
-                tr("Some of your own sources are left out: {reason}").format(reason=told(problem))
+                tr("Some of your own sources are left out: {reason}").format(reason=translate(problem))
             )
         self._told = problem
 
@@ -100,7 +100,7 @@ class SourceShelf(QObject):
             remove(choice.name)
             Settings().set_authcfg(choice.name, "")
         except TerrAInavError as wrong:
-            self._messages.warning(told(wrong))
+            self._messages.warning(translate(wrong))
         self.refresh()
 
     def show_cache(self) -> None:

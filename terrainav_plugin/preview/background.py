@@ -23,7 +23,7 @@ from ...core.imagery.opening import open_source
 from ...core.imagery.source import Window
 from ...core.mission.area import Box
 from ..form import mission_form
-from ..i18n import told, tr
+from ..i18n import tr, translate
 from ..map.canvas import box_of, canvas_rectangle
 from ..map.mission_group import ROLE
 from ..qgis_source.snapshot import is_of_qgis
@@ -106,7 +106,7 @@ class SourceOnMap(QObject):
             if then is not None:
                 then()
         except TerrAInavError as wrong:
-            self._messages.warning(told(wrong))
+            self._messages.warning(translate(wrong))
 
     def close(self) -> None:
         """End for good."""
@@ -129,7 +129,7 @@ class SourceOnMap(QObject):
             self._task = None
             self.drawing.emit(False)
             if task is not None and task.error:
-                self._messages.error(told(task.error), task.trace)
+                self._messages.error(translate(task.error), task.trace)
             elif task is None or not task.isCanceled():
                 try:
                     self._background.show_world(box, map_type, seed, folder, title)
@@ -138,7 +138,7 @@ class SourceOnMap(QObject):
                     if then is not None:
                         then()
                 except TerrAInavError as wrong:
-                    self._messages.warning(told(wrong))
+                    self._messages.warning(translate(wrong))
 
         if task is None:
             show(None)

@@ -19,7 +19,7 @@ from qgis.PyQt.QtCore import QEventLoop, QTimer
 from qgis.PyQt.QtGui import QIcon
 
 from ...core.errors import Cancelled, TerrAInavError
-from ..i18n import told, tr
+from ..i18n import tr, translate
 from ..packages import missing_packages
 from ..paths import RESOURCES, icon
 from ..tasks import PythonThread, on_python_thread
@@ -143,16 +143,16 @@ def _checked(work: Callable[[], Result]) -> Result:
     try:
         return work()
     except Cancelled as stopped:
-        text = tr("Stopped: {reason}").format(reason=told(stopped))
+        text = tr("Stopped: {reason}").format(reason=translate(stopped))
     except (TerrAInavError, FormError) as wrong:
-        text = told(wrong)
+        text = translate(wrong)
     # Out here the error is forgotten, and with it all that its trace would hold until the thread has ended.
     raise QgsProcessingException(text)
 
 
-def run_beside(work: Callable[[Watch], Result], feedback: QgsProcessingFeedback) -> Result:
+def run_in_background(work: Callable[[Watch], Result], feedback: QgsProcessingFeedback) -> Result:
     """Work with the main thread free for its events; see `beside`."""
-    return beside_main(work, feedback)
+    return off_main_thread(work, feedback)
 
 
 def paragraphs(*texts: str) -> str:
@@ -229,7 +229,7 @@ class _Relay(Watch):
         self._stop.set()
 
 
-def beside_main(work: Callable[[Watch], Result], feedback: QgsProcessingFeedback) -> Result:
+def off_main_thread(work: Callable[[Watch], Result], feedback: QgsProcessingFeedback) -> Result:
     """Do ``work`` while the main thread is free for its events; returns or raises what it does.
 
     Called in another thread, which is beside it already, that one waits.

@@ -22,8 +22,8 @@ from qgis.core import (
 
 from ...core.dataset.folder import FOOTPRINTS_FILE, MISSION_FILE
 from ...core.errors import InvalidInput
-from ..i18n import number_text, told, tr
-from .algorithm import Watch, paragraphs, run_beside
+from ..i18n import number_text, tr, translate
+from .algorithm import Watch, paragraphs, run_in_background
 from .imagery import WithImagery, check_terms
 from .mission_parameters import add_mission_parameters, mission_of
 
@@ -121,7 +121,7 @@ class _Capturing(WithImagery):
             _tell(result, watch)
             return result, self._mosaics(worked_out, result, watch)
 
-        result, self._made = run_beside(work, feedback)
+        result, self._made = run_in_background(work, feedback)
         if self._load:
             for mosaic in self._made:
                 _load_when_done(context, mosaic.path, mosaic.title)
@@ -302,7 +302,7 @@ def _tell(result: CaptureResult, watch: Watch) -> None:
         )
     )
     for failure in result.failed[:_NAMED_FAILURES]:
-        watch.warn(f"{failure.map_type}/{failure.name}: {told(failure.reason)}")
+        watch.warn(f"{failure.map_type}/{failure.name}: {translate(failure.reason)}")
     if len(result.failed) > _NAMED_FAILURES:
         watch.warn(
             tr("{count} more, named in the folder's journal and tables.").format(

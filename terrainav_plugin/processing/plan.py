@@ -25,8 +25,8 @@ from qgis.core import (
 from qgis.PyQt.QtCore import QDateTime, Qt
 
 from ..compat import field
-from ..i18n import told, tr
-from .algorithm import Algorithm, paragraphs, run_beside
+from ..i18n import tr, translate
+from .algorithm import Algorithm, paragraphs, run_in_background
 from .mission_parameters import add_mission_parameters, mission_of
 
 if TYPE_CHECKING:
@@ -147,10 +147,10 @@ class Plan(Algorithm):
             costs, connections = costs_of(self._mission.source), Settings().connections
             return worked_out, estimate(worked_out, costs, connections, os.cpu_count() or 1)
 
-        worked_out, summary = run_beside(work, feedback)
+        worked_out, summary = run_in_background(work, feedback)
         for label, text in summary.lines():
             tell = feedback.pushWarning if label == "warning" else feedback.pushInfo
-            tell(f"{told(label)}: {told(text)}")
+            tell(f"{translate(label)}: {translate(text)}")
         results: dict[str, Any] = _values(summary)
         kinds = QgsWkbTypes.Type
         for name, found, kind, fields in (
@@ -193,7 +193,7 @@ class Plan(Algorithm):
             for file in exported.files:
                 feedback.pushInfo(tr("Written: {file}").format(file=file))
             for note in exported.notes:
-                feedback.pushInfo(told(note))
+                feedback.pushInfo(translate(note))
             # A flight too long for one file is in several.
             results["EXPORT"] = str(exported.files[0])
 

@@ -12,7 +12,7 @@ from qgis.core import QgsApplication, QgsOwsConnection
 
 from ...core.errors import InvalidInput
 from ...core.text import whole_number
-from ..i18n import told, tr
+from ..i18n import tr, translate
 
 if TYPE_CHECKING:
     from ...core.imagery.catalogue.entry import CatalogueEntry
@@ -92,7 +92,7 @@ class Connection:
             return under_provider(CatalogueEntry.from_dict(XYZ + self.name, data, user=True))
         except InvalidInput as wrong:
             raise InvalidInput(
-                tr("QGIS connection “{name}”: {problem}").format(name=self.name, problem=told(wrong))
+                tr("QGIS connection “{name}”: {problem}").format(name=self.name, problem=translate(wrong))
             ) from wrong
 
 
@@ -188,23 +188,25 @@ def _listed() -> list[tuple[str, str]]:
 
 def connection_of(name: str, uri: str) -> Connection:
     """Connection that a data source of QGIS describes; raises InvalidInput where it cannot be used."""
-    told = {key: unquote(value) for key, _, value in (part.partition("=") for part in uri.split("&"))}
-    if told.get("username") or told.get("password"):
+    options = {key: unquote(value) for key, _, value in (part.partition("=") for part in uri.split("&"))}
+    if options.get("username") or options.get("password"):
         raise InvalidInput(
             tr(
                 "QGIS connection “{name}” holds a user name and password in plain text: give it an "
                 "authentication configuration in QGIS's Browser panel"
             ).format(name=name)
         )
-    headers = {key[len(_HEADER) :]: value for key, value in told.items() if key.startswith(_HEADER)}
-    if told.get("referer"):
-        headers["referer"] = told["referer"]
+    headers = {key[len(_HEADER) :]: value for key, value in options.items() if key.startswith(_HEADER)}
+    if options.get("referer"):
+        headers["referer"] = options["referer"]
     # QGIS unpacks what is written for a space.
-    url, key = without_key(told.get("url", "").replace(" ", "%20"))
-    least, most = (_zoom(told.get(end, ""), usual) for end, usual in (("zmin", 0), ("zmax", _USUAL_ZOOM)))
-    tile_px = _PIXELS.get(told.get("tilePixelRatio", ""), 256)
+    url, key = without_key(options.get("url", "").replace(" ", "%20"))
+    least, most = (
+        _zoom(options.get(end, ""), usual) for end, usual in (("zmin", 0), ("zmax", _USUAL_ZOOM))
+    )
+    tile_px = _PIXELS.get(options.get("tilePixelRatio", ""), 256)
     headers = {name.title(): value for name, value in headers.items() if value}
-    return Connection(name, url, key, min(least, most), most, tile_px, told.get("authcfg", ""), headers)
+    return Connection(name, url, key, min(least, most), most, tile_px, options.get("authcfg", ""), headers)
 
 
 def _zoom(text: str, usual: int) -> int:

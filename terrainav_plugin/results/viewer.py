@@ -24,7 +24,7 @@ from qgis.PyQt.QtWidgets import (
     QWidget,
 )
 
-from ..i18n import number_text, told, tr
+from ..i18n import number_text, tr, translate
 from ..plain import plain_label
 from .shots import Seen, Shot
 
@@ -273,7 +273,7 @@ def details(seen: Seen) -> Iterator[tuple[str, str]]:
     pose, row, metadata = seen.shot.pose, seen.row, seen.picture.metadata
     yield tr("Image"), seen.shot.name
     if row.get("status") == "failed":
-        yield tr("Failed"), told(row.get("reason", ""))
+        yield tr("Failed"), translate(row.get("reason", ""))
     elif seen.picture.problem:
         yield tr("Missing"), seen.picture.problem
     if seen.rejected:

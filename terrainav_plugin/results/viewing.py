@@ -11,7 +11,7 @@ from qgis.PyQt.QtGui import QColor
 
 from ...core.errors import TerrAInavError
 from ..compat import POLYGON
-from ..i18n import told, tr
+from ..i18n import tr, translate
 from ..map.canvas import TemporaryTool, lon_lat_of
 from ..map.mission_group import CAPTURED, ROLE
 from ..messages import Messages
@@ -53,7 +53,7 @@ class ViewTool(TemporaryTool):
         try:
             lon, lat = lon_lat_of(self.toMapCoordinates(event.pos()), crs, QgsProject.instance())
         except (TerrAInavError, QgsCsException) as wrong:
-            self.refused.emit(told(wrong))
+            self.refused.emit(translate(wrong))
             return
         self.clicked.emit(lat, lon)
 
@@ -170,7 +170,7 @@ class Viewing(QObject):
 
     def _refused(self, error: Exception) -> None:
         if self.viewer is not None:
-            self.viewer.show_hint(told(reason_of(error)))
+            self.viewer.show_hint(translate(reason_of(error)))
 
     # --- the window and the outline
 

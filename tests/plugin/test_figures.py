@@ -13,7 +13,7 @@ from terrainav.core.mission.area import Box, Points
 from terrainav.core.mission.estimate import OFFLINE, ONLINE, estimate
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
-from terrainav.terrainav_plugin.form.refusals import in_words_of_the_dock
+from terrainav.terrainav_plugin.form.refusals import in_words_of_the_panel
 from terrainav.terrainav_plugin.panel.figures import readout
 from terrainav.terrainav_plugin.sources import grid_of
 from terrainav.terrainav_plugin.units import duration_text
@@ -132,7 +132,7 @@ def test_enlarged_pixels_are_offered_where_the_source_is_what_limits_a_picture()
 
 @pytest.mark.parametrize("option", sorted(options_in_messages()))
 def test_no_advice_of_the_core_names_an_option_in_the_dock(option):
-    said = in_words_of_the_dock(f"larger pictures ({option}), or smaller ones")
+    said = in_words_of_the_panel(f"larger pictures ({option}), or smaller ones")
     assert "--" not in said
     # Each is an entry of the dock, but the limit of images, which says where it is.
     assert "“" in said

@@ -7,7 +7,7 @@ import re
 import pytest
 from qgis.PyQt.QtCore import QLocale
 from qgis.PyQt.QtWidgets import QLabel
-from terrainav.terrainav_plugin.i18n import localized, number_text, told
+from terrainav.terrainav_plugin.i18n import localized, number_text, translate
 from terrainav.terrainav_plugin.units import area_text, duration_text, length_text
 
 #: Narrow no-break space, between thousands in French.
@@ -76,7 +76,9 @@ def test_one_way_for_all_figures(country):
     assert length_text(2_525.0, "ft") == "1,569 mi"
     assert duration_text(9_000.0) == "2,5 h"
     # Numbers in what the core says.
-    assert told("tile size 5,000.5 px: must be 512 or less") == "tile size 5.000,5 px: must be 512 or less"
+    assert (
+        translate("tile size 5,000.5 px: must be 512 or less") == "tile size 5.000,5 px: must be 512 or less"
+    )
 
 
 def swapped(text):

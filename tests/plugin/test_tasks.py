@@ -8,7 +8,7 @@ import pyproj
 import pytest
 from qgis.core import QgsApplication, QgsProcessingFeedback
 from terrainav.core.errors import InvalidInput
-from terrainav.terrainav_plugin.processing.algorithm import beside_main
+from terrainav.terrainav_plugin.processing.algorithm import off_main_thread
 from terrainav.terrainav_plugin.tasks import Task, is_foreign, on_python_thread
 
 PATIENCE_MS = 60_000
@@ -79,9 +79,9 @@ def test_algorithms_work_on_threads_of_python(qtbot):
     seen = []
 
     def algorithm():
-        beside_main(lambda _watch: seen.append(is_foreign()), QgsProcessingFeedback())
+        off_main_thread(lambda _watch: seen.append(is_foreign()), QgsProcessingFeedback())
         with pytest.raises(InvalidInput, match="no such place"):
-            beside_main(lambda _watch: refuse(), QgsProcessingFeedback())
+            off_main_thread(lambda _watch: refuse(), QgsProcessingFeedback())
 
     def refuse():
         raise InvalidInput("no such place")
