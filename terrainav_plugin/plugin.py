@@ -239,14 +239,6 @@ class TerrAInavPlugin:
         return not missing
 
 
-def _importable(module: str) -> bool:
-    try:
-        importlib.import_module(module)
-    except ImportError:
-        return False
-    return True
-
-
 class OptionsFactory(QgsOptionsWidgetFactory):
     """Makes the page.
 
@@ -267,3 +259,11 @@ class OptionsFactory(QgsOptionsWidgetFactory):
         page = OptionsPage(parent, self._applied)
         page.setObjectName(PAGE)
         return page
+
+
+def _importable(module: str) -> bool:
+    try:
+        importlib.import_module(module)
+    except ImportError:
+        return False
+    return True

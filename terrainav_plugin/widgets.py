@@ -232,6 +232,21 @@ class FieldMarks:
         return next((label.text() for _, label in self._fields.values() if label.text()), "")
 
 
+def free_of_menus(panel: QWidget, menus: QMenuBar) -> None:
+    """Take back the letters of a panel that open a menu, which plugins and languages add to, or that come twice."""
+    taken = {letter_of(action.text()) for action in menus.actions() if action.isVisible()}
+    for text, change in list(_texts(panel)):
+        letter = letter_of(text)
+        if letter and letter in taken:
+            change(text.replace("&", "", 1))
+        taken.add(letter)
+
+
+def letter_of(text: str) -> str:
+    """Key that a text's underlined letter stands for, as ``Alt+F``; empty where there is none."""
+    return QKeySequence.mnemonic(text).toString()
+
+
 def _is_hidden(part: QWidget) -> bool:
     """Whether a part of a form is hidden, or something that it is in: not where it is only folded with its group."""
     around = part.parentWidget()
@@ -261,21 +276,6 @@ def _tinted(base: QColor) -> QColor:
     wrong = QColor(WRONG_COLOUR)
     parts = zip(base.getRgb()[:3], wrong.getRgb()[:3])
     return QColor(*(round((1.0 - _TINT) * own + _TINT * other) for own, other in parts))
-
-
-def free_of_menus(panel: QWidget, menus: QMenuBar) -> None:
-    """Take back the letters of a panel that open a menu, which plugins and languages add to, or that come twice."""
-    taken = {letter_of(action.text()) for action in menus.actions() if action.isVisible()}
-    for text, change in list(_texts(panel)):
-        letter = letter_of(text)
-        if letter and letter in taken:
-            change(text.replace("&", "", 1))
-        taken.add(letter)
-
-
-def letter_of(text: str) -> str:
-    """Key that a text's underlined letter stands for, as ``Alt+F``; empty where there is none."""
-    return QKeySequence.mnemonic(text).toString()
 
 
 def _texts(panel: QWidget) -> Iterator[_Text]:

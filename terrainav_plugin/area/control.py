@@ -68,7 +68,6 @@ class AreaControl(QObject):
         self._iface, self._panel, self._messages = iface, panel, messages
         self._entries, self._editing = entries, editing
         self._canvas, self._project = iface.mapCanvas(), QgsProject.instance()
-        self._box_tool = box_tool
         self._task: ReadTask | None = None
         #: Layer of which a selected polygon is waited for.
         self._selecting: QgsVectorLayer | None = None

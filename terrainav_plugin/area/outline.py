@@ -220,46 +220,6 @@ def contains(area: Area, lon_deg: float, lat_deg: float) -> bool:
     return not isinstance(area, Polygon) or _degrees(area).contains(QgsPointXY(lon, lat_deg))
 
 
-def _degrees(area: Box | Polygon) -> QgsGeometry:
-    """Area as a geometry of continuous longitudes and latitudes."""
-    if isinstance(area, Box):
-        return QgsGeometry.fromRect(
-            QgsRectangle(area.west_deg, area.south_deg, area.continuous_east_deg, area.north_deg)
-        )
-    return QgsGeometry.fromPolygonXY(
-        [[QgsPointXY(*corner) for corner in (*ring, ring[0])] for ring in area.rings]
-    )
-
-
-def _polygons(geometry: QgsGeometry) -> list[list[list[QgsPointXY]]]:
-    if geometry.isEmpty():
-        return []
-    return geometry.asMultiPolygon() if geometry.isMultipart() else [geometry.asPolygon()]
-
-
-def _placed(transform: QgsCoordinateTransform, lon_lat: QgsPointXY) -> QgsPointXY | None:
-    try:
-        place = transform.transform(lon_lat, Qgis.TransformDirection.Reverse)
-    except QgsCsException:
-        return None
-    return place if math.isfinite(place.x()) and math.isfinite(place.y()) else None
-
-
-def _steps(start: float, end: float) -> list[float]:
-    return [start + (end - start) * step / _STEPS for step in range(_STEPS)] + [end]
-
-
-def _distance(at: QgsPointXY, start: QgsPointXY, end: QgsPointXY) -> float:
-    """Pixels from a place to a segment."""
-    dx, dy = end.x() - start.x(), end.y() - start.y()
-    length2 = dx * dx + dy * dy
-    along = 0.0
-    if length2 > 0.0:
-        along = ((at.x() - start.x()) * dx + (at.y() - start.y()) * dy) / length2
-    along = min(max(along, 0.0), 1.0)
-    return math.hypot(at.x() - start.x() - along * dx, at.y() - start.y() - along * dy)
-
-
 def wrapped(lon_deg: float) -> float:
     """Longitude in [-180, 180)."""
     return lon_deg if -180.0 <= lon_deg < 180.0 else (lon_deg + 180.0) % _TURN_DEG - 180.0
@@ -309,17 +269,50 @@ def stretched(box: Box, edges: frozenset[str], dlat_deg: float, dlon_deg: float)
     return continuous_box(north, west, south, east)
 
 
-def is_inside(area: Area, lon_deg: float, lat_deg: float) -> bool:
-    """Whether a place is in an area's box."""
-    box = area.bounds
-    east_of = (lon_deg - box.west_deg) % _TURN_DEG
-    return box.south_deg <= lat_deg <= box.north_deg and east_of <= box.span_deg
-
-
 def middle_of(area: Area) -> tuple[float, float]:
     """Longitude and latitude of the middle of an area's box."""
     box = area.bounds
     return wrapped(box.west_deg + box.span_deg / 2.0), (box.north_deg + box.south_deg) / 2.0
+
+
+def _degrees(area: Box | Polygon) -> QgsGeometry:
+    """Area as a geometry of continuous longitudes and latitudes."""
+    if isinstance(area, Box):
+        return QgsGeometry.fromRect(
+            QgsRectangle(area.west_deg, area.south_deg, area.continuous_east_deg, area.north_deg)
+        )
+    return QgsGeometry.fromPolygonXY(
+        [[QgsPointXY(*corner) for corner in (*ring, ring[0])] for ring in area.rings]
+    )
+
+
+def _polygons(geometry: QgsGeometry) -> list[list[list[QgsPointXY]]]:
+    if geometry.isEmpty():
+        return []
+    return geometry.asMultiPolygon() if geometry.isMultipart() else [geometry.asPolygon()]
+
+
+def _placed(transform: QgsCoordinateTransform, lon_lat: QgsPointXY) -> QgsPointXY | None:
+    try:
+        place = transform.transform(lon_lat, Qgis.TransformDirection.Reverse)
+    except QgsCsException:
+        return None
+    return place if math.isfinite(place.x()) and math.isfinite(place.y()) else None
+
+
+def _steps(start: float, end: float) -> list[float]:
+    return [start + (end - start) * step / _STEPS for step in range(_STEPS)] + [end]
+
+
+def _distance(at: QgsPointXY, start: QgsPointXY, end: QgsPointXY) -> float:
+    """Pixels from a place to a segment."""
+    dx, dy = end.x() - start.x(), end.y() - start.y()
+    length2 = dx * dx + dy * dy
+    along = 0.0
+    if length2 > 0.0:
+        along = ((at.x() - start.x()) * dx + (at.y() - start.y()) * dy) / length2
+    along = min(max(along, 0.0), 1.0)
+    return math.hypot(at.x() - start.x() - along * dx, at.y() - start.y() - along * dy)
 
 
 def _kept(lat_deg: float) -> float:

@@ -231,6 +231,32 @@ def row_text(run: Run, place: int = 0) -> str:
     return _counts(run.progress) + _pace(run.progress, making_mosaic=run.plan.size_px is None)
 
 
+def done_text(result: CaptureResult) -> str:
+    """What a run that came to its end has done."""
+    if not result.total:
+        return tr("No image was missing.")
+    if not result.written:
+        if result.total == 1:
+            return tr("The image was there already.")
+        return tr("All {total} images were there already.").format(total=number_text(result.total))
+    time = duration_text(result.seconds)
+    if result.skipped:
+        return tr("All {total} images are there: {written} captured now in {time}, {skipped} before.").format(
+            total=number_text(result.total),
+            written=number_text(result.written),
+            time=time,
+            skipped=number_text(result.skipped),
+        )
+    if result.written == 1:
+        return tr("One image captured in {time}.").format(time=time)
+    return tr("{written} images captured in {time}.").format(written=number_text(result.written), time=time)
+
+
+def with_kept(error: str, result: CaptureResult | None) -> str:
+    """Error of a run, and that its images are there all the same."""
+    return error if result is None else tr("{error} (the images are written)").format(error=error)
+
+
 def _counts(progress: Progress) -> str:
     done = progress.done + progress.skipped
     text = tr("{done} of {total} images").format(done=number_text(done), total=number_text(progress.total))
@@ -269,29 +295,3 @@ def _end_text(run: Run) -> str:
             failed=number_text(run.task.failed), total=number_text(total)
         )
     return done_text(result)
-
-
-def done_text(result: CaptureResult) -> str:
-    """What a run that came to its end has done."""
-    if not result.total:
-        return tr("No image was missing.")
-    if not result.written:
-        if result.total == 1:
-            return tr("The image was there already.")
-        return tr("All {total} images were there already.").format(total=number_text(result.total))
-    time = duration_text(result.seconds)
-    if result.skipped:
-        return tr("All {total} images are there: {written} captured now in {time}, {skipped} before.").format(
-            total=number_text(result.total),
-            written=number_text(result.written),
-            time=time,
-            skipped=number_text(result.skipped),
-        )
-    if result.written == 1:
-        return tr("One image captured in {time}.").format(time=time)
-    return tr("{written} images captured in {time}.").format(written=number_text(result.written), time=time)
-
-
-def with_kept(error: str, result: CaptureResult | None) -> str:
-    """Error of a run, and that its images are there all the same."""
-    return error if result is None else tr("{error} (the images are written)").format(error=error)

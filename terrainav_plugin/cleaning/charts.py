@@ -309,13 +309,6 @@ class Chart(QWidget):
         return QPointF(frame.left, at), QPointF(frame.right, at)
 
 
-def _apart(ticks: list[tuple[float, str]], unit_px: float, least_px: float) -> list[tuple[float, str]]:
-    """Every so many of some even ticks that begin at 0, as stand ``least_px`` apart or more."""
-    if len(ticks) < 2:
-        return ticks
-    return ticks[:: max(math.ceil(least_px / max(ticks[1][0] * unit_px, 1.0)), 1)]
-
-
 def bits_ticks() -> list[tuple[float, str]]:
     """Ticks of an axis of entropies: whole bits."""
     return [(float(bits), str(bits)) for bits in range(int(LOWEST), int(HIGHEST) + 1)]
@@ -421,3 +414,10 @@ class Bars(Chart):
     ) -> None:
         top = min(self.place_of(bits, frame), frame.bottom - _LEAST_BAR_PX)
         painter.fillRect(QRectF(left, top, wide, frame.bottom - top), REJECTED if rejected else KEPT)
+
+
+def _apart(ticks: list[tuple[float, str]], unit_px: float, least_px: float) -> list[tuple[float, str]]:
+    """Every so many of some even ticks that begin at 0, as stand ``least_px`` apart or more."""
+    if len(ticks) < 2:
+        return ticks
+    return ticks[:: max(math.ceil(least_px / max(ticks[1][0] * unit_px, 1.0)), 1)]

@@ -326,56 +326,6 @@ class CleanPanel(QgsDockWidget):
         return contents
 
 
-def no_footprints() -> str:
-    """Why a dataset is not shown on the map."""
-    return tr("This dataset has no footprints: it cannot be shown on the map.")
-
-
-def title_of(map_type: str) -> str:
-    """What a map type is called: its folder's name where it is none of the usual ones."""
-    return {"satellite": tr("Satellite"), "roadmap": tr("Roadmap"), "terrain": tr("Terrain")}.get(
-        map_type, map_type
-    )
-
-
-def _add_row(form: QFormLayout, title: str, widget: QWidget) -> None:
-    label = QLabel(title)
-    label.setBuddy(widget)
-    form.addRow(label, widget)
-
-
-def _label(name: str) -> QLabel:
-    label = plain_label()
-    label.setObjectName(name)
-    label.setWordWrap(True)
-    label.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
-    return label
-
-
-def _button(name: str, text: str, tip: str) -> QPushButton:
-    button = QPushButton(text)
-    button.setObjectName(name)
-    button.setToolTip(tip)
-    button.setAutoDefault(False)
-    return button
-
-
-class Shown(NamedTuple):
-    """An example with its picture."""
-
-    example: Example
-    picture: Picture
-
-
-def read_examples(
-    examples: tuple[Sequence[Example], Sequence[Example]], ratio: float
-) -> tuple[list[Shown], list[Shown]]:
-    """Read pictures for a screen that has ``ratio`` pixels for each of Qt's; on any thread."""
-    longest_px = round(max(_ICON_PX) * ratio)
-    below, above = ([Shown(one, read_picture(one.path, longest_px)) for one in side] for side in examples)
-    return below, above
-
-
 class ExampleStrip(QWidget):
     """Shows images, those nearest to the threshold in the middle.
 
@@ -445,6 +395,56 @@ class ExampleStrip(QWidget):
     def _choose(self, button: QToolButton) -> None:
         if button in self._rows:
             self.chosen.emit(self._rows[button])
+
+
+class Shown(NamedTuple):
+    """An example with its picture."""
+
+    example: Example
+    picture: Picture
+
+
+def read_examples(
+    examples: tuple[Sequence[Example], Sequence[Example]], ratio: float
+) -> tuple[list[Shown], list[Shown]]:
+    """Read pictures for a screen that has ``ratio`` pixels for each of Qt's; on any thread."""
+    longest_px = round(max(_ICON_PX) * ratio)
+    below, above = ([Shown(one, read_picture(one.path, longest_px)) for one in side] for side in examples)
+    return below, above
+
+
+def no_footprints() -> str:
+    """Why a dataset is not shown on the map."""
+    return tr("This dataset has no footprints: it cannot be shown on the map.")
+
+
+def title_of(map_type: str) -> str:
+    """What a map type is called: its folder's name where it is none of the usual ones."""
+    return {"satellite": tr("Satellite"), "roadmap": tr("Roadmap"), "terrain": tr("Terrain")}.get(
+        map_type, map_type
+    )
+
+
+def _add_row(form: QFormLayout, title: str, widget: QWidget) -> None:
+    label = QLabel(title)
+    label.setBuddy(widget)
+    form.addRow(label, widget)
+
+
+def _label(name: str) -> QLabel:
+    label = plain_label()
+    label.setObjectName(name)
+    label.setWordWrap(True)
+    label.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
+    return label
+
+
+def _button(name: str, text: str, tip: str) -> QPushButton:
+    button = QPushButton(text)
+    button.setObjectName(name)
+    button.setToolTip(tip)
+    button.setAutoDefault(False)
+    return button
 
 
 class _Line(QWidget):

@@ -224,6 +224,32 @@ def feature_of(line: bytes) -> dict[str, Any]:
     return feature if isinstance(feature, dict) else {}
 
 
+def lines_and_bounds(text: Bytes) -> tuple[Numbers, Floats]:
+    """Where each line begins, (n,), and the bounds of its positions, (n, 4); NaN for a line that has none.
+
+    Bounds are west, south, east and north, right to the last place but one of a double.
+
+    Parameters
+    ----------
+    text : array of bytes
+        Whole lines in which a bracket before a number begins a position, as Python's `json` writes them.
+    """
+    starts = np.concatenate([[0], np.flatnonzero(text[:-1] == _LINE_END) + 1])
+    padded = np.concatenate([text, np.zeros(_WIDTH, np.uint8)])
+    lon_at = np.flatnonzero((text == _BRACKET) & _begins_number(padded[1 : len(text) + 1])) + 1
+    bounds = np.full((len(starts), 4), np.nan)
+    if not len(lon_at):
+        return starts, bounds
+    lon, length = _numbers(padded, lon_at)
+    lat, _ = _numbers(padded, lon_at + length + len(", "))
+    first = np.searchsorted(lon_at, starts)
+    filled = np.flatnonzero(first < np.append(first[1:], len(lon_at)))
+    for column, values in enumerate((lon, lat)):
+        bounds[filled, column] = np.minimum.reduceat(values, first[filled])
+        bounds[filled, column + 2] = np.maximum.reduceat(values, first[filled])
+    return starts, bounds
+
+
 def _blocks(file: BinaryIO) -> Iterator[tuple[int, Bytes]]:
     """Blocks of whole lines, and where each begins in the file."""
     offset, rest = 0, b""
@@ -250,32 +276,6 @@ def _features(block: Bytes) -> tuple[Numbers, Floats]:
 
 def _unreadable(path: Path, reason: object) -> InvalidInput:
     return InvalidInput(tr("footprints {path}: cannot be read ({reason})").format(path=path, reason=reason))
-
-
-def lines_and_bounds(text: Bytes) -> tuple[Numbers, Floats]:
-    """Where each line begins, (n,), and the bounds of its positions, (n, 4); NaN for a line that has none.
-
-    Bounds are west, south, east and north, right to the last place but one of a double.
-
-    Parameters
-    ----------
-    text : array of bytes
-        Whole lines in which a bracket before a number begins a position, as Python's `json` writes them.
-    """
-    starts = np.concatenate([[0], np.flatnonzero(text[:-1] == _LINE_END) + 1])
-    padded = np.concatenate([text, np.zeros(_WIDTH, np.uint8)])
-    lon_at = np.flatnonzero((text == _BRACKET) & _begins_number(padded[1 : len(text) + 1])) + 1
-    bounds = np.full((len(starts), 4), np.nan)
-    if not len(lon_at):
-        return starts, bounds
-    lon, length = _numbers(padded, lon_at)
-    lat, _ = _numbers(padded, lon_at + length + len(", "))
-    first = np.searchsorted(lon_at, starts)
-    filled = np.flatnonzero(first < np.append(first[1:], len(lon_at)))
-    for column, values in enumerate((lon, lat)):
-        bounds[filled, column] = np.minimum.reduceat(values, first[filled])
-        bounds[filled, column + 2] = np.maximum.reduceat(values, first[filled])
-    return starts, bounds
 
 
 def _begins_number(signs: Bytes) -> NDArray[np.bool_]:

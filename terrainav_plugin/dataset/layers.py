@@ -61,12 +61,6 @@ def open_results(folder: Path, mission: Mission, mosaics: list[Mosaic]) -> Opene
     return OpenedResults(folder, mission, footprints, list(zip(mosaics, opened)))
 
 
-def open_failed(folder: Path) -> QgsVectorLayer | None:
-    """Open what has failed of a dataset, on any thread; None where nothing has."""
-    path = folder / FAILED_FILE
-    return _for_main_thread(open_footprints(path, tr("Failed images"))) if path.is_file() else None
-
-
 def open_footprints(path: Path, title: str) -> QgsVectorLayer:
     """Open a file of footprints as a layer; raises OutputError."""
     layer = QgsVectorLayer(str(path), title, "ogr")
@@ -87,11 +81,10 @@ def open_raster(path: Path, title: str) -> QgsRasterLayer:
     return layer
 
 
-def _for_main_thread(layer: QgsMapLayer) -> QgsMapLayer:
-    main = QgsApplication.instance().thread()
-    if QThread.currentThread() != main:
-        layer.moveToThread(main)
-    return layer
+def open_failed(folder: Path) -> QgsVectorLayer | None:
+    """Open what has failed of a dataset, on any thread; None where nothing has."""
+    path = folder / FAILED_FILE
+    return _for_main_thread(open_footprints(path, tr("Failed images"))) if path.is_file() else None
 
 
 class FailedImages:
@@ -188,6 +181,13 @@ class FailedImages:
             feature = {**footprint, "properties": {**footprint["properties"], **more}}
             features.append(json.dumps(feature, ensure_ascii=False).encode("utf-8"))
         return [b'{"type": "FeatureCollection", "features": [\n', b",\n".join(features), b"\n]}\n"]
+
+
+def _for_main_thread(layer: QgsMapLayer) -> QgsMapLayer:
+    main = QgsApplication.instance().thread()
+    if QThread.currentThread() != main:
+        layer.moveToThread(main)
+    return layer
 
 
 def _footprint(line: bytes) -> dict[str, Any] | None:

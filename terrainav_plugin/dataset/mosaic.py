@@ -149,6 +149,104 @@ def build_mosaics(plan: Plan, folder: Path, progress: Progress) -> list[Mosaic]:
     return made
 
 
+def build_mosaic(plan: Plan, target: Path, placed: Placed, progress: Progress) -> None:
+    """Write one virtual raster and its overviews, beside their place.
+
+    Pictures are named relative to the raster, so that a folder can be moved; ground without a picture is
+    transparent; where pictures overlap, the one farther south-east shows.
+    """
+    origin = float(placed.left_px.min()), float(placed.top_px.min())
+    inside = placed._replace(left_px=placed.left_px - origin[0], top_px=placed.top_px - origin[1])
+    size = (
+        int(np.ceil((inside.left_px + inside.width_px).max())),
+        int(np.ceil((inside.top_px + inside.height_px).max())),
+    )
+    channels = plan.mission.img_size[2] if plan.mission.img_size else 3
+    made, overviews = _made(target), _made(_with(target, _OVERVIEWS))
+    try:
+        build_overviews(inside, size, channels, overviews, progress)
+        text = _virtual_raster(plan, inside, origin, size, channels, target.parent)
+        write_whole(made, (line.encode() for line in text))
+    except BaseException:
+        for path in (made, overviews):
+            with suppress(OSError):
+                path.unlink(missing_ok=True)
+        raise
+
+
+def mosaics_there(folder: Path, mission: Mission) -> list[Mosaic] | None:
+    """Mosaics of a dataset as an earlier run has left them; None where they do not show its pictures as they are."""
+    found: list[Mosaic] = []
+    try:
+        journal_s = (folder / JOURNAL_FILE).stat().st_mtime
+        for map_type in mission.map_types:
+            # Cleaning moves images away or back, and writes their table.
+            table = folder / map_type / TABLE_FILE
+            newest_s = max(journal_s, table.stat().st_mtime if table.is_file() else 0.0)
+            paths = [folder / f"{map_type}.vrt"]
+            parts = [folder / f"{map_type}_{number}.vrt" for number in (1, 2)]
+            paths = paths if paths[0].is_file() else [path for path in parts if path.is_file()]
+            shown = {name for path in paths for name in _shown_in(path)}
+            if not paths or shown != _pictures(folder / map_type, mission.image_format):
+                return None
+            if any(_made_s(path) < newest_s for path in paths):
+                return None
+            numbers = (0,) if len(paths) == 1 else (1, 2)
+            found += [Mosaic(map_type, path, _title(map_type, at)) for path, at in zip(paths, numbers)]
+    except OSError:
+        return None
+    return found
+
+
+def build_overviews(
+    placed: Placed,
+    size: tuple[int, int],
+    channels: int,
+    target: Path,
+    progress: Callable[[float], bool],
+) -> None:
+    """Write the file that GDAL takes for a raster's overviews, whole or not at all.
+
+    Every overview pixel is the mean of all picture pixels in it, and opaque where there is one.
+
+    Parameters
+    ----------
+    placed : Placed
+        Pictures in the pixels of the mosaic.
+    size : tuple
+        Width and height of the mosaic in px.
+    channels : int
+        1 or 3, of the pictures.
+    target : Path
+        Where to; what is there is gone afterwards, also where the mosaic is so small that it needs none.
+    progress : callable
+        Takes the share done, 0 to 1; an answer of False stops.
+
+    Raises
+    ------
+    Cancelled, OutputError
+    """
+    width, height = (-(-side // FACTOR) for side in size)
+    if max(size) <= _LAST_PX:
+        target.unlink(missing_ok=True)
+        return
+    try:
+        with partial_file(target) as partial:
+            raster = gdal.GetDriverByName("GTiff").Create(
+                str(partial), width, height, channels + 1, gdal.GDT_Byte, [*_OPTIONS, _photometric(channels)]
+            )
+            if raster is None:
+                raise _failed(target)
+            raster.GetRasterBand(channels + 1).SetColorInterpretation(gdal.GCI_AlphaBand)
+            _fill(raster, placed, (width, height), channels, progress)
+            _reduce(raster, (width, height), progress)
+            if raster.FlushCache() not in (None, gdal.CE_None):
+                raise _failed(target)
+            del raster
+    except OSError as wrong:
+        raise OutputError(f"mosaic {target}: cannot be written ({wrong.strerror})") from wrong
+
+
 def _mosaics(plan: Plan, folder: Path) -> Iterator[tuple[Mosaic, Placed]]:
     world = plan.grid.world_px(plan.zoom)
     turn = np.floor(np.asarray(plan.windows.left_px, np.float64) / world)
@@ -175,31 +273,6 @@ def _placed(plan: Plan, pictures: dict[int, Path], turn_px: float) -> Placed:
     index = np.fromiter(pictures, np.int64, len(pictures))
     left, top, width, height = (np.asarray(values)[index] for values in plan.windows)
     return Placed(list(pictures.values()), left - turn_px, np.asarray(top, np.float64), width, height)
-
-
-def build_mosaic(plan: Plan, target: Path, placed: Placed, progress: Progress) -> None:
-    """Write one virtual raster and its overviews, beside their place.
-
-    Pictures are named relative to the raster, so that a folder can be moved; ground without a picture is
-    transparent; where pictures overlap, the one farther south-east shows.
-    """
-    origin = float(placed.left_px.min()), float(placed.top_px.min())
-    inside = placed._replace(left_px=placed.left_px - origin[0], top_px=placed.top_px - origin[1])
-    size = (
-        int(np.ceil((inside.left_px + inside.width_px).max())),
-        int(np.ceil((inside.top_px + inside.height_px).max())),
-    )
-    channels = plan.mission.img_size[2] if plan.mission.img_size else 3
-    made, overviews = _made(target), _made(_with(target, _OVERVIEWS))
-    try:
-        build_overviews(inside, size, channels, overviews, progress)
-        text = _virtual_raster(plan, inside, origin, size, channels, target.parent)
-        write_whole(made, (line.encode() for line in text))
-    except BaseException:
-        for path in (made, overviews):
-            with suppress(OSError):
-                path.unlink(missing_ok=True)
-        raise
 
 
 def _with(path: Path, ending: str) -> Path:
@@ -267,30 +340,6 @@ def _sources(plan: Plan, placed: Placed, folder: Path) -> Iterator[tuple[str, st
         )
 
 
-def mosaics_there(folder: Path, mission: Mission) -> list[Mosaic] | None:
-    """Mosaics of a dataset as an earlier run has left them; None where they do not show its pictures as they are."""
-    found: list[Mosaic] = []
-    try:
-        journal_s = (folder / JOURNAL_FILE).stat().st_mtime
-        for map_type in mission.map_types:
-            # Cleaning moves images away or back, and writes their table.
-            table = folder / map_type / TABLE_FILE
-            newest_s = max(journal_s, table.stat().st_mtime if table.is_file() else 0.0)
-            paths = [folder / f"{map_type}.vrt"]
-            parts = [folder / f"{map_type}_{number}.vrt" for number in (1, 2)]
-            paths = paths if paths[0].is_file() else [path for path in parts if path.is_file()]
-            shown = {name for path in paths for name in _shown_in(path)}
-            if not paths or shown != _pictures(folder / map_type, mission.image_format):
-                return None
-            if any(_made_s(path) < newest_s for path in paths):
-                return None
-            numbers = (0,) if len(paths) == 1 else (1, 2)
-            found += [Mosaic(map_type, path, _title(map_type, at)) for path, at in zip(paths, numbers)]
-    except OSError:
-        return None
-    return found
-
-
 def _shown_in(mosaic: Path) -> set[str]:
     """Files' names of the pictures that a virtual raster shows, of its last band."""
     text = mosaic.read_bytes()
@@ -319,55 +368,6 @@ def _title(map_type: str, number: int = 0) -> str:
     }
     title = titles[map_type]
     return tr("{title}, part {number}").format(title=title, number=number) if number else title
-
-
-def build_overviews(
-    placed: Placed,
-    size: tuple[int, int],
-    channels: int,
-    target: Path,
-    progress: Callable[[float], bool],
-) -> None:
-    """Write the file that GDAL takes for a raster's overviews, whole or not at all.
-
-    Every overview pixel is the mean of all picture pixels in it, and opaque where there is one.
-
-    Parameters
-    ----------
-    placed : Placed
-        Pictures in the pixels of the mosaic.
-    size : tuple
-        Width and height of the mosaic in px.
-    channels : int
-        1 or 3, of the pictures.
-    target : Path
-        Where to; what is there is gone afterwards, also where the mosaic is so small that it needs none.
-    progress : callable
-        Takes the share done, 0 to 1; an answer of False stops.
-
-    Raises
-    ------
-    Cancelled, OutputError
-    """
-    width, height = (-(-side // FACTOR) for side in size)
-    if max(size) <= _LAST_PX:
-        target.unlink(missing_ok=True)
-        return
-    try:
-        with partial_file(target) as partial:
-            raster = gdal.GetDriverByName("GTiff").Create(
-                str(partial), width, height, channels + 1, gdal.GDT_Byte, [*_OPTIONS, _photometric(channels)]
-            )
-            if raster is None:
-                raise _failed(target)
-            raster.GetRasterBand(channels + 1).SetColorInterpretation(gdal.GCI_AlphaBand)
-            _fill(raster, placed, (width, height), channels, progress)
-            _reduce(raster, (width, height), progress)
-            if raster.FlushCache() not in (None, gdal.CE_None):
-                raise _failed(target)
-            del raster
-    except OSError as wrong:
-        raise OutputError(f"mosaic {target}: cannot be written ({wrong.strerror})") from wrong
 
 
 def _photometric(channels: int) -> str:

@@ -103,11 +103,6 @@ def unit_of(state: FormState) -> tuple[float, str]:
     return (M_PER_FT, tr("ft")) if state.agl_unit == "ft" else (1.0, tr("m"))
 
 
-def _edges(box: Box, text: Callable[[float], str]) -> dict[str, str]:
-    degrees = (box.north_deg, box.west_deg, box.south_deg, box.east_deg)
-    return dict(zip(BOX_FIELDS, map(text, degrees)))
-
-
 @dataclass(frozen=True)
 class Shape:
     """A polygon or points, read.
@@ -199,44 +194,6 @@ def area_of_text(text: str, agl: float, agl_unit: str) -> tuple[Area, float | No
     return area, agl_m if given else None
 
 
-def _without_separators(line: str) -> str:
-    """Line without what separates at its ends; a pattern for its end would take time that grows with its square."""
-    first, after = (found.end() if found else 0 for found in map(SEPARATORS.match, (line, line[::-1])))
-    return line[first : len(line) - after]
-
-
-def _points(lines: list[tuple[int, str]], agl: float, agl_unit: str) -> tuple[Points, float | None]:
-    """Points of several lines, all with a yaw or all without."""
-    poses: list[tuple[float, float, float]] = []
-    yaws: list[float] = []
-    given = False
-    for number, line in lines:
-        parts = SEPARATORS.split(line)
-        where = tr("line {number}:").format(number=number)
-        try:
-            if len(parts) not in (_POINT, _POSE, _POSE_AND_YAW):
-                found = tr("“{line}” has {count} numbers; several lines must be of lat lon agl [yaw]")
-                raise InvalidInput(found.format(line=line, count=len(parts)))
-            given = given or len(parts) >= _POSE
-            first = parts[:_POSE] if len(parts) >= _POSE else [*parts, repr(agl)]
-            point, _ = parse_coords("_".join(first), agl_unit=agl_unit)
-            poses += point.poses
-            if len(parts) == _POSE_AND_YAW:
-                yaws += Points(point.poses, (_number(parts[3]),)).yaws_deg
-        except InvalidInput as wrong:
-            raise InvalidInput(f"{where} {wrong}") from wrong
-        if yaws and len(yaws) != len(poses):
-            raise InvalidInput(f"{where} " + tr("give every point a yaw, or none"))
-    return Points(tuple(poses), tuple(yaws)), poses[0][2] if given else None
-
-
-def _number(text: str) -> float:
-    try:
-        return float(text.replace("\u2212", "-"))
-    except ValueError as wrong:
-        raise InvalidInput(tr("yaw “{text}”: must be a number of degrees").format(text=text)) from wrong
-
-
 def size_m(box: Box) -> tuple[float, float]:
     """Width along the middle parallel and height along a meridian, in metres on the ground."""
     middle = np.radians((box.north_deg + box.south_deg) / 2.0)
@@ -280,6 +237,56 @@ def area_words(area: Area, m_per_unit: float = 1.0, unit: str = "m") -> str:
     return ", ".join(words)
 
 
+def readout(area: Area) -> str:
+    """What is said at the cursor while an area is drawn or moved."""
+    if isinstance(area, Points):
+        return tr("{n} points").format(n=len(area.poses)) if len(area.poses) > 1 else tr("Single capture")
+    return size_text(area) if isinstance(area, Box) else area_text(area.area_m2(), METRES)
+
+
+def _edges(box: Box, text: Callable[[float], str]) -> dict[str, str]:
+    degrees = (box.north_deg, box.west_deg, box.south_deg, box.east_deg)
+    return dict(zip(BOX_FIELDS, map(text, degrees)))
+
+
+def _without_separators(line: str) -> str:
+    """Line without what separates at its ends; a pattern for its end would take time that grows with its square."""
+    first, after = (found.end() if found else 0 for found in map(SEPARATORS.match, (line, line[::-1])))
+    return line[first : len(line) - after]
+
+
+def _points(lines: list[tuple[int, str]], agl: float, agl_unit: str) -> tuple[Points, float | None]:
+    """Points of several lines, all with a yaw or all without."""
+    poses: list[tuple[float, float, float]] = []
+    yaws: list[float] = []
+    given = False
+    for number, line in lines:
+        parts = SEPARATORS.split(line)
+        where = tr("line {number}:").format(number=number)
+        try:
+            if len(parts) not in (_POINT, _POSE, _POSE_AND_YAW):
+                found = tr("“{line}” has {count} numbers; several lines must be of lat lon agl [yaw]")
+                raise InvalidInput(found.format(line=line, count=len(parts)))
+            given = given or len(parts) >= _POSE
+            first = parts[:_POSE] if len(parts) >= _POSE else [*parts, repr(agl)]
+            point, _ = parse_coords("_".join(first), agl_unit=agl_unit)
+            poses += point.poses
+            if len(parts) == _POSE_AND_YAW:
+                yaws += Points(point.poses, (_number(parts[3]),)).yaws_deg
+        except InvalidInput as wrong:
+            raise InvalidInput(f"{where} {wrong}") from wrong
+        if yaws and len(yaws) != len(poses):
+            raise InvalidInput(f"{where} " + tr("give every point a yaw, or none"))
+    return Points(tuple(poses), tuple(yaws)), poses[0][2] if given else None
+
+
+def _number(text: str) -> float:
+    try:
+        return float(text.replace("\u2212", "-"))
+    except ValueError as wrong:
+        raise InvalidInput(tr("yaw “{text}”: must be a number of degrees").format(text=text)) from wrong
+
+
 def _polygon_words(polygon: Polygon) -> str:
     corners = sum(len(ring) for ring in polygon.rings)
     words = [tr("Polygon"), tr("{n} corners").format(n=number_text(corners))]
@@ -288,10 +295,3 @@ def _polygon_words(polygon: Polygon) -> str:
         words.append(tr("1 hole") if holes == 1 else tr("{n} holes").format(n=holes))
     words.append(area_text(polygon.area_m2(), METRES))
     return ", ".join(words)
-
-
-def readout(area: Area) -> str:
-    """What is said at the cursor while an area is drawn or moved."""
-    if isinstance(area, Points):
-        return tr("{n} points").format(n=len(area.poses)) if len(area.poses) > 1 else tr("Single capture")
-    return size_text(area) if isinstance(area, Box) else area_text(area.area_m2(), METRES)

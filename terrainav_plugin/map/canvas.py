@@ -100,46 +100,6 @@ def canvas_rectangle(box: Box, crs: QgsCoordinateReferenceSystem, project: QgsPr
         ) from wrong
 
 
-def _outline(rectangle: QgsRectangle) -> list[QgsPointXY]:
-    steps = [step / _POINTS_A_SIDE for step in range(_POINTS_A_SIDE)]
-    west, south, east, north = (
-        rectangle.xMinimum(),
-        rectangle.yMinimum(),
-        rectangle.xMaximum(),
-        rectangle.yMaximum(),
-    )
-    corners = [(west, south), (east, south), (east, north), (west, north)]
-    # Corners are taken as they are: interpolating would lose their last digit.
-    return [
-        QgsPointXY(x0, y0) if step == 0.0 else QgsPointXY(x0 + step * (x1 - x0), y0 + step * (y1 - y0))
-        for (x0, y0), (x1, y1) in zip(corners, corners[1:] + corners[:1])
-        for step in steps
-    ]
-
-
-def _transformed(point: QgsPointXY, transform: QgsCoordinateTransform) -> tuple[float, float]:
-    try:
-        there = transform.transform(point)
-    except QgsCsException as wrong:
-        raise _outside(transform) from wrong
-    if not (math.isfinite(there.x()) and math.isfinite(there.y())) or abs(there.y()) > 90.0:
-        raise _outside(transform)
-    return there.x(), there.y()
-
-
-def _outside(transform: QgsCoordinateTransform) -> InvalidInput:
-    crs = _named(transform.sourceCrs())
-    return InvalidInput(tr("this place is outside the domain of the project's CRS {crs}").format(crs=crs))
-
-
-def _named(crs: QgsCoordinateReferenceSystem) -> str:
-    return crs.authid() or crs.description() or tr("(custom)")
-
-
-def _wrap(lon_deg: float) -> float:
-    return lon_deg if -180.0 <= lon_deg < 180.0 else (lon_deg + 180.0) % 360.0 - 180.0
-
-
 class TemporaryTool(QgsMapTool):
     """A map tool that gives the canvas back to the tool before it."""
 
@@ -188,3 +148,43 @@ class TemporaryTool(QgsMapTool):
             self.give_up()
             return True
         return super().eventFilter(watched, event)
+
+
+def _outline(rectangle: QgsRectangle) -> list[QgsPointXY]:
+    steps = [step / _POINTS_A_SIDE for step in range(_POINTS_A_SIDE)]
+    west, south, east, north = (
+        rectangle.xMinimum(),
+        rectangle.yMinimum(),
+        rectangle.xMaximum(),
+        rectangle.yMaximum(),
+    )
+    corners = [(west, south), (east, south), (east, north), (west, north)]
+    # Corners are taken as they are: interpolating would lose their last digit.
+    return [
+        QgsPointXY(x0, y0) if step == 0.0 else QgsPointXY(x0 + step * (x1 - x0), y0 + step * (y1 - y0))
+        for (x0, y0), (x1, y1) in zip(corners, corners[1:] + corners[:1])
+        for step in steps
+    ]
+
+
+def _transformed(point: QgsPointXY, transform: QgsCoordinateTransform) -> tuple[float, float]:
+    try:
+        there = transform.transform(point)
+    except QgsCsException as wrong:
+        raise _outside(transform) from wrong
+    if not (math.isfinite(there.x()) and math.isfinite(there.y())) or abs(there.y()) > 90.0:
+        raise _outside(transform)
+    return there.x(), there.y()
+
+
+def _outside(transform: QgsCoordinateTransform) -> InvalidInput:
+    crs = _named(transform.sourceCrs())
+    return InvalidInput(tr("this place is outside the domain of the project's CRS {crs}").format(crs=crs))
+
+
+def _named(crs: QgsCoordinateReferenceSystem) -> str:
+    return crs.authid() or crs.description() or tr("(custom)")
+
+
+def _wrap(lon_deg: float) -> float:
+    return lon_deg if -180.0 <= lon_deg < 180.0 else (lon_deg + 180.0) % 360.0 - 180.0

@@ -42,18 +42,6 @@ def footprint_shapes(plan: Plan) -> Iterator[QgsGeometry]:
         yield _rectangle(*edges)
 
 
-def flight_lines(runs: Iterable[tuple[Floats, Floats]]) -> QgsGeometry:
-    """Ways through longitudes and latitudes in their order, from each place to the next the shorter way around."""
-    lines = QgsMultiLineString()
-    for lon_deg, lat_deg in runs:
-        for lon, lat, _ in line_parts(lon_deg, lat_deg, np.zeros(len(lon_deg))):
-            # A single capture is no line.
-            if len(lon) > 1:
-                x, y = metres(lon, lat)
-                lines.addGeometry(QgsLineString(x.tolist(), y.tolist()))
-    return QgsGeometry(lines)
-
-
 def camera_outlines(plan: Plan) -> Iterator[QgsGeometry]:
     """Footprint of each camera frame, in EPSG:3857; in several parts where it crosses the antimeridian.
 
@@ -83,14 +71,6 @@ def camera_outlines(plan: Plan) -> Iterator[QgsGeometry]:
             yield _whole(corner_x[index], corner_y[index])
 
 
-def metres(lon_deg: Floats, lat_deg: Floats) -> tuple[Floats, Floats]:
-    """Easting and northing in EPSG:3857 of longitudes (not wrapped) and latitudes; finite at the poles, too."""
-    lat = np.clip(np.asarray(lat_deg, np.float64), -_FARTHEST_DEG, _FARTHEST_DEG)
-    east = (2.0 * lon_to_u(np.asarray(lon_deg, np.float64)) - 1.0) * HALF_WORLD_M
-    north = (1.0 - 2.0 * lat_to_v(lat)) * HALF_WORLD_M
-    return east, north
-
-
 def bent_ring(plan: Plan, index: int) -> tuple[Floats, Floats]:
     """Longitudes, continuous, and latitudes of a capture's footprint, its edges with their bend."""
     if plan.corners.hit[index].all() and not plan.poles[index]:
@@ -111,6 +91,33 @@ def ring_polygon(lon_deg: Floats, lat_deg: Floats) -> QgsGeometry:
     return geometry if geometry.isGeosValid() else geometry.makeValid()
 
 
+def surface(x_m: Floats, y_m: Floats) -> QgsPolygon:
+    """Polygon of a ring, closed or not."""
+    line = QgsLineString(np.asarray(x_m).tolist(), np.asarray(y_m).tolist())
+    line.close()
+    return QgsPolygon(line)
+
+
+def flight_lines(runs: Iterable[tuple[Floats, Floats]]) -> QgsGeometry:
+    """Ways through longitudes and latitudes in their order, from each place to the next the shorter way around."""
+    lines = QgsMultiLineString()
+    for lon_deg, lat_deg in runs:
+        for lon, lat, _ in line_parts(lon_deg, lat_deg, np.zeros(len(lon_deg))):
+            # A single capture is no line.
+            if len(lon) > 1:
+                x, y = metres(lon, lat)
+                lines.addGeometry(QgsLineString(x.tolist(), y.tolist()))
+    return QgsGeometry(lines)
+
+
+def metres(lon_deg: Floats, lat_deg: Floats) -> tuple[Floats, Floats]:
+    """Easting and northing in EPSG:3857 of longitudes (not wrapped) and latitudes; finite at the poles, too."""
+    lat = np.clip(np.asarray(lat_deg, np.float64), -_FARTHEST_DEG, _FARTHEST_DEG)
+    east = (2.0 * lon_to_u(np.asarray(lon_deg, np.float64)) - 1.0) * HALF_WORLD_M
+    north = (1.0 - 2.0 * lat_to_v(lat)) * HALF_WORLD_M
+    return east, north
+
+
 def _rectangle(west: float, south: float, east: float, north: float) -> QgsGeometry:
     """Rectangle, in two parts where it crosses the antimeridian."""
     world_m = 2.0 * HALF_WORLD_M
@@ -128,10 +135,3 @@ def _whole(x_m: Floats, y_m: Floats) -> QgsGeometry:
     parts = QgsMultiPolygon()
     parts.addGeometry(surface(x_m, y_m))
     return QgsGeometry(parts)
-
-
-def surface(x_m: Floats, y_m: Floats) -> QgsPolygon:
-    """Polygon of a ring, closed or not."""
-    line = QgsLineString(np.asarray(x_m).tolist(), np.asarray(y_m).tolist())
-    line.close()
-    return QgsPolygon(line)

@@ -209,27 +209,6 @@ class CameraEntries(Entries):
         self.edited.emit("camera")
 
 
-def _chooser_tip() -> str:
-    return tr("Fills in field of view (degrees), aspect ratio and the image's longer side (px)")
-
-
-def _counts(name: str, mode: str) -> bool:
-    return mode in ((HORIZONTAL, VERTICAL) if name == "fov_typed_deg" else (SENSOR,))
-
-
-def _is(choice: CameraChoice, state: FormState) -> bool:
-    """Whether a state has the values of a preset."""
-    try:
-        ratio = parse_aspect(state.aspect)
-    except ValueError:
-        return False
-    return (
-        round(choice.fov_deg, _SAME_DECIMALS) == round(state.fov_deg, _SAME_DECIMALS)
-        and ratio == choice.aspect_ratio
-        and choice.image_px in (None, state.image_px)
-    )
-
-
 def camera_choices() -> tuple[list[CameraChoice], str]:
     """Entries of the camera chooser, the paper's camera first; and what is wrong with the user's own cameras."""
     from ...core.mission.presets import camera_shelf, shipped_cameras
@@ -273,6 +252,27 @@ def forget_camera(name: str) -> None:
     from ...core.mission.presets import remove_camera
 
     remove_camera(name)
+
+
+def _chooser_tip() -> str:
+    return tr("Fills in field of view (degrees), aspect ratio and the image's longer side (px)")
+
+
+def _counts(name: str, mode: str) -> bool:
+    return mode in ((HORIZONTAL, VERTICAL) if name == "fov_typed_deg" else (SENSOR,))
+
+
+def _is(choice: CameraChoice, state: FormState) -> bool:
+    """Whether a state has the values of a preset."""
+    try:
+        ratio = parse_aspect(state.aspect)
+    except ValueError:
+        return False
+    return (
+        round(choice.fov_deg, _SAME_DECIMALS) == round(state.fov_deg, _SAME_DECIMALS)
+        and ratio == choice.aspect_ratio
+        and choice.image_px in (None, state.image_px)
+    )
 
 
 def _choice(preset: CameraPreset) -> CameraChoice:

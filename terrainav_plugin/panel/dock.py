@@ -150,21 +150,6 @@ class Dock(QgsDockWidget):
         return contents
 
 
-def _wrapped_label(name: str) -> QLabel:
-    label = plain_label()
-    label.setObjectName(name)
-    label.setWordWrap(True)
-    label.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
-    return label
-
-
-def _button(name: str, image: QIcon, text: str, tip: str) -> QPushButton:
-    button = QPushButton(image, text)
-    button.setObjectName(name)
-    button.setToolTip(tip)
-    return button
-
-
 class FormScroll(QScrollArea):
     """A scroll area that is never narrower than its contents, which may grow wider as entries come and go."""
 
@@ -201,3 +186,18 @@ class FormScroll(QScrollArea):
     def _fit(self) -> None:
         bar = self.style().pixelMetric(QStyle.PixelMetric.PM_ScrollBarExtent)
         self.setMinimumWidth(self.widget().minimumSizeHint().width() + bar)
+
+
+def _wrapped_label(name: str) -> QLabel:
+    label = plain_label()
+    label.setObjectName(name)
+    label.setWordWrap(True)
+    label.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
+    return label
+
+
+def _button(name: str, image: QIcon, text: str, tip: str) -> QPushButton:
+    button = QPushButton(image, text)
+    button.setObjectName(name)
+    button.setToolTip(tip)
+    return button

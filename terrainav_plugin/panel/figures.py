@@ -144,19 +144,6 @@ class Figures(QScrollArea):
         return layout.totalHeightForWidth(max(self.viewport().width(), layout.minimumSize().width()))
 
 
-def _label(name: str) -> QLabel:
-    label = QLabel()
-    label.setObjectName(name)
-    label.setWordWrap(True)
-    label.setTextFormat(Qt.TextFormat.RichText)
-    label.setTextInteractionFlags(
-        Qt.TextInteractionFlag.TextSelectableByMouse
-        | Qt.TextInteractionFlag.LinksAccessibleByMouse
-        | Qt.TextInteractionFlag.LinksAccessibleByKeyboard
-    )
-    return label
-
-
 @dataclass(frozen=True)
 class Readout:
     """What a plan comes to, by how much it matters.
@@ -212,6 +199,19 @@ def readout(
         _why_html(plan.accuracy),
         coarser and enlargeable and mission.zoom is None and mission.gsd_m_per_px is None,
     )
+
+
+def _label(name: str) -> QLabel:
+    label = QLabel()
+    label.setObjectName(name)
+    label.setWordWrap(True)
+    label.setTextFormat(Qt.TextFormat.RichText)
+    label.setTextInteractionFlags(
+        Qt.TextInteractionFlag.TextSelectableByMouse
+        | Qt.TextInteractionFlag.LinksAccessibleByMouse
+        | Qt.TextInteractionFlag.LinksAccessibleByKeyboard
+    )
+    return label
 
 
 def _figures(mission: Mission, summary: Summary, unit: str, coarser_m: float | None) -> list[tuple[str, str]]:

@@ -225,27 +225,6 @@ def set_tab_order(layout: QLayout) -> None:
         QWidget.setTabOrder(before, after)
 
 
-def _in_order(layout: QLayout) -> Iterator[QWidget]:
-    """Widgets that take the keyboard, line by line."""
-    for item in _items(layout):
-        widget, inner = item.widget(), item.layout()
-        if widget is not None:
-            if widget.focusProxy() is None and widget.focusPolicy() & Qt.FocusPolicy.TabFocus:
-                yield widget
-            inner = widget.layout()
-        if inner is not None:
-            yield from _in_order(inner)
-
-
-def _items(layout: QLayout) -> list[QLayoutItem]:
-    """Items of a layout; those of a grid by line and column."""
-    numbers = range(layout.count())
-    if isinstance(layout, QGridLayout):
-        places = sorted((layout.getItemPosition(number)[:2], number) for number in numbers)
-        numbers = [number for _, number in places]
-    return [layout.itemAt(number) for number in numbers]
-
-
 class FormMemory(QObject):
     """Writes entries to the settings once typing has paused.
 
@@ -276,3 +255,24 @@ class FormMemory(QObject):
         """Write down what is entered now."""
         self._pause.stop()
         self._settings.form = self._read().to_json()
+
+
+def _in_order(layout: QLayout) -> Iterator[QWidget]:
+    """Widgets that take the keyboard, line by line."""
+    for item in _items(layout):
+        widget, inner = item.widget(), item.layout()
+        if widget is not None:
+            if widget.focusProxy() is None and widget.focusPolicy() & Qt.FocusPolicy.TabFocus:
+                yield widget
+            inner = widget.layout()
+        if inner is not None:
+            yield from _in_order(inner)
+
+
+def _items(layout: QLayout) -> list[QLayoutItem]:
+    """Items of a layout; those of a grid by line and column."""
+    numbers = range(layout.count())
+    if isinstance(layout, QGridLayout):
+        places = sorted((layout.getItemPosition(number)[:2], number) for number in numbers)
+        numbers = [number for _, number in places]
+    return [layout.itemAt(number) for number in numbers]

@@ -36,8 +36,6 @@ from ..plain import plain_label, shown_plain
 from ..settings import Settings
 from ..widgets import STYLE_SHEET, FieldMarks, choose, combo, row
 
-#: Folders that can be chosen, by the names of their settings.
-_FOLDERS = ("missions_folder", "backgrounds_folder", "cache_folder")
 #: Rows that are seen without scrolling.
 _ROWS = 6
 _ROOM_PX = (620, 320)
@@ -256,23 +254,6 @@ def folder_problem(text: str) -> str:
     return ""
 
 
-def _box(title: str) -> tuple[QGroupBox, QFormLayout]:
-    box = QGroupBox(title)
-    form = QFormLayout(box)
-    form.setFieldGrowthPolicy(QFormLayout.FieldGrowthPolicy.AllNonFixedFieldsGrow)
-    return box, form
-
-
-def _whole(name: str, least: int, most: int, tip: str) -> QgsSpinBox:
-    spin = QgsSpinBox()
-    spin.setObjectName(name)
-    spin.setRange(least, most)
-    spin.setShowClearButton(False)
-    spin.setToolTip(tip)
-    spin.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
-    return spin
-
-
 class KeysTable(QTableWidget):
     """Sources that need a key or have a configuration, each with a chooser of one.
 
@@ -326,19 +307,6 @@ class KeysTable(QTableWidget):
         """Keep what is chosen."""
         for name, chooser in self.choosers.items():
             self._settings.set_authcfg(name, chooser.configId())
-
-
-def _in_need_of_keys() -> dict[str, str]:
-    """Titles of the sources that need a key, by name."""
-    from ...core.imagery.catalogue.listing import sources
-
-    try:
-        return {entry.name: entry.title for entry in sources() if entry.key_env is not None}
-    except TerrAInavError:
-        # The chooser of sources tells what is wrong with the user's own.
-        from ...core.imagery.catalogue.entry import shipped
-
-        return {entry.name: entry.title for entry in shipped() if entry.key_env is not None}
 
 
 class CacheDialog(QDialog):
@@ -417,3 +385,33 @@ class CacheDialog(QDialog):
             self._fill(translate(wrong))
             return
         self._fill(tr("{size} freed.").format(size=localized(size_text(freed))))
+
+
+def _box(title: str) -> tuple[QGroupBox, QFormLayout]:
+    box = QGroupBox(title)
+    form = QFormLayout(box)
+    form.setFieldGrowthPolicy(QFormLayout.FieldGrowthPolicy.AllNonFixedFieldsGrow)
+    return box, form
+
+
+def _whole(name: str, least: int, most: int, tip: str) -> QgsSpinBox:
+    spin = QgsSpinBox()
+    spin.setObjectName(name)
+    spin.setRange(least, most)
+    spin.setShowClearButton(False)
+    spin.setToolTip(tip)
+    spin.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
+    return spin
+
+
+def _in_need_of_keys() -> dict[str, str]:
+    """Titles of the sources that need a key, by name."""
+    from ...core.imagery.catalogue.listing import sources
+
+    try:
+        return {entry.name: entry.title for entry in sources() if entry.key_env is not None}
+    except TerrAInavError:
+        # The chooser of sources tells what is wrong with the user's own.
+        from ...core.imagery.catalogue.entry import shipped
+
+        return {entry.name: entry.title for entry in shipped() if entry.key_env is not None}

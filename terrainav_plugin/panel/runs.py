@@ -97,25 +97,6 @@ class RunPanel(QObject):
         self._list.fit()
 
 
-def _deeds_of(run: Run) -> set[str]:
-    """What can be done with a run now."""
-    if run.stage is Stage.WAITING:
-        return {RunRow.CANCEL}
-    if run.stage is Stage.RUNNING:
-        return {RunRow.CANCEL, RunRow.PAUSE}
-    if run.stage is Stage.PAUSED:
-        return {RunRow.CANCEL, RunRow.RESUME}
-    if run.stage is Stage.STOPPING:
-        # Once nothing is captured any more, what is left to be stopped is the mosaic.
-        return {RunRow.CANCEL} if run.result is not None else set()
-    deeds = {RunRow.ZOOM, RunRow.OPEN, RunRow.DISMISS}
-    if run.stage in (Stage.DONE, Stage.INCOMPLETE) and not run.test_shot:
-        deeds.add(RunRow.CLEAN)
-    if run.stage in (Stage.STOPPED, Stage.BROKEN) and not run.test_shot:
-        deeds.add(RunRow.RESUME)
-    return deeds | ({RunRow.FAILED} if run.task.failed else set())
-
-
 class RunList(QScrollArea):
     """Rows below each other, as high as they are up to a few of them; hidden while there are none."""
 
@@ -289,6 +270,25 @@ class RunRow(QFrame):
         layout.addLayout(top)
         layout.addWidget(self.bar)
         layout.addWidget(self.text)
+
+
+def _deeds_of(run: Run) -> set[str]:
+    """What can be done with a run now."""
+    if run.stage is Stage.WAITING:
+        return {RunRow.CANCEL}
+    if run.stage is Stage.RUNNING:
+        return {RunRow.CANCEL, RunRow.PAUSE}
+    if run.stage is Stage.PAUSED:
+        return {RunRow.CANCEL, RunRow.RESUME}
+    if run.stage is Stage.STOPPING:
+        # Once nothing is captured any more, what is left to be stopped is the mosaic.
+        return {RunRow.CANCEL} if run.result is not None else set()
+    deeds = {RunRow.ZOOM, RunRow.OPEN, RunRow.DISMISS}
+    if run.stage in (Stage.DONE, Stage.INCOMPLETE) and not run.test_shot:
+        deeds.add(RunRow.CLEAN)
+    if run.stage in (Stage.STOPPED, Stage.BROKEN) and not run.test_shot:
+        deeds.add(RunRow.RESUME)
+    return deeds | ({RunRow.FAILED} if run.task.failed else set())
 
 
 class _ElidedLabel(QLabel):

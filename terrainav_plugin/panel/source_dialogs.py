@@ -243,103 +243,6 @@ class AddSourceDialog(QDialog):
         ok.setEnabled(bool(url and name and not messages))
 
 
-def _line(name: str, tip: str) -> QLineEdit:
-    edit = QLineEdit()
-    edit.setObjectName(name)
-    edit.setToolTip(tip)
-    return edit
-
-
-def _name_problem(name: str) -> dict[str, str]:
-    """Message for a name that is not right, or taken."""
-    from ...core.imagery.catalogue.listing import sources
-
-    if not _NAME.fullmatch(name):
-        return {"name": tr("must be lower-case letters, digits, hyphens and underscores, at most 64")}
-    try:
-        taken = any(entry.name == name for entry in sources())
-    except TerrAInavError as wrong:
-        return {"name": translate(wrong)}
-    return {"name": tr("“{name}” is taken; choose another name").format(name=name)} if taken else {}
-
-
-def _at_field(text: str) -> dict[str, str]:
-    """Message at the field that it is about, as the core's messages begin."""
-    _, _, plain = text.rpartition("': ") if text.startswith("catalogue entry") else ("", "", text)
-    fields = (
-        ("source name", "name"),
-        ("date", "default_date"),
-        ("terms", "terms_url"),
-        ("placeholder", "placeholders"),
-    )
-    return {next((field for words, field in fields if plain.startswith(words)), "url"): translate(plain)}
-
-
-class _Capabilities(Task):
-    """Asks a service for its layers, or for all about one of them.
-
-    Attributes
-    ----------
-    kind : str
-        wms or wmts, as it was found to be.
-    layers : list of Offered
-    entry : CatalogueEntry or None
-    """
-
-    def __init__(self, service: ServiceConnection, kind: str = "", layer: str = "") -> None:
-        super().__init__(tr("Asking {name} for its layers").format(name=service.name))
-        from ...core.limits import MAX_CAPABILITIES_BYTES
-
-        self.kind = kind
-        self.layers: list[Offered] = []
-        self.entry: CatalogueEntry | None = None
-        self._service, self._layer = service, layer
-        home = credential_home(service.address)
-        self._transport = QgisTransport(
-            1, max_body_bytes=MAX_CAPABILITIES_BYTES, authcfg=service.authcfg, home=home
-        )
-
-    def work(self) -> None:
-        """Ask."""
-        from ...core.imagery.services.ogc import service_entry
-
-        with closing(self._transport):
-            if self._layer:
-                chosen = f"{_CHOICES[self.kind]}={quote(self._layer, safe='')}"
-                name = f"{self.kind}:{self._service.address}#{chosen}"
-                self.entry = service_entry(name, key=self._service.key or None, transport=self._transport)
-            else:
-                self._find_layers()
-
-    def cancel(self) -> None:
-        """End the requests as well."""
-        super().cancel()
-        self._transport.close()
-
-    def finished(self, result: bool) -> None:
-        """Tell; on the main thread."""
-        # A task that is cancelled before its turn does not run.
-        self._transport.close()
-        super().finished(result)
-
-    def _find_layers(self) -> None:
-        """QGIS's connections do not say which of the two they lead to."""
-        from ...core.imagery.services.ogc import layers
-
-        kinds = ("wmts", "wms") if "wmts" in self._service.address.lower() else ("wms", "wmts")
-        problems: list[str] = []
-        for kind in kinds:
-            self.kind = kind
-            try:
-                name = f"{kind}:{self._service.address}"
-                self.layers = layers(name, key=self._service.key or None, transport=self._transport)
-            except SourceError as wrong:
-                problems.append(str(wrong))
-            else:
-                return
-        raise SourceError(problems[0])
-
-
 class ServiceDialog(QDialog):
     """Lists the layers of a service, found by typing, and keeps the one that is chosen.
 
@@ -471,3 +374,100 @@ def kept(entry: CatalogueEntry, service: ServiceConnection, layer: str) -> str:
     if all(credential_home(url) == credential_home(service.address) for url in entry.urls.values()):
         Settings().set_authcfg(name, authcfg)
     return name
+
+
+def _line(name: str, tip: str) -> QLineEdit:
+    edit = QLineEdit()
+    edit.setObjectName(name)
+    edit.setToolTip(tip)
+    return edit
+
+
+def _name_problem(name: str) -> dict[str, str]:
+    """Message for a name that is not right, or taken."""
+    from ...core.imagery.catalogue.listing import sources
+
+    if not _NAME.fullmatch(name):
+        return {"name": tr("must be lower-case letters, digits, hyphens and underscores, at most 64")}
+    try:
+        taken = any(entry.name == name for entry in sources())
+    except TerrAInavError as wrong:
+        return {"name": translate(wrong)}
+    return {"name": tr("“{name}” is taken; choose another name").format(name=name)} if taken else {}
+
+
+def _at_field(text: str) -> dict[str, str]:
+    """Message at the field that it is about, as the core's messages begin."""
+    _, _, plain = text.rpartition("': ") if text.startswith("catalogue entry") else ("", "", text)
+    fields = (
+        ("source name", "name"),
+        ("date", "default_date"),
+        ("terms", "terms_url"),
+        ("placeholder", "placeholders"),
+    )
+    return {next((field for words, field in fields if plain.startswith(words)), "url"): translate(plain)}
+
+
+class _Capabilities(Task):
+    """Asks a service for its layers, or for all about one of them.
+
+    Attributes
+    ----------
+    kind : str
+        wms or wmts, as it was found to be.
+    layers : list of Offered
+    entry : CatalogueEntry or None
+    """
+
+    def __init__(self, service: ServiceConnection, kind: str = "", layer: str = "") -> None:
+        super().__init__(tr("Asking {name} for its layers").format(name=service.name))
+        from ...core.limits import MAX_CAPABILITIES_BYTES
+
+        self.kind = kind
+        self.layers: list[Offered] = []
+        self.entry: CatalogueEntry | None = None
+        self._service, self._layer = service, layer
+        home = credential_home(service.address)
+        self._transport = QgisTransport(
+            1, max_body_bytes=MAX_CAPABILITIES_BYTES, authcfg=service.authcfg, home=home
+        )
+
+    def work(self) -> None:
+        """Ask."""
+        from ...core.imagery.services.ogc import service_entry
+
+        with closing(self._transport):
+            if self._layer:
+                chosen = f"{_CHOICES[self.kind]}={quote(self._layer, safe='')}"
+                name = f"{self.kind}:{self._service.address}#{chosen}"
+                self.entry = service_entry(name, key=self._service.key or None, transport=self._transport)
+            else:
+                self._find_layers()
+
+    def cancel(self) -> None:
+        """End the requests as well."""
+        super().cancel()
+        self._transport.close()
+
+    def finished(self, result: bool) -> None:
+        """Tell; on the main thread."""
+        # A task that is cancelled before its turn does not run.
+        self._transport.close()
+        super().finished(result)
+
+    def _find_layers(self) -> None:
+        """QGIS's connections do not say which of the two they lead to."""
+        from ...core.imagery.services.ogc import layers
+
+        kinds = ("wmts", "wms") if "wmts" in self._service.address.lower() else ("wms", "wmts")
+        problems: list[str] = []
+        for kind in kinds:
+            self.kind = kind
+            try:
+                name = f"{kind}:{self._service.address}"
+                self.layers = layers(name, key=self._service.key or None, transport=self._transport)
+            except SourceError as wrong:
+                problems.append(str(wrong))
+            else:
+                return
+        raise SourceError(problems[0])

@@ -166,10 +166,6 @@ class WorldTask(Task):
         return not self.isCanceled()
 
 
-def _is_drawn(layer: QgsMapLayer | None) -> bool:
-    return layer is not None and layer.isValid() and layer.isSpatial()
-
-
 class Background:
     """Adds a source below all layers of the project; at most one layer for each source."""
 
@@ -336,13 +332,6 @@ def choose_picture(box: Box | None, map_type: str, seed: int) -> WorldPicture:
     return WorldPicture(map_type, seed, zoom, *_tiles(west, east, north, south, zoom))
 
 
-def _tiles(west: float, east: float, north: float, south: float, zoom: int) -> tuple[int, int, int, int]:
-    count = 1 << zoom
-    left, top = (min(max(math.floor(edge * count), 0), count - 1) for edge in (west, north))
-    right, bottom = (min(max(math.ceil(edge * count), 1), count) for edge in (east, south))
-    return left, top, max(right - left, 1), max(bottom - top, 1)
-
-
 def render(picture: WorldPicture, path: Path, progress: Callable[[float], bool]) -> None:
     """Draw a picture and write it as a GeoTIFF with overviews, whole or not at all.
 
@@ -358,6 +347,17 @@ def render(picture: WorldPicture, path: Path, progress: Callable[[float], bool])
             _write(picture, partial, progress)
     except OSError as wrong:
         raise OutputError(f"background {path}: cannot be written ({wrong.strerror})") from wrong
+
+
+def _is_drawn(layer: QgsMapLayer | None) -> bool:
+    return layer is not None and layer.isValid() and layer.isSpatial()
+
+
+def _tiles(west: float, east: float, north: float, south: float, zoom: int) -> tuple[int, int, int, int]:
+    count = 1 << zoom
+    left, top = (min(max(math.floor(edge * count), 0), count - 1) for edge in (west, north))
+    right, bottom = (min(max(math.ceil(edge * count), 1), count) for edge in (east, south))
+    return left, top, max(right - left, 1), max(bottom - top, 1)
 
 
 def _write(picture: WorldPicture, path: Path, progress: Callable[[float], bool]) -> None:

@@ -95,14 +95,6 @@ def area_features(plan: Plan) -> list[QgsFeature]:
     return [feature(outer, box.north_deg, box.west_deg, box.south_deg, box.east_deg)]
 
 
-def _rings(area: Box | Polygon) -> list[tuple[Floats, Floats]]:
-    if isinstance(area, Polygon):
-        return area.arrays()
-    west, east = area.west_deg, area.continuous_east_deg
-    north, south = area.north_deg, area.south_deg
-    return [(np.array([west, east, east, west]), np.array([north, north, south, south]))]
-
-
 class Picked(NamedTuple):
     """Some captures of a plan, as a plan of their own, and what the whole plan knows of them.
 
@@ -154,15 +146,6 @@ def centre_features(picked: Picked) -> list[QgsFeature]:
         feature(QgsGeometry.fromPointXY(QgsPointXY(east, north)), name, *values, *times)
         for east, north, name, times, *values in zip(*places, plan.names, _times(picked), *columns)
     ]
-
-
-def _gsd(plan: Plan) -> Floats:
-    return plan.grid.ground_m_per_px(plan.lat_deg, plan.zoom)
-
-
-def _times(picked: Picked) -> Iterator[tuple[QDateTime, QDateTime]]:
-    for at, until in zip(picked.at_ms.tolist(), picked.until_ms.tolist()):
-        yield moment(at), moment(until)
 
 
 class Flight:
@@ -226,6 +209,23 @@ class Flight:
     def _feature(self, runs: list[Numbers]) -> list[QgsFeature]:
         lines = flight_lines((self._plan.lon_deg[run], self._plan.lat_deg[run]) for run in runs)
         return [feature(lines, *self._attributes)]
+
+
+def _rings(area: Box | Polygon) -> list[tuple[Floats, Floats]]:
+    if isinstance(area, Polygon):
+        return area.arrays()
+    west, east = area.west_deg, area.continuous_east_deg
+    north, south = area.north_deg, area.south_deg
+    return [(np.array([west, east, east, west]), np.array([north, north, south, south]))]
+
+
+def _gsd(plan: Plan) -> Floats:
+    return plan.grid.ground_m_per_px(plan.lat_deg, plan.zoom)
+
+
+def _times(picked: Picked) -> Iterator[tuple[QDateTime, QDateTime]]:
+    for at, until in zip(picked.at_ms.tolist(), picked.until_ms.tolist()):
+        yield moment(at), moment(until)
 
 
 def _corners(row: Numbers) -> Numbers:

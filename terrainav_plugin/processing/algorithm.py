@@ -136,37 +136,9 @@ class Algorithm(QgsProcessingAlgorithm):
         """Let go of what was prepared; whatever became of the run."""
 
 
-def _checked(work: Callable[[], Result]) -> Result:
-    """What ``work`` returns; its errors in the way that Processing shows them."""
-    from ..form.mission_form import FormError
-
-    try:
-        return work()
-    except Cancelled as stopped:
-        text = tr("Stopped: {reason}").format(reason=translate(stopped))
-    except (TerrAInavError, FormError) as wrong:
-        text = translate(wrong)
-    # Out here the error is forgotten, and with it all that its trace would hold until the thread has ended.
-    raise QgsProcessingException(text)
-
-
-def run_in_background(work: Callable[[Watch], Result], feedback: QgsProcessingFeedback) -> Result:
-    """Work with the main thread free for its events; see `beside`."""
-    return off_main_thread(work, feedback)
-
-
 def paragraphs(*texts: str) -> str:
     """Help text, which the toolbox shows as HTML and a terminal as it is."""
     return "\n\n".join(texts)
-
-
-def _homepage() -> str:
-    metadata = Path(__file__).resolve().parents[2] / "metadata.txt"
-    for line in metadata.read_text(encoding="utf-8").splitlines():
-        name, _, value = line.partition("=")
-        if name == "homepage":
-            return value
-    return ""
 
 
 class Watch:
@@ -191,6 +163,64 @@ class Watch:
     def cancelled(self) -> bool:
         """Whether the user has cancelled."""
         return self._feedback.isCanceled()
+
+
+def run_in_background(work: Callable[[Watch], Result], feedback: QgsProcessingFeedback) -> Result:
+    """Work with the main thread free for its events; see `beside`."""
+    return off_main_thread(work, feedback)
+
+
+def off_main_thread(work: Callable[[Watch], Result], feedback: QgsProcessingFeedback) -> Result:
+    """Do ``work`` while the main thread is free for its events; returns or raises what it does.
+
+    Called in another thread, which is beside it already, that one waits.
+    """
+    from ..network.worker import in_main_thread
+
+    if not in_main_thread():
+        return on_python_thread(lambda: work(Watch(feedback)))
+    relay, loop, timer = _Relay(feedback), QEventLoop(), QTimer()
+    thread = PythonThread(lambda: work(relay), "terrainav-algorithm")
+
+    def look() -> None:
+        relay.deliver()
+        if not thread.works:
+            loop.quit()
+
+    timer.timeout.connect(look)
+    timer.start(_LOOK_MS)
+    try:
+        # What the user does meanwhile waits, as it does for every algorithm that runs here.
+        loop.exec(QEventLoop.ProcessEventsFlag.ExcludeUserInputEvents)
+    finally:
+        relay.stop()
+        thread.wait()
+        timer.stop()
+    relay.deliver()
+    return thread.result()
+
+
+def _checked(work: Callable[[], Result]) -> Result:
+    """What ``work`` returns; its errors in the way that Processing shows them."""
+    from ..form.mission_form import FormError
+
+    try:
+        return work()
+    except Cancelled as stopped:
+        text = tr("Stopped: {reason}").format(reason=translate(stopped))
+    except (TerrAInavError, FormError) as wrong:
+        text = translate(wrong)
+    # Out here the error is forgotten, and with it all that its trace would hold until the thread has ended.
+    raise QgsProcessingException(text)
+
+
+def _homepage() -> str:
+    metadata = Path(__file__).resolve().parents[2] / "metadata.txt"
+    for line in metadata.read_text(encoding="utf-8").splitlines():
+        name, _, value = line.partition("=")
+        if name == "homepage":
+            return value
+    return ""
 
 
 class _Relay(Watch):
@@ -227,33 +257,3 @@ class _Relay(Watch):
     def stop(self) -> None:
         """Ask the work to end."""
         self._stop.set()
-
-
-def off_main_thread(work: Callable[[Watch], Result], feedback: QgsProcessingFeedback) -> Result:
-    """Do ``work`` while the main thread is free for its events; returns or raises what it does.
-
-    Called in another thread, which is beside it already, that one waits.
-    """
-    from ..network.worker import in_main_thread
-
-    if not in_main_thread():
-        return on_python_thread(lambda: work(Watch(feedback)))
-    relay, loop, timer = _Relay(feedback), QEventLoop(), QTimer()
-    thread = PythonThread(lambda: work(relay), "terrainav-algorithm")
-
-    def look() -> None:
-        relay.deliver()
-        if not thread.works:
-            loop.quit()
-
-    timer.timeout.connect(look)
-    timer.start(_LOOK_MS)
-    try:
-        # What the user does meanwhile waits, as it does for every algorithm that runs here.
-        loop.exec(QEventLoop.ProcessEventsFlag.ExcludeUserInputEvents)
-    finally:
-        relay.stop()
-        thread.wait()
-        timer.stop()
-    relay.deliver()
-    return thread.result()

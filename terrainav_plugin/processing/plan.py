@@ -198,6 +198,43 @@ class Plan(Algorithm):
             results["EXPORT"] = str(exported.files[0])
 
 
+def capture_fields() -> QgsFields:
+    """Attributes of a footprint and of a capture."""
+    return _fields(_CAPTURE)
+
+
+def flight_fields() -> QgsFields:
+    """Attributes of the flight line."""
+    return _fields(_FLIGHT)
+
+
+def footprints(plan: Plan) -> Iterator[QgsFeature]:
+    """What each picture shows: the frame its file will state, or the ground the camera sees."""
+    from ..map.outlines import footprint_shapes
+
+    for shape, values in zip(footprint_shapes(plan), _attributes(plan)):
+        shape.convertToMultiType()
+        yield _feature(shape, values)
+
+
+def captures(plan: Plan) -> Iterator[QgsFeature]:
+    """Points below the camera, in flight order."""
+    from ...core.geodesy.mercator import wrap_lon_deg
+    from ..map.outlines import metres
+
+    east, north = metres(wrap_lon_deg(plan.lon_deg), plan.lat_deg)
+    for x, y, values in zip(east.tolist(), north.tolist(), _attributes(plan)):
+        yield _feature(QgsGeometry.fromPointXY(QgsPointXY(x, y)), values)
+
+
+def flight_line(plan: Plan) -> QgsFeature:
+    """Way from the first capture to the last, in two parts where it crosses the antimeridian."""
+    from ..map.outlines import flight_lines
+
+    lines = flight_lines([(plan.lon_deg, plan.lat_deg)])
+    return _feature(lines, (len(plan), plan.flight_distance_m, plan.flight_s))
+
+
 def _fill(
     sink: QgsFeatureSink, found: Iterable[QgsFeature], count: int, feedback: QgsProcessingFeedback
 ) -> None:
@@ -251,43 +288,6 @@ def _values(summary: Summary) -> dict[str, Any]:
         "ERROR_BOUND": summary.accuracy.bound_px,
     }
     return {name: value for name, value in values.items() if value is not None}
-
-
-def capture_fields() -> QgsFields:
-    """Attributes of a footprint and of a capture."""
-    return _fields(_CAPTURE)
-
-
-def flight_fields() -> QgsFields:
-    """Attributes of the flight line."""
-    return _fields(_FLIGHT)
-
-
-def footprints(plan: Plan) -> Iterator[QgsFeature]:
-    """What each picture shows: the frame its file will state, or the ground the camera sees."""
-    from ..map.outlines import footprint_shapes
-
-    for shape, values in zip(footprint_shapes(plan), _attributes(plan)):
-        shape.convertToMultiType()
-        yield _feature(shape, values)
-
-
-def captures(plan: Plan) -> Iterator[QgsFeature]:
-    """Points below the camera, in flight order."""
-    from ...core.geodesy.mercator import wrap_lon_deg
-    from ..map.outlines import metres
-
-    east, north = metres(wrap_lon_deg(plan.lon_deg), plan.lat_deg)
-    for x, y, values in zip(east.tolist(), north.tolist(), _attributes(plan)):
-        yield _feature(QgsGeometry.fromPointXY(QgsPointXY(x, y)), values)
-
-
-def flight_line(plan: Plan) -> QgsFeature:
-    """Way from the first capture to the last, in two parts where it crosses the antimeridian."""
-    from ..map.outlines import flight_lines
-
-    lines = flight_lines([(plan.lon_deg, plan.lat_deg)])
-    return _feature(lines, (len(plan), plan.flight_distance_m, plan.flight_s))
 
 
 def _fields(kinds: tuple[tuple[str, str], ...]) -> QgsFields:

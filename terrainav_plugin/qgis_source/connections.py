@@ -201,9 +201,7 @@ def connection_of(name: str, uri: str) -> Connection:
         headers["referer"] = options["referer"]
     # QGIS unpacks what is written for a space.
     url, key = without_key(options.get("url", "").replace(" ", "%20"))
-    least, most = (
-        _zoom(options.get(end, ""), usual) for end, usual in (("zmin", 0), ("zmax", _USUAL_ZOOM))
-    )
+    least, most = (_zoom(options.get(end, ""), usual) for end, usual in (("zmin", 0), ("zmax", _USUAL_ZOOM)))
     tile_px = _PIXELS.get(options.get("tilePixelRatio", ""), 256)
     headers = {name.title(): value for name, value in headers.items() if value}
     return Connection(name, url, key, min(least, most), most, tile_px, options.get("authcfg", ""), headers)

@@ -142,14 +142,6 @@ class Jobs:
         return ""
 
 
-class _Job:
-    """Something that is being drawn: until when it may, who may cancel it, and why it was ended."""
-
-    def __init__(self, end: Callable[[], None], until_s: float, cancelled: Callable[[], bool] | None) -> None:
-        self.end, self.until_s, self.cancelled = end, until_s, cancelled
-        self.reason = ""
-
-
 def refuse_errors(errors: Sequence[QgsMapRendererJob.Error]) -> None:
     """Raise PartError with the first of a renderer's errors, where it has any."""
     messages = [error.message for error in errors if error.message]
@@ -181,13 +173,6 @@ def to_image(pixels: NDArray[np.uint8]) -> QImage:
     image = QImage(data, width, height, 4 * width, QImage.Format.Format_RGBA8888_Premultiplied)
     # Converting copies, so that the image does not point into memory that Python frees.
     return image.convertToFormat(_FORMAT)
-
-
-class _Pipe(NamedTuple):
-    """A pipe and its last stage, which gives the pixels; wrapped once, as wrapping is not safe on other threads."""
-
-    pipe: QgsRasterPipe
-    last: QgsRasterInterface
 
 
 class Pipes:
@@ -232,6 +217,21 @@ class Pipes:
         if not block.isValid() or image.isNull():
             raise PartError(f"QGIS could not read it: {block.error().summary() or 'no reason given'}")
         return to_array(image)
+
+
+class _Job:
+    """Something that is being drawn: until when it may, who may cancel it, and why it was ended."""
+
+    def __init__(self, end: Callable[[], None], until_s: float, cancelled: Callable[[], bool] | None) -> None:
+        self.end, self.until_s, self.cancelled = end, until_s, cancelled
+        self.reason = ""
+
+
+class _Pipe(NamedTuple):
+    """A pipe and its last stage, which gives the pixels; wrapped once, as wrapping is not safe on other threads."""
+
+    pipe: QgsRasterPipe
+    last: QgsRasterInterface
 
 
 def _copy(pipe: QgsRasterPipe) -> QgsRasterPipe:
