@@ -7,10 +7,10 @@ from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, NamedTuple
 
-from qgis.PyQt.QtCore import QObject, QTimer, pyqtSignal
+from qgis.PyQt.QtCore import QObject, pyqtSignal
 
 from .i18n import tr
-from .tasks import LatestWorker
+from .tasks import LatestWorker, single_shot
 
 if TYPE_CHECKING:
     from ..core.geodesy.mercator import PixelGrid
@@ -54,10 +54,7 @@ class Planner(QObject):
         self._wanted: tuple[Mission, Callable[[], PixelGrid], bool] | None = None
         self._worker = LatestWorker("plan", self)
         self._worker.failed.connect(self.refused)
-        self._pause = QTimer(self)
-        self._pause.setSingleShot(True)
-        self._pause.setInterval(_PAUSE_MS)
-        self._pause.timeout.connect(self._start)
+        self._pause = single_shot(self._start, self, _PAUSE_MS)
 
     @property
     def busy(self) -> bool:

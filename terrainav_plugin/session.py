@@ -32,7 +32,7 @@ from .panel.dock import Dock
 from .panel.form import FormMemory
 from .panel.planning import Planning
 from .panel.runs import RunPanel
-from .panel.source_shelf import SourceShelf
+from .panel.source_list import SourceList
 from .paths import folder_of, open_in_system
 from .planner import Planned, Planner
 from .preview.background import Background, SourceOnMap
@@ -95,7 +95,7 @@ class Session(QObject):
         )
         self.viewing = Viewing(self.project, iface, messages)
         self.cleaning = Cleaning(iface, messages, self._datasets)
-        self.shelf = SourceShelf(self.project, form.imagery, messages, window)
+        self.source_list = SourceList(self.project, form.imagery, messages, window)
         self._previewing = self._zoom_to_preview = False
         self._join_panel()
         self._join_rooms()
@@ -197,7 +197,7 @@ class Session(QObject):
         self.open_project.close()
         for signal in (self.project.layersAdded, self.project.layersRemoved, self.project.cleared):
             signal.disconnect(self._show_hint)
-        self.shelf.close()
+        self.source_list.close()
         self.areas.close()
         for tool in (self.box_tool, self.point_tool):
             tool.stop()

@@ -8,8 +8,8 @@ from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
 from typing import Any, Generic, TypeVar
 
-from qgis.core import QgsTask
-from qgis.PyQt.QtCore import QObject, pyqtSignal
+from qgis.core import QgsApplication, QgsTask
+from qgis.PyQt.QtCore import QObject, QTimer, pyqtSignal
 
 from ..core.errors import Cancelled, TerrAInavError
 from .compat import TASK_FLAGS
@@ -45,6 +45,16 @@ class Task(QgsTask):
     def work(self) -> None:
         """Do it, on a thread beside the main one; raises `Cancelled` where it was stopped on the way."""
         raise NotImplementedError
+
+    def begin(self, ended: Callable[[Any], None]) -> None:
+        """Hand it to QGIS's task manager, and call ``ended`` with it on the main thread, whatever becomes of it."""
+        self.ended.connect(ended)
+        QgsApplication.taskManager().addTask(self)
+
+    def abandon(self) -> None:
+        """End it early, and tell nobody."""
+        self.ended.disconnect()
+        self.cancel()
 
     def run(self) -> bool:
         """Work; an error ends the task and is kept."""
@@ -147,6 +157,15 @@ class LatestWorker(QObject):
 def reason_of(error: BaseException) -> str:
     """Why work has failed: in words, or as Python has it where that should not have happened."""
     return str(error) if isinstance(error, TerrAInavError) else repr(error)
+
+
+def single_shot(act: Callable[[], None], parent: QObject, pause_ms: int = 0) -> QTimer:
+    """Timer that has something done once, a while after it was started last."""
+    timer = QTimer(parent)
+    timer.setSingleShot(True)
+    timer.setInterval(pause_ms)
+    timer.timeout.connect(act)
+    return timer
 
 
 class PythonThread(Generic[Result]):

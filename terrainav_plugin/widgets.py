@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Sequence
 
 from qgis.gui import QgsCollapsibleGroupBoxBasic, QgsDoubleSpinBox
 from qgis.PyQt.QtCore import Qt
-from qgis.PyQt.QtGui import QColor, QKeySequence, QPalette, QResizeEvent, QWheelEvent
+from qgis.PyQt.QtGui import QColor, QIcon, QKeySequence, QPalette, QResizeEvent, QWheelEvent
 from qgis.PyQt.QtWidgets import (
     QAbstractButton,
     QAbstractSpinBox,
@@ -17,10 +17,13 @@ from qgis.PyQt.QtWidgets import (
     QLabel,
     QLineEdit,
     QMenuBar,
+    QPushButton,
     QTabBar,
     QVBoxLayout,
     QWidget,
 )
+
+from .plain import plain_label
 
 #: Vermillion of the Okabe-Ito palette: readable on light and dark themes, told apart by colour-blind people.
 WRONG_COLOUR = "#D55E00"
@@ -63,6 +66,24 @@ def row(*widgets: QWidget, stretch: int | Sequence[int] = ()) -> QWidget:
         layout.addWidget(widget, 1 if index in wide else 0)
     holder.setFocusProxy(widgets[0])
     return holder
+
+
+def wrapped_label(name: str) -> QLabel:
+    """Label of any text, in as many lines as that takes, for users to copy from."""
+    label = plain_label()
+    label.setObjectName(name)
+    label.setWordWrap(True)
+    label.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
+    return label
+
+
+def push_button(name: str, text: str, tip: str, image: QIcon | None = None) -> QPushButton:
+    """Button that no other key than its own presses."""
+    made = QPushButton(text) if image is None else QPushButton(image, text)
+    made.setObjectName(name)
+    made.setToolTip(tip)
+    made.setAutoDefault(False)
+    return made
 
 
 class Chooser(QComboBox):

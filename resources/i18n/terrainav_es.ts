@@ -3259,17 +3259,17 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>«{name}» ya está en uso; elegir otro nombre</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/panel/source_shelf.py"/>
+        <location filename="../../terrainav_plugin/panel/source_list.py"/>
         <source>Remove “{title}” from your sources? Captured images stay.</source>
         <translation>¿Eliminar «{title}» de las fuentes propias? Las imágenes capturadas se quedan.</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/panel/source_shelf.py"/>
+        <location filename="../../terrainav_plugin/panel/source_list.py"/>
         <source>Some of your own sources are left out: {reason}</source>
         <translation>Algunas de las fuentes propias se omiten: {reason}</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/panel/source_shelf.py"/>
+        <location filename="../../terrainav_plugin/panel/source_list.py"/>
         <source>TerrAInav: remove source</source>
         <translation>TerrAInav: eliminar fuente</translation>
     </message>

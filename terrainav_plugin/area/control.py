@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from qgis.core import QgsApplication, QgsCsException, QgsMapLayer, QgsProject, QgsVectorLayer
+from qgis.core import QgsCsException, QgsMapLayer, QgsProject, QgsVectorLayer
 from qgis.gui import QgisInterface, QgsDockWidget
-from qgis.PyQt.QtCore import QObject, QTimer
+from qgis.PyQt.QtCore import QObject
 from qgis.PyQt.QtWidgets import QApplication, QFileDialog
 
 from ...core.errors import InvalidInput, TerrAInavError
@@ -16,6 +16,7 @@ from ..form.area import FormError, area_words, entered_area, unit_of, with_area
 from ..i18n import tr, translate
 from ..map.canvas import box_of, canvas_rectangle
 from ..messages import Messages
+from ..tasks import single_shot
 from .bands import AreaMark
 from .dialogs import LayerDialog, PointsDialog, PolygonDialog
 from .editing import AreaEditing
@@ -75,10 +76,7 @@ class AreaControl(QObject):
         self.tool = AreaTool(self._canvas, keys)
         self.single_tool = PointTool(self._canvas)
         self.mark, self._previewed = AreaMark(self._canvas), False
-        self._pause = QTimer(self)
-        self._pause.setSingleShot(True)
-        self._pause.setInterval(_PAUSE_MS)
-        self._pause.timeout.connect(self._go_to_typed)
+        self._pause = single_shot(self._go_to_typed, self, _PAUSE_MS)
         panel.installEventFilter(keys)
         self.tool.setButton(entries.edit)
         entries.edit.clicked.connect(self._switch_tool)
@@ -109,8 +107,7 @@ class AreaControl(QObject):
     def close(self) -> None:
         """Leave nothing behind."""
         if self._task is not None:
-            self._task.ended.disconnect()
-            self._task.cancel()
+            self._task.abandon()
             self._task = None
         self._stop_selecting()
         self._pause.stop()
@@ -153,8 +150,7 @@ class AreaControl(QObject):
         if self._task is not None:
             self._task.cancel()
         self._task = task
-        task.ended.connect(self._take_read)
-        QgsApplication.taskManager().addTask(task)
+        task.begin(self._take_read)
 
     def _ask_for_layer(self) -> None:
         dialog = LayerDialog(self._iface.mainWindow(), tr("Extent of a layer"), self._iface.activeLayer())

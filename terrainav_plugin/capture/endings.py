@@ -126,8 +126,7 @@ class Endings(QObject):
     def _say(self, run: Run, is_open: bool) -> None:
         result, name = run.result, run.name
         if run.task.error:
-            tell = self._messages.error if run.task.trace else self._messages.warning
-            tell(with_kept(translate(run.task.error), result), run.task.trace)
+            self._messages.failed(with_kept(translate(run.task.error), result), run.task.trace)
         elif run.stage is Stage.STOPPED and result is None:
             self._messages.info(tr("{name}: stopped before the first image.").format(name=name))
         elif run.stage is Stage.STOPPED:

@@ -6,7 +6,6 @@ import enum
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from qgis.core import QgsApplication
 from qgis.PyQt.QtCore import QObject, pyqtSignal
 
 from ..i18n import number_text, tr, translate
@@ -134,9 +133,8 @@ class Run(QObject):
         self.task.progressed.connect(self._progressed)
         self.task.progressChanged.connect(self._moved_on)
         self.task.failed_changed.connect(lambda layer: self.failed_changed.emit(self, layer))
-        self.task.ended.connect(self._ended)
         self._become(Stage.RUNNING)
-        QgsApplication.taskManager().addTask(self.task)
+        self.task.begin(self._ended)
 
     def pause(self, paused: bool) -> None:
         """Hold it in its place, or let it go on."""

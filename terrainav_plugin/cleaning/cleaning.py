@@ -7,16 +7,16 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from qgis.core import QgsApplication, QgsRectangle
+from qgis.core import QgsRectangle
 from qgis.gui import QgisInterface
-from qgis.PyQt.QtCore import QObject, QPoint, QRect, Qt, QTimer, pyqtSignal
+from qgis.PyQt.QtCore import QObject, QPoint, QRect, Qt, pyqtSignal
 from qgis.PyQt.QtWidgets import QFileDialog
 
 from ...core.dataset.folder import DECIDING, FOOTPRINTS_FILE, MISSION_FILE
 from ..i18n import tr, translate
 from ..paths import folder_of, open_in_system
 from ..settings import recent
-from ..tasks import LatestWorker, Task, reason_of
+from ..tasks import LatestWorker, Task, reason_of, single_shot
 from ..widgets import free_of_menus
 
 if TYPE_CHECKING:
@@ -71,10 +71,7 @@ class Cleaning(QObject):
         self._reader, self._pictures = LatestWorker("entropies"), LatestWorker("examples")
         self._reader.failed.connect(self._refused)
         self._read_so_far.connect(self._show_reading)
-        self._rested = QTimer(self)
-        self._rested.setSingleShot(True)
-        self._rested.setInterval(_REST_MS)
-        self._rested.timeout.connect(self._follow)
+        self._rested = single_shot(self._follow, self, _REST_MS)
 
     @property
     def busy(self) -> bool:
@@ -97,9 +94,8 @@ class Cleaning(QObject):
         self._asked += 1
         self._rested.stop()
         if self.task is not None:
-            self.task.ended.disconnect()
             self.task.progressChanged.disconnect()
-            self.task.cancel()
+            self.task.abandon()
             self.task.waitForFinished()
             self.task = None
         self._reader.close()
@@ -211,11 +207,11 @@ class Cleaning(QObject):
 
     # --- what the buttons do
 
-    def _do(self, deed: str) -> None:
+    def _do(self, action: str) -> None:
         from .tasks import CleanTask
 
         if self.task is None and self._folder is not None:
-            self._start(CleanTask(self._folder, deed, self.panel.threshold.value()), self._cleaned)
+            self._start(CleanTask(self._folder, action, self.panel.threshold.value()), self._cleaned)
 
     def _save_pictures(self) -> None:
         from .tasks import PicturesTask
@@ -233,9 +229,8 @@ class Cleaning(QObject):
     def _start(self, task: Task, ended: Callable[[Task], None]) -> None:
         self.task = task
         task.progressChanged.connect(lambda percent: self.panel.show_busy(True, percent))
-        task.ended.connect(partial(self._ended, ended))
         self.panel.show_busy(True)
-        QgsApplication.taskManager().addTask(task)
+        task.begin(partial(self._ended, ended))
 
     def _stop(self) -> None:
         if self.task is not None:
@@ -246,8 +241,7 @@ class Cleaning(QObject):
         if self.panel is not None:
             self.panel.show_busy(False)
         if task.error:
-            say = self._messages.error if task.trace else self._messages.warning
-            say(translate(task.error), task.trace)
+            self._messages.failed(translate(task.error), task.trace)
             if self.panel is not None and self._folder is not None:
                 # Whatever was wrong: show what is there now.
                 self._read(self._folder)
@@ -291,7 +285,7 @@ class Cleaning(QObject):
             panel.map_type_chosen.connect(self._show_map_type)
             panel.threshold_changed.connect(lambda _bits: self._rested.start())
             panel.on_map_toggled.connect(self._follow)
-            panel.deed_wanted.connect(self._do)
+            panel.action_wanted.connect(self._do)
             panel.pictures_wanted.connect(self._save_pictures)
             panel.stop_wanted.connect(self._stop)
             panel.strip.chosen.connect(self._zoom_to)

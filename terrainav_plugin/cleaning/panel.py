@@ -19,7 +19,6 @@ from qgis.PyQt.QtWidgets import (
     QHBoxLayout,
     QLabel,
     QProgressBar,
-    QPushButton,
     QScrollArea,
     QTabWidget,
     QToolButton,
@@ -30,7 +29,8 @@ from qgis.PyQt.QtWidgets import (
 from ...core.dataset.clean import DEFAULT_ENTROPY
 from ..dataset.picture import Picture, read_picture
 from ..i18n import number_text, tr
-from ..plain import plain_label, shown_plain
+from ..plain import shown_plain
+from ..widgets import push_button, wrapped_label
 from .charts import DECIMALS, HIGHEST, KEPT, LOWEST, REJECTED, Bars, Histogram
 from .entropies import Entropies, Example
 from .tasks import MARK, MOVE, UNDO
@@ -53,7 +53,7 @@ class CleanPanel(QgsDockWidget):
     threshold_changed(float)
         Bits, by whatever the user has moved.
     on_map_toggled(bool)
-    deed_wanted(str)
+    action_wanted(str)
         One of `MARK`, `MOVE` and `UNDO`.
     pictures_wanted(), stop_wanted()
     """
@@ -62,7 +62,7 @@ class CleanPanel(QgsDockWidget):
     map_type_chosen = pyqtSignal(str)
     threshold_changed = pyqtSignal(float)
     on_map_toggled = pyqtSignal(bool)
-    deed_wanted = pyqtSignal(str)
+    action_wanted = pyqtSignal(str)
     pictures_wanted = pyqtSignal()
     stop_wanted = pyqtSignal()
 
@@ -82,8 +82,8 @@ class CleanPanel(QgsDockWidget):
             chart.look = self.tabs
             chart.threshold_moved.connect(self.threshold.setValue)
             chart.show_threshold(self.threshold.value())
-        self.counts = _label("counts")
-        self.notes = _label("notes")
+        self.counts = wrapped_label("counts")
+        self.notes = wrapped_label("notes")
         self.strip = ExampleStrip()
         self._make_buttons()
         # Put beside other panels it may be low, and must not make them wider.
@@ -250,7 +250,7 @@ class CleanPanel(QgsDockWidget):
             tr("Images with less entropy are rejected: 0 bits is a single grey, 8 bits the most there can be")
         )
         self.threshold.valueChanged.connect(self._threshold_set)
-        self.suggest = _button(
+        self.suggest = push_button(
             "suggest",
             tr("S&uggest"),
             tr(
@@ -265,21 +265,21 @@ class CleanPanel(QgsDockWidget):
 
     def _make_buttons(self) -> None:
         self.buttons = {
-            MARK: _button(
+            MARK: push_button(
                 MARK, tr("Mar&k"), tr("Note in the dataset's table which images are rejected, and why")
             ),
-            MOVE: _button(
+            MOVE: push_button(
                 MOVE,
                 tr("Move &away"),
                 tr("Mark rejected images, and move their files to a folder “rejected” beside the others"),
             ),
-            UNDO: _button(
+            UNDO: push_button(
                 UNDO, tr("U&ndo"), tr("Take all marks away, and put all files back in their place")
             ),
         }
-        for deed, button in self.buttons.items():
-            button.clicked.connect(lambda _=False, deed=deed: self.deed_wanted.emit(deed))
-        self.save = _button(
+        for action, button in self.buttons.items():
+            button.clicked.connect(lambda _=False, action=action: self.action_wanted.emit(action))
+        self.save = push_button(
             "save_pictures",
             tr("Save pictures…"),
             tr("Write both charts of every map type as PNG; needs the Python package matplotlib"),
@@ -289,7 +289,9 @@ class CleanPanel(QgsDockWidget):
         self.bar.setObjectName("clean_progress")
         self.bar.setTextVisible(False)
         self.bar.setFixedHeight(_BAR_HEIGHT_PX)
-        self.stop = _button("stop", tr("Stop"), tr("Stop; what is done so far can be finished, or undone"))
+        self.stop = push_button(
+            "stop", tr("Stop"), tr("Stop; what is done so far can be finished, or undone")
+        )
         self.stop.setIcon(QgsApplication.getThemeIcon("/mTaskCancel.svg"))
         self.stop.clicked.connect(lambda _checked: self.stop_wanted.emit())
         self.bar.hide()
@@ -307,11 +309,11 @@ class CleanPanel(QgsDockWidget):
             line.addWidget(widget)
         line.addStretch(1)
         line.addWidget(self.on_map)
-        deeds = QHBoxLayout()
-        deeds.addWidget(self.save)
-        deeds.addStretch(1)
+        actions = QHBoxLayout()
+        actions.addWidget(self.save)
+        actions.addStretch(1)
         for widget in (self.stop, self.buttons[UNDO], self.buttons[MARK], self.buttons[MOVE]):
-            deeds.addWidget(widget)
+            actions.addWidget(widget)
         contents = QWidget()
         layout = QVBoxLayout(contents)
         layout.setContentsMargins(6, 6, 6, 6)
@@ -322,7 +324,7 @@ class CleanPanel(QgsDockWidget):
         layout.addWidget(self.notes)
         layout.addWidget(self.strip)
         layout.addWidget(self.bar)
-        layout.addLayout(deeds)
+        layout.addLayout(actions)
         return contents
 
 
@@ -429,22 +431,6 @@ def _add_row(form: QFormLayout, title: str, widget: QWidget) -> None:
     label = QLabel(title)
     label.setBuddy(widget)
     form.addRow(label, widget)
-
-
-def _label(name: str) -> QLabel:
-    label = plain_label()
-    label.setObjectName(name)
-    label.setWordWrap(True)
-    label.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
-    return label
-
-
-def _button(name: str, text: str, tip: str) -> QPushButton:
-    button = QPushButton(text)
-    button.setObjectName(name)
-    button.setToolTip(tip)
-    button.setAutoDefault(False)
-    return button
 
 
 class _Line(QWidget):

@@ -20,7 +20,7 @@ class CleanTask(Task):
     Parameters
     ----------
     folder : Path
-    deed : str
+    action : str
         `MARK`, `MOVE` or `UNDO`.
     threshold : float
         Bits.
@@ -31,19 +31,19 @@ class CleanTask(Task):
         What was done, by map type; empty until then.
     """
 
-    def __init__(self, folder: Path, deed: str, threshold: float) -> None:
+    def __init__(self, folder: Path, action: str, threshold: float) -> None:
         super().__init__(tr("Cleaning {name}").format(name=folder.name))
-        self.folder, self.deed, self.threshold = folder, deed, threshold
+        self.folder, self.action, self.threshold = folder, action, threshold
         self.cleaned: tuple[Cleaned, ...] = ()
 
     def work(self) -> None:
         """Clean."""
         from ...core.dataset.clean import clean, undo
 
-        if self.deed == UNDO:
+        if self.action == UNDO:
             self.cleaned = undo(self.folder, progress=self._go_on)
         else:
-            self.cleaned = clean(self.folder, self.threshold, move=self.deed == MOVE, progress=self._go_on)
+            self.cleaned = clean(self.folder, self.threshold, move=self.action == MOVE, progress=self._go_on)
 
     def text(self) -> str:
         """What was done to all map types, in a sentence or two."""
@@ -51,7 +51,7 @@ class CleanTask(Task):
             number_text(sum(values))
             for values in zip(*((one.images, one.rejected, one.moved, one.returned) for one in self.cleaned))
         )
-        if self.deed == UNDO:
+        if self.action == UNDO:
             return tr("{rejected} images are no longer marked, {returned} moved back.").format(
                 rejected=rejected, returned=returned
             )

@@ -8,7 +8,6 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from qgis.core import QgsApplication
 from qgis.PyQt.QtCore import QObject, pyqtSignal
 from qgis.PyQt.QtWidgets import QFileDialog, QMenu, QToolButton
 
@@ -105,8 +104,7 @@ class Missions(QObject):
         """End for good."""
         self.plan_export.close()
         if self._task is not None:
-            self._task.ended.disconnect()
-            self._task.cancel()
+            self._task.abandon()
             self._task.waitForFinished()
             self._task = None
 
@@ -222,9 +220,8 @@ class Missions(QObject):
             self._tell_broken(folder.name, wrong)
             return
         begun_in = self._open_project.number
-        task.ended.connect(lambda task: self._dataset_opened(task, state, begun_in))
         self._task = task
-        QgsApplication.taskManager().addTask(task)
+        task.begin(lambda task: self._dataset_opened(task, state, begun_in))
 
     # --- other entries of the menu
 
@@ -313,8 +310,7 @@ class Missions(QObject):
     def _dataset_opened(self, task: DatasetTask, state: mission_form.FormState, begun_in: int) -> None:
         self._task = None
         if task.error:
-            tell = self._messages.error if task.trace else self._messages.warning
-            tell(translate(task.error), task.trace)
+            self._messages.failed(translate(task.error), task.trace)
             return
         if task.opened is None or begun_in != self._open_project.number:
             return

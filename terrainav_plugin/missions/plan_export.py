@@ -6,7 +6,6 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from qgis.core import QgsApplication
 from qgis.PyQt.QtCore import QObject, pyqtSignal
 from qgis.PyQt.QtWidgets import QFileDialog, QWidget
 
@@ -115,14 +114,12 @@ class PlanExport(QObject):
             self._messages.warning(translate(wrong))
             return
         self._task = ExportTask(planned.plan, path)
-        self._task.ended.connect(self._ended)
-        QgsApplication.taskManager().addTask(self._task)
+        self._task.begin(self._ended)
 
     def _ended(self, task: ExportTask) -> None:
         self._task = None
         if task.error:
-            tell = self._messages.error if task.trace else self._messages.warning
-            tell(translate(task.error), task.trace)
+            self._messages.failed(translate(task.error), task.trace)
             return
         if task.exported is None:
             return

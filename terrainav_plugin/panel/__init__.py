@@ -7,7 +7,7 @@ sections        flight, output, and what most missions leave as it is
 camera          the entries of the camera, and the cameras to choose from
 imagery         the entries of the imagery, and the chooser of the source
 choices         the sources to choose from
-source_shelf    these as the project's layers come and go, and as the user adds and removes some
+source_list     these as the project's layers come and go, and as the user adds and removes some
 source_dialogs  dialogs for sources of one's own
 figures         the figures of a plan in the user's words
 planning        from what is entered to a plan

@@ -7,13 +7,11 @@ from collections.abc import Sequence
 from qgis.core import QgsApplication
 from qgis.gui import QgsCollapsibleGroupBoxBasic, QgsDockWidget
 from qgis.PyQt.QtCore import QEvent, QObject, Qt, QTimer, pyqtSignal
-from qgis.PyQt.QtGui import QIcon, QShowEvent
+from qgis.PyQt.QtGui import QShowEvent
 from qgis.PyQt.QtWidgets import (
     QFrame,
     QGridLayout,
     QHBoxLayout,
-    QLabel,
-    QPushButton,
     QScrollArea,
     QStyle,
     QToolButton,
@@ -24,7 +22,7 @@ from qgis.PyQt.QtWidgets import (
 from ..help import show_help
 from ..i18n import tr
 from ..paths import icon
-from ..plain import plain_label
+from ..widgets import push_button, wrapped_label
 from .choices import CameraChoice, SourceChoice
 from .figures import Figures
 from .form import DockForm
@@ -50,7 +48,7 @@ class Dock(QgsDockWidget):
         super().__init__(tr("TerrAInav mission"))
         self.setObjectName("terrainav_dock")
         self.form = DockForm(sources, cameras)
-        self.hint = _wrapped_label("hint")
+        self.hint = wrapped_label("hint")
         self.hint.setFrameShape(QFrame.Shape.StyledPanel)
         self.hint.setMargin(6)
         self.hint.setTextFormat(Qt.TextFormat.RichText)
@@ -87,23 +85,23 @@ class Dock(QgsDockWidget):
         self.test_shot.setEnabled(not busy)
 
     def _make_buttons(self) -> None:
-        self.preview = _button(
-            "preview", icon("preview"), tr("Preview"), tr("Show every planned image on the map")
+        self.preview = push_button(
+            "preview", tr("Preview"), tr("Show every planned image on the map"), icon("preview")
         )
         self.preview.setCheckable(True)
         self.preview.toggled.connect(self.preview_toggled)
-        self.test_shot = _button(
+        self.test_shot = push_button(
             "test_shot",
-            icon("test_shot"),
             tr("Test shot"),
             tr("Click a point on the map and capture one image there"),
+            icon("test_shot"),
         )
         self.test_shot.clicked.connect(self.test_shot_clicked)
-        self.capture = _button(
+        self.capture = push_button(
             "capture",
-            icon("capture"),
             tr("Capture"),
             tr("Write all images; goes on where an earlier run was stopped"),
+            icon("capture"),
         )
         self.capture.clicked.connect(self.capture_clicked)
         self.missions = QToolButton()
@@ -186,18 +184,3 @@ class FormScroll(QScrollArea):
     def _fit(self) -> None:
         bar = self.style().pixelMetric(QStyle.PixelMetric.PM_ScrollBarExtent)
         self.setMinimumWidth(self.widget().minimumSizeHint().width() + bar)
-
-
-def _wrapped_label(name: str) -> QLabel:
-    label = plain_label()
-    label.setObjectName(name)
-    label.setWordWrap(True)
-    label.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
-    return label
-
-
-def _button(name: str, image: QIcon, text: str, tip: str) -> QPushButton:
-    button = QPushButton(image, text)
-    button.setObjectName(name)
-    button.setToolTip(tip)
-    return button

@@ -8,7 +8,7 @@ from typing import Any
 
 from qgis.core import QgsSettings
 from qgis.gui import QgsCollapsibleGroupBoxBasic
-from qgis.PyQt.QtCore import QObject, Qt, QTimer, pyqtSignal
+from qgis.PyQt.QtCore import QObject, Qt, pyqtSignal
 from qgis.PyQt.QtWidgets import QGridLayout, QLayout, QLayoutItem, QVBoxLayout, QWidget
 
 from ..area.editing import AreaEditing
@@ -17,6 +17,7 @@ from ..form.camera import settled
 from ..form.mission_form import beyond_text
 from ..form.state import FormState, with_unchanged
 from ..settings import Settings
+from ..tasks import single_shot
 from ..widgets import STYLE_SHEET, FieldMarks
 from .camera import CameraEntries
 from .choices import CameraChoice, SourceChoice
@@ -237,10 +238,7 @@ class FormMemory(QObject):
     def __init__(self, settings: Settings, read: Callable[[], FormState], parent: QObject) -> None:
         super().__init__(parent)
         self._settings, self._read = settings, read
-        self._pause = QTimer(self)
-        self._pause.setSingleShot(True)
-        self._pause.setInterval(_PAUSE_MS)
-        self._pause.timeout.connect(self.write)
+        self._pause = single_shot(self.write, self, _PAUSE_MS)
 
     @property
     def pending(self) -> bool:

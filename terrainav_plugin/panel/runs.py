@@ -53,7 +53,7 @@ class RunPanel(QObject):
         super().__init__()
         self._runs, self._list = runs, shown
         self._rows: dict[Run, RunRow] = {}
-        self._deeds: dict[str, Callable[[Run], None]] = {
+        self._actions: dict[str, Callable[[Run], None]] = {
             RunRow.PAUSE: lambda run: run.pause(True),
             RunRow.RESUME: runs.resume,
             RunRow.CANCEL: lambda run: run.cancel(),
@@ -73,7 +73,7 @@ class RunPanel(QObject):
 
     def _add(self, run: Run) -> None:
         row = self._rows[run] = RunRow(title_of(run))
-        row.asked.connect(lambda deed: self._deeds[deed](run))
+        row.asked.connect(lambda action: self._actions[action](run))
         run.changed.connect(lambda: self._show(run))
         self._show(run)
         self._list.add(row)
@@ -93,7 +93,7 @@ class RunPanel(QObject):
             return
         line = self._runs.waiting
         row.show_progress(run.percent, row_text(run, line.index(run) if run in line else 0))
-        row.show_deeds(_deeds_of(run), run.can_pause, underway=not run.over)
+        row.show_actions(_actions_of(run), run.can_pause, underway=not run.over)
         self._list.fit()
 
 
@@ -212,12 +212,12 @@ class RunRow(QFrame):
         self.bar.setValue(int(percent))
         self.text.setText(text)
 
-    def show_deeds(self, deeds: set[str], enabled: bool = True, underway: bool = True) -> None:
+    def show_actions(self, actions: set[str], enabled: bool = True, underway: bool = True) -> None:
         """Offer what can be done now.
 
         Parameters
         ----------
-        deeds : set of str
+        actions : set of str
             Of `DEEDS`.
         enabled : bool
             Whether pausing is possible just now.
@@ -225,7 +225,7 @@ class RunRow(QFrame):
             Whether there is a progress to show.
         """
         for name, button in self.buttons.items():
-            button.setVisible(name in deeds)
+            button.setVisible(name in actions)
         self.buttons[self.PAUSE].setEnabled(enabled)
         self.bar.setVisible(underway)
 
@@ -272,7 +272,7 @@ class RunRow(QFrame):
         layout.addWidget(self.text)
 
 
-def _deeds_of(run: Run) -> set[str]:
+def _actions_of(run: Run) -> set[str]:
     """What can be done with a run now."""
     if run.stage is Stage.WAITING:
         return {RunRow.CANCEL}
@@ -283,12 +283,12 @@ def _deeds_of(run: Run) -> set[str]:
     if run.stage is Stage.STOPPING:
         # Once nothing is captured any more, what is left to be stopped is the mosaic.
         return {RunRow.CANCEL} if run.result is not None else set()
-    deeds = {RunRow.ZOOM, RunRow.OPEN, RunRow.DISMISS}
+    actions = {RunRow.ZOOM, RunRow.OPEN, RunRow.DISMISS}
     if run.stage in (Stage.DONE, Stage.INCOMPLETE) and not run.test_shot:
-        deeds.add(RunRow.CLEAN)
+        actions.add(RunRow.CLEAN)
     if run.stage in (Stage.STOPPED, Stage.BROKEN) and not run.test_shot:
-        deeds.add(RunRow.RESUME)
-    return deeds | ({RunRow.FAILED} if run.task.failed else set())
+        actions.add(RunRow.RESUME)
+    return actions | ({RunRow.FAILED} if run.task.failed else set())
 
 
 class _ElidedLabel(QLabel):

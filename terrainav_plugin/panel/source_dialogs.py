@@ -7,7 +7,6 @@ from contextlib import closing
 from typing import TYPE_CHECKING, Any
 from urllib.parse import quote
 
-from qgis.core import QgsApplication
 from qgis.gui import QgsSpinBox
 from qgis.PyQt.QtCore import Qt
 from qgis.PyQt.QtWidgets import (
@@ -296,8 +295,7 @@ class ServiceDialog(QDialog):
     def done(self, result: int) -> None:
         """End what is still being asked."""
         if self._task is not None:
-            self._task.ended.disconnect()
-            self._task.cancel()
+            self._task.abandon()
             self._task = None
         super().done(result)
 
@@ -305,8 +303,7 @@ class ServiceDialog(QDialog):
         self._task = task
         self.told.setText(tr("Asking the service…"))
         self._show_ready()
-        task.ended.connect(then)
-        QgsApplication.taskManager().addTask(task)
+        task.begin(then)
 
     def _show_layers(self, task: _Capabilities) -> None:
         self._task, self._kind = None, task.kind

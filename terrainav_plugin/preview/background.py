@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from osgeo import gdal
-from qgis.core import QgsApplication, QgsMapLayer, QgsProject, QgsRasterLayer, QgsRectangle
+from qgis.core import QgsMapLayer, QgsProject, QgsRasterLayer, QgsRectangle
 from qgis.gui import QgisInterface
 from qgis.PyQt.QtCore import QObject, pyqtSignal
 
@@ -111,8 +111,7 @@ class SourceOnMap(QObject):
     def close(self) -> None:
         """End for good."""
         if self._task is not None:
-            self._task.ended.disconnect()
-            self._task.cancel()
+            self._task.abandon()
             self._task = None
 
     def _show_world(
@@ -145,8 +144,7 @@ class SourceOnMap(QObject):
             return
         self._task = task
         self.drawing.emit(True)
-        task.ended.connect(show)
-        QgsApplication.taskManager().addTask(task)
+        task.begin(show)
 
 
 class WorldTask(Task):

@@ -11,7 +11,7 @@ from qgis.gui import QgsMapCanvas
 from qgis.PyQt.QtCore import QObject, QTimer, pyqtSignal
 
 from ..map.mission_group import MissionGroup
-from ..tasks import LatestWorker
+from ..tasks import LatestWorker, single_shot
 from .layers import KINDS, field_names
 from .view import HALF_WORLD_M, View, view_of
 
@@ -72,8 +72,8 @@ class Preview(QObject):
         self._visible = True
         self._worker = LatestWorker("preview", self)
         self._worker.failed.connect(self.failed)
-        self._pause = _timer(self, self._look)
-        self._turn = _timer(self, self._fill_on)
+        self._pause = single_shot(self._look, self, _PAUSE_MS)
+        self._turn = single_shot(self._fill_on, self)
         project.layersWillBeRemoved["QStringList"].connect(self._keep_styles)
         project.layersRemoved.connect(self._forget)
         project.layerTreeRoot().visibilityChanged.connect(self._look_at_visibility)
@@ -161,7 +161,7 @@ class Preview(QObject):
     def _follow(self, *_: object) -> None:
         """Look again once the map has come to rest."""
         if self._plan is not None:
-            self._pause.start(_PAUSE_MS)
+            self._pause.start()
 
     def _look(self) -> None:
         """Have drawn what the map shows now, unless it is there."""
@@ -210,7 +210,7 @@ class Preview(QObject):
         if next(self._pieces, self) is self:
             self._pieces = None
         else:
-            self._turn.start(0)
+            self._turn.start()
 
     def _make_layers(self, mission: Mission) -> Iterator[None]:
         """Bring the layers that are not there, step by step: reading their styles takes a while."""
@@ -343,10 +343,3 @@ class Preview(QObject):
         if over:
             self.remove()
             self.closed.emit()
-
-
-def _timer(parent: QObject, act: object) -> QTimer:
-    timer = QTimer(parent)
-    timer.setSingleShot(True)
-    timer.timeout.connect(act)
-    return timer

@@ -10,13 +10,12 @@ from typing import Any
 from qgis.core import QgsApplication
 from qgis.gui import QgsDockWidget
 from qgis.PyQt.QtCore import QRect, QSize, Qt, pyqtSignal
-from qgis.PyQt.QtGui import QBrush, QIcon, QImage, QPainter, QPaintEvent
+from qgis.PyQt.QtGui import QBrush, QImage, QPainter, QPaintEvent
 from qgis.PyQt.QtWidgets import (
     QComboBox,
     QFrame,
     QHBoxLayout,
     QLabel,
-    QPushButton,
     QScrollArea,
     QSizePolicy,
     QSplitter,
@@ -26,6 +25,7 @@ from qgis.PyQt.QtWidgets import (
 
 from ..i18n import number_text, tr, translate
 from ..plain import plain_label
+from ..widgets import push_button
 from .shots import Seen, Shot
 
 #: Of picture and details, at first and as the window grows.
@@ -146,26 +146,26 @@ class Viewer(QgsDockWidget):
 
     def _make_buttons(self) -> None:
         of_qgis = QgsApplication.getThemeIcon
-        self.previous = _button(
+        self.previous = push_button(
             "previous",
-            of_qgis("/mActionArrowLeft.svg"),
             tr("Prev&ious"),
             tr("Image before this one in the flight"),
+            of_qgis("/mActionArrowLeft.svg"),
         )
         self.previous.clicked.connect(lambda: self.step_wanted.emit(-1))
-        self.following = _button(
-            "next", of_qgis("/mActionArrowRight.svg"), tr("Ne&xt"), tr("Image after this one in the flight")
+        self.following = push_button(
+            "next", tr("Ne&xt"), tr("Image after this one in the flight"), of_qgis("/mActionArrowRight.svg")
         )
         self.following.clicked.connect(lambda: self.step_wanted.emit(1))
-        self.open = _button(
+        self.open = push_button(
             "open",
-            of_qgis("/mActionFileOpen.svg"),
             tr("Ope&n"),
             tr("Open the image in the program for such files"),
+            of_qgis("/mActionFileOpen.svg"),
         )
         self.open.clicked.connect(lambda _checked: self.open_wanted.emit())
-        self.zoom = _button(
-            "zoom", of_qgis("/mActionZoomTo.svg"), tr("&Zoom to"), tr("Show the image's footprint on the map")
+        self.zoom = push_button(
+            "zoom", tr("&Zoom to"), tr("Show the image's footprint on the map"), of_qgis("/mActionZoomTo.svg")
         )
         self.zoom.clicked.connect(lambda _checked: self.zoom_wanted.emit())
 
@@ -204,13 +204,6 @@ def _title(map_type: str) -> str:
     return {"satellite": tr("Satellite"), "roadmap": tr("Roadmap"), "terrain": tr("Terrain")}.get(
         map_type, map_type
     )
-
-
-def _button(name: str, image: QIcon, text: str, tip: str) -> QPushButton:
-    button = QPushButton(image, text)
-    button.setObjectName(name)
-    button.setToolTip(tip)
-    return button
 
 
 class PictureView(QWidget):

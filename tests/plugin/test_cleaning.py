@@ -561,7 +561,7 @@ def test_everything_is_reached_by_tab(desk, dataset, opened):
         [first, panel.map_type, panel.tabs.tabBar(), panel.tabs.currentWidget()],
         [panel.threshold, panel.suggest, panel.on_map],
         [*panel.strip.below[::-1], *panel.strip.above],
-        [panel.save, *(panel.buttons[deed] for deed in ("undo", "mark", "move"))],
+        [panel.save, *(panel.buttons[action] for action in ("undo", "mark", "move"))],
     )
     expected = [widget for line in lines for widget in line]
     assert [widget for widget in order[:-1] if widget in expected] == expected

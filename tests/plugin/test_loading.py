@@ -289,7 +289,7 @@ def test_loading_imports_nothing_heavy(unloaded):
         "terrainav.terrainav_plugin",
         *(
             f"terrainav.terrainav_plugin.{name}"
-            for name in ("plugin", "compat", "i18n", "messages", "options", "packages", "paths", "plain")
+            for name in ("plugin", "compat", "i18n", "messages", "packages", "paths", "plain")
         ),
     }
 

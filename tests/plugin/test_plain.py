@@ -171,7 +171,7 @@ def test_names_of_files_and_folders(desk, secret, tmp_path):
 
     title = f"Own {secret.mark}"
     add("own", described("https://own.example/{z}/{x}/{y}", title=title, attribution=title))
-    desk.session.shelf.refresh()
+    desk.session.source_list.refresh()
     desk.choose(desk.form.source, "own")
     chooser = desk.form.source
     tips = [chooser.itemData(row, Qt.ItemDataRole.ToolTipRole) for row in range(chooser.count())]

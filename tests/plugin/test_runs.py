@@ -52,11 +52,11 @@ def row_of(desk, run):
     return desk.session.run_panel.row(run)
 
 
-def press(desk, run, deed):
+def press(desk, run, action):
     """Press a button of a run's row with the mouse."""
-    button = row_of(desk, run).buttons[deed]
+    button = row_of(desk, run).buttons[action]
     desk.dock.run_list.ensureWidgetVisible(button)
-    assert button.isVisible(), deed
+    assert button.isVisible(), action
     QTest.mouseClick(button, Qt.MouseButton.LeftButton)
 
 

@@ -36,11 +36,11 @@ def dialog(qtbot, iface):
 
 
 @pytest.fixture
-def shelf(desk):
+def source_list(desk):
     """The chooser, without what other tests kept."""
-    desk.session.shelf.refresh()
+    desk.session.source_list.refresh()
     yield desk
-    desk.session.shelf.refresh()
+    desk.session.source_list.refresh()
 
 
 def in_dialog(desk, kind, act):
@@ -136,9 +136,9 @@ def test_dates_are_asked_for_where_the_url_has_them(dialog):
     assert dialog.default_date.isVisible()
 
 
-def test_source_by_url_is_captured_and_again_without_the_network(shelf, tmp_path, screenshot):
+def test_source_by_url_is_captured_and_again_without_the_network(source_list, tmp_path, screenshot):
     """Add, see the limits, capture, take the server away, capture the same ground into another folder."""
-    desk = shelf
+    desk = source_list
 
     def fill(dialog):
         desk.type_text(dialog.url, server.url_template)
@@ -174,8 +174,8 @@ def test_source_by_url_is_captured_and_again_without_the_network(shelf, tmp_path
     assert gdal.Open(str(second[0])).GetMetadataItem("TIFFTAG_COPYRIGHT") == "© Me"
 
 
-def test_cache_is_listed_and_cleared(shelf, tmp_path, screenshot):
-    desk = shelf
+def test_cache_is_listed_and_cleared(source_list, tmp_path, screenshot):
+    desk = source_list
     with TileServer() as server:
         desk.enter_small_mission()
         desk.use_template(server.url_template)
@@ -199,12 +199,12 @@ def test_cache_is_listed_and_cleared(shelf, tmp_path, screenshot):
     assert list((tmp_path / "cache").glob("*.mbtiles")) == []
 
 
-def test_own_source_is_removed_after_asking(shelf, monkeypatch):
+def test_own_source_is_removed_after_asking(source_list, monkeypatch):
     from terrainav.core.imagery.catalogue.user_sources import add, described
 
-    desk = shelf
+    desk = source_list
     add("mine", described("https://tiles.example.org/{z}/{x}/{y}.png", title="Mine"))
-    desk.session.shelf.refresh()
+    desk.session.source_list.refresh()
     remove = menu_entry(desk, "Remove this source")
     desk.choose(desk.form.source, "osm")
     assert not remove.isEnabled()
@@ -219,18 +219,18 @@ def test_own_source_is_removed_after_asking(shelf, monkeypatch):
     assert user_sources() == ()
 
 
-def test_broken_file_of_sources_is_told_once_and_the_others_stay(shelf, tmp_path):
-    desk = shelf
+def test_broken_file_of_sources_is_told_once_and_the_others_stay(source_list, tmp_path):
+    desk = source_list
     (tmp_path / "config").mkdir()
     (tmp_path / "config" / "sources.json").write_text("not JSON")
-    desk.session.shelf.refresh()
-    desk.session.shelf.refresh()
+    desk.session.source_list.refresh()
+    desk.session.source_list.refresh()
     assert len([text for text in desk.messages() if "left out" in text]) == 1
     assert desk.form.source.findData("osm") >= 0
 
 
-def test_layers_come_and_go_in_the_chooser(shelf):
-    desk, project = shelf, QgsProject.instance()
+def test_layers_come_and_go_in_the_chooser(source_list):
+    desk, project = source_list, QgsProject.instance()
     layer = project.addMapLayer(QgsVectorLayer("Point?crs=EPSG:4326", "trees", "memory"))
     desk.wait(lambda: {"Whole map", "trees"} <= set(titles(desk)))
     desk.choose(desk.form.source, f"qgis:layer/{layer.id()}")
@@ -244,8 +244,8 @@ def test_layers_come_and_go_in_the_chooser(shelf):
     desk.wait(lambda: "no such layer" in desk.message("source"))
 
 
-def test_file_is_a_source(shelf, tmp_path, monkeypatch):
-    desk = shelf
+def test_file_is_a_source(source_list, tmp_path, monkeypatch):
+    desk = source_list
     path = tmp_path / "ortho.tif"
     file = gdal.GetDriverByName("GTiff").Create(str(path), 2000, 2000, 3, gdal.GDT_Byte)
     file.SetGeoTransform((-10_006_000.0, 2.0, 0.0, 4_184_000.0, 0.0, -2.0))
@@ -267,8 +267,8 @@ def test_file_is_a_source(shelf, tmp_path, monkeypatch):
     assert Path(desk.form.imagery.limits.text()).name == "ortho.tif"
 
 
-def test_dates_are_checked_at_their_field(shelf):
-    desk = shelf
+def test_dates_are_checked_at_their_field(source_list):
+    desk = source_list
     desk.choose(desk.form.source, "osm")
     assert not desk.form.date.isVisibleTo(desk.dock)
     desk.enter_small_mission()

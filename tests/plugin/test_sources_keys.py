@@ -158,7 +158,7 @@ def assert_kept_secret(desk, tmp_path, heard, secret):
 def test_key_of_an_own_source_is_used_and_found_nowhere(desk, tmp_path, configured, heard):
     with TileServer() as server:
         add("keyed", described(server.url_template + "?token={key}", title="Keyed", requests_per_s=10_000.0))
-        desk.session.shelf.refresh()
+        desk.session.source_list.refresh()
         desk.choose(desk.form.source, "keyed")
         desk.enter_small_mission()
         assert desk.form.key.isVisibleTo(desk.dock)
@@ -196,7 +196,7 @@ def test_failures_name_no_key(desk, tmp_path, configured, heard):
 def test_http_authentication_of_an_own_source(desk, tmp_path, configured, tiles, heard):
     authcfg = configured(PASSWORD)
     add("closed", described(tiles.url + "/{z}/{x}/{y}.png", title="Closed", requests_per_s=10_000.0))
-    desk.session.shelf.refresh()
+    desk.session.source_list.refresh()
     desk.choose(desk.form.source, "closed")
     desk.enter_small_mission()
     desk.form.key.setConfigId(authcfg)
@@ -215,7 +215,7 @@ def test_xyz_connection_of_qgis_is_a_source(desk, tmp_path, configured, tiles, h
     authcfg = configured(PASSWORD)
     url = tiles.url + "/{z}/{x}/{y}.png"
     connect_xyz("My tiles", url=url, zmin=3, zmax=17, authcfg=authcfg, referer="https://ref.example/")
-    desk.session.shelf.refresh()
+    desk.session.source_list.refresh()
     desk.choose(desk.form.source, "qgis:xyz/My tiles")
     assert "yours to check" in desk.form.imagery.limits.text()
     assert "zoom 3 to 17" in desk.form.imagery.limits.text()
@@ -239,7 +239,7 @@ def test_xyz_connection_of_qgis_is_a_source(desk, tmp_path, configured, tiles, h
 
 def test_key_in_a_connection_s_address_stays_there(desk, tmp_path, tiles, heard):
     connect_xyz("Keyed", url=tiles.url + "/{z}/{x}/{y}.png?apikey=" + PLAIN_KEY, zmin=0, zmax=17)
-    desk.session.shelf.refresh()
+    desk.session.source_list.refresh()
     desk.choose(desk.form.source, "qgis:xyz/Keyed")
     desk.enter_small_mission()
     assert capture(desk)
@@ -253,11 +253,11 @@ def test_key_in_a_connection_s_address_stays_there(desk, tmp_path, tiles, heard)
 
 def test_connection_that_is_gone_is_said_at_the_field(desk):
     connect_xyz("Gone", url="http://127.0.0.1:9/{z}/{x}/{y}.png", zmin=0, zmax=17)
-    desk.session.shelf.refresh()
+    desk.session.source_list.refresh()
     desk.choose(desk.form.source, "qgis:xyz/Gone")
     desk.enter_small_mission()
     QgsSettings().remove(XYZ_SETTINGS)
-    desk.session.shelf.refresh()
+    desk.session.source_list.refresh()
     assert desk.form.source.currentText() == "Connection that is not there"
     desk.session.capture()
     desk.wait(lambda: "no such XYZ connection" in desk.message("source") + desk.message("key"))
@@ -329,7 +329,7 @@ def test_layer_of_a_service_is_kept_as_an_own_source(desk, configured, screensho
     assert Settings().authcfgs() == {dialog.added: authcfg}
     dialog.deleteLater()
     # All that has to be known of it is kept: it is planned without the server.
-    desk.session.shelf.refresh()
+    desk.session.source_list.refresh()
     desk.choose(desk.form.source, entry.name)
     desk.enter_small_mission()
     assert desk.wait_planned().mission.source == entry.name
@@ -419,7 +419,7 @@ def test_broken_own_entry_hides_no_other(desk, tmp_path):
     add("mine", good)
     path = tmp_path / "config" / "sources.json"
     path.write_text(json.dumps({"bad": {}, "osm": good, **json.loads(path.read_text())}))
-    desk.session.shelf.refresh()
+    desk.session.source_list.refresh()
     titles = [desk.form.source.itemText(row) for row in range(desk.form.source.count())]
     assert titles.count("Mine") == 1
     names = [desk.form.source.itemData(row) for row in range(desk.form.source.count())]

@@ -195,7 +195,7 @@ def _service_of_layers(case: Case) -> None:
         QgsSettings().setValue(f"{WMS_SETTINGS}/Survey/url", server.url + "/wms")
         choices, _ = source_choices(QgsProject.instance())
         case.says(next(choice.limits for choice in choices if choice.name == SERVICE_PREFIX + "Survey"))
-        desk.session.shelf.refresh()
+        desk.session.source_list.refresh()
 
         def choose(dialog):
             desk.wait(lambda: not dialog.told.text().startswith("Asking"))

@@ -229,9 +229,9 @@ def _cleaning_stopped(case: Case) -> None:
     def there():
         return len(list(folder.glob("satellite/*.tif")))
 
-    def press(deed):
+    def press(action):
         read(desk, cleaning)
-        desk.click(cleaning.panel.buttons[deed])
+        desk.click(cleaning.panel.buttons[action])
         return read(desk, cleaning)
 
     def press_and_stop():

@@ -81,7 +81,7 @@ def _database_is_locked(case: Case) -> None:
 
     with TileServer() as server:
         add("keyed", described(server.url_template + "?token={key}"))
-        desk.session.shelf.refresh()
+        desk.session.source_list.refresh()
         single(desk)
         desk.choose(desk.form.source, "keyed")
         desk.form.key.setConfigId(authcfg)

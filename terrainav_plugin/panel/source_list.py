@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from qgis.core import QgsProject
-from qgis.PyQt.QtCore import QObject, QTimer
+from qgis.PyQt.QtCore import QObject
 from qgis.PyQt.QtWidgets import QMessageBox, QWidget
 
 from ...core.errors import TerrAInavError
@@ -11,13 +11,14 @@ from ..i18n import tr, translate
 from ..messages import Messages
 from ..plain import shown_plain
 from ..settings import Settings
+from ..tasks import single_shot
 from .choices import source_choices
 from .imagery import ImageryEntries
 from .options_page import CacheDialog
 from .source_dialogs import AddSourceDialog
 
 
-class SourceShelf(QObject):
+class SourceList(QObject):
     """Keeps the source chooser up to date."""
 
     def __init__(
@@ -27,10 +28,7 @@ class SourceShelf(QObject):
         self._project, self._imagery, self._messages, self._window = project, imagery, messages, window
         self._told = ""
         # Layers come and go by the dozen; one look is enough.
-        self._soon = QTimer(self)
-        self._soon.setSingleShot(True)
-        self._soon.setInterval(0)
-        self._soon.timeout.connect(self.refresh)
+        self._soon = single_shot(self.refresh, self)
         self._signals = (
             project.layersAdded,
             project.layersRemoved,
