@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 
-from qgis.gui import QgsCollapsibleGroupBoxBasic, QgsDoubleSpinBox
-from qgis.PyQt.QtCore import Qt
+from qgis.gui import QgisInterface, QgsCollapsibleGroupBoxBasic, QgsDockWidget, QgsDoubleSpinBox
+from qgis.PyQt.QtCore import QPoint, Qt
 from qgis.PyQt.QtGui import QColor, QIcon, QKeySequence, QPalette, QResizeEvent, QWheelEvent
 from qgis.PyQt.QtWidgets import (
     QAbstractButton,
@@ -37,6 +37,8 @@ QLineEdit[{_WRONG}="true"], QComboBox[{_WRONG}="true"] {{
 }}
 QLabel[terrainavMark="true"] {{ color: {WRONG_COLOUR}; }}
 """
+#: Where windows come up, from the corner of the map.
+_CORNER_PX = (12, 36)
 #: A text with an underlined letter, and what gives it another.
 _Text = tuple[str, Callable[[str], None]]
 
@@ -261,6 +263,22 @@ def free_of_menus(panel: QWidget, menus: QMenuBar) -> None:
         if letter and letter in taken:
             change(text.replace("&", "", 1))
         taken.add(letter)
+
+
+def add_floating(panel: QgsDockWidget, iface: QgisInterface, size_px: tuple[int, int]) -> None:
+    """Add a window over the map's corner, whole on the screen."""
+    window = iface.mainWindow()
+    free_of_menus(panel, window.menuBar())
+    # Floating before it is added: a wide one would widen the panels that it is put beside for good.
+    panel.setParent(window)
+    panel.setFloating(True)
+    iface.addDockWidget(Qt.DockWidgetArea.LeftDockWidgetArea, panel)
+    corner = iface.mapCanvas().mapToGlobal(QPoint(*_CORNER_PX))
+    screen = window.screen().availableGeometry()
+    wide, high = min(size_px[0], screen.width()), min(size_px[1], screen.height())
+    left = max(min(corner.x(), screen.right() - wide), screen.left())
+    # The window's own title comes on top.
+    panel.setGeometry(left, max(min(corner.y(), screen.bottom() - high), screen.top()), wide, high)
 
 
 def letter_of(text: str) -> str:

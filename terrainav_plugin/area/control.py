@@ -14,7 +14,7 @@ from ...core.mission.area import Area, Box, Points
 from ..compat import POLYGON, VECTOR
 from ..form.area import FormError, area_words, entered_area, unit_of, with_area
 from ..i18n import tr, translate
-from ..map.canvas import box_of, canvas_rectangle
+from ..map.canvas import box_of, canvas_rectangle, show_extent
 from ..messages import Messages
 from ..tasks import single_shot
 from .bands import AreaMark
@@ -313,6 +313,4 @@ class AreaControl(QObject):
             return
         wide_px = max(rectangle.width(), rectangle.height()) / self._canvas.mapUnitsPerPixel()
         if 0.0 < wide_px < _DOT_PX or not self._canvas.extent().intersects(rectangle):
-            rectangle.scale(_MARGIN)
-            self._canvas.setExtent(rectangle)
-            self._canvas.refresh()
+            show_extent(self._canvas, rectangle, _MARGIN)

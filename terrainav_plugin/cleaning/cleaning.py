@@ -9,15 +9,16 @@ from typing import TYPE_CHECKING
 
 from qgis.core import QgsRectangle
 from qgis.gui import QgisInterface
-from qgis.PyQt.QtCore import QObject, QPoint, QRect, Qt, pyqtSignal
+from qgis.PyQt.QtCore import QObject, pyqtSignal
 from qgis.PyQt.QtWidgets import QFileDialog
 
 from ...core.dataset.folder import DECIDING, FOOTPRINTS_FILE, MISSION_FILE
 from ..i18n import tr, translate
+from ..map.canvas import show_extent
 from ..paths import folder_of, open_in_system
 from ..settings import recent
 from ..tasks import LatestWorker, Task, reason_of, single_shot
-from ..widgets import free_of_menus
+from ..widgets import add_floating
 
 if TYPE_CHECKING:
     from ..messages import Messages
@@ -27,7 +28,6 @@ if TYPE_CHECKING:
     from .tasks import CleanTask, PicturesTask
 
 _SIZE_PX = (700, 620)
-_CORNER_PX = (12, 36)
 #: Examples and crosses come when the threshold has rested for so long: it is dragged lightly however many there are.
 _REST_MS = 60
 #: How much more than an image the map shows that is zoomed to it.
@@ -201,9 +201,7 @@ class Cleaning(QObject):
         if extent is None:
             self._messages.warning(no_footprints())
             return
-        extent.scale(_MARGIN)
-        self._canvas.setExtent(extent)
-        self._canvas.refresh()
+        show_extent(self._canvas, extent, _MARGIN)
 
     # --- what the buttons do
 
@@ -290,23 +288,9 @@ class Cleaning(QObject):
             panel.stop_wanted.connect(self._stop)
             panel.strip.chosen.connect(self._zoom_to)
             panel.visibilityChanged.connect(self._visibility_changed)
-            free_of_menus(panel, self._iface.mainWindow().menuBar())
-            # Floating before it is added: it is wide, and would widen the panels that it is put beside for good.
-            panel.setParent(self._iface.mainWindow())
-            panel.setFloating(True)
-            self._iface.addDockWidget(Qt.DockWidgetArea.LeftDockWidgetArea, panel)
-            panel.setGeometry(self._place())
+            add_floating(panel, self._iface, _SIZE_PX)
         self.panel.setUserVisible(True)
         return self.panel
-
-    def _place(self) -> QRect:
-        """Where the window is at first: over the map's corner, and whole on the screen."""
-        corner = self._canvas.mapToGlobal(QPoint(*_CORNER_PX))
-        screen = self._iface.mainWindow().screen().availableGeometry()
-        wide, high = min(_SIZE_PX[0], screen.width()), min(_SIZE_PX[1], screen.height())
-        left = max(min(corner.x(), screen.right() - wide), screen.left())
-        # The window's own title comes on top.
-        return QRect(left, max(min(corner.y(), screen.bottom() - high), screen.top()), wide, high)
 
     def _visibility_changed(self, visible: bool) -> None:
         """The crosses go with the window."""

@@ -100,6 +100,13 @@ def canvas_rectangle(box: Box, crs: QgsCoordinateReferenceSystem, project: QgsPr
         ) from wrong
 
 
+def show_extent(canvas: QgsMapCanvas, rectangle: QgsRectangle, scale: float) -> None:
+    """Move the map to a rectangle of its CRS; what is seen is ``scale`` times as wide and high."""
+    rectangle.scale(scale)
+    canvas.setExtent(rectangle)
+    canvas.refresh()
+
+
 class TemporaryTool(QgsMapTool):
     """A map tool that gives the canvas back to the tool before it."""
 

@@ -24,7 +24,7 @@ from ...core.imagery.source import Window
 from ...core.mission.area import Box
 from ..form import mission_form
 from ..i18n import tr, translate
-from ..map.canvas import box_of, canvas_rectangle
+from ..map.canvas import box_of, canvas_rectangle, show_extent
 from ..map.mission_group import ROLE
 from ..qgis_source.snapshot import is_of_qgis
 from ..settings import Settings
@@ -207,13 +207,14 @@ class Background:
             self._when_settled(self._canvas.zoomToFullExtent)
             return
         self.rectangle(box)
-        self._when_settled(lambda: self._show_extent(self.rectangle(box)))
+        self._when_settled(lambda: show_extent(self._canvas, self.rectangle(box), _ROOM))
 
     def zoom_to_layer(self, layer: QgsRasterLayer) -> None:
         """Zoom to a layer."""
         extent = layer.extent()
+        settings = self._canvas.mapSettings
         self._when_settled(
-            lambda: self._show_extent(self._canvas.mapSettings().layerExtentToOutputExtent(layer, extent))
+            lambda: show_extent(self._canvas, settings().layerExtentToOutputExtent(layer, extent), _ROOM)
         )
 
     def looked_at(self) -> Box | None:
@@ -255,11 +256,6 @@ class Background:
         if node is None or not node.isVisible() or wanted in {layer.id() for layer in layers}:
             self._waiting = None
             zoom()
-
-    def _show_extent(self, rectangle: QgsRectangle) -> None:
-        rectangle.scale(_ROOM)
-        self._canvas.setExtent(rectangle)
-        self._canvas.refresh()
 
     def _show(self, uri: str, provider: str, title: str, source: str) -> QgsRasterLayer:
         layer = self._find(source)

@@ -12,12 +12,12 @@ from qgis.PyQt.QtGui import QColor
 from ...core.errors import TerrAInavError
 from ..compat import POLYGON
 from ..i18n import tr, translate
-from ..map.canvas import TemporaryTool, lon_lat_of
+from ..map.canvas import TemporaryTool, lon_lat_of, show_extent
 from ..map.mission_group import CAPTURED, ROLE
 from ..messages import Messages
 from ..paths import open_in_system
 from ..tasks import LatestWorker, reason_of
-from ..widgets import free_of_menus
+from ..widgets import add_floating
 
 if TYPE_CHECKING:
     from .shots import Finder, Seen, Shot
@@ -185,11 +185,7 @@ class Viewing(QObject):
             viewer.open_wanted.connect(self._open)
             viewer.zoom_wanted.connect(self._zoom)
             viewer.visibilityChanged.connect(self._visibility_changed)
-            free_of_menus(viewer, self._iface.mainWindow().menuBar())
-            self._iface.addDockWidget(Qt.DockWidgetArea.LeftDockWidgetArea, viewer)
-            viewer.setFloating(True)
-            corner = self._canvas.mapToGlobal(self._canvas.rect().topLeft())
-            viewer.setGeometry(corner.x() + 12, corner.y() + 36, *_SIZE_PX)
+            add_floating(viewer, self._iface, _SIZE_PX)
         self.viewer.setUserVisible(True)
         return self.viewer
 
@@ -204,10 +200,7 @@ class Viewing(QObject):
     def _zoom(self) -> None:
         if self._band is None:
             return
-        extent = self._band.asGeometry().boundingBox()
-        extent.scale(_MARGIN)
-        self._canvas.setExtent(extent)
-        self._canvas.refresh()
+        show_extent(self._canvas, self._band.asGeometry().boundingBox(), _MARGIN)
 
     def _visibility_changed(self, visible: bool) -> None:
         """The outline goes with the window."""
