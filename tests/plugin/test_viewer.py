@@ -50,7 +50,10 @@ def captured(desk, server, viewing):
         desk.wait(lambda: seen[-1:] == [False])
         desk.session.runs.running.disconnect(seen.append)
         desk.look_at("EPSG:3857", (0, 0, 1, 1))
-        desk.session.zoom_to(planned.mission.area.bounds)
+        area = planned.mission.area.bounds
+        desk.session.zoom_to(area)
+        # The map goes there once it has got the layers of the results.
+        desk.wait(lambda: desk.canvas.extent().contains(desk.session.background.rectangle(area)))
         desk.canvas.waitWhileRendering()
         desk.plugin.actions["view_images"].trigger()
         return planned.plan
