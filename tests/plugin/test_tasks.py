@@ -1,4 +1,4 @@
-"""Work that QGIS begins on its own threads goes on where pyproj may be called."""
+"""Work beside the main thread: on threads where pyproj may be called, and of several requests the latest."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import pytest
 from qgis.core import QgsApplication, QgsProcessingFeedback
 from terrainav.core.errors import InvalidInput
 from terrainav.terrainav_plugin.processing.algorithm import off_main_thread
-from terrainav.terrainav_plugin.tasks import Task, is_foreign, on_python_thread
+from terrainav.terrainav_plugin.tasks import LatestWorker, Task, is_foreign, on_python_thread, reason_of
 
 PATIENCE_MS = 60_000
 # More than the pool has threads, so that each of them is used again.
@@ -88,3 +88,38 @@ def test_algorithms_work_on_threads_of_python(qtbot):
 
     run(qtbot, [Foreign(algorithm)])
     assert seen == [False]
+
+
+def test_latest_request_wins(qtbot):
+    """What is overtaken is told so, is not begun where it still waits, and neither its answer nor its error comes."""
+    worker = LatestWorker("test")
+    begun, go_on = threading.Event(), threading.Event()
+    answers, failures, overtaken_seen, skipped = [], [], [], []
+    worker.failed.connect(failures.append)
+
+    def slow(overtaken):
+        begun.set()
+        go_on.wait(PATIENCE_MS / 1000)
+        overtaken_seen.append(overtaken())
+        raise ValueError("nobody waits for it")
+
+    worker.ask(slow, answers.append)
+    assert begun.wait(PATIENCE_MS / 1000)
+    worker.ask(lambda _: skipped.append("begun"), answers.append)
+    worker.ask(lambda overtaken: ("last", overtaken()), answers.append)
+    assert worker.busy
+    go_on.set()
+    qtbot.waitUntil(lambda: not worker.busy, timeout=PATIENCE_MS)
+    assert (answers, failures, overtaken_seen, skipped) == ([("last", False)], [], [True], [])
+
+    worker.ask(lambda _: "forgotten", answers.append)
+    worker.forget()
+    worker.ask(lambda _: {}["missing"], answers.append)
+    qtbot.waitUntil(lambda: not worker.busy, timeout=PATIENCE_MS)
+    assert answers == [("last", False)]
+    assert [reason_of(error) for error in failures] == ["KeyError('missing')"]
+    assert reason_of(InvalidInput("in words")) == "in words"
+
+    worker.close()
+    assert worker.closed
+    assert not [thread for thread in threading.enumerate() if thread.name.startswith("terrainav-test")]
