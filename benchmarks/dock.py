@@ -70,15 +70,15 @@ def type_into(widget: QWidget) -> float:
 def main() -> None:
     """Print the longest wait of every field, the worst first."""
     plugin = plugins["terrainav"]
-    workflow = plugin.workflow
-    workflow.show_dock(True)
-    form = workflow.dock.form
+    session = plugin.session
+    session.show_dock(True)
+    form = session.dock.form
     edges = LARGE if "--large" in sys.argv else SMALL
     for edit, text in zip(form.edges.values(), edges):
         edit.setText(text)
     usual = form.state()
     run_for(5000)
-    print(f"{workflow.planned.summary.images:,} images")
+    print(f"{session.planned.summary.images:,} images")
     fields = {**form.edges, **{name: w for group in form.groups for name, w in group.entries.items()}}
     for box in form.boxes:
         box.setCollapsed(False)
@@ -104,8 +104,8 @@ def main() -> None:
     print("\n".join(text for _, text in sorted(lines, reverse=True)))
     run_for(2000)
     for what, act in (
-        ("a plan taken up", lambda: workflow.planner.planned.emit(workflow.planned)),
-        ("entries written down", workflow.memory.write),
+        ("a plan taken up", lambda: session.planner.planned.emit(session.planned)),
+        ("entries written down", session.memory.write),
     ):
         print(f"{what}: {1e3 * seconds_of(act):.1f} ms")
 

@@ -74,7 +74,7 @@ def measure(count: int, folder: Path) -> Figures:
     from terrainav.core.mission.mission import Mission
     from terrainav.core.mission.plan import plan
     from terrainav.terrainav_plugin.map.mission_group import MissionGroup
-    from terrainav.terrainav_plugin.map.preview import Preview
+    from terrainav.terrainav_plugin.preview.preview import Preview
     from terrainav.terrainav_plugin.sources import costs_of, grid_of
 
     side = count**0.5 / 2.0
@@ -102,7 +102,7 @@ def measure(count: int, folder: Path) -> Figures:
     watch.reset()
     steps.reset()
     start = time.perf_counter()
-    preview.show(MissionGroup(project, "benchmark", str(folder)), mission, planned)
+    preview.show(MissionGroup(project, folder), mission, planned)
     wait(preview)
     first_s = time.perf_counter() - start
     canvas.waitWhileRendering()

@@ -2,17 +2,29 @@
 
 from __future__ import annotations
 
+import re
 from configparser import ConfigParser
 from pathlib import Path
 
-from qgis.PyQt.QtCore import QUrl
-from qgis.PyQt.QtGui import QDesktopServices
-from qgis.PyQt.QtWidgets import QDialogButtonBox
+from qgis.PyQt.QtCore import Qt, QTimer, QUrl
+from qgis.PyQt.QtGui import QCloseEvent, QDesktopServices, QImageReader, QResizeEvent, QTextDocument
+from qgis.PyQt.QtWidgets import QDialogButtonBox, QTextBrowser, QWidget
 
 from .i18n import language, tr
 
 _PLUGIN = Path(__file__).resolve().parent.parent
 _GUIDE = "guide"
+_ROOM_PX = (760, 720)
+_NAME = "terrainav_guide"
+_PICTURES = (".jpg", ".png")
+#: Left and right of a picture.
+_MARGINS_PX = 12
+#: Pause in stretching the window after which the pictures follow.
+_PAUSE_MS = 150
+#: Where pages are that are not installed with the plugin.
+_PAGES = "https://github.com/terrainav/terrainav/blob/HEAD/docs/"
+#: The window while it is open: Qt alone does not keep what Python has added to it.
+_OPEN: list[GuideWindow] = []
 
 
 def help_url(topic: str = "") -> QUrl:
@@ -40,15 +52,11 @@ def show_help(topic: str = "") -> None:
     if not url.isLocalFile():
         QDesktopServices.openUrl(url)
         return
-    from .dock.guide_window import GuideWindow
-
     GuideWindow.show_at(url)
 
 
 def close_help() -> None:
     """Close the guide where it is open."""
-    from .dock.guide_window import GuideWindow
-
     GuideWindow.close_all()
 
 
@@ -57,3 +65,124 @@ def add_help_button(buttons: QDialogButtonBox, topic: str) -> None:
     button = buttons.addButton(QDialogButtonBox.StandardButton.Help)
     button.setToolTip(tr("Open the guide"))
     buttons.helpRequested.connect(lambda: show_help(topic))
+
+
+class GuideWindow(QTextBrowser):
+    """Shows the guide; links to its own headings and pages are followed here, others by the user's browser."""
+
+    def __init__(self, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self.setWindowFlags(Qt.WindowType.Window)
+        self.setObjectName(_NAME)
+        self.setWindowTitle(tr("TerrAInav: guide"))
+        self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
+        self.setOpenLinks(False)
+        self.anchorClicked.connect(self._follow)
+        self.resize(*_ROOM_PX)
+        self._path = Path()
+        self._fitted_px = 0
+        self._shown: QTextDocument | None = None
+        self._fit_soon = QTimer(self)
+        self._fit_soon.setSingleShot(True)
+        self._fit_soon.timeout.connect(self._fit)
+
+    @classmethod
+    def show_at(cls, url: QUrl) -> None:
+        """Bring the window to the front, with the guide at the fragment of ``url``."""
+        if not _OPEN:
+            from qgis.utils import iface
+
+            _OPEN.append(cls(iface.mainWindow()))
+        window = _OPEN[0]
+        # Shown first: only then it has the width that pictures and headings take their places by.
+        window.show()
+        window.load(Path(url.toLocalFile()))
+        window.go_to(url.fragment())
+        window.raise_()
+        window.activateWindow()
+
+    @classmethod
+    def close_all(cls) -> None:
+        """Close it where it is open."""
+        while _OPEN:
+            _OPEN[0].close()
+
+    def closeEvent(self, event: QCloseEvent) -> None:
+        """Be forgotten."""
+        super().closeEvent(event)
+        if self in _OPEN:
+            _OPEN.remove(self)
+
+    def load(self, path: Path) -> None:
+        """Show a page."""
+        self._path = path
+        self._fitted_px = self.viewport().width()
+        # Pictures are named by their place beside the page.
+        self.setSearchPaths([str(path.parent)])
+        # A new one each time: the formats of what a document held before would go over to what comes.
+        document, before = QTextDocument(self), self._shown
+        document.setDefaultFont(self.font())
+        document.setMarkdown(
+            path.read_text(encoding="utf-8"), QTextDocument.MarkdownFeature.MarkdownDialectGitHub
+        )
+        self.setDocument(document)
+        self._shown = document
+        if before is not None:
+            before.deleteLater()
+
+    def loadResource(self, kind: int, name: QUrl) -> object:
+        """Load a picture, no wider than the window."""
+        path = self._path.parent / name.path()
+        if path.suffix not in _PICTURES:
+            return super().loadResource(kind, name)
+        reader = QImageReader(str(path))
+        size, room = reader.size(), self.viewport().width() - _MARGINS_PX
+        if size.width() > room > 0:
+            # Readers of JPEG scale while they read, in a fraction of the time.
+            reader.setScaledSize(size * (room / size.width()))
+        return reader.read()
+
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        """Fit the pictures to another width, once it stays."""
+        super().resizeEvent(event)
+        if self._path.is_file():
+            self._fit_soon.start(_PAUSE_MS)
+
+    def _fit(self) -> None:
+        if self.viewport().width() == self._fitted_px:
+            return
+        bar = self.verticalScrollBar()
+        share = bar.value() / max(bar.maximum(), 1)
+        self.load(self._path)
+        bar.setValue(round(share * bar.maximum()))
+
+    def go_to(self, topic: str) -> None:
+        """Scroll to a heading, named as links name it; to the beginning where there is none."""
+        block = self.document().begin()
+        while block.isValid():
+            if block.blockFormat().headingLevel() and _anchor(block.text()) == topic:
+                top = self.document().documentLayout().blockBoundingRect(block).top()
+                self.verticalScrollBar().setValue(int(top))
+                return
+            block = block.next()
+        self.verticalScrollBar().setValue(0)
+
+    def _follow(self, link: QUrl) -> None:
+        if not link.scheme():
+            if link.path():
+                path = self._path.parent / link.path()
+                if not path.is_file():
+                    QDesktopServices.openUrl(QUrl(_PAGES + link.path()))
+                    return
+                if path.suffix != ".md" or not path.is_file():
+                    QDesktopServices.openUrl(QUrl.fromLocalFile(str(path)))
+                    return
+                self.load(path)
+            self.go_to(link.fragment())
+        elif link.scheme() in ("http", "https"):
+            QDesktopServices.openUrl(link)
+
+
+def _anchor(heading: str) -> str:
+    """Name of a heading in links."""
+    return re.sub(r"\s", "-", re.sub(r"[^\w\s-]", "", heading.strip().lower()))

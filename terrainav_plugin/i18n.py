@@ -55,7 +55,7 @@ def remove_translator(translator: QTranslator | None) -> None:
         _templates.cache_clear()
 
 
-def told(message: object) -> str:
+def translate(message: object) -> str:
     """Message or words of the core in the user's language, its numbers as the user writes them.
 
     The core speaks English. Its messages are recognised by their fixed words; a value that is itself a message is
@@ -64,7 +64,7 @@ def told(message: object) -> str:
     text = str(message)
     if len(text) > _MOST_CHARACTERS:
         return text
-    return text if _is_english() and _separators() == _ENGLISH else _told(text, _DEPTH, whole=True)
+    return text if _is_english() and _separators() == _ENGLISH else _translated(text, _DEPTH, whole=True)
 
 
 def number_text(value: float, form: str = ",") -> str:
@@ -110,7 +110,7 @@ def _is_english() -> bool:
     return tr("English") == "English"
 
 
-def _told(text: str, depth: int, *, whole: bool) -> str:
+def _translated(text: str, depth: int, *, whole: bool) -> str:
     """Message in the user's language; of a value in one, ``whole`` is false: a single word may be a name."""
     if " " not in text and not whole:
         return text
@@ -119,12 +119,12 @@ def _told(text: str, depth: int, *, whole: bool) -> str:
         return translated
     tried = _TRIED.fullmatch(text)
     if tried is not None:
-        return _told(tried[1], depth - 1, whole=whole) + _told(tried[2], depth - 1, whole=True)
+        return _translated(tried[1], depth - 1, whole=whole) + _translated(tried[2], depth - 1, whole=True)
     for fixed, template in _templates():
         found = _values(fixed, text)
         if found is not None:
             values = [
-                localized(value) if _NUMBER.fullmatch(value) else _told(value, depth - 1, whole=False)
+                localized(value) if _NUMBER.fullmatch(value) else _translated(value, depth - 1, whole=False)
                 for value in found
             ]
             translated = QCoreApplication.translate(_CORE, template)
@@ -136,15 +136,15 @@ def _joined(text: str, depth: int) -> str:
     """Messages that the core has put together, one by one."""
     first, found, rest = text.partition(": ")
     if found:
-        return f"{_told(first, depth, whole=True)}: {_told(rest, depth, whole=True)}"
+        return f"{_translated(first, depth, whole=True)}: {_translated(rest, depth, whole=True)}"
     for joint in _JOINTS:
         if joint in text:
-            return joint.join(_told(part, depth, whole=True) for part in text.split(joint))
+            return joint.join(_translated(part, depth, whole=True) for part in text.split(joint))
     at = text.find(_BRACKET, 1)
     inner = text[at + len(_BRACKET) : -1]
     if at < 0 or not inner or not text.endswith(")"):
         return text
-    return f"{_told(text[:at], depth, whole=True)} ({_told(inner, depth, whole=True)})"
+    return f"{_translated(text[:at], depth, whole=True)} ({_translated(inner, depth, whole=True)})"
 
 
 def _value_at(values: list[str], place: re.Match[str]) -> str:

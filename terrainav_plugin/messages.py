@@ -114,6 +114,13 @@ class Messages(QObject):
         """Say that something failed that should not have."""
         self._show(text, Qgis.MessageLevel.Critical, details=details)
 
+    def failed(self, text: str, trace: str) -> None:
+        """Say why work has ended early; of an error that should not have been, ``trace`` says where it came from."""
+        if trace:
+            self.error(text, trace)
+        else:
+            self.warning(text)
+
     def close(self) -> None:
         """Take back what is still shown, for good."""
         self._iface.messageBar().widgetRemoved.disconnect(self._forget)

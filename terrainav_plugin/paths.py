@@ -3,9 +3,16 @@
 from __future__ import annotations
 
 import os
+import re
+from collections.abc import Collection
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from qgis.PyQt.QtGui import QIcon
+from qgis.PyQt.QtCore import QUrl
+from qgis.PyQt.QtGui import QDesktopServices, QIcon
+
+if TYPE_CHECKING:
+    pass
 
 RESOURCES = Path(__file__).resolve().parent.parent / "resources"
 
@@ -32,3 +39,17 @@ def icon(name: str) -> QIcon:
 def style(name: str) -> str:
     """Path of a layer style."""
     return str(RESOURCES / f"{name}.qml")
+
+
+def open_in_system(path: Path) -> None:
+    """Open a folder or file with the program that the system has for it."""
+    QDesktopServices.openUrl(QUrl.fromLocalFile(str(path)))
+
+
+def next_folder(folder: Path, taken: Collection[Path] = ()) -> Path:
+    """Folder beside ``folder`` that does not exist yet and is not ``taken``: mission, mission-2, mission-3."""
+    stem = re.sub(r"-\d+$", "", folder.name)
+    number = 2
+    while (candidate := folder.with_name(f"{stem}-{number}")).exists() or candidate in taken:
+        number += 1
+    return candidate

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING, NamedTuple
 
-from qgis.PyQt.QtCore import QObject, QTimer, pyqtSignal
+from qgis.PyQt.QtCore import QObject, pyqtSignal
 
 from .i18n import tr
+from .tasks import LatestWorker, single_shot
 
 if TYPE_CHECKING:
     from ..core.geodesy.mercator import PixelGrid
@@ -31,10 +32,6 @@ class Planned(NamedTuple):
     summary: Summary
 
 
-class _Overtaken(Exception):
-    """A newer request has come in."""
-
-
 class Planner(QObject):
     """Plans one mission at a time on a thread of its own; requests overtaken by newer ones are dropped.
 
@@ -51,94 +48,67 @@ class Planner(QObject):
     planned = pyqtSignal(object)
     costed = pyqtSignal(object, str)
     refused = pyqtSignal(object)
-    _finished = pyqtSignal(int, object)
 
     def __init__(self, parent: QObject | None = None) -> None:
         super().__init__(parent)
-        self._latest = 0
-        self._timed = True
         self._wanted: tuple[Mission, Callable[[], PixelGrid], bool] | None = None
-        self._running: Future[Planned] | Future[tuple[Planned, str]] | None = None
-        self._pool = ThreadPoolExecutor(1, thread_name_prefix="terrainav-plan")
-        self._pause = QTimer(self)
-        self._pause.setSingleShot(True)
-        self._pause.setInterval(_PAUSE_MS)
-        self._pause.timeout.connect(self._start)
-        # Emitted on the planner's thread, received on this object's.
-        self._finished.connect(self._deliver)
+        self._worker = LatestWorker("plan", self)
+        self._worker.failed.connect(self.refused)
+        self._pause = single_shot(self._start, self, _PAUSE_MS)
 
     @property
     def busy(self) -> bool:
         """Whether an answer is still to come."""
-        return self._wanted is not None or self._running is not None
+        return self._wanted is not None or self._worker.busy
 
     def request(self, mission: Mission, at_once: bool = False, timed: bool = True) -> None:
         """Ask for a plan; the answer comes by `planned` or `refused`, and by `costed` where it is to be timed."""
-        self._latest += 1
         from .sources import grid_finder
 
+        self._worker.forget()
         self._wanted = (mission, grid_finder(mission), timed)
         self._pause.start(0 if at_once else _PAUSE_MS)
 
     def forget(self) -> None:
         """Drop the request under way."""
-        self._latest += 1
+        self._worker.forget()
         self._wanted = None
         self._pause.stop()
 
     def close(self) -> None:
         """End the thread; no answer comes any more."""
         self.forget()
-        self._pool.shutdown(wait=True, cancel_futures=True)
+        self._worker.close()
 
     def _start(self) -> None:
-        if self._wanted is None or self._running is not None:
-            return
-        (mission, find_grid, self._timed), self._wanted = self._wanted, None
-        number = self._latest
-        self._submit(self._work, number, mission, find_grid)
+        if self._wanted is not None:
+            (mission, find_grid, timed), self._wanted = self._wanted, None
+            self._worker.ask(partial(_plan, mission, find_grid), partial(self._deliver, timed))
 
-    def _submit(self, work: Callable[..., object], number: int, *values: object) -> None:
-        self._running = self._pool.submit(work, number, *values)
-        self._running.add_done_callback(lambda future: self._finished.emit(number, future))
+    def _deliver(self, timed: bool, planned: Planned) -> None:
+        if timed:
+            self._worker.ask(partial(_time, planned), lambda cost: self.costed.emit(planned, cost))
+        self.planned.emit(planned)
 
-    def _work(self, number: int, mission: Mission, find_grid: Callable[[], PixelGrid]) -> Planned:
-        """Plan step by step, ending early when overtaken. Runs on the planner's thread."""
-        from ..core.mission.estimate import estimate
-        from ..core.mission.plan import plan
-        from .sources import costs_of
 
-        steps = plan(mission, find_grid())
-        self._check(number)
-        return Planned(mission, steps, estimate(steps, costs_of(mission.source)))
+def _plan(
+    mission: Mission, find_grid: Callable[[], PixelGrid], overtaken: Callable[[], bool]
+) -> Planned | None:
+    """Plan step by step, ending early when overtaken. Runs on the planner's thread."""
+    from ..core.mission.estimate import estimate
+    from ..core.mission.plan import plan
+    from .sources import costs_of
 
-    def _time(self, number: int, planned: Planned) -> tuple[Planned, str]:
-        """Time the methods of a plan, last of all. Runs on the planner's thread."""
-        from ..core.picture.cost import timed_cost
+    steps = plan(mission, find_grid())
+    return None if overtaken() else Planned(mission, steps, estimate(steps, costs_of(mission.source)))
 
-        self._check(number)
-        plan = planned.plan
-        if int(plan.width_px[0]) * int(plan.height_px[0]) > _MOST_TIMED_PX:
-            return planned, tr("not timed, as the pictures are large")
-        # A copy: what the plan keeps of its views belongs to whoever captures it.
-        return planned, timed_cost(replace(plan)).text(len(plan) * len(planned.mission.map_types))
 
-    def _check(self, number: int) -> None:
-        if number != self._latest:
-            raise _Overtaken
+def _time(planned: Planned, _overtaken: Callable[[], bool]) -> str:
+    """Time the methods of a plan, last of all. Runs on the planner's thread."""
+    from ..core.picture.cost import timed_cost
 
-    def _deliver(self, number: int, future: Future[Planned]) -> None:
-        self._running = None
-        if self._wanted is not None and not self._pause.isActive():
-            self._start()
-        if number != self._latest or future.cancelled():
-            return
-        error = future.exception()
-        if error is not None:
-            self.refused.emit(error)
-        elif isinstance(future.result(), Planned):
-            if self._timed and self._running is None:
-                self._submit(self._time, number, future.result())
-            self.planned.emit(future.result())
-        else:
-            self.costed.emit(*future.result())
+    plan = planned.plan
+    if int(plan.width_px[0]) * int(plan.height_px[0]) > _MOST_TIMED_PX:
+        return tr("not timed, as the pictures are large")
+    # A copy: what the plan keeps of its views belongs to whoever captures it.
+    return timed_cost(replace(plan)).text(len(plan) * len(planned.mission.map_types))

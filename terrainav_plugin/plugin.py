@@ -7,30 +7,31 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from qgis.core import QgsApplication, QgsProject
-from qgis.gui import QgisInterface
+from qgis.gui import QgisInterface, QgsOptionsWidgetFactory
 from qgis.PyQt.QtCore import QTimer
-from qgis.PyQt.QtWidgets import QMenu
+from qgis.PyQt.QtWidgets import QMenu, QWidget
 
 from .compat import QAction
 from .i18n import install_translator, remove_translator, tr
 from .messages import LogPanelHandler, Messages
-from .options import PAGE, OptionsFactory
+from .packages import NEEDED
 from .paths import icon
 
 if TYPE_CHECKING:
     from qgis.PyQt.QtCore import QTranslator
     from qgis.PyQt.QtWidgets import QToolBar
 
+    from .panel.options_page import OptionsPage
     from .processing.provider import Provider
-    from .workflow import Workflow
+    from .session import Session
 
 MENU = "TerrAInav"
 #: Names the provider of algorithms, as in ``terrainav:plan``.
 PROVIDER = "terrainav"
 #: Actions that look as they do everywhere in QGIS.
 _OF_QGIS = {"settings": "/mActionOptions.svg", "help": "/mActionHelpContents.svg"}
-#: Packages the plugin needs beside QGIS.
-_NEEDED = {"numpy": "numpy", "pyproj": "pyproj", "PIL": "Pillow", "requests": "requests"}
+#: By which QGIS finds the page to open its options at.
+PAGE = "terrainav_options"
 
 
 class TerrAInavPlugin:
@@ -45,7 +46,7 @@ class TerrAInavPlugin:
         self._menu: QMenu | None = None
         self._options: OptionsFactory | None = None
         self._translator: QTranslator | None = None
-        self._workflow: Workflow | None = None
+        self._session: Session | None = None
         self._provider: Provider | None = None
         self._processing_soon: QTimer | None = None
 
@@ -119,10 +120,10 @@ class TerrAInavPlugin:
         self.iface.unregisterOptionsWidgetFactory(self._options)
         self._options.deleteLater()
         close_help()
-        if self._workflow is not None:
-            self._workflow.close()
-            self._workflow.deleteLater()
-            self._workflow = None
+        if self._session is not None:
+            self._session.close()
+            self._session.deleteLater()
+            self._session = None
         self.messages.close()
         self.messages.deleteLater()
         self._log.close()
@@ -141,14 +142,14 @@ class TerrAInavPlugin:
         self.iface.showOptionsDialog(self.iface.mainWindow(), PAGE)
 
     @property
-    def workflow(self) -> Workflow | None:
+    def session(self) -> Session | None:
         """The plugin at work; made at the first call, None where something it needs is missing."""
-        if self._workflow is None and self._can_work():
-            from .workflow import Workflow
+        if self._session is None and self._can_work():
+            from .session import Session
 
-            self._workflow = Workflow(self.iface, self.messages)
-            self._wire(self._workflow)
-        return self._workflow
+            self._session = Session(self.iface, self.messages)
+            self._wire(self._session)
+        return self._session
 
     def _add(
         self,
@@ -171,40 +172,40 @@ class TerrAInavPlugin:
         self._menu.addAction(action)
         self.actions[name] = action
 
-    def _wire(self, workflow: Workflow) -> None:
+    def _wire(self, session: Session) -> None:
         """Let the toolbar follow what is going on."""
-        workflow.box_tool.setAction(self.actions["draw_box"])
-        workflow.point_tool.setAction(self.actions["test_shot"])
-        workflow.viewing.tool.setAction(self.actions["view_images"])
-        self.actions["dock"].setChecked(workflow.dock.isUserVisible())
-        workflow.dock.visibilityChanged.connect(self.actions["dock"].setChecked)
-        workflow.preview_shown.connect(self.actions["preview"].setChecked)
+        session.box_tool.setAction(self.actions["draw_box"])
+        session.point_tool.setAction(self.actions["test_shot"])
+        session.viewing.tool.setAction(self.actions["view_images"])
+        self.actions["dock"].setChecked(session.dock.isUserVisible())
+        session.dock.visibilityChanged.connect(self.actions["dock"].setChecked)
+        session.preview_shown.connect(self.actions["preview"].setChecked)
 
-    def _use(self, act: Callable[[Workflow], None]) -> None:
-        workflow = self.workflow
-        if workflow is not None:
-            act(workflow)
+    def _use(self, act: Callable[[Session], None]) -> None:
+        session = self.session
+        if session is not None:
+            act(session)
             return
         for action in self.actions.values():
             action.setChecked(False)
 
     def _toggle_dock(self, visible: bool) -> None:
-        self._use(lambda workflow: workflow.show_dock(visible))
+        self._use(lambda session: session.show_dock(visible))
 
     def _toggle_box_tool(self, on: bool) -> None:
-        self._use(lambda workflow: workflow.draw_box() if on else workflow.box_tool.stop())
+        self._use(lambda session: session.draw_box() if on else session.box_tool.stop())
 
     def _toggle_point_tool(self, on: bool) -> None:
-        self._use(lambda workflow: workflow.take_test_shot() if on else workflow.point_tool.stop())
+        self._use(lambda session: session.take_test_shot() if on else session.point_tool.stop())
 
     def _toggle_view_tool(self, on: bool) -> None:
-        self._use(lambda workflow: workflow.viewing.start() if on else workflow.viewing.stop())
-        if self._workflow is not None:
+        self._use(lambda session: session.viewing.start() if on else session.viewing.stop())
+        if self._session is not None:
             # Not taken up where there is nothing to view.
-            self.actions["view_images"].setChecked(self._workflow.viewing.tool.isActive())
+            self.actions["view_images"].setChecked(self._session.viewing.tool.isActive())
 
     def _toggle_preview(self, on: bool) -> None:
-        self._use(lambda workflow: workflow.set_preview(on))
+        self._use(lambda session: session.set_preview(on))
 
     def _show_help(self) -> None:
         from .help import show_help
@@ -212,23 +213,23 @@ class TerrAInavPlugin:
         show_help()
 
     def _settings_changed(self) -> None:
-        if self._workflow is not None:
-            self._workflow.settings_changed()
+        if self._session is not None:
+            self._session.settings_changed()
 
     def _project_read(self) -> None:
         from .map.mission_group import saved_missions
 
         if saved_missions(QgsProject.instance()):
-            self._use(lambda workflow: workflow.missions.restore())
+            self._use(lambda session: session.missions.restore())
 
     def _project_begun(self) -> None:
         # QGIS begins with a new project, too: entries of the session before are kept then.
-        if self._workflow is not None and self.iface.mainWindow().isVisible():
-            self._workflow.missions.begin_anew()
+        if self._session is not None and self.iface.mainWindow().isVisible():
+            self._session.project_begun()
 
     def _can_work(self) -> bool:
         """Whether the needed packages are there; says which are not."""
-        missing = [package for module, package in _NEEDED.items() if not _importable(module)]
+        missing = [package for module, package in NEEDED.items() if not _importable(module)]
         if missing:
             self.messages.warning(
                 tr("TerrAInav needs Python packages that this QGIS lacks: {packages}.").format(
@@ -236,6 +237,28 @@ class TerrAInavPlugin:
                 )
             )
         return not missing
+
+
+class OptionsFactory(QgsOptionsWidgetFactory):
+    """Makes the page.
+
+    Parameters
+    ----------
+    applied : callable
+        Called after settings were kept.
+    """
+
+    def __init__(self, applied: Callable[[], None]) -> None:
+        super().__init__(MENU, icon("icon"))
+        self._applied = applied
+
+    def createWidget(self, parent: QWidget | None = None) -> OptionsPage:
+        """Make the page, each time the options are opened."""
+        from .panel.options_page import OptionsPage
+
+        page = OptionsPage(parent, self._applied)
+        page.setObjectName(PAGE)
+        return page
 
 
 def _importable(module: str) -> bool:

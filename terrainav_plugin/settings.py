@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import re
 from pathlib import Path
@@ -9,11 +10,14 @@ from typing import TYPE_CHECKING, Any
 
 from qgis.core import QgsApplication, QgsSettings
 
-_ROOT = "TerrAInav/"
-_KEYS = f"{_ROOT}authcfg"
+from ..core.errors import InvalidInput
+from ..core.safe_json import parse_json
+
 if TYPE_CHECKING:
     from ..core.imagery.cache.tile_cache import TileCache
 
+_ROOT = "TerrAInav/"
+_KEYS = f"{_ROOT}authcfg"
 #: Megabytes as files are counted, for the limit of the cache.
 BYTES_PER_MB = 1_000_000
 UNITS = ("m", "ft")
@@ -23,6 +27,7 @@ _LONGEST_HOST = 1000
 _ADDRESS = re.compile(r"(https?)://([^/?#]*)", re.IGNORECASE)
 #: As `Placeholder` takes them.
 _DIGEST = re.compile(r"\b[0-9a-f]{16,64}\b")
+_MOST = 8
 
 
 class _Text:
@@ -196,3 +201,18 @@ def credential_home(source: str) -> tuple[str, str]:
     if address is None:
         return "", ""
     return address.group(1).lower(), credential_name(source).partition(":")[0]
+
+
+def recent() -> list[Path]:
+    """Those that are still there, the latest first."""
+    try:
+        paths = parse_json(Settings().recent or "[]")
+    except InvalidInput:
+        return []
+    return [Path(path) for path in paths if isinstance(path, str) and Path(path).exists()]
+
+
+def remember(path: Path) -> None:
+    """Put a file or folder to the front."""
+    others = [other for other in recent() if other != path]
+    Settings().recent = json.dumps([str(path), *map(str, others)][:_MOST])

@@ -12,11 +12,11 @@ from qgis.core import QgsProject
 
 from ..core.errors import InvalidInput, SourceError
 from .credentials import key_in, problem_with
-from .dock.mission_form import FormError
-from .i18n import number_text, told, tr
-from .layers.connections import Connection, connection, is_connection
-from .layers.snapshot import Snapshot, grid_of_layers, is_of_qgis, policies_of_layers, take_snapshot
-from .layers.source import LayerSource
+from .form.mission_form import FormError
+from .i18n import number_text, tr, translate
+from .qgis_source.connections import Connection, connection, is_connection
+from .qgis_source.snapshot import Snapshot, grid_of_layers, is_of_qgis, policies_of_layers, take_snapshot
+from .qgis_source.source import LayerSource
 from .settings import Settings, credential_home
 
 if TYPE_CHECKING:
@@ -63,7 +63,7 @@ def grid_of(mission: Mission) -> PixelGrid:
         return _named(mission.source, _options(mission)).grid
     except (InvalidInput, SourceError) as wrong:
         field = "date" if str(wrong).startswith("date ") else "source"
-        raise FormError({field: told(wrong).replace(" (--date)", "")}) from wrong
+        raise FormError({field: translate(wrong).replace(" (--date)", "")}) from wrong
 
 
 def grid_finder(mission: Mission) -> Callable[[], PixelGrid]:
@@ -192,7 +192,7 @@ def credentials_problem(source: str) -> str:
             if _named(source).environment_key():
                 return ""
         except SourceError as wrong:
-            return told(wrong)
+            return translate(wrong)
     return problem_with(authcfg, is_key)
 
 
@@ -311,5 +311,5 @@ def _authenticated(name: str, known: Connection | None) -> str:
     """What a layer's data source says of authentication: the id of a configuration, and no secret."""
     authcfg = authcfg_of_requests(name) if known is None else known.authcfg
     referer = "" if known is None else known.headers.get("Referer", "")
-    told = f"&authcfg={authcfg}" if authcfg else ""
-    return f"{told}&referer={quote(referer, safe='')}" if referer else told
+    known_by = f"&authcfg={authcfg}" if authcfg else ""
+    return f"{known_by}&referer={quote(referer, safe='')}" if referer else known_by

@@ -74,9 +74,7 @@ def test_surroundings_of_a_text_are_kept(translations):
         assert translated.endswith("…") == text.endswith("…"), text
 
 
-_PANEL = (
-    "dock/dock.py dock/area_entries.py dock/camera_entries.py dock/flight_entries.py dock/output_entries.py"
-)
+_PANEL = "panel/dock.py area/entries.py panel/camera.py panel/sections.py"
 #: Letters of QGIS's own menus, with those that its own plugins bring.
 _MENUS = {"en": "jevlspormchwd", "es": "yevcfmorwb"}
 
@@ -85,11 +83,11 @@ def test_keys_of_a_menu_or_form_differ(translations):
     known = translations.translated("es")
     together = {
         "menu": "plugin.py",
-        "ways to an area": "dock/area_menu.py",
+        "ways to an area": "area/menu.py",
         "missions": "missions/missions.py",
-        "viewer": "viewer/viewer.py",
-        "area dialogs": "dock/area_dialogs.py",
-        "cleaning": "dataset/clean_panel.py",
+        "viewer": "results/viewer.py",
+        "area dialogs": "area/dialogs.py",
+        "cleaning": "cleaning/panel.py",
         "panel": _PANEL,
     }
     for name, files in together.items():
@@ -110,7 +108,7 @@ def test_keys_of_a_menu_or_form_differ(translations):
 @pytest.mark.parametrize("panel", ["panel", "viewer", "cleaning"])
 def test_keys_of_a_panel_open_no_menu_of_qgis(translations, panel):
     """A panel shares the window of QGIS; there it drops what collides, and would have fewer keys than it should."""
-    files = {"panel": _PANEL, "viewer": "viewer/viewer.py", "cleaning": "dataset/clean_panel.py"}[panel]
+    files = {"panel": _PANEL, "viewer": "results/viewer.py", "cleaning": "cleaning/panel.py"}[panel]
     known = translations.translated("es")
     for file in files.split():
         for text in translations.plugin_texts(ROOT / "terrainav_plugin" / file):

@@ -15,8 +15,8 @@ from pathlib import Path
 from qgis.core import Qgis, QgsApplication, QgsProject
 from qgis.utils import iface, plugins
 from stage import StageError, click, layer_names, tidy_messages, wait, wait_until_drawn, window_picture
-from terrainav.terrainav_plugin.dock.mission_form import FormState
-from terrainav.terrainav_plugin.workflow import Workflow
+from terrainav.terrainav_plugin.form.mission_form import FormState
+from terrainav.terrainav_plugin.session import Session
 
 DEMO = Path(__file__).resolve().parent.parent / "demo"
 DATASET, BACKGROUNDS, PROJECT = DEMO / "dataset", DEMO / "background", DEMO / "terrainav-demo.qgz"
@@ -47,12 +47,12 @@ def take_picture(name: str) -> None:
         raise StageError(f"picture {DEMO / name}: cannot be written")
 
 
-def enter_mission(workflow: Workflow) -> None:
+def enter_mission(session: Session) -> None:
     """Paste the published mission's coordinates into the panel."""
-    form = workflow.dock.form
+    form = session.dock.form
     form.set_state(FormState(folder=str(DATASET)))
     form.edges["north"].setText(AGRICENTER)
-    state = workflow.state()
+    state = session.state()
     if (state.west, state.south, state.agl, state.fov_deg, state.aspect) != (
         "-89.9",
         "35.115",
@@ -63,31 +63,31 @@ def enter_mission(workflow: Workflow) -> None:
         raise StageError(f"pasted coordinates came out as {state}")
 
 
-def show_background(workflow: Workflow) -> None:
+def show_background(session: Session) -> None:
     """Put the source below the mission, and its place on the screen."""
-    click(workflow.dock.form.show_on_map)
+    click(session.dock.form.show_on_map)
     wait("drawing the background", lambda: "Synthetic (offline)" in layer_names())
     # The preview draws what the map shows by then.
     wait_until_drawn()
 
 
-def preview(workflow: Workflow) -> None:
+def preview(session: Session) -> None:
     """Show every image before anything is fetched."""
-    click(workflow.dock.preview)
-    wait("preview", lambda: workflow.preview.shown and not workflow.preview.busy)
-    planned = workflow.planned
+    click(session.dock.preview)
+    wait("preview", lambda: session.preview.shown and not session.preview.busy)
+    planned = session.planned
     # Image by image, or from afar as the number of images per place.
-    drawn = {role: workflow.preview.layer(role).featureCount() for role in ("footprints", "density")}
+    drawn = {role: session.preview.layer(role).featureCount() for role in ("footprints", "density")}
     if not any(drawn.values()) or not planned.summary.complete:
         raise StageError(f"preview of {drawn}, coverage {planned.summary.covered_share}")
 
 
-def capture(workflow: Workflow) -> dict[str, float]:
+def capture(session: Session) -> dict[str, float]:
     """Press Capture and wait for the result on the map; returns its figures."""
-    click(workflow.dock.capture)
-    wait("start of the capture", lambda: workflow.runs.task is not None)
-    task, started = workflow.runs.task, time.monotonic()
-    wait("capture", lambda: workflow.runs.task is None)
+    click(session.dock.capture)
+    wait("start of the capture", lambda: session.runs.task is not None)
+    task, started = session.runs.task, time.monotonic()
+    wait("capture", lambda: session.runs.task is None)
     if task.error or task.result is None or task.result.failed or not task.mosaics:
         raise StageError(f"capture: {task.error or task.result}")
     result = task.result
@@ -142,14 +142,14 @@ def main() -> int:
     # What lies around the map is drawn ahead in the background, and broken off, with words on the terminal, by whatever
     # comes next. Nobody drags the map here.
     iface.mapCanvas().setPreviewJobsEnabled(False)
-    workflow = plugins["terrainav"].workflow
-    workflow.settings.backgrounds_folder = str(BACKGROUNDS)
-    workflow.show_dock(True)
-    enter_mission(workflow)
-    show_background(workflow)
-    preview(workflow)
+    session = plugins["terrainav"].session
+    session.settings.backgrounds_folder = str(BACKGROUNDS)
+    session.show_dock(True)
+    enter_mission(session)
+    show_background(session)
+    preview(session)
     take_picture("preview.png")
-    figures = capture(workflow)
+    figures = capture(session)
     take_picture("screenshot.png")
     save_project()
     look_closely()

@@ -61,8 +61,8 @@ from stage import (
     wait,
     wait_until_drawn,
 )
-from terrainav.terrainav_plugin.dock.mission_form import FormState
-from terrainav.terrainav_plugin.dock.options_page import OptionsPage
+from terrainav.terrainav_plugin.form.mission_form import FormState
+from terrainav.terrainav_plugin.panel.options_page import OptionsPage
 
 IMAGES = Path(__file__).resolve().parent.parent / "docs" / "images"
 #: The folder is to be seen in the pictures, so that it has a plain name.
@@ -96,28 +96,28 @@ class Stage:
 
     def __init__(self) -> None:
         self.plugin = plugins["terrainav"]
-        self.workflow = self.plugin.workflow
-        self.dock, self.form = self.workflow.dock, self.workflow.dock.form
+        self.session = self.plugin.session
+        self.dock, self.form = self.session.dock, self.session.dock.form
         self.canvas, self.window = iface.mapCanvas(), iface.mainWindow()
-        self.workflow.settings.missions_folder = str(FOLDER)
-        self.workflow.settings.cache_folder = str(FOLDER / "cache")
-        self.workflow.settings.backgrounds_folder = str(FOLDER / "backgrounds")
+        self.session.settings.missions_folder = str(FOLDER)
+        self.session.settings.cache_folder = str(FOLDER / "cache")
+        self.session.settings.backgrounds_folder = str(FOLDER / "backgrounds")
 
     # --- scenery
 
     def clear(self, name: str = "agricenter") -> None:
         """Go back to an empty project and the panel as it is at first use, for a mission of a name."""
-        for run in list(self.workflow.runs.runs):
+        for run in list(self.session.runs.runs):
             run.cancel()
-        wait("end of the runs", lambda: self.workflow.runs.idle)
-        for run in list(self.workflow.runs.runs):
-            self.workflow.runs.dismiss(run)
-        self.workflow.set_preview(False)
+        wait("end of the runs", lambda: self.session.runs.idle)
+        for run in list(self.session.runs.runs):
+            self.session.runs.dismiss(run)
+        self.session.set_preview(False)
         iface.newProject(False)
         iface.messageBar().clearWidgets()
         shutil.rmtree(FOLDER / name, ignore_errors=True)
         self.form.set_state(FormState(folder=str(FOLDER / name)))
-        self.workflow.show_dock(True)
+        self.session.show_dock(True)
         self.settle()
 
     def settle(self) -> None:
@@ -134,7 +134,7 @@ class Stage:
     def begin(self, coordinates: str, name: str = "agricenter", **entries: object) -> None:
         """Begin a mission: its coordinates pasted, other entries given, its place on the map."""
         self.clear(name)
-        self.form.set_state(replace(self.workflow.state(), **entries))
+        self.form.set_state(replace(self.session.state(), **entries))
         self.paste(coordinates)
         self.show_background()
 
@@ -155,11 +155,11 @@ class Stage:
 
     def plan(self) -> None:
         """Wait for the figures of what is entered, their cost timed."""
-        busy = (self.workflow.planner, self.workflow.preview)
+        busy = (self.session.planner, self.session.preview)
         wait("figures", lambda: not any(part.busy for part in busy))
         wait(
             "the methods' cost",
-            lambda: "being timed" not in self.dock.figures.details.text() or not self.workflow.runs.idle,
+            lambda: "being timed" not in self.dock.figures.details.text() or not self.session.runs.idle,
         )
 
     def preview(self) -> None:
@@ -169,15 +169,15 @@ class Stage:
 
     def wait_previewed(self) -> None:
         """Wait until the preview is whole."""
-        preview = self.workflow.preview
+        preview = self.session.preview
         wait("preview", lambda: preview.shown and not preview.busy)
         self.plan()
 
     def capture(self) -> None:
         """Press "Capture" and wait for the end."""
         click(self.dock.capture)
-        wait("start of the capture", lambda: not self.workflow.runs.idle)
-        wait("capture", lambda: self.workflow.runs.idle)
+        wait("start of the capture", lambda: not self.session.runs.idle)
+        wait("capture", lambda: self.session.runs.idle)
 
     def scroll_to(self, widget: QWidget) -> None:
         """Bring an entry of the panel into sight."""
@@ -188,12 +188,12 @@ class Stage:
         """Zoom the map to a scale, and let the preview follow."""
         self.canvas.zoomScale(scale)
         QTest.qWait(200)
-        if self.workflow.preview.shown:
+        if self.session.preview.shown:
             self.wait_previewed()
 
     def unfold(self, role: str) -> None:
         """Show the legend of a layer of the preview."""
-        layer = self.workflow.preview.layer(role)
+        layer = self.session.preview.layer(role)
         QgsProject.instance().layerTreeRoot().findLayer(layer).setExpanded(True)
 
     # --- pictures
@@ -273,11 +273,11 @@ def first_mission(stage: Stage) -> None:
     stage.shoot("preview.jpg")
     stage.zoom(4000)
     stage.shoot("close.jpg")
-    stage.workflow.zoom_to(stage.workflow.planned.mission.area.bounds)
+    stage.session.zoom_to(stage.session.planned.mission.area.bounds)
     stage.capture()
     stage.shoot("results.jpg")
     stage.plugin.actions["view_images"].trigger()
-    viewing = stage.workflow.viewing
+    viewing = stage.session.viewing
     click_map(at(0.55, 0.45))
     wait("image", lambda: viewing.seen is not None and not viewing.busy)
     stage.shoot("viewer.jpg")
@@ -336,7 +336,7 @@ def polygon(stage: Stage) -> None:
     layer.removeSelection()
     click(stage.form.area.edit)
     stage.plan()
-    stage.workflow.zoom_to(stage.workflow.planned.mission.area.bounds)
+    stage.session.zoom_to(stage.session.planned.mission.area.bounds)
     stage.preview()
     stage.shoot("polygon.jpg")
 
@@ -353,7 +353,7 @@ def overlap(stage: Stage) -> None:
     """Images coloured by how many show their middle."""
     stage.begin(FIRST, overlap_along=0.7, overlap_across=0.6, agl=250.0)
     stage.preview()
-    stage.workflow.preview.layer("footprints").styleManager().setCurrentStyle("Overlap count")
+    stage.session.preview.layer("footprints").styleManager().setCurrentStyle("Overlap count")
     stage.unfold("footprints")
     stage.shoot("overlap.jpg")
 
@@ -393,7 +393,7 @@ def capturing(stage: Stage) -> None:
     stage.begin(AGRICENTER)
     stage.preview()
     click(stage.dock.capture)
-    runs = stage.workflow.runs
+    runs = stage.session.runs
     wait(
         "images",
         lambda: (
@@ -401,7 +401,7 @@ def capturing(stage: Stage) -> None:
         ),
     )
     first = runs.runs[0]
-    click(stage.workflow.run_panel.row(first).buttons["pause"])
+    click(stage.session.run_panel.row(first).buttons["pause"])
     wait("pause", lambda: first.progress.paused)
     stage.form.folder.setFilePath(str(FOLDER / "mission-2"))
     stage.form.agl.setValue(200.0)
@@ -417,14 +417,14 @@ def cleaning(stage: Stage) -> None:
     stage.begin(FIRST, map_types=("satellite", "roadmap"))
     stage.capture()
     iface.messageBar().clearWidgets()
-    part = stage.workflow.cleaning
+    part = stage.session.cleaning
     stage.plugin.actions["clean_dataset"].trigger()
     wait("entropies", lambda: not part.busy)
     click(part.panel.suggest)
     # Over the mission's panel, and no more of the map than it has to be.
     corner = stage.dock.mapToGlobal(stage.dock.rect().topRight())
     part.panel.move(corner.x() - part.panel.width() - 4, corner.y() + 4)
-    stage.workflow.zoom_to(stage.workflow.planned.mission.area.bounds)
+    stage.session.zoom_to(stage.session.planned.mission.area.bounds)
     # The mission comes to stand in the part of the map that the window leaves free.
     free_px = part.panel.x() - stage.canvas.mapToGlobal(QPoint(0, 0)).x() - 4
     extent = stage.canvas.extent()
@@ -448,7 +448,7 @@ def failed(stage: Stage) -> None:
     gdal.Translate(str(tiles), picture, format="MBTILES")
     holed(tiles)
     stage.clear("mission-1")
-    stage.form.set_state(replace(stage.workflow.state(), source=str(tiles)))
+    stage.form.set_state(replace(stage.session.state(), source=str(tiles)))
     stage.paste(FIRST)
     click(stage.form.show_on_map)
     wait_until_drawn()

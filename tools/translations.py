@@ -85,12 +85,10 @@ WORDS = (
     "core/mission/methods.py",
     "core/mission/mission.py",
     "core/mission/layout/rotated.py",
-    "terrainav_plugin/layers/jobs.py",
-    "terrainav_plugin/layers/pipes.py",
-    "terrainav_plugin/layers/source.py",
-    "terrainav_plugin/network/answer.py",
-    "terrainav_plugin/network/errors.py",
+    "terrainav_plugin/network/answers.py",
     "terrainav_plugin/network/worker.py",
+    "terrainav_plugin/qgis_source/renderer.py",
+    "terrainav_plugin/qgis_source/source.py",
     "terrainav_plugin/settings.py",
 )
 #: Single words for users, which nothing tells apart from names, and phrases of modules that have other texts too.

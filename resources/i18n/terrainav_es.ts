@@ -4,9 +4,1148 @@
 <context>
     <name>TerrAInav</name>
     <message>
-        <location filename="../../terrainav_plugin/capture_task.py"/>
+        <location filename="../../terrainav_plugin/area/control.py"/>
+        <source>Click one polygon of “{layer}” on the map.</source>
+        <translation>Haga clic en un polígono de «{layer}» en el mapa.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/control.py"/>
+        <source>Extent of a layer</source>
+        <translation>Extensión de una capa</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/control.py"/>
+        <source>No area was taken.</source>
+        <translation>No se ha tomado ningún área.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/control.py"/>
+        <source>No area: {reason}</source>
+        <translation>Sin área: {reason}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/control.py"/>
+        <source>Text file of points: lat lon agl [yaw]</source>
+        <translation>Archivo de texto con puntos: lat lon agl [guiñada]</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/control.py"/>
+        <source>Text files (*.txt *.csv *.dat);;All files (*)</source>
+        <translation>Archivos de texto (*.txt *.csv *.dat);;Todos los archivos (*)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/control.py"/>
+        <source>draw box</source>
+        <translation>dibujar recuadro</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/control.py"/>
+        <source>extent of {layer}</source>
+        <translation>extensión de {layer}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/control.py"/>
+        <source>map canvas extent</source>
+        <translation>extensión del lienzo del mapa</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/control.py"/>
+        <source>points of {layer}</source>
+        <translation>puntos de {layer}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/control.py"/>
+        <source>polygon of {layer}</source>
+        <translation>polígono de {layer}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/control.py"/>
+        <source>single capture</source>
+        <translation>captura única</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/control.py"/>
+        <source>text file</source>
+        <translation>archivo de texto</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/control.py"/>
+        <source>the clipboard holds no text; copy coordinates first</source>
+        <translation>el portapapeles no contiene texto; copiar antes unas coordenadas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/dialogs.py"/>
+        <source>&amp;All</source>
+        <translation>&amp;Todos</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/dialogs.py"/>
+        <source>&amp;Height of all</source>
+        <translation>&amp;Altura de todos</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/dialogs.py"/>
+        <source>&amp;Layer</source>
+        <translation>&amp;Capa</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/dialogs.py"/>
+        <source>&amp;Select on the map</source>
+        <translation>Seleccionar en el ma&amp;pa</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/dialogs.py"/>
+        <source>&amp;Selected ({n})</source>
+        <translation>&amp;Seleccionados ({n})</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/dialogs.py"/>
+        <source>&amp;Unit of heights</source>
+        <translation>&amp;Unidad de las alturas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/dialogs.py"/>
+        <source>&amp;Yaw from field</source>
+        <translation>&amp;Guiñada del campo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/dialogs.py"/>
+        <source>1 polygon is selected.</source>
+        <translation>Hay 1 polígono seleccionado.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/dialogs.py"/>
+        <source>An attribute holds each point's height above ground (AGL), in the unit below</source>
+        <translation>Un atributo contiene la altura de cada punto sobre el terreno (AGL), en la unidad de abajo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/dialogs.py"/>
+        <source>Area from a selected polygon</source>
+        <translation>Área de un polígono seleccionado</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/dialogs.py"/>
+        <source>Click a polygon of this layer on the map; it becomes the area</source>
+        <translation>Haga clic en un polígono de esta capa en el mapa; será el área</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/dialogs.py"/>
+        <source>Degrees clockwise from north; empty: the mission's own yaw</source>
+        <translation>Grados en sentido horario desde el norte; vacío: la guiñada de la propia misión</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/dialogs.py"/>
+        <source>Features</source>
+        <translation>Objetos espaciales</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/dialogs.py"/>
+        <source>Features that become pictures</source>
+        <translation>Objetos espaciales que se convierten en imágenes</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/dialogs.py"/>
+        <source>Height above the ground (AGL) in the unit below</source>
+        <translation>Altura sobre el terreno (AGL) en la unidad de abajo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/dialogs.py"/>
+        <source>Height from &amp;field</source>
+        <translation>Altura del ca&amp;mpo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/dialogs.py"/>
+        <source>It has one polygon, which is taken.</source>
+        <translation>Tiene un solo polígono, que es el que se toma.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/dialogs.py"/>
+        <source>Layer of this project, in any CRS</source>
+        <translation>Capa de este proyecto, en cualquier SRC</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/dialogs.py"/>
+        <source>Metres or international feet</source>
+        <translation>Metros o pies internacionales</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/dialogs.py"/>
+        <source>Nothing is selected in it: press “Select on the map”, then click one polygon.</source>
+        <translation>No hay nada seleccionado en ella: pulse «Seleccionar en el mapa» y haga clic en un polígono.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/dialogs.py"/>
+        <source>Numbers above 0, in the unit below</source>
+        <translation>Números mayores que 0, en la unidad de abajo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/dialogs.py"/>
+        <source>One picture above each point ({crs}).</source>
+        <translation>Una imagen sobre cada punto ({crs}).</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/dialogs.py"/>
+        <source>Points of a layer</source>
+        <translation>Puntos de una capa</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/dialogs.py"/>
+        <source>The project has no layer of polygons: add one, or draw a box instead.</source>
+        <translation>El proyecto no tiene ninguna capa de polígonos: añada una, o dibuje un recuadro en su lugar.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/dialogs.py"/>
+        <source>The project has no such layer.</source>
+        <translation>El proyecto no tiene ninguna capa de este tipo.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/dialogs.py"/>
+        <source>The same height above ground (AGL) for all points</source>
+        <translation>La misma altura sobre el terreno (AGL) para todos los puntos</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/dialogs.py"/>
+        <source>The smallest box of longitudes and latitudes around it ({crs}).</source>
+        <translation>El menor recuadro de longitudes y latitudes que la contiene ({crs}).</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/dialogs.py"/>
+        <location filename="../../terrainav_plugin/form/area.py"/>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>ft</source>
+        <translation>ft</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/dialogs.py"/>
+        <location filename="../../terrainav_plugin/form/area.py"/>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>m</source>
+        <translation>m</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/dialogs.py"/>
+        <source>no CRS</source>
+        <translation>sin SRC</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/dialogs.py"/>
+        <source>{n} polygons are selected.</source>
+        <translation>Hay {n} polígonos seleccionados.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/editing.py"/>
+        <location filename="../../terrainav_plugin/area/entries.py"/>
+        <source>make it a box</source>
+        <translation>convertir en recuadro</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/editing.py"/>
+        <source>paste coordinates</source>
+        <translation>pegar coordenadas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/entries.py"/>
+        <location filename="../../terrainav_plugin/preview/layers.py"/>
+        <source>Area</source>
+        <translation>Área</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/entries.py"/>
+        <source>Coordinates pasted here fill all fields: north_west_south_east_agl, lat_lon_agl, or lines of lat lon agl [yaw]. An edge typed makes a polygon or points a box.</source>
+        <translation>Las coordenadas pegadas aquí rellenan todos los campos: norte_oeste_sur_este_agl, lat_lon_agl o líneas de lat lon agl [guiñada]. Al teclear un borde, un polígono o unos puntos pasan a ser un recuadro.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/entries.py"/>
+        <source>Draw &amp;box</source>
+        <translation>Dib&amp;ujar recuadro</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/entries.py"/>
+        <source>E</source>
+        <translation>E</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/entries.py"/>
+        <source>Eastern edge: longitude in degrees</source>
+        <translation>Borde oriental: longitud en grados</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/entries.py"/>
+        <source>Move</source>
+        <translation>Mover</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/entries.py"/>
+        <source>Move the area on the map: drag inside it, or drag the edges and corners of a box; arrow keys move it by a pixel of the screen, with Shift by ten; Esc ends it. Corners of polygons are moved with QGIS's own tools, in their layer.</source>
+        <translation>Mover el área en el mapa: arrastrar dentro de ella, o arrastrar los bordes y esquinas de un recuadro; las teclas de flecha la mueven un píxel de pantalla, con Mayús diez; Esc termina. Los vértices de los polígonos se mueven con las herramientas de QGIS, en su capa.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/entries.py"/>
+        <source>N</source>
+        <translation>N</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/entries.py"/>
+        <source>No change of the area to redo</source>
+        <translation>No hay ningún cambio del área que rehacer</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/entries.py"/>
+        <source>No change of the area to undo</source>
+        <translation>No hay ningún cambio del área que deshacer</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/entries.py"/>
+        <source>Northern edge: latitude in degrees, up to 90</source>
+        <translation>Borde norte: latitud en grados, hasta 90</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/entries.py"/>
+        <location filename="../../terrainav_plugin/area/menu.py"/>
+        <source>Press, drag and release on the map</source>
+        <translation>Pulsar, arrastrar y soltar en el mapa</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/entries.py"/>
+        <source>Redo: {step} ({keys})</source>
+        <translation>Rehacer: {step} ({keys})</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/entries.py"/>
+        <source>S</source>
+        <translation>S</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/entries.py"/>
+        <source>Size on the ground: width along its middle parallel, height along a meridian</source>
+        <translation>Tamaño sobre el terreno: anchura a lo largo de su paralelo medio, altura a lo largo de un meridiano</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/entries.py"/>
+        <source>Southern edge: latitude in degrees, down to -90</source>
+        <translation>Borde sur: latitud en grados, hasta -90</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/entries.py"/>
+        <source>The edge typed made it a box; undo brings the shape back.</source>
+        <translation>El borde tecleado la ha convertido en un recuadro; deshacer recupera la forma.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/entries.py"/>
+        <source>The edges are those of the box around it. Typing one makes the area a box.</source>
+        <translation>Los bordes son los del recuadro que la contiene. Al teclear uno, el área pasa a ser un recuadro.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/entries.py"/>
+        <source>Undo: {step} ({keys})</source>
+        <translation>Deshacer: {step} ({keys})</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/entries.py"/>
+        <source>W</source>
+        <translation>O</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/entries.py"/>
+        <source>Western edge: longitude in degrees; greater than the eastern one across the antimeridian</source>
+        <translation>Borde occidental: longitud en grados; mayor que la oriental a través del antimeridiano</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/entries.py"/>
+        <source>degrees</source>
+        <translation>grados</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/history.py"/>
+        <source>type the eastern edge</source>
+        <translation>teclear el borde oriental</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/history.py"/>
+        <source>type the northern edge</source>
+        <translation>teclear el borde norte</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/history.py"/>
+        <source>type the southern edge</source>
+        <translation>teclear el borde sur</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/history.py"/>
+        <source>type the western edge</source>
+        <translation>teclear el borde occidental</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/layers.py"/>
+        <source>Reading the area</source>
+        <translation>Leyendo el área</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/layers.py"/>
+        <source>feature {id}</source>
+        <translation>objeto {id}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/layers.py"/>
+        <source>layer “{name}” has no CRS: set it in the layer's properties</source>
+        <translation>la capa «{name}» no tiene SRC: definirlo en las propiedades de la capa</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/layers.py"/>
+        <source>layer “{name}” is empty: it has no extent</source>
+        <translation>la capa «{name}» está vacía: no tiene extensión</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/layers.py"/>
+        <source>no point is there to be taken: select some, or take all of the layer</source>
+        <translation>no hay ningún punto que tomar: seleccionar algunos, o tomar todos los de la capa</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/layers.py"/>
+        <source>no polygon is selected: select exactly one in its layer</source>
+        <translation>no hay ningún polígono seleccionado: seleccionar exactamente uno en su capa</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/layers.py"/>
+        <source>{count} polygons are selected, and an area is one: select only that one, or join them first (Vector &gt; Geoprocessing Tools &gt; Dissolve)</source>
+        <translation>hay {count} polígonos seleccionados, y un área es uno: seleccionar solo ese, o unirlos antes (Vectorial &gt; Herramientas de geoproceso &gt; Disolver)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/layers.py"/>
+        <source>{feature} goes around a pole: an area's edges must close without that; cut it</source>
+        <translation>{feature} rodea un polo: los bordes de un área deben cerrarse sin ello; cortarlo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/layers.py"/>
+        <source>{feature} has an edge through a pole or across the edge of its map: cut it</source>
+        <translation>{feature} tiene un lado que pasa por un polo o cruza el borde de su mapa: cortarlo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/layers.py"/>
+        <source>{feature} has no geometry: give it a point, or leave it out</source>
+        <translation>{feature} no tiene geometría: darle un punto u omitirlo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/layers.py"/>
+        <source>{feature} has no geometry: select one that has</source>
+        <translation>{feature} no tiene geometría: seleccionar uno que la tenga</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/layers.py"/>
+        <source>{feature} has {count} parts, and an area is one: take it apart first (Vector &gt; Geometry Tools &gt; Multipart to Singleparts) and select one of them</source>
+        <translation>{feature} tiene {count} partes, y un área es una: separarlas antes (Vectorial &gt; Herramientas de geometría &gt; Multiparte a monoparte) y seleccionar una de ellas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/layers.py"/>
+        <source>{feature} is no point: take a layer of points</source>
+        <translation>{feature} no es un punto: tomar una capa de puntos</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/layers.py"/>
+        <source>{feature} is no polygon: select one that is</source>
+        <translation>{feature} no es un polígono: seleccionar uno que lo sea</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/layers.py"/>
+        <source>{feature} is no sound polygon, {what}: repair it first (Processing: Fix geometries)</source>
+        <translation>{feature} no es un polígono válido, {what}: repararlo antes (Procesos: Corregir geometrías)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/layers.py"/>
+        <source>{feature}: height in “{field}”</source>
+        <translation>{feature}: altura en «{field}»</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/layers.py"/>
+        <source>{feature}: yaw in “{field}”</source>
+        <translation>{feature}: guiñada en «{field}»</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/layers.py"/>
+        <source>{feature}: {x}, {y} is outside the domain of {crs}</source>
+        <translation>{feature}: {x}, {y} está fuera del dominio de {crs}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/layers.py"/>
+        <source>{what} is empty (NULL): must be a number</source>
+        <translation>{what} está vacío (NULL): debe ser un número</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/layers.py"/>
+        <source>{what} is {value} m: must be above 0</source>
+        <translation>{what} es {value} m: debe ser mayor que 0</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/layers.py"/>
+        <source>{what} is {value}°: must be from -360 to 360</source>
+        <translation>{what} es {value}°: debe estar entre -360 y 360</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/layers.py"/>
+        <source>{what} is “{value}”: must be a number</source>
+        <translation>{what} es «{value}»: debe ser un número</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/menu.py"/>
+        <location filename="../../terrainav_plugin/plugin.py"/>
+        <source>&amp;Draw box</source>
+        <translation>&amp;Dibujar recuadro</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/menu.py"/>
+        <source>&amp;Map canvas extent</source>
+        <translation>&amp;Extensión del lienzo del mapa</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/menu.py"/>
+        <source>&amp;Paste coordinates</source>
+        <translation>&amp;Pegar coordenadas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/menu.py"/>
+        <source>&amp;Single capture here…</source>
+        <translation>Captura ú&amp;nica aquí…</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/menu.py"/>
+        <source>&amp;Text file of points…</source>
+        <translation>Archivo de &amp;texto con puntos…</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/menu.py"/>
+        <source>Area &amp;from</source>
+        <translation>Área de&amp;sde</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/menu.py"/>
+        <source>Click a point on the map: the mission is one picture, straight above it</source>
+        <translation>Pulsar un punto del mapa: la misión es una sola imagen, en su vertical</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/menu.py"/>
+        <source>Extent of a &amp;layer…</source>
+        <translation>Extensión de una &amp;capa…</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/menu.py"/>
+        <source>From the clipboard: north_west_south_east_agl, lat_lon_agl, or lines of lat lon agl [yaw]; heights in the unit chosen</source>
+        <translation>Del portapapeles: norte_oeste_sur_este_agl, lat_lon_agl o líneas de lat lon agl [guiñada]; alturas en la unidad elegida</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/menu.py"/>
+        <source>Lines of “lat lon agl [yaw]”, in degrees and the unit chosen for the height</source>
+        <translation>Líneas de «lat lon agl [guiñada]», en grados y en la unidad elegida para la altura</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/menu.py"/>
+        <source>Make it a &amp;box</source>
+        <translation>Convertir en &amp;recuadro</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/menu.py"/>
+        <source>One picture above each point, with heights (AGL) and yaws from fields</source>
+        <translation>Una imagen sobre cada punto, con alturas (AGL) y guiñadas tomadas de campos</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/menu.py"/>
+        <source>One selected polygon, with its holes; pictures that do not touch it are left out</source>
+        <translation>Un polígono seleccionado, con sus huecos; las imágenes que no lo tocan se omiten</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/menu.py"/>
+        <source>Other ways to an area: the map, a layer, a file, the clipboard, a click</source>
+        <translation>Otras formas de obtener un área: el mapa, una capa, un archivo, el portapapeles, una pulsación</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/menu.py"/>
+        <source>P&amp;oints of a layer…</source>
+        <translation>P&amp;untos de una capa…</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/menu.py"/>
+        <source>Selected pol&amp;ygon…</source>
+        <translation>Polí&amp;gono seleccionado…</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/menu.py"/>
+        <source>The box around a layer</source>
+        <translation>El recuadro que contiene una capa</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/menu.py"/>
+        <source>The box around the polygon or the points, instead of them</source>
+        <translation>El recuadro que contiene el polígono o los puntos, en lugar de ellos</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/menu.py"/>
+        <source>The box of what the map shows now</source>
+        <translation>El recuadro de lo que muestra ahora el mapa</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/tools.py"/>
+        <source>drag an edge</source>
+        <translation>arrastrar un borde</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/tools.py"/>
+        <source>move by arrow keys</source>
+        <translation>mover con las teclas de flecha</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/tools.py"/>
+        <source>move the area</source>
+        <translation>mover el área</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/capture/endings.py"/>
+        <source>Camera frames make no mosaic: “View images” shows them one by one.</source>
+        <translation>Los encuadres de cámara no forman mosaico: «Ver imágenes» los muestra uno a uno.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/capture/endings.py"/>
+        <source>Capture only the failed ones</source>
+        <translation>Capturar solo las fallidas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/capture/endings.py"/>
+        <source>Its SHA-256 begins with {digest}; {image} shows it. It may be water or snow. If it shows no imagery, “Treat as missing” removes the images with it and asks for its places again; the options list what is treated so.</source>
+        <translation>Su SHA-256 empieza por {digest}; {image} la muestra. Puede ser agua o nieve. Si no muestra imágenes, «Tratar como ausente» elimina las imágenes que la contienen y vuelve a pedir sus lugares; las opciones enumeran lo que se trata así.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/capture/endings.py"/>
+        <source>Its project is closed: open the dataset by “Missions” to see it.</source>
+        <translation>Su proyecto está cerrado: abrir el conjunto de datos con «Misiones» para verlo.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/capture/endings.py"/>
+        <location filename="../../terrainav_plugin/cleaning/cleaning.py"/>
+        <location filename="../../terrainav_plugin/missions/plan_export.py"/>
+        <source>Open folder</source>
+        <translation>Abrir carpeta</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/capture/endings.py"/>
+        <source>Resume</source>
+        <translation>Reanudar</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/capture/endings.py"/>
+        <source>Test shot {lat:.5f} {lon:.5f}</source>
+        <translation>Toma de prueba {lat:.5f} {lon:.5f}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/capture/endings.py"/>
+        <location filename="../../terrainav_plugin/panel/options_page.py"/>
+        <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
+        <source>Treat as missing</source>
+        <translation>Tratar como ausente</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/capture/endings.py"/>
+        <source>in an earlier run</source>
+        <translation>en una ejecución anterior</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/capture/endings.py"/>
+        <source>{name}: stopped before the first image.</source>
+        <translation>{name}: detenida antes de la primera imagen.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/capture/endings.py"/>
+        <source>{name}: stopped with {there} of {total} images.</source>
+        <translation>{name}: detenida con {there} de {total} imágenes.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/capture/endings.py"/>
+        <source>{name}: the same tile came for {places} places and is in {images} images.</source>
+        <translation>{name}: la misma tesela llegó para {places} lugares y está en {images} imágenes.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/capture/endings.py"/>
+        <source>{name}: {failed} of {total} images could not be made ({reason}).</source>
+        <translation>{name}: {failed} de {total} imágenes no se pudieron hacer ({reason}).</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/capture/questions.py"/>
+        <source>Capture into {name}</source>
+        <translation>Capturar en {name}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/capture/questions.py"/>
+        <source>Do you agree to these terms, and are you allowed to download?</source>
+        <translation>¿Acepta estas condiciones y tiene permiso para descargar?</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/capture/questions.py"/>
+        <location filename="../../terrainav_plugin/session.py"/>
+        <source>Nothing to capture yet.</source>
+        <translation>Aún no hay nada que capturar.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/capture/questions.py"/>
+        <source>Terms and alternatives</source>
+        <translation>Condiciones y alternativas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/capture/questions.py"/>
+        <source>TerrAInav: terms of the source</source>
+        <translation>TerrAInav: condiciones de la fuente</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/capture/questions.py"/>
+        <source>folder is empty: choose where the pictures go</source>
+        <translation>la carpeta está vacía: elegir adónde van las imágenes</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/capture/questions.py"/>
+        <source>{folder} holds another mission; nothing was changed there.</source>
+        <translation>{folder} contiene otra misión; no se ha cambiado nada en ella.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/capture/questions.py"/>
+        <source>{folder} is being captured already; a second mission needs a folder of its own.</source>
+        <translation>{folder} ya se está capturando; una segunda misión necesita una carpeta propia.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/capture/questions.py"/>
+        <source>{name} is being captured already.</source>
+        <translation>{name} ya se está capturando.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/capture/queue.py"/>
+        <source>No test shot.</source>
+        <translation>Sin toma de prueba.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/capture/queue.py"/>
+        <source>Nothing captured: {reason}</source>
+        <translation>No se ha capturado nada: {reason}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/capture/run.py"/>
+        <source>, {failed} failed</source>
+        <translation>, {failed} fallidas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/capture/run.py"/>
+        <source>, {rate} a second, {time} left</source>
+        <translation>, {rate} por segundo, quedan {time}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/capture/run.py"/>
+        <source>; making the mosaic…</source>
+        <translation>; creando el mosaico…</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/capture/run.py"/>
+        <source>All {total} images are there: {written} captured now in {time}, {skipped} before.</source>
+        <translation>Las {total} imágenes están: {written} capturadas ahora en {time}, {skipped} antes.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/capture/run.py"/>
+        <source>All {total} images were there already.</source>
+        <translation>Las {total} imágenes ya estaban todas.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/capture/run.py"/>
+        <source>Missing: {failed} of {total} images</source>
+        <translation>Faltan: {failed} de {total} imágenes</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/capture/run.py"/>
+        <source>No image was missing.</source>
+        <translation>No faltaba ninguna imagen.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/capture/run.py"/>
+        <source>One image captured in {time}.</source>
+        <translation>Una imagen capturada en {time}.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/capture/run.py"/>
+        <source>Paused</source>
+        <translation>En pausa</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/capture/run.py"/>
+        <source>Paused: {counts}</source>
+        <translation>En pausa: {counts}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/capture/run.py"/>
+        <source>Starting…</source>
+        <translation>Empezando…</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/capture/run.py"/>
+        <source>Stopped before the first image</source>
+        <translation>Detenida antes de la primera imagen</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/capture/run.py"/>
+        <source>Stopped with {there} of {total} images</source>
+        <translation>Detenida con {there} de {total} imágenes</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/capture/run.py"/>
+        <source>Stopped; making the mosaic…</source>
+        <translation>Detenida; haciendo el mosaico…</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/capture/run.py"/>
+        <source>Stopping…</source>
+        <translation>Deteniendo…</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/capture/run.py"/>
+        <location filename="../../terrainav_plugin/panel/dock.py"/>
+        <source>Test shot</source>
+        <translation>Toma de prueba</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/capture/run.py"/>
+        <source>The image was there already.</source>
+        <translation>La imagen ya estaba.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/capture/run.py"/>
+        <source>Waiting: next in line</source>
+        <translation>En espera: la siguiente</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/capture/run.py"/>
+        <source>Waiting: {place} before it</source>
+        <translation>En espera: {place} delante</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/capture/run.py"/>
+        <source>{done} of {total} images</source>
+        <translation>{done} de {total} imágenes</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/capture/run.py"/>
+        <source>{error} (the images are written)</source>
+        <translation>{error} (las imágenes están escritas)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/capture/run.py"/>
+        <source>{name}: failed images</source>
+        <translation>{name}: imágenes fallidas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/capture/run.py"/>
+        <source>{written} images captured in {time}.</source>
+        <translation>{written} imágenes capturadas en {time}.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/capture/task.py"/>
         <source>Capturing {name}</source>
         <translation>Capturando {name}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/cleaning/charts.py"/>
+        <source>Drag the line: images with less entropy (bits) are rejected.
+Arrow keys move it by {step}, with Shift by {shift}, Page keys by {page} bits.</source>
+        <translation>Arrastrar la línea: se rechazan las imágenes con menos entropía (bits).
+Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page} bits.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/cleaning/charts.py"/>
+        <source>Entropy (bits)</source>
+        <translation>Entropía (bits)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/cleaning/charts.py"/>
+        <source>Image, in the order of the flight</source>
+        <translation>Imagen, en el orden del vuelo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/cleaning/charts.py"/>
+        <location filename="../../terrainav_plugin/panel/figures.py"/>
+        <location filename="../../terrainav_plugin/processing/clean.py"/>
+        <source>Images</source>
+        <translation>Imágenes</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/cleaning/charts.py"/>
+        <source>Threshold {bits} bits</source>
+        <translation>Umbral {bits} bits</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/cleaning/charts.py"/>
+        <location filename="../../terrainav_plugin/results/viewer.py"/>
+        <source>{bits} bits</source>
+        <translation>{bits} bits</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/cleaning/cleaning.py"/>
+        <source>Reading {name}…</source>
+        <translation>Leyendo {name}…</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/cleaning/cleaning.py"/>
+        <source>TerrAInav: folder for the pictures</source>
+        <translation>TerrAInav: carpeta para los gráficos</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/cleaning/cleaning.py"/>
+        <source>Update mosaic</source>
+        <translation>Actualizar mosaico</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/cleaning/cleaning.py"/>
+        <source>{count} pictures written to {folder}.</source>
+        <translation>{count} gráficos escritos en {folder}.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/cleaning/cleaning.py"/>
+        <source>{name}: stopped. Press the button again to finish, or Undo to put all back.</source>
+        <translation>{name}: detenido. Pulsar otra vez el botón para terminar, o Deshacer para devolverlo todo a su sitio.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/cleaning/marks.py"/>
+        <location filename="../../terrainav_plugin/dataset/footprints.py"/>
+        <source>footprints: stopped</source>
+        <translation>huellas: detenido</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
+        <source> bits</source>
+        <translation> bits</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
+        <source>&amp;Image by image</source>
+        <translation>&amp;Imagen por imagen</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
+        <source>&amp;Threshold</source>
+        <translation>Umbra&amp;l</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
+        <source>&lt;b&gt;{kept}&lt;/b&gt; of {count} images kept, &lt;b&gt;{rejected}&lt;/b&gt; rejected ({percent} %)</source>
+        <translation>&lt;b&gt;{kept}&lt;/b&gt; de {count} imágenes se conservan, &lt;b&gt;{rejected}&lt;/b&gt; se rechazan ({percent} %)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
+        <source>Choose the folder of a dataset.</source>
+        <translation>Elegir la carpeta de un conjunto de datos.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
+        <source>Cleaned before: {marked} images marked, {moved} files moved away.</source>
+        <translation>Limpiado antes: {marked} imágenes marcadas, {moved} archivos apartados.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
+        <source>Cross out the images on the map that would be rejected</source>
+        <translation>Tachar en el mapa las imágenes que se rechazarían</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
+        <source>Dataset &amp;folder</source>
+        <translation>Carpeta del con&amp;junto de datos</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
+        <source>Histo&amp;gram</source>
+        <translation>Hi&amp;stograma</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
+        <source>Images with less entropy are rejected: 0 bits is a single grey, 8 bits the most there can be</source>
+        <translation>Se rechazan las imágenes con menos entropía: 0 bits es un solo gris, 8 bits lo máximo que puede haber</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
+        <source>Just above: kept</source>
+        <translation>Justo por encima: se conservan</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
+        <source>Just below: rejected</source>
+        <translation>Justo por debajo: se rechazan</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
+        <source>Map t&amp;ype</source>
+        <translation>&amp;Tipo de mapa</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
+        <source>Map type that is shown; cleaning is of all map types, each with this threshold</source>
+        <translation>Tipo de mapa que se muestra; se limpian todos los tipos de mapa, cada uno con este umbral</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
+        <source>Mar&amp;k</source>
+        <translation>M&amp;arcar</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
+        <source>Mark rejected images, and move their files to a folder “rejected” beside the others</source>
+        <translation>Marcar las imágenes rechazadas y mover sus archivos a una carpeta «rejected» junto a las demás</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
+        <source>Move &amp;away</source>
+        <translation>A&amp;partar</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
+        <source>Not cleaned yet.</source>
+        <translation>Sin limpiar todavía.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
+        <source>Note in the dataset's table which images are rejected, and why</source>
+        <translation>Anotar en la tabla del conjunto de datos qué imágenes se rechazan, y por qué</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
+        <source>Of a capture, or of images with a meta_data.csv beside them</source>
+        <translation>De una captura, o de imágenes con un meta_data.csv al lado</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
+        <source>On the map</source>
+        <translation>En el mapa</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
+        <location filename="../../terrainav_plugin/panel/imagery.py"/>
+        <location filename="../../terrainav_plugin/results/viewer.py"/>
+        <source>Roadmap</source>
+        <translation>Callejero</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
+        <source>S&amp;uggest</source>
+        <translation>S&amp;ugerir</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
+        <location filename="../../terrainav_plugin/panel/imagery.py"/>
+        <location filename="../../terrainav_plugin/results/viewer.py"/>
+        <source>Satellite</source>
+        <translation>Satélite</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
+        <source>Save pictures…</source>
+        <translation>Guardar gráficos…</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
+        <source>Stop</source>
+        <translation>Detener</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
+        <source>Stop; what is done so far can be finished, or undone</source>
+        <translation>Detener; lo hecho hasta ahora se puede terminar, o deshacer</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
+        <source>Take all marks away, and put all files back in their place</source>
+        <translation>Quitar todas las marcas y devolver todos los archivos a su sitio</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
+        <source>TerrAInav: clean dataset</source>
+        <translation>TerrAInav: limpiar conjunto de datos</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
+        <source>TerrAInav: dataset to be cleaned</source>
+        <translation>TerrAInav: conjunto de datos que limpiar</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
+        <location filename="../../terrainav_plugin/panel/figures.py"/>
+        <location filename="../../terrainav_plugin/panel/imagery.py"/>
+        <location filename="../../terrainav_plugin/results/viewer.py"/>
+        <source>Terrain</source>
+        <translation>Relieve</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
+        <source>The roadmap decides for all of them.</source>
+        <translation>Para todas decide el callejero.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
+        <source>The roadmap decides for {count} of them.</source>
+        <translation>Para {count} de ellas decide el callejero.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
+        <source>This dataset has no footprints: it cannot be shown on the map.</source>
+        <translation>Este conjunto de datos no tiene huellas: no se puede mostrar en el mapa.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
+        <source>Threshold in bits that parts the entropies in two groups best, by Otsu's method: the dotted line</source>
+        <translation>Umbral en bits que mejor separa las entropías en dos grupos, por el método de Otsu: la línea de puntos</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
+        <source>U&amp;ndo</source>
+        <translation>Des&amp;hacer</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
+        <source>Write both charts of every map type as PNG; needs the Python package matplotlib</source>
+        <translation>Escribir los dos gráficos de cada tipo de mapa en PNG; necesita el paquete de Python matplotlib</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
+        <source>{count} images could not be made.</source>
+        <translation>{count} imágenes no se pudieron hacer.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
+        <source>{name}
+{bits} bits; press to show it on the map</source>
+        <translation>{name}
+{bits} bits; pulsar para verla en el mapa</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/cleaning/tasks.py"/>
+        <source>Cleaning {name}</source>
+        <translation>Limpiando {name}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/cleaning/tasks.py"/>
+        <source>Pictures of {name}</source>
+        <translation>Gráficos de {name}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/cleaning/tasks.py"/>
+        <source>{moved} moved away.</source>
+        <translation>{moved} apartadas.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/cleaning/tasks.py"/>
+        <source>{rejected} images are no longer marked, {returned} moved back.</source>
+        <translation>{rejected} imágenes ya no están marcadas, {returned} devueltas a su sitio.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/cleaning/tasks.py"/>
+        <source>{rejected} of {images} images are marked as rejected.</source>
+        <translation>{rejected} de {images} imágenes están marcadas como rechazadas.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/cleaning/tasks.py"/>
+        <source>{rejected} of {images} images of {count} map types are marked as rejected.</source>
+        <translation>{rejected} de {images} imágenes de {count} tipos de mapa están marcadas como rechazadas.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/cleaning/tasks.py"/>
+        <source>{returned} moved back.</source>
+        <translation>{returned} devueltas a su sitio.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/credentials.py"/>
@@ -39,2507 +1178,280 @@
         <translation>la configuración de autenticación {id} no existe (o ya no existe): elegir otra</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/dataset/chart.py"/>
-        <source>Drag the line: images with less entropy (bits) are rejected.
-Arrow keys move it by {step}, with Shift by {shift}, Page keys by {page} bits.</source>
-        <translation>Arrastrar la línea: se rechazan las imágenes con menos entropía (bits).
-Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page} bits.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dataset/chart.py"/>
-        <source>Threshold {bits} bits</source>
-        <translation>Umbral {bits} bits</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dataset/chart.py"/>
-        <location filename="../../terrainav_plugin/viewer/details.py"/>
-        <source>{bits} bits</source>
-        <translation>{bits} bits</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dataset/charts.py"/>
-        <source>Entropy (bits)</source>
-        <translation>Entropía (bits)</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dataset/charts.py"/>
-        <source>Image, in the order of the flight</source>
-        <translation>Imagen, en el orden del vuelo</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dataset/charts.py"/>
-        <location filename="../../terrainav_plugin/dock/estimates.py"/>
-        <location filename="../../terrainav_plugin/processing/clean.py"/>
-        <source>Images</source>
-        <translation>Imágenes</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dataset/clean_panel.py"/>
-        <source> bits</source>
-        <translation> bits</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dataset/clean_panel.py"/>
-        <source>&amp;Image by image</source>
-        <translation>&amp;Imagen por imagen</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dataset/clean_panel.py"/>
-        <source>&amp;Threshold</source>
-        <translation>Umbra&amp;l</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dataset/clean_panel.py"/>
-        <source>&lt;b&gt;{kept}&lt;/b&gt; of {count} images kept, &lt;b&gt;{rejected}&lt;/b&gt; rejected ({percent} %)</source>
-        <translation>&lt;b&gt;{kept}&lt;/b&gt; de {count} imágenes se conservan, &lt;b&gt;{rejected}&lt;/b&gt; se rechazan ({percent} %)</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dataset/clean_panel.py"/>
-        <source>Choose the folder of a dataset.</source>
-        <translation>Elegir la carpeta de un conjunto de datos.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dataset/clean_panel.py"/>
-        <source>Cleaned before: {marked} images marked, {moved} files moved away.</source>
-        <translation>Limpiado antes: {marked} imágenes marcadas, {moved} archivos apartados.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dataset/clean_panel.py"/>
-        <source>Cross out the images on the map that would be rejected</source>
-        <translation>Tachar en el mapa las imágenes que se rechazarían</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dataset/clean_panel.py"/>
-        <source>Dataset &amp;folder</source>
-        <translation>Carpeta del con&amp;junto de datos</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dataset/clean_panel.py"/>
-        <source>Histo&amp;gram</source>
-        <translation>Hi&amp;stograma</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dataset/clean_panel.py"/>
-        <source>Images with less entropy are rejected: 0 bits is a single grey, 8 bits the most there can be</source>
-        <translation>Se rechazan las imágenes con menos entropía: 0 bits es un solo gris, 8 bits lo máximo que puede haber</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dataset/clean_panel.py"/>
-        <source>Map t&amp;ype</source>
-        <translation>&amp;Tipo de mapa</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dataset/clean_panel.py"/>
-        <source>Map type that is shown; cleaning is of all map types, each with this threshold</source>
-        <translation>Tipo de mapa que se muestra; se limpian todos los tipos de mapa, cada uno con este umbral</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dataset/clean_panel.py"/>
-        <source>Mar&amp;k</source>
-        <translation>M&amp;arcar</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dataset/clean_panel.py"/>
-        <source>Mark rejected images, and move their files to a folder “rejected” beside the others</source>
-        <translation>Marcar las imágenes rechazadas y mover sus archivos a una carpeta «rejected» junto a las demás</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dataset/clean_panel.py"/>
-        <source>Move &amp;away</source>
-        <translation>A&amp;partar</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dataset/clean_panel.py"/>
-        <source>Not cleaned yet.</source>
-        <translation>Sin limpiar todavía.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dataset/clean_panel.py"/>
-        <source>Note in the dataset's table which images are rejected, and why</source>
-        <translation>Anotar en la tabla del conjunto de datos qué imágenes se rechazan, y por qué</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dataset/clean_panel.py"/>
-        <source>Of a capture, or of images with a meta_data.csv beside them</source>
-        <translation>De una captura, o de imágenes con un meta_data.csv al lado</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dataset/clean_panel.py"/>
-        <source>On the map</source>
-        <translation>En el mapa</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dataset/clean_panel.py"/>
-        <location filename="../../terrainav_plugin/dock/imagery_entries.py"/>
-        <location filename="../../terrainav_plugin/viewer/viewer.py"/>
-        <source>Roadmap</source>
-        <translation>Callejero</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dataset/clean_panel.py"/>
-        <source>S&amp;uggest</source>
-        <translation>S&amp;ugerir</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dataset/clean_panel.py"/>
-        <location filename="../../terrainav_plugin/dock/imagery_entries.py"/>
-        <location filename="../../terrainav_plugin/viewer/viewer.py"/>
-        <source>Satellite</source>
-        <translation>Satélite</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dataset/clean_panel.py"/>
-        <source>Save pictures…</source>
-        <translation>Guardar gráficos…</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dataset/clean_panel.py"/>
-        <source>Stop</source>
-        <translation>Detener</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dataset/clean_panel.py"/>
-        <source>Stop; what is done so far can be finished, or undone</source>
-        <translation>Detener; lo hecho hasta ahora se puede terminar, o deshacer</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dataset/clean_panel.py"/>
-        <source>Take all marks away, and put all files back in their place</source>
-        <translation>Quitar todas las marcas y devolver todos los archivos a su sitio</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dataset/clean_panel.py"/>
-        <source>TerrAInav: clean dataset</source>
-        <translation>TerrAInav: limpiar conjunto de datos</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dataset/clean_panel.py"/>
-        <source>TerrAInav: dataset to be cleaned</source>
-        <translation>TerrAInav: conjunto de datos que limpiar</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dataset/clean_panel.py"/>
-        <location filename="../../terrainav_plugin/dock/estimates.py"/>
-        <location filename="../../terrainav_plugin/dock/imagery_entries.py"/>
-        <location filename="../../terrainav_plugin/viewer/viewer.py"/>
-        <source>Terrain</source>
-        <translation>Relieve</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dataset/clean_panel.py"/>
-        <source>The roadmap decides for all of them.</source>
-        <translation>Para todas decide el callejero.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dataset/clean_panel.py"/>
-        <source>The roadmap decides for {count} of them.</source>
-        <translation>Para {count} de ellas decide el callejero.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dataset/clean_panel.py"/>
-        <source>This dataset has no footprints: it cannot be shown on the map.</source>
-        <translation>Este conjunto de datos no tiene huellas: no se puede mostrar en el mapa.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dataset/clean_panel.py"/>
-        <source>Threshold in bits that parts the entropies in two groups best, by Otsu's method: the dotted line</source>
-        <translation>Umbral en bits que mejor separa las entropías en dos grupos, por el método de Otsu: la línea de puntos</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dataset/clean_panel.py"/>
-        <source>U&amp;ndo</source>
-        <translation>Des&amp;hacer</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dataset/clean_panel.py"/>
-        <source>Write both charts of every map type as PNG; needs the Python package matplotlib</source>
-        <translation>Escribir los dos gráficos de cada tipo de mapa en PNG; necesita el paquete de Python matplotlib</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dataset/clean_panel.py"/>
-        <source>{count} images could not be made.</source>
-        <translation>{count} imágenes no se pudieron hacer.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dataset/clean_task.py"/>
-        <source>Cleaning {name}</source>
-        <translation>Limpiando {name}</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dataset/clean_task.py"/>
-        <source>Pictures of {name}</source>
-        <translation>Gráficos de {name}</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dataset/clean_task.py"/>
-        <source>{moved} moved away.</source>
-        <translation>{moved} apartadas.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dataset/clean_task.py"/>
-        <source>{rejected} images are no longer marked, {returned} moved back.</source>
-        <translation>{rejected} imágenes ya no están marcadas, {returned} devueltas a su sitio.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dataset/clean_task.py"/>
-        <source>{rejected} of {images} images are marked as rejected.</source>
-        <translation>{rejected} de {images} imágenes están marcadas como rechazadas.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dataset/clean_task.py"/>
-        <source>{rejected} of {images} images of {count} map types are marked as rejected.</source>
-        <translation>{rejected} de {images} imágenes de {count} tipos de mapa están marcadas como rechazadas.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dataset/clean_task.py"/>
-        <source>{returned} moved back.</source>
-        <translation>{returned} devueltas a su sitio.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dataset/cleaning.py"/>
-        <location filename="../../terrainav_plugin/missions/plan_export.py"/>
-        <location filename="../../terrainav_plugin/runs/after.py"/>
-        <source>Open folder</source>
-        <translation>Abrir carpeta</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dataset/cleaning.py"/>
-        <source>Reading {name}…</source>
-        <translation>Leyendo {name}…</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dataset/cleaning.py"/>
-        <source>TerrAInav: folder for the pictures</source>
-        <translation>TerrAInav: carpeta para los gráficos</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dataset/cleaning.py"/>
-        <source>Update mosaic</source>
-        <translation>Actualizar mosaico</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dataset/cleaning.py"/>
-        <source>{count} pictures written to {folder}.</source>
-        <translation>{count} gráficos escritos en {folder}.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dataset/cleaning.py"/>
-        <source>{name}: stopped. Press the button again to finish, or Undo to put all back.</source>
-        <translation>{name}: detenido. Pulsar otra vez el botón para terminar, o Deshacer para devolverlo todo a su sitio.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dataset/examples.py"/>
-        <source>Just above: kept</source>
-        <translation>Justo por encima: se conservan</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dataset/examples.py"/>
-        <source>Just below: rejected</source>
-        <translation>Justo por debajo: se rechazan</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dataset/examples.py"/>
-        <source>{name}
-{bits} bits; press to show it on the map</source>
-        <translation>{name}
-{bits} bits; pulsar para verla en el mapa</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dataset/outlines.py"/>
-        <location filename="../../terrainav_plugin/viewer/footprint_file.py"/>
+        <location filename="../../terrainav_plugin/dataset/footprints.py"/>
         <source>footprints {path}: cannot be read ({reason})</source>
         <translation>huellas {path}: no se pueden leer ({reason})</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/dataset/outlines.py"/>
-        <location filename="../../terrainav_plugin/viewer/footprint_file.py"/>
-        <source>footprints: stopped</source>
-        <translation>huellas: detenido</translation>
+        <location filename="../../terrainav_plugin/dataset/footprints.py"/>
+        <source>it has changed</source>
+        <translation>ha cambiado</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/dataset/outlines.py"/>
+        <location filename="../../terrainav_plugin/dataset/footprints.py"/>
+        <source>it is none of a capture</source>
+        <translation>no es de ninguna captura</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/footprints.py"/>
         <source>the map's CRS cannot be drawn in ({reason})</source>
         <translation>en el SRC del mapa no se puede dibujar ({reason})</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/dock/add_source_dialog.py"/>
-        <source> a second</source>
-        <translation> por segundo</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/add_source_dialog.py"/>
-        <source>256 px</source>
-        <translation>256 px</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/add_source_dialog.py"/>
-        <source>512 px</source>
-        <translation>512 px</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/add_source_dialog.py"/>
-        <source>Address of the provider's terms of use</source>
-        <translation>Dirección de las condiciones de uso del proveedor</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/add_source_dialog.py"/>
-        <source>Address of the tiles with {z}, {x} and {y} or {-y}; {key} stands for an API key</source>
-        <translation>Dirección de las teselas con {z}, {x} e {y} o {-y}; {key} representa una clave API</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/add_source_dialog.py"/>
-        <location filename="../../terrainav_plugin/viewer/details.py"/>
-        <source>Attribution</source>
-        <translation>Atribución</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/add_source_dialog.py"/>
-        <source>Connections</source>
-        <translation>Conexiones</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/add_source_dialog.py"/>
-        <source>Credit that goes into every image's metadata</source>
-        <translation>Crédito que figura en los metadatos de cada imagen</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/add_source_dialog.py"/>
-        <source>Default date</source>
-        <translation>Fecha predeterminada</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/add_source_dialog.py"/>
-        <source>Highest zoom</source>
-        <translation>Zoom máximo</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/add_source_dialog.py"/>
-        <source>Highest zoom with detail of its own, 0 to 30</source>
-        <translation>Zoom máximo con detalle propio, de 0 a 30</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/add_source_dialog.py"/>
-        <source>Leave it ticked only where the provider's terms allow storing</source>
-        <translation>Dejarlo marcado solo si las condiciones del proveedor permiten almacenarlas</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/add_source_dialog.py"/>
-        <source>Licence</source>
-        <translation>Licencia</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/add_source_dialog.py"/>
-        <source>Licence of the imagery, such as CC BY 4.0</source>
-        <translation>Licencia de las imágenes, como CC BY 4.0</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/add_source_dialog.py"/>
-        <source>Name</source>
-        <translation>Nombre</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/add_source_dialog.py"/>
-        <source>Names it in missions and on the command line: lower-case letters and digits</source>
-        <translation>La identifica en las misiones y en la línea de órdenes: minúsculas y cifras</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/add_source_dialog.py"/>
+        <location filename="../../terrainav_plugin/dataset/layers.py"/>
         <location filename="../../terrainav_plugin/processing/capture.py"/>
-        <source>Requests</source>
-        <translation>Peticiones</translation>
+        <source>Captured images</source>
+        <translation>Imágenes capturadas</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/dock/add_source_dialog.py"/>
-        <source>Requests a second, as many as the provider allows</source>
-        <translation>Peticiones por segundo, tantas como permita el proveedor</translation>
+        <location filename="../../terrainav_plugin/dataset/layers.py"/>
+        <source>Failed images</source>
+        <translation>Imágenes fallidas</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/dock/add_source_dialog.py"/>
-        <source>Requests under way at once, as many as the provider allows</source>
-        <translation>Peticiones simultáneas, tantas como permita el proveedor</translation>
+        <location filename="../../terrainav_plugin/dataset/mosaic.py"/>
+        <source>Roadmap images</source>
+        <translation>Imágenes de callejero</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/dock/add_source_dialog.py"/>
-        <location filename="../../terrainav_plugin/dock/options_page.py"/>
-        <source>SHA-256 of tiles that show no imagery, 16 digits or more of each, with spaces between them</source>
-        <translation>SHA-256 de las teselas que no muestran imágenes, 16 dígitos o más de cada una, separados por espacios</translation>
+        <location filename="../../terrainav_plugin/dataset/mosaic.py"/>
+        <source>Satellite images</source>
+        <translation>Imágenes de satélite</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/dock/add_source_dialog.py"/>
-        <source>Terms</source>
-        <translation>Condiciones</translation>
+        <location filename="../../terrainav_plugin/dataset/mosaic.py"/>
+        <source>Terrain images</source>
+        <translation>Imágenes de relieve</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/dock/add_source_dialog.py"/>
-        <source>TerrAInav: add source</source>
-        <translation>TerrAInav: añadir fuente</translation>
+        <location filename="../../terrainav_plugin/dataset/mosaic.py"/>
+        <source>{title}, part {number}</source>
+        <translation>{title}, parte {number}</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/dock/add_source_dialog.py"/>
-        <source>Tile size</source>
-        <translation>Tamaño de tesela</translation>
+        <location filename="../../terrainav_plugin/dataset/picture.py"/>
+        <source>The image cannot be read: {reason}</source>
+        <translation>No se puede leer la imagen: {reason}</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/dock/add_source_dialog.py"/>
-        <source>Tiles may be kept in the cache</source>
-        <translation>Las teselas se pueden guardar en la caché</translation>
+        <location filename="../../terrainav_plugin/dataset/picture.py"/>
+        <source>There is no image (yet).</source>
+        <translation>No hay imagen (todavía).</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/dock/add_source_dialog.py"/>
-        <source>Title</source>
-        <translation>Título</translation>
+        <location filename="../../terrainav_plugin/dataset/placing.py"/>
+        <source>Open the picture ({map_type})</source>
+        <translation>Abrir la imagen ({map_type})</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/dock/add_source_dialog.py"/>
-        <location filename="../../terrainav_plugin/dock/options_page.py"/>
-        <location filename="../../terrainav_plugin/runs/after.py"/>
-        <source>Treat as missing</source>
-        <translation>Tratar como ausente</translation>
+        <location filename="../../terrainav_plugin/dataset/placing.py"/>
+        <source>yaw, tilt, roll: {angles}</source>
+        <translation>guiñada, inclinación, alabeo: {angles}</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/dock/add_source_dialog.py"/>
-        <location filename="../../terrainav_plugin/dock/imagery_entries.py"/>
-        <source>URL</source>
-        <translation>URL</translation>
+        <location filename="../../terrainav_plugin/form/area.py"/>
+        <source>1 hole</source>
+        <translation>1 hueco</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/dock/add_source_dialog.py"/>
-        <source>What you call it</source>
-        <translation>Cómo se la quiere llamar</translation>
+        <location filename="../../terrainav_plugin/form/area.py"/>
+        <source>Box, {size}</source>
+        <translation>Recuadro, {size}</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/dock/add_source_dialog.py"/>
-        <source>What {date} in the address stands for where no date is asked for</source>
-        <translation>Lo que representa {date} en la dirección cuando no se pide ninguna fecha</translation>
+        <location filename="../../terrainav_plugin/form/area.py"/>
+        <source>Polygon</source>
+        <translation>Polígono</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/dock/add_source_dialog.py"/>
-        <source>Width and height of a tile</source>
-        <translation>Anchura y altura de una tesela</translation>
+        <location filename="../../terrainav_plugin/form/area.py"/>
+        <source>Single capture</source>
+        <translation>Captura única</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/dock/add_source_dialog.py"/>
-        <source>must be lower-case letters, digits, hyphens and underscores, at most 64</source>
-        <translation>debe constar de minúsculas, cifras, guiones y guiones bajos, 64 como máximo</translation>
+        <location filename="../../terrainav_plugin/form/area.py"/>
+        <source>each with its yaw</source>
+        <translation>cada uno con su guiñada</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/dock/add_source_dialog.py"/>
-        <location filename="../../terrainav_plugin/dock/cache_dialog.py"/>
-        <location filename="../../terrainav_plugin/dock/service_dialog.py"/>
-        <source>sources</source>
-        <translation>fuentes</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/add_source_dialog.py"/>
-        <source>“{name}” is taken; choose another name</source>
-        <translation>«{name}» ya está en uso; elegir otro nombre</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_dialogs.py"/>
-        <source>&amp;All</source>
-        <translation>&amp;Todos</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_dialogs.py"/>
-        <source>&amp;Height of all</source>
-        <translation>&amp;Altura de todos</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_dialogs.py"/>
-        <source>&amp;Layer</source>
-        <translation>&amp;Capa</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_dialogs.py"/>
-        <source>&amp;Select on the map</source>
-        <translation>Seleccionar en el ma&amp;pa</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_dialogs.py"/>
-        <source>&amp;Selected ({n})</source>
-        <translation>&amp;Seleccionados ({n})</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_dialogs.py"/>
-        <source>&amp;Unit of heights</source>
-        <translation>&amp;Unidad de las alturas</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_dialogs.py"/>
-        <source>&amp;Yaw from field</source>
-        <translation>&amp;Guiñada del campo</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_dialogs.py"/>
-        <source>1 polygon is selected.</source>
-        <translation>Hay 1 polígono seleccionado.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_dialogs.py"/>
-        <source>An attribute holds each point's height above ground (AGL), in the unit below</source>
-        <translation>Un atributo contiene la altura de cada punto sobre el terreno (AGL), en la unidad de abajo</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_dialogs.py"/>
-        <source>Area from a selected polygon</source>
-        <translation>Área de un polígono seleccionado</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_dialogs.py"/>
-        <source>Click a polygon of this layer on the map; it becomes the area</source>
-        <translation>Haga clic en un polígono de esta capa en el mapa; será el área</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_dialogs.py"/>
-        <source>Degrees clockwise from north; empty: the mission's own yaw</source>
-        <translation>Grados en sentido horario desde el norte; vacío: la guiñada de la propia misión</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_dialogs.py"/>
-        <source>Features</source>
-        <translation>Objetos espaciales</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_dialogs.py"/>
-        <source>Features that become pictures</source>
-        <translation>Objetos espaciales que se convierten en imágenes</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_dialogs.py"/>
-        <source>Height above the ground (AGL) in the unit below</source>
-        <translation>Altura sobre el terreno (AGL) en la unidad de abajo</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_dialogs.py"/>
-        <source>Height from &amp;field</source>
-        <translation>Altura del ca&amp;mpo</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_dialogs.py"/>
-        <source>It has one polygon, which is taken.</source>
-        <translation>Tiene un solo polígono, que es el que se toma.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_dialogs.py"/>
-        <source>Layer of this project, in any CRS</source>
-        <translation>Capa de este proyecto, en cualquier SRC</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_dialogs.py"/>
-        <source>Metres or international feet</source>
-        <translation>Metros o pies internacionales</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_dialogs.py"/>
-        <source>Nothing is selected in it: press “Select on the map”, then click one polygon.</source>
-        <translation>No hay nada seleccionado en ella: pulse «Seleccionar en el mapa» y haga clic en un polígono.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_dialogs.py"/>
-        <source>Numbers above 0, in the unit below</source>
-        <translation>Números mayores que 0, en la unidad de abajo</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_dialogs.py"/>
-        <source>One picture above each point ({crs}).</source>
-        <translation>Una imagen sobre cada punto ({crs}).</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_dialogs.py"/>
-        <source>Points of a layer</source>
-        <translation>Puntos de una capa</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_dialogs.py"/>
-        <source>The project has no layer of polygons: add one, or draw a box instead.</source>
-        <translation>El proyecto no tiene ninguna capa de polígonos: añada una, o dibuje un recuadro en su lugar.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_dialogs.py"/>
-        <source>The project has no such layer.</source>
-        <translation>El proyecto no tiene ninguna capa de este tipo.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_dialogs.py"/>
-        <source>The same height above ground (AGL) for all points</source>
-        <translation>La misma altura sobre el terreno (AGL) para todos los puntos</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_dialogs.py"/>
-        <source>The smallest box of longitudes and latitudes around it ({crs}).</source>
-        <translation>El menor recuadro de longitudes y latitudes que la contiene ({crs}).</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_dialogs.py"/>
-        <location filename="../../terrainav_plugin/dock/area_form.py"/>
-        <location filename="../../terrainav_plugin/dock/flight_entries.py"/>
-        <source>ft</source>
-        <translation>ft</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_dialogs.py"/>
-        <location filename="../../terrainav_plugin/dock/area_form.py"/>
-        <location filename="../../terrainav_plugin/dock/flight_entries.py"/>
-        <source>m</source>
-        <translation>m</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_dialogs.py"/>
-        <source>no CRS</source>
-        <translation>sin SRC</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_dialogs.py"/>
-        <source>{n} polygons are selected.</source>
-        <translation>Hay {n} polígonos seleccionados.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_editing.py"/>
-        <location filename="../../terrainav_plugin/dock/area_entries.py"/>
-        <source>make it a box</source>
-        <translation>convertir en recuadro</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_editing.py"/>
-        <source>paste coordinates</source>
-        <translation>pegar coordenadas</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_entries.py"/>
-        <location filename="../../terrainav_plugin/map/preview_layers.py"/>
-        <source>Area</source>
-        <translation>Área</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_entries.py"/>
-        <source>Coordinates pasted here fill all fields: north_west_south_east_agl, lat_lon_agl, or lines of lat lon agl [yaw]. An edge typed makes a polygon or points a box.</source>
-        <translation>Las coordenadas pegadas aquí rellenan todos los campos: norte_oeste_sur_este_agl, lat_lon_agl o líneas de lat lon agl [guiñada]. Al teclear un borde, un polígono o unos puntos pasan a ser un recuadro.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_entries.py"/>
-        <source>Draw &amp;box</source>
-        <translation>Dib&amp;ujar recuadro</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_entries.py"/>
-        <source>E</source>
-        <translation>E</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_entries.py"/>
-        <source>Eastern edge: longitude in degrees</source>
-        <translation>Borde oriental: longitud en grados</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_entries.py"/>
-        <source>Move</source>
-        <translation>Mover</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_entries.py"/>
-        <source>Move the area on the map: drag inside it, or drag the edges and corners of a box; arrow keys move it by a pixel of the screen, with Shift by ten; Esc ends it. Corners of polygons are moved with QGIS's own tools, in their layer.</source>
-        <translation>Mover el área en el mapa: arrastrar dentro de ella, o arrastrar los bordes y esquinas de un recuadro; las teclas de flecha la mueven un píxel de pantalla, con Mayús diez; Esc termina. Los vértices de los polígonos se mueven con las herramientas de QGIS, en su capa.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_entries.py"/>
-        <source>N</source>
-        <translation>N</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_entries.py"/>
-        <source>No change of the area to redo</source>
-        <translation>No hay ningún cambio del área que rehacer</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_entries.py"/>
-        <source>No change of the area to undo</source>
-        <translation>No hay ningún cambio del área que deshacer</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_entries.py"/>
-        <source>Northern edge: latitude in degrees, up to 90</source>
-        <translation>Borde norte: latitud en grados, hasta 90</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_entries.py"/>
-        <location filename="../../terrainav_plugin/dock/area_menu.py"/>
-        <source>Press, drag and release on the map</source>
-        <translation>Pulsar, arrastrar y soltar en el mapa</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_entries.py"/>
-        <source>Redo: {step} ({keys})</source>
-        <translation>Rehacer: {step} ({keys})</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_entries.py"/>
-        <source>S</source>
-        <translation>S</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_entries.py"/>
-        <source>Size on the ground: width along its middle parallel, height along a meridian</source>
-        <translation>Tamaño sobre el terreno: anchura a lo largo de su paralelo medio, altura a lo largo de un meridiano</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_entries.py"/>
-        <source>Southern edge: latitude in degrees, down to -90</source>
-        <translation>Borde sur: latitud en grados, hasta -90</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_entries.py"/>
-        <source>The edge typed made it a box; undo brings the shape back.</source>
-        <translation>El borde tecleado la ha convertido en un recuadro; deshacer recupera la forma.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_entries.py"/>
-        <source>The edges are those of the box around it. Typing one makes the area a box.</source>
-        <translation>Los bordes son los del recuadro que la contiene. Al teclear uno, el área pasa a ser un recuadro.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_entries.py"/>
-        <source>Undo: {step} ({keys})</source>
-        <translation>Deshacer: {step} ({keys})</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_entries.py"/>
-        <source>W</source>
-        <translation>O</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_entries.py"/>
-        <source>Western edge: longitude in degrees; greater than the eastern one across the antimeridian</source>
-        <translation>Borde occidental: longitud en grados; mayor que la oriental a través del antimeridiano</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_entries.py"/>
-        <source>degrees</source>
-        <translation>grados</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_history.py"/>
-        <source>type the eastern edge</source>
-        <translation>teclear el borde oriental</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_history.py"/>
-        <source>type the northern edge</source>
-        <translation>teclear el borde norte</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_history.py"/>
-        <source>type the southern edge</source>
-        <translation>teclear el borde sur</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_history.py"/>
-        <source>type the western edge</source>
-        <translation>teclear el borde occidental</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_menu.py"/>
-        <location filename="../../terrainav_plugin/plugin.py"/>
-        <source>&amp;Draw box</source>
-        <translation>&amp;Dibujar recuadro</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_menu.py"/>
-        <source>&amp;Map canvas extent</source>
-        <translation>&amp;Extensión del lienzo del mapa</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_menu.py"/>
-        <source>&amp;Paste coordinates</source>
-        <translation>&amp;Pegar coordenadas</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_menu.py"/>
-        <source>&amp;Single capture here…</source>
-        <translation>Captura ú&amp;nica aquí…</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_menu.py"/>
-        <source>&amp;Text file of points…</source>
-        <translation>Archivo de &amp;texto con puntos…</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_menu.py"/>
-        <source>Area &amp;from</source>
-        <translation>Área de&amp;sde</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_menu.py"/>
-        <source>Click a point on the map: the mission is one picture, straight above it</source>
-        <translation>Pulsar un punto del mapa: la misión es una sola imagen, en su vertical</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_menu.py"/>
-        <source>Extent of a &amp;layer…</source>
-        <translation>Extensión de una &amp;capa…</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_menu.py"/>
-        <source>From the clipboard: north_west_south_east_agl, lat_lon_agl, or lines of lat lon agl [yaw]; heights in the unit chosen</source>
-        <translation>Del portapapeles: norte_oeste_sur_este_agl, lat_lon_agl o líneas de lat lon agl [guiñada]; alturas en la unidad elegida</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_menu.py"/>
-        <source>Lines of “lat lon agl [yaw]”, in degrees and the unit chosen for the height</source>
-        <translation>Líneas de «lat lon agl [guiñada]», en grados y en la unidad elegida para la altura</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_menu.py"/>
-        <source>Make it a &amp;box</source>
-        <translation>Convertir en &amp;recuadro</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_menu.py"/>
-        <source>One picture above each point, with heights (AGL) and yaws from fields</source>
-        <translation>Una imagen sobre cada punto, con alturas (AGL) y guiñadas tomadas de campos</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_menu.py"/>
-        <source>One selected polygon, with its holes; pictures that do not touch it are left out</source>
-        <translation>Un polígono seleccionado, con sus huecos; las imágenes que no lo tocan se omiten</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_menu.py"/>
-        <source>Other ways to an area: the map, a layer, a file, the clipboard, a click</source>
-        <translation>Otras formas de obtener un área: el mapa, una capa, un archivo, el portapapeles, una pulsación</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_menu.py"/>
-        <source>P&amp;oints of a layer…</source>
-        <translation>P&amp;untos de una capa…</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_menu.py"/>
-        <source>Selected pol&amp;ygon…</source>
-        <translation>Polí&amp;gono seleccionado…</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_menu.py"/>
-        <source>The box around a layer</source>
-        <translation>El recuadro que contiene una capa</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_menu.py"/>
-        <source>The box around the polygon or the points, instead of them</source>
-        <translation>El recuadro que contiene el polígono o los puntos, en lugar de ellos</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_menu.py"/>
-        <source>The box of what the map shows now</source>
-        <translation>El recuadro de lo que muestra ahora el mapa</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_shape.py"/>
-        <source>the area's shape cannot be read: {error}</source>
-        <translation>no se puede leer la forma del área: {error}</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_shape.py"/>
-        <source>the area's shape is a box: must be a polygon or points</source>
-        <translation>la forma del área es un recuadro: debe ser un polígono o puntos</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/area_text.py"/>
+        <location filename="../../terrainav_plugin/form/area.py"/>
         <source>give every point a yaw, or none</source>
         <translation>dar una guiñada a cada punto, o a ninguno</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/dock/area_text.py"/>
+        <location filename="../../terrainav_plugin/form/area.py"/>
         <source>line {number}:</source>
         <translation>línea {number}:</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/dock/area_text.py"/>
+        <location filename="../../terrainav_plugin/form/area.py"/>
+        <source>the area's shape cannot be read: {error}</source>
+        <translation>no se puede leer la forma del área: {error}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/area.py"/>
+        <source>the area's shape is a box: must be a polygon or points</source>
+        <translation>la forma del área es un recuadro: debe ser un polígono o puntos</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/area.py"/>
+        <location filename="../../terrainav_plugin/preview/layers.py"/>
+        <source>yaw {yaw}°</source>
+        <translation>guiñada {yaw}°</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/area.py"/>
         <source>yaw “{text}”: must be a number of degrees</source>
         <translation>guiñada «{text}»: debe ser un número de grados</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/dock/area_text.py"/>
+        <location filename="../../terrainav_plugin/form/area.py"/>
+        <source>{n} corners</source>
+        <translation>{n} vértices</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/area.py"/>
+        <source>{n} holes</source>
+        <translation>{n} huecos</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/area.py"/>
+        <source>{n} points</source>
+        <translation>{n} puntos</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/area.py"/>
         <source>“{line}” has {count} numbers; several lines must be of lat lon agl [yaw]</source>
         <translation>«{line}» tiene {count} números; si hay varias líneas, deben ser de lat lon agl [guiñada]</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/dock/cache_dialog.py"/>
-        <source>Clear all</source>
-        <translation>Vaciar todo</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/cache_dialog.py"/>
-        <source>Clear selected</source>
-        <translation>Vaciar lo seleccionado</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/cache_dialog.py"/>
-        <location filename="../../terrainav_plugin/dock/imagery_entries.py"/>
-        <location filename="../../terrainav_plugin/dock/refusals.py"/>
-        <source>Date</source>
-        <translation>Fecha</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/cache_dialog.py"/>
-        <source>Map type</source>
-        <translation>Tipo de mapa</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/cache_dialog.py"/>
-        <location filename="../../terrainav_plugin/viewer/details.py"/>
-        <source>Size</source>
-        <translation>Tamaño</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/cache_dialog.py"/>
-        <location filename="../../terrainav_plugin/dock/imagery_entries.py"/>
-        <location filename="../../terrainav_plugin/dock/keys_table.py"/>
-        <location filename="../../terrainav_plugin/viewer/details.py"/>
-        <source>Source</source>
-        <translation>Fuente</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/cache_dialog.py"/>
-        <source>TerrAInav: cache</source>
-        <translation>TerrAInav: caché</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/cache_dialog.py"/>
-        <location filename="../../terrainav_plugin/dock/estimates.py"/>
-        <source>Tiles</source>
-        <translation>Teselas</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/cache_dialog.py"/>
-        <source>{size} freed.</source>
-        <translation>{size} liberados.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/cache_dialog.py"/>
-        <source>{size} of at most {limit} in {folder}</source>
-        <translation>{size} de un máximo de {limit} en {folder}</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/camera_choices.py"/>
-        <source>Sensor {width} × {height} mm, focal length {focal} mm</source>
-        <translation>Sensor de {width} × {height} mm, distancia focal de {focal} mm</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/camera_choices.py"/>
-        <source>Source: {source}</source>
-        <translation>Fuente: {source}</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/camera_choices.py"/>
-        <source>The real camera's pictures: {width} × {height} px</source>
-        <translation>Imágenes de la cámara real: {width} × {height} px</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/camera_choices.py"/>
-        <source>The values entered make no camera: put right what is marked, and save then.</source>
-        <translation>Los valores introducidos no forman una cámara: corregir lo marcado y guardar después.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/camera_choices.py"/>
-        <source>{name}: {degrees}° across the diagonal</source>
-        <translation>{name}: {degrees}° en diagonal</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/camera_entries.py"/>
-        <source>Aspect ra&amp;tio</source>
-        <translation>Relación de as&amp;pecto</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/camera_entries.py"/>
-        <source>C&amp;amera</source>
-        <translation>Cámar&amp;a</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/camera_entries.py"/>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>Camera</source>
-        <translation>Cámara</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/camera_entries.py"/>
-        <source>Diagonal</source>
-        <translation>Diagonal</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/camera_entries.py"/>
-        <source>F&amp;ield of view</source>
-        <translation>Campo de vis&amp;ión</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/camera_entries.py"/>
-        <source>Field of view across the picture's diagonal, in degrees</source>
-        <translation>Campo de visión en la diagonal de la imagen, en grados</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/camera_entries.py"/>
-        <source>Field of view across the picture's width or height, as chosen beside, in degrees</source>
-        <translation>Campo de visión a lo ancho o a lo alto de la imagen, según lo elegido al lado, en grados</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/camera_entries.py"/>
-        <source>Fills in field of view (degrees), aspect ratio and the image's longer side (px)</source>
-        <translation>Rellena campo de visión (grados), relación de aspecto y lado mayor de la imagen (px)</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/camera_entries.py"/>
-        <source>Focal length</source>
-        <translation>Distancia focal</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/camera_entries.py"/>
-        <source>Focal length of the lens in millimetres: the real one, not that for full frame</source>
-        <translation>Distancia focal del objetivo en milímetros: la real, no la equivalente en formato completo</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/camera_entries.py"/>
-        <source>Height of the sensor in millimetres</source>
-        <translation>Altura del sensor en milímetros</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/camera_entries.py"/>
-        <source>Horizontal</source>
-        <translation>Horizontal</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/camera_entries.py"/>
-        <source>Image's lo&amp;nger side</source>
-        <translation>&amp;Lado mayor de la imagen</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/camera_entries.py"/>
-        <source>Name of the camera with the values entered:</source>
-        <translation>Nombre de la cámara con los valores introducidos:</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/camera_entries.py"/>
-        <source>Own values</source>
-        <translation>Valores propios</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/camera_entries.py"/>
-        <source>Picture width to height, without unit: 4:3, 4000x3000 or 1.333</source>
-        <translation>Anchura entre altura de la imagen, sin unidad: 4:3, 4000x3000 o 1.333</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/camera_entries.py"/>
-        <source>Pixels (px) along the longer side of the camera's image: the source's pixels are taken that come nearest to the camera's. Cameras by name bring their own.</source>
-        <translation>Píxeles (px) en el lado mayor de la imagen de la cámara: se toman los píxeles de la fuente más próximos a los de la cámara. Las cámaras con nombre traen los suyos.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/camera_entries.py"/>
-        <source>Remove this camera</source>
-        <translation>Eliminar esta cámara</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/camera_entries.py"/>
-        <source>Save camera</source>
-        <translation>Guardar cámara</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/camera_entries.py"/>
-        <source>Save the values entered as a camera of your own, or remove one</source>
-        <translation>Guardar los valores introducidos como cámara propia, o eliminar una</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/camera_entries.py"/>
-        <source>Save these values as…</source>
-        <translation>Guardar estos valores como…</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/camera_entries.py"/>
-        <source>Sensor</source>
-        <translation>Sensor</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/camera_entries.py"/>
-        <source>Vertical</source>
-        <translation>Vertical</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/camera_entries.py"/>
-        <source>What the field of view is given by: degrees across the picture's diagonal, width or height, or focal length and sensor in mm. Choosing another shows the same camera in its numbers.</source>
-        <translation>Con qué se da el campo de visión: grados en la diagonal, la anchura o la altura de la imagen, o distancia focal y sensor en mm. Al elegir otro se muestra la misma cámara en sus números.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/camera_entries.py"/>
-        <source>Width of the sensor in millimetres</source>
-        <translation>Anchura del sensor en milímetros</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/dock.py"/>
-        <source>Capture</source>
-        <translation>Capturar</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/dock.py"/>
-        <source>Click a point on the map and capture one image there</source>
-        <translation>Pulsar un punto del mapa y capturar allí una imagen</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/dock.py"/>
-        <source>Estimates</source>
-        <translation>Estimación</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/dock.py"/>
-        <source>Help</source>
-        <translation>Ayuda</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/dock.py"/>
-        <location filename="../../terrainav_plugin/dock/options_page.py"/>
-        <location filename="../../terrainav_plugin/processing/algorithm.py"/>
-        <source>Missions</source>
-        <translation>Misiones</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/dock.py"/>
-        <source>Missions of this project, mission files and datasets: open, save, begin</source>
-        <translation>Misiones de este proyecto, archivos de misión y conjuntos de datos: abrir, guardar, empezar</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/dock.py"/>
-        <source>No area yet.</source>
-        <translation>Aún no hay área.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/dock.py"/>
-        <location filename="../../terrainav_plugin/help.py"/>
-        <source>Open the guide</source>
-        <translation>Abrir la guía</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/dock.py"/>
-        <source>Preview</source>
-        <translation>Vista previa</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/dock.py"/>
-        <source>Show every planned image on the map</source>
-        <translation>Mostrar en el mapa todas las imágenes planificadas</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/dock.py"/>
-        <source>TerrAInav mission</source>
-        <translation>Misión de TerrAInav</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/dock.py"/>
-        <location filename="../../terrainav_plugin/runs/words.py"/>
-        <source>Test shot</source>
-        <translation>Toma de prueba</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/dock.py"/>
-        <source>Write all images; goes on where an earlier run was stopped</source>
-        <translation>Escribir todas las imágenes; continúa donde se detuvo una ejecución anterior</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/dock_sections.py"/>
-        <source>Accuracy</source>
-        <translation>Exactitud</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/dock_sections.py"/>
-        <location filename="../../terrainav_plugin/dock/figures.py"/>
-        <location filename="../../terrainav_plugin/dock/refusals.py"/>
-        <source>Allow enlarged pixels</source>
-        <translation>Permitir píxeles ampliados</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/dock_sections.py"/>
-        <source>Also set: {text}</source>
-        <translation>También definido: {text}</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/dock_sections.py"/>
-        <source>Also take zooms above the finest that the source has pixels of its own for. Pictures get more pixels (px), and show nothing more.</source>
-        <translation>Tomar también zooms superiores al más fino para el que la fuente tiene píxeles propios. Las imágenes tienen más píxeles (px), pero no muestran nada más.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/dock_sections.py"/>
-        <source>Attitude, ground and time</source>
-        <translation>Actitud, terreno y hora</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/dock_sections.py"/>
-        <source>Automatic</source>
-        <translation>Automático</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/dock_sections.py"/>
-        <source>Bicubic</source>
-        <translation>Bicúbico</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/dock_sections.py"/>
-        <source>Bilinear</source>
-        <translation>Bilineal</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/dock_sections.py"/>
-        <source>Camera frame (as seen)</source>
-        <translation>Encuadre de cámara (como se ve)</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/dock_sections.py"/>
-        <source>Degrees the camera is rolled about its line of sight, right side down (-180 to 180)</source>
-        <translation>Grados que la cámara gira en torno a su línea de visión, lado derecho hacia abajo (-180 a 180)</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/dock_sections.py"/>
-        <source>Degrees the view is lifted from straight down (0) towards the picture's top edge; 90 looks level (-180 to 180)</source>
-        <translation>Grados que la vista se levanta desde la vertical (0) hacia el borde superior de la imagen; 90 mira al horizonte (-180 a 180)</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/dock_sections.py"/>
-        <source>Direction of the picture's top edge, in degrees clockwise from north (-360 to 360); counted from the grid's own north where a grid angle turns the rows</source>
-        <translation>Dirección del borde superior de la imagen, en grados en sentido horario desde el norte (-360 a 360); se cuenta desde el norte de la cuadrícula cuando un ángulo de cuadrícula gira las pasadas</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/dock_sections.py"/>
-        <source>Direction the wind blows from, in degrees clockwise from north</source>
-        <translation>Dirección desde la que sopla el viento, en grados en sentido horario desde el norte</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/dock_sections.py"/>
-        <location filename="../../terrainav_plugin/dock/refusals.py"/>
-        <source>Error budget</source>
-        <translation>Error admisible</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/dock_sections.py"/>
-        <source>From</source>
-        <translation>Desde</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/dock_sections.py"/>
-        <location filename="../../terrainav_plugin/dock/refusals.py"/>
-        <source>Go on beyond the budget</source>
-        <translation>Seguir aunque se supere el error</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/dock_sections.py"/>
-        <source>Grey</source>
-        <translation>Grises</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/dock_sections.py"/>
-        <source>Ground height</source>
-        <translation>Altura del terreno</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/dock_sections.py"/>
-        <location filename="../../terrainav_plugin/dock/estimates.py"/>
-        <source>Ground per px</source>
-        <translation>Terreno por px</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/dock_sections.py"/>
-        <source>Ground that a pixel of the source is to show, in metres; the zoom nearest to it is taken</source>
-        <translation>Terreno que debe mostrar un píxel de la fuente, en metros; se toma el zoom más próximo</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/dock_sections.py"/>
-        <source>Gusts move and turn the camera at every exposure: pictures are then as the camera really sees them</source>
-        <translation>Las ráfagas mueven y giran la cámara en cada exposición: las imágenes son entonces como las ve realmente la cámara</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/dock_sections.py"/>
-        <source>Height of the ground above the WGS84 ellipsoid, in metres (-12,000 to 9,000)</source>
-        <translation>Altura del terreno sobre el elipsoide WGS84, en metros (-12 000 a 9000)</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/dock_sections.py"/>
-        <source>Height of the resized pictures in pixels (px)</source>
-        <translation>Altura de las imágenes redimensionadas en píxeles (px)</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/dock_sections.py"/>
-        <source>How camera frames take their values between the source's pixels, from 1 px to 6 px across; map frames are not resampled</source>
-        <translation>Cómo toman los encuadres de cámara sus valores entre los píxeles de la fuente, de 1 px a 6 px de lado; los encuadres de mapa no se remuestrean</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/dock_sections.py"/>
-        <source>Lanczos</source>
-        <translation>Lanczos</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/dock_sections.py"/>
-        <location filename="../../terrainav_plugin/dock/refusals.py"/>
-        <source>Longest side</source>
-        <translation>Lado mayor</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/dock_sections.py"/>
-        <source>Map frame (north-up)</source>
-        <translation>Encuadre de mapa (norte arriba)</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/dock_sections.py"/>
-        <source>Map frame: a window of the source's own pixels, for cameras that look straight down. Camera frame: the picture as the camera sees it. Automatic: a map frame where its error in px fits the budget.</source>
-        <translation>Encuadre de mapa: una ventana de los propios píxeles de la fuente, para cámaras que miran en vertical. Encuadre de cámara: la imagen como la ve la cámara. Automático: un encuadre de mapa si su error en px cabe en el admisible.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/dock_sections.py"/>
-        <source>Mean wind at flight height, in metres a second; below the airspeed</source>
-        <translation>Viento medio a la altura de vuelo, en metros por segundo; menor que la velocidad aérea</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/dock_sections.py"/>
-        <source>Most that the errors of all steps may add up to, in pixels of the planned image, by their bounds; above 0. The cheapest methods that fit are used.</source>
-        <translation>Máximo que pueden sumar los errores de todos los pasos, en píxeles de la imagen planificada, según sus cotas; mayor que 0. Se usan los métodos más económicos que caben.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/dock_sections.py"/>
-        <source>Nearest pixel</source>
-        <translation>Píxel más próximo</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/dock_sections.py"/>
-        <source>No picture gets a longer side than so many pixels (px; of a source's 256 px tiles): where one would, a coarser zoom is taken for all</source>
-        <translation>Ninguna imagen tendrá un lado mayor de tantos píxeles (px, de teselas de 256 px): si alguna lo tuviera, se toma para todas un zoom más grueso</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/dock_sections.py"/>
-        <source>Pictures</source>
-        <translation>Imágenes</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/dock_sections.py"/>
-        <source>Pixels</source>
-        <translation>Píxeles</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/dock_sections.py"/>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>Resampling</source>
-        <translation>Remuestreo</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/dock_sections.py"/>
-        <source>Resize every picture to the width and height below, in pixels (px)</source>
-        <translation>Redimensionar todas las imágenes a la anchura y altura de abajo, en píxeles (px)</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/dock_sections.py"/>
-        <location filename="../../terrainav_plugin/dock/refusals.py"/>
-        <source>Resize pictures</source>
-        <translation>Redimensionar</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/dock_sections.py"/>
-        <source>Roll</source>
-        <translation>Alabeo</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/dock_sections.py"/>
-        <source>Settings of the mission's file that this panel has no entries for</source>
-        <translation>Ajustes del archivo de la misión para los que este panel no tiene campos</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/dock_sections.py"/>
-        <location filename="../../terrainav_plugin/dock/refusals.py"/>
-        <source>Source's ground per px</source>
-        <translation>Terreno por px de la fuente</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/dock_sections.py"/>
-        <source>Source's pixels</source>
-        <translation>Píxeles de la fuente</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/dock_sections.py"/>
-        <source>Speed</source>
-        <translation>Velocidad</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/dock_sections.py"/>
-        <source>Start</source>
-        <translation>Inicio</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/dock_sections.py"/>
-        <source>Strength of the gusts: their standard deviation over the mean wind, without unit; about 0.1 over water, 0.2 over fields, 0 for a steady wind</source>
-        <translation>Intensidad de las ráfagas: su desviación típica entre el viento medio, sin unidad; cerca de 0.1 sobre el agua, 0.2 sobre campos, 0 con viento constante</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/dock_sections.py"/>
-        <source>Tilt</source>
-        <translation>Inclinación</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/dock_sections.py"/>
-        <source>Time of the first image, in UTC as 2024-06-21T10:30:00Z: the clock of the simulated flight</source>
-        <translation>Hora de la primera imagen, en UTC como 2024-06-21T10:30:00Z: el reloj del vuelo simulado</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/dock_sections.py"/>
-        <source>To</source>
-        <translation>A</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/dock_sections.py"/>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>Turbulence</source>
-        <translation>Turbulencia</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/dock_sections.py"/>
-        <source>Where no methods fit the budget (px), take the most accurate ones instead of refusing</source>
-        <translation>Si ningún método cabe en el error admisible (px), tomar los más exactos en lugar de rechazar la misión</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/dock_sections.py"/>
-        <source>Which of the source's pixels make the pictures. Automatic: those that come nearest to the camera's, whose ground per px follows from the height and the image's longer side.</source>
-        <translation>Con qué píxeles de la fuente se hacen las imágenes. Automático: los más próximos a los de la cámara, cuyo terreno por px resulta de la altura y del lado mayor de la imagen.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/dock_sections.py"/>
-        <source>Width of the resized pictures in pixels (px)</source>
-        <translation>Anchura de las imágenes redimensionadas en píxeles (px)</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/dock_sections.py"/>
-        <source>Wind</source>
-        <translation>Viento</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/dock_sections.py"/>
-        <source>Write one channel of grey values instead of three of colours (without unit)</source>
-        <translation>Escribir un canal de valores de gris en lugar de tres de color (sin unidad)</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/dock_sections.py"/>
-        <source>Yaw</source>
-        <translation>Guiñada</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/dock_sections.py"/>
-        <location filename="../../terrainav_plugin/dock/refusals.py"/>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <location filename="../../terrainav_plugin/viewer/details.py"/>
-        <source>Zoom</source>
-        <translation>Zoom</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/dock_sections.py"/>
-        <source>Zoom level of the source, without unit: each one has pixels half the size of the one before</source>
-        <translation>Nivel de zoom de la fuente, sin unidad: cada uno tiene píxeles de la mitad del tamaño que el anterior</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/dock_sections.py"/>
-        <source>forget</source>
-        <translation>olvidar</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/dock_sections.py"/>
-        <source>no limit</source>
-        <translation>sin límite</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/estimates.py"/>
-        <source>, which is exceeded</source>
-        <translation>, que se supera</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/estimates.py"/>
-        <source>100 % of {area}</source>
-        <translation>100 % de {area}</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/estimates.py"/>
-        <source>100 % of {area}, but for missing imagery</source>
-        <translation>100 % de {area}, salvo donde faltan imágenes</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/estimates.py"/>
-        <source>; not {name}: {reason}</source>
-        <translation>; no {name}: {reason}</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/estimates.py"/>
-        <source>Condition number</source>
-        <translation>Número de condición</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/estimates.py"/>
-        <source>Cost</source>
-        <translation>Coste</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/estimates.py"/>
-        <source>Coverage</source>
-        <translation>Cobertura</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/estimates.py"/>
-        <source>Download</source>
-        <translation>Descarga</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/estimates.py"/>
-        <source>Error</source>
-        <translation>Error</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/estimates.py"/>
-        <location filename="../../terrainav_plugin/dock/flight_entries.py"/>
-        <source>Flight</source>
-        <translation>Vuelo</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/estimates.py"/>
-        <location filename="../../terrainav_plugin/dock/imagery_entries.py"/>
-        <source>Imagery</source>
-        <translation>Fuente de imágenes</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/estimates.py"/>
-        <source>Left out</source>
-        <translation>Se omite</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/estimates.py"/>
-        <source>Limit</source>
-        <translation>Límite</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/estimates.py"/>
-        <source>Methods</source>
-        <translation>Métodos</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/estimates.py"/>
-        <source>No {what}</source>
-        <translation>Sin {what}</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/estimates.py"/>
-        <source>On disk</source>
-        <translation>En disco</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/estimates.py"/>
-        <location filename="../../terrainav_plugin/dock/flight_entries.py"/>
-        <source>Overlap</source>
-        <translation>Solape</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/estimates.py"/>
-        <source>Picture</source>
-        <translation>Imagen</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/estimates.py"/>
-        <location filename="../../terrainav_plugin/viewer/details.py"/>
-        <source>Time</source>
-        <translation>Tiempo</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/estimates.py"/>
-        <source>about {duration}</source>
-        <translation>unos {duration}</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/estimates.py"/>
-        <source>about {size} in {count} tiles</source>
-        <translation>unos {size} en {count} teselas</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/estimates.py"/>
-        <source>at least {shares}</source>
-        <translation>al menos {shares}</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/estimates.py"/>
-        <source>being timed…</source>
-        <translation>midiendo…</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/estimates.py"/>
-        <source>front {share}</source>
-        <translation>longitudinal {share}</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/estimates.py"/>
-        <source>nothing ({count} tiles from this computer)</source>
-        <translation>nada ({count} teselas de este equipo)</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/estimates.py"/>
-        <source>requested {requested}, delivered {delivered}</source>
-        <translation>pedido {requested}, entregado {delivered}</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/estimates.py"/>
-        <source>side {share}</source>
-        <translation>transversal {share}</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/estimates.py"/>
-        <source>the source has imagery of {share} of the area</source>
-        <translation>la fuente tiene imágenes del {share} del área</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/estimates.py"/>
-        <source>the source's own pixels are {source}: the picture has no more detail than that</source>
-        <translation>los píxeles propios de la fuente son de {source}: la imagen no tiene más detalle</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/estimates.py"/>
-        <source>without limit at the horizon</source>
-        <translation>sin límite en el horizonte</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/estimates.py"/>
-        <source>{count} h</source>
-        <translation>{count} h</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/estimates.py"/>
-        <source>{count} min</source>
-        <translation>{count} min</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/estimates.py"/>
-        <source>{count} of the {most} requests that the provider allows</source>
-        <translation>{count} de las {most} peticiones que permite el proveedor</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/estimates.py"/>
-        <source>{count} requests, more than the {most} that pass freely: Capture asks you to agree to the terms</source>
-        <translation>{count} peticiones, más que las {most} que se permiten sin más: Capturar le pide que acepte las condiciones</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/estimates.py"/>
-        <source>{count} requests, more than the {most} that the provider allows: take a smaller area, coarser pixels or another source</source>
-        <translation>{count} peticiones, más que las {most} que permite el proveedor: tome un área menor, píxeles más gruesos u otra fuente</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/estimates.py"/>
-        <source>{count} s</source>
-        <translation>{count} s</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/estimates.py"/>
-        <source>{count}, each fetched once</source>
-        <translation>{count}, cada una pedida una vez</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/estimates.py"/>
-        <source>{distance}, {duration}</source>
-        <translation>{distance}, {duration}</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/estimates.py"/>
-        <source>{images} in {rows} rows</source>
-        <translation>{images} en {rows} pasadas</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/estimates.py"/>
-        <source>{name}, ≤ {px} px, {metres} on the ground</source>
-        <translation>{name}, ≤ {px} px, {metres} sobre el terreno</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/estimates.py"/>
-        <source>{share} % of {area}; {uncovered} left out</source>
-        <translation>{share} % de {area}; {uncovered} sin cubrir</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/estimates.py"/>
-        <source>{stage}: {name}, ≤ {px} px</source>
-        <translation>{stage}: {name}, ≤ {px} px</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/estimates.py"/>
-        <source>{text}, for each of {count} map types</source>
-        <translation>{text}, para cada uno de {count} tipos de mapa</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/estimates.py"/>
-        <source>{width} × {height} px at zoom {zoom}</source>
-        <translation>{width} × {height} px con zoom {zoom}</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/estimates.py"/>
-        <source>≤ {bound} px of a budget of {budget} px</source>
-        <translation>≤ {bound} px de {budget} px admisibles</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/figures.py"/>
-        <location filename="../../terrainav_plugin/messages.py"/>
-        <source>Details</source>
-        <translation>Detalles</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/figures.py"/>
-        <source>Picture size, methods with their error bounds, and what is left out</source>
-        <translation>Tamaño de la imagen, métodos con sus cotas de error y lo que se omite</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/figures.py"/>
-        <source>Put right what is marked above.</source>
-        <translation>Corregir lo marcado arriba.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/figures.py"/>
-        <source>The source has no finer pixels of its own here.</source>
-        <translation>La fuente no tiene aquí píxeles propios más finos.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/flight_entries.py"/>
-        <source>&amp;Ground per px</source>
-        <translation>&amp;Terreno por px</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/flight_entries.py"/>
-        <source>Airspeed</source>
-        <translation>Velocidad aérea</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/flight_entries.py"/>
-        <source>Cover (no gaps)</source>
-        <translation>Cubrir (sin huecos)</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/flight_entries.py"/>
-        <source>Cover: rows that leave nothing out. Paper: the grid in UTM as published.</source>
-        <translation>Cubrir: pasadas que no dejan nada fuera. Artículo: la cuadrícula en UTM tal como se publicó.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/flight_entries.py"/>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>Crosshatch</source>
-        <translation>Cuadrícula cruzada</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/flight_entries.py"/>
-        <source>Degrees the rows are turned clockwise from east (-180 to 180); the pictures turn with them. Points have no rows.</source>
-        <translation>Grados que las pasadas se giran en sentido horario desde el este (-180 a 180); las imágenes giran con ellas. Los puntos no tienen pasadas.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/flight_entries.py"/>
-        <source>Fly the area a second time, in rows across the first ones: about twice the images</source>
-        <translation>Volar el área por segunda vez, en pasadas que cruzan las primeras: cerca del doble de imágenes</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/flight_entries.py"/>
-        <source>Front overlap: share of a picture that the next one along the flight line shows again, in percent</source>
-        <translation>Solape longitudinal: parte de una imagen que la siguiente de la línea de vuelo vuelve a mostrar, en tanto por ciento</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/flight_entries.py"/>
-        <source>Grid angle</source>
-        <translation>Ángulo de cuadrícula</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/flight_entries.py"/>
-        <source>Ground sample distance of the camera: the ground that one pixel of an image with the longer side of the camera shows, straight down, in centimetres (inches with feet) per px. Height and ground sample distance follow each other; the one typed last stays. How fine the source's own pixels are is in the estimates.</source>
-        <translation>Distancia de muestreo del terreno (GSD) de la cámara: el terreno que muestra un píxel de una imagen con el lado mayor de la cámara, en vertical, en centímetros (pulgadas con los pies) por px. La altura y la distancia de muestreo se siguen la una a la otra; se mantiene la última tecleada. La finura de los píxeles de la fuente figura en la estimación.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/flight_entries.py"/>
-        <source>Height above gro&amp;und</source>
-        <translation>Altura sobre el terre&amp;no</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/flight_entries.py"/>
-        <source>Height above the ground (AGL), in metres or feet as chosen beside</source>
-        <translation>Altura sobre el terreno (AGL), en metros o pies según lo elegido al lado</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/flight_entries.py"/>
-        <source>La&amp;yout</source>
-        <translation>&amp;Disposición</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/flight_entries.py"/>
-        <source>Metres or international feet: for the height, and for the lengths and areas of the estimates</source>
-        <translation>Metros o pies internacionales: para la altura, y para las longitudes y superficies de la estimación</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/flight_entries.py"/>
-        <source>One way</source>
-        <translation>Un solo sentido</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/flight_entries.py"/>
-        <source>Order</source>
-        <translation>Orden</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/flight_entries.py"/>
-        <source>Paper (UTM grid)</source>
-        <translation>Artículo (cuadrícula UTM)</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/flight_entries.py"/>
-        <source>Serpentine (to and fro)</source>
-        <translation>En zigzag (ida y vuelta)</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/flight_entries.py"/>
-        <source>Serpentine: every other row is flown back. One way: every row is flown from its beginning.</source>
-        <translation>En zigzag: una de cada dos pasadas se vuela de vuelta. Un solo sentido: cada pasada se vuela desde su comienzo.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/flight_entries.py"/>
-        <source>Side overlap: share of a picture that the next flight line shows again, in percent</source>
-        <translation>Solape transversal: parte de una imagen que la siguiente línea de vuelo vuelve a mostrar, en tanto por ciento</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/flight_entries.py"/>
-        <source>Speed of the flight through the air, in metres a second (0.1 to 340)</source>
-        <translation>Velocidad del vuelo respecto al aire, en metros por segundo (0.1 a 340)</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/flight_entries.py"/>
-        <source>With {px} px along the image's longer side this is {height} above ground. To fly higher, enter more under “Image's longer side” of the camera.</source>
-        <translation>Con {px} px en el lado mayor de la imagen, son {height} sobre el suelo. Para volar más alto, introduzca más en «Lado mayor de la imagen» de la cámara.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/flight_entries.py"/>
-        <source>cm</source>
-        <translation>cm</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/flight_entries.py"/>
-        <source>front</source>
-        <translation>longitudinal</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/flight_entries.py"/>
-        <source>in</source>
-        <translation>in</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/flight_entries.py"/>
-        <source>side</source>
-        <translation>transversal</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/guide_window.py"/>
-        <source>TerrAInav: guide</source>
-        <translation>TerrAInav: guía</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/imagery_entries.py"/>
-        <source>API key</source>
-        <translation>Clave API</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/imagery_entries.py"/>
-        <source>API key, kept in QGIS's authentication database as the password of a configuration</source>
-        <translation>Clave API, guardada en la base de datos de autenticación de QGIS como contraseña de una configuración</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/imagery_entries.py"/>
-        <source>Add a source by URL, open a file, and more</source>
-        <translation>Añadir una fuente por URL, abrir un archivo y más</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/imagery_entries.py"/>
-        <source>Add source by URL…</source>
-        <translation>Añadir fuente por URL…</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/imagery_entries.py"/>
-        <source>Add this source to the map as background and zoom to the area</source>
-        <translation>Añadir esta fuente al mapa como fondo y hacer zoom al área</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/imagery_entries.py"/>
-        <source>Address of the tiles with {z}, {x} and {y} or {-y}; also {s}, {q}, {r}, {map_type}, {date}</source>
-        <translation>Dirección de las teselas con {z}, {x} e {y} o {-y}; también {s}, {q}, {r}, {map_type}, {date}</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/imagery_entries.py"/>
-        <source>Authentication</source>
-        <translation>Autenticación</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/imagery_entries.py"/>
-        <source>Cache…</source>
-        <translation>Caché…</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/imagery_entries.py"/>
-        <source>Date of the imagery, as the server takes it</source>
-        <translation>Fecha de las imágenes, como la acepta el servidor</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/imagery_entries.py"/>
-        <source>Date of the imagery: {dates}</source>
-        <translation>Fecha de las imágenes: {dates}</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/imagery_entries.py"/>
-        <source>How QGIS authenticates requests to this source; a configuration of its authentication database</source>
-        <translation>Cómo autentica QGIS las peticiones a esta fuente; una configuración de su base de datos de autenticación</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/imagery_entries.py"/>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>Map types</source>
-        <translation>Tipos de mapa</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/imagery_entries.py"/>
-        <source>Open raster or MBTiles file…</source>
-        <translation>Abrir archivo ráster o MBTiles…</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/imagery_entries.py"/>
-        <source>Raster or MBTiles file</source>
-        <translation>Archivo ráster o MBTiles</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/imagery_entries.py"/>
-        <source>Rasters and tiles ({endings});;All files (*)</source>
-        <translation>Rásteres y teselas ({endings});;Todos los archivos (*)</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/imagery_entries.py"/>
-        <source>Remove this source</source>
-        <translation>Eliminar esta fuente</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/imagery_entries.py"/>
-        <source>Show on map</source>
-        <translation>Ver en el mapa</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/imagery_entries.py"/>
-        <source>URL template</source>
-        <translation>Plantilla de URL</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/imagery_entries.py"/>
-        <source>URL template…</source>
-        <translation>Plantilla de URL…</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/imagery_entries.py"/>
-        <source>Where the pictures come from; type a part of its name to find it</source>
-        <translation>De dónde vienen las imágenes; teclear parte de su nombre para encontrarla</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/imagery_entries.py"/>
-        <source>date</source>
-        <translation>fecha</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/keys_table.py"/>
-        <source>Authentication configuration</source>
-        <translation>Configuración de autenticación</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/keys_table.py"/>
-        <source>Configuration for {title}</source>
-        <translation>Configuración de {title}</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/keys_table.py"/>
-        <source>Sources that need a key or are authenticated, and the configurations that hold it</source>
-        <translation>Fuentes que necesitan una clave o autenticación, y las configuraciones que la contienen</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/mission_form.py"/>
+        <location filename="../../terrainav_plugin/form/mission_form.py"/>
         <source>aspect ratio</source>
         <translation>relación de aspecto</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/dock/mission_form.py"/>
+        <location filename="../../terrainav_plugin/form/mission_form.py"/>
         <source>eastern edge</source>
         <translation>borde oriental</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/dock/mission_form.py"/>
+        <location filename="../../terrainav_plugin/form/mission_form.py"/>
         <source>ground per px: must be above 0</source>
         <translation>terreno por px: debe ser mayor que 0</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/dock/mission_form.py"/>
+        <location filename="../../terrainav_plugin/form/mission_form.py"/>
         <source>height above ground {height} {unit}: must be above 0</source>
         <translation>altura sobre el terreno {height} {unit}: debe ser mayor que 0</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/dock/mission_form.py"/>
+        <location filename="../../terrainav_plugin/form/mission_form.py"/>
         <source>northern edge</source>
         <translation>borde norte</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/dock/mission_form.py"/>
+        <location filename="../../terrainav_plugin/form/mission_form.py"/>
         <source>overlap {percent} %: must be at least 0 and below 100 %</source>
         <translation>solape {percent} %: debe ser al menos 0 y menor que 100 %</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/dock/mission_form.py"/>
+        <location filename="../../terrainav_plugin/form/mission_form.py"/>
         <source>southern edge</source>
         <translation>borde sur</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/dock/mission_form.py"/>
+        <location filename="../../terrainav_plugin/form/mission_form.py"/>
         <source>western edge</source>
         <translation>borde occidental</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/dock/mission_form.py"/>
+        <location filename="../../terrainav_plugin/form/mission_form.py"/>
         <source>{what} “{text}”: must be a number</source>
         <translation>{what} «{text}»: debe ser un número</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/dock/options_page.py"/>
-        <source>A key is the password of a Basic configuration in QGIS's authentication database, which is encrypted. Only the id of the configuration is kept here; no project, mission or layer holds a key.</source>
-        <translation>Una clave es la contraseña de una configuración de autenticación básica en la base de datos de autenticación de QGIS, que está cifrada. Aquí solo se guarda el identificador de la configuración; ningún proyecto, misión o capa contiene una clave.</translation>
+        <location filename="../../terrainav_plugin/form/refusals.py"/>
+        <location filename="../../terrainav_plugin/panel/figures.py"/>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>Allow enlarged pixels</source>
+        <translation>Permitir píxeles ampliados</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/dock/options_page.py"/>
-        <source>At most</source>
-        <translation>Como máximo</translation>
+        <location filename="../../terrainav_plugin/form/refusals.py"/>
+        <location filename="../../terrainav_plugin/panel/imagery.py"/>
+        <location filename="../../terrainav_plugin/panel/options_page.py"/>
+        <source>Date</source>
+        <translation>Fecha</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/dock/options_page.py"/>
-        <source>Beyond it the tiles that were used longest ago go, in MB</source>
-        <translation>Al superarlo se borran las teselas usadas hace más tiempo, en MB</translation>
+        <location filename="../../terrainav_plugin/form/refusals.py"/>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>Error budget</source>
+        <translation>Error admisible</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/dock/options_page.py"/>
-        <source>Cache of tiles</source>
-        <translation>Caché de teselas</translation>
+        <location filename="../../terrainav_plugin/form/refusals.py"/>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>Go on beyond the budget</source>
+        <translation>Seguir aunque se supere el error</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/dock/options_page.py"/>
-        <source>Connections at once</source>
-        <translation>Conexiones simultáneas</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/options_page.py"/>
-        <source>Everything but the keys, which stay as they are</source>
-        <translation>Todo salvo las claves, que se mantienen</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/options_page.py"/>
-        <source>Feet (international)</source>
-        <translation>Pies (internacionales)</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/options_page.py"/>
-        <source>Folder for backgrounds</source>
-        <translation>Carpeta de los fondos</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/options_page.py"/>
-        <source>Folder for missions</source>
-        <translation>Carpeta de las misiones</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/options_page.py"/>
-        <source>Folder of the cache</source>
-        <translation>Carpeta de la caché</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/options_page.py"/>
-        <source>Heights in</source>
-        <translation>Alturas en</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/options_page.py"/>
-        <source>Keys and authentication</source>
-        <translation>Claves y autenticación</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/options_page.py"/>
-        <source>Look at it or clear it…</source>
-        <translation>Ver o vaciar…</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/options_page.py"/>
-        <source>Metres</source>
-        <translation>Metros</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/options_page.py"/>
-        <source>New missions are captured into folders below this one</source>
-        <translation>Las misiones nuevas se capturan en carpetas dentro de esta</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/options_page.py"/>
-        <source>Not kept: {problem}</source>
-        <translation>No se ha guardado: {problem}</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/options_page.py"/>
-        <source>Pictures of the synthetic landscape that are shown as background</source>
-        <translation>Imágenes del paisaje sintético que se muestran como fondo</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/options_page.py"/>
-        <source>Requests under way at once; fewer where a provider says so</source>
-        <translation>Peticiones simultáneas; menos donde un proveedor lo indica</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/options_page.py"/>
-        <source>Reset to defaults</source>
-        <translation>Restablecer valores predeterminados</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/options_page.py"/>
-        <source>Shows what is in the cache, and clears some or all of it</source>
-        <translation>Muestra lo que hay en la caché, y la vacía en parte o del todo</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/options_page.py"/>
-        <source>Tiles that providers let keep: what is there is not asked for again</source>
-        <translation>Teselas que los proveedores dejan guardar: lo que está en ella no se vuelve a pedir</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/options_page.py"/>
-        <source>Unit of heights above ground: m or ft</source>
-        <translation>Unidad de las alturas sobre el terreno: m o ft</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/options_page.py"/>
-        <source>settings</source>
-        <translation>configuración</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/options_page.py"/>
-        <source>{folder}: cannot be a folder ({reason})</source>
-        <translation>{folder}: no puede ser una carpeta ({reason})</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/options_page.py"/>
-        <source>{folder}: cannot be written to; choose another</source>
-        <translation>{folder}: no se puede escribir en ella; elegir otra</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/options_page.py"/>
-        <source>{folder}: must be a whole path, such as {example}</source>
-        <translation>{folder}: debe ser una ruta completa, como {example}</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/options_page.py"/>
-        <source>{folder}: {file} is a file; choose a folder</source>
-        <translation>{folder}: {file} es un archivo; elegir una carpeta</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/output_entries.py"/>
-        <source>Folder</source>
-        <translation>Carpeta</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/output_entries.py"/>
-        <source>Folder for the pictures</source>
-        <translation>Carpeta para las imágenes</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/output_entries.py"/>
-        <source>Folder for the pictures; its last part names the mission on the map</source>
-        <translation>Carpeta para las imágenes; su última parte da nombre a la misión en el mapa</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/output_entries.py"/>
-        <source>Format</source>
-        <translation>Formato</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/output_entries.py"/>
-        <source>Format of the pictures; all three know their coordinate reference system</source>
-        <translation>Formato de las imágenes; los tres conocen su sistema de referencia de coordenadas</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/output_entries.py"/>
-        <source>GeoTIFF (lossless)</source>
-        <translation>GeoTIFF (sin pérdida)</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/output_entries.py"/>
-        <source>JPEG (smaller)</source>
-        <translation>JPEG (menor)</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/output_entries.py"/>
-        <source>Output</source>
-        <translation>Salida</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/output_entries.py"/>
-        <source>PNG</source>
-        <translation>PNG</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/refusals.py"/>
+        <location filename="../../terrainav_plugin/form/refusals.py"/>
         <source>Image's longer side</source>
         <translation>Lado mayor de la imagen</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/dock/refusals.py"/>
+        <location filename="../../terrainav_plugin/form/refusals.py"/>
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
         <source>Layout</source>
         <translation>Disposición</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/dock/refusals.py"/>
+        <location filename="../../terrainav_plugin/form/refusals.py"/>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>Longest side</source>
+        <translation>Lado mayor</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/refusals.py"/>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>Resize pictures</source>
+        <translation>Redimensionar</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/refusals.py"/>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>Source's ground per px</source>
+        <translation>Terreno por px de la fuente</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/refusals.py"/>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <location filename="../../terrainav_plugin/results/viewer.py"/>
+        <source>Zoom</source>
+        <translation>Zoom</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/refusals.py"/>
         <source>“Most images” of the algorithm “Plan a mission”, or max_images in the mission's file</source>
         <translation>«Máximo de imágenes» del algoritmo «Planificar una misión», o max_images en el archivo de la misión</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/dock/refusals.py"/>
+        <location filename="../../terrainav_plugin/form/refusals.py"/>
         <source>“{entry}”</source>
         <translation>«{entry}»</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/dock/run_row.py"/>
-        <source>Cancel; images that are finished are kept</source>
-        <translation>Cancelar; las imágenes terminadas se conservan</translation>
+        <location filename="../../terrainav_plugin/help.py"/>
+        <location filename="../../terrainav_plugin/panel/dock.py"/>
+        <source>Open the guide</source>
+        <translation>Abrir la guía</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/dock/run_row.py"/>
-        <source>Capture only the failed images again</source>
-        <translation>Capturar de nuevo solo las imágenes fallidas</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/run_row.py"/>
-        <source>Clean this dataset of images with too little to see</source>
-        <translation>Limpiar este conjunto de datos de imágenes con demasiado poco que ver</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/run_row.py"/>
-        <source>Open the folder of the images</source>
-        <translation>Abrir la carpeta de las imágenes</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/run_row.py"/>
-        <source>Pause: hold this capture in its place</source>
-        <translation>Pausa: dejar esta captura donde está</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/run_row.py"/>
-        <source>Resume this capture</source>
-        <translation>Reanudar esta captura</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/run_row.py"/>
-        <source>Take this capture off the list; its images stay</source>
-        <translation>Quitar esta captura de la lista; sus imágenes se quedan</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/run_row.py"/>
-        <source>Zoom the map to this mission</source>
-        <translation>Hacer zoom a esta misión en el mapa</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/service_dialog.py"/>
-        <source>Asking the service…</source>
-        <translation>Consultando el servicio…</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/service_dialog.py"/>
-        <source>Asking {name} for its layers</source>
-        <translation>Consultando a {name} por sus capas</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/service_dialog.py"/>
-        <source>Layers that the service offers</source>
-        <translation>Capas que ofrece el servicio</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/service_dialog.py"/>
-        <source>Part of a layer's title or name</source>
-        <translation>Parte del título o nombre de una capa</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/service_dialog.py"/>
-        <source>Search</source>
-        <translation>Buscar</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/service_dialog.py"/>
-        <source>TerrAInav: layer of {name}</source>
-        <translation>TerrAInav: capa de {name}</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/service_dialog.py"/>
-        <source>The key in its address will be kept in QGIS's authentication database.</source>
-        <translation>La clave de su dirección se guardará en la base de datos de autenticación de QGIS.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/service_dialog.py"/>
-        <source>nothing was answered</source>
-        <translation>no hubo respuesta</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/service_dialog.py"/>
-        <source>{count} layers</source>
-        <translation>{count} capas</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/service_dialog.py"/>
-        <source>{layer} ({service})</source>
-        <translation>{layer} ({service})</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/source_choices.py"/>
-        <source> (own detail to {native})</source>
-        <translation> (detalle propio hasta {native})</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/source_choices.py"/>
-        <source>A service of many layers: choose it, then one of them, which is kept with your own sources.</source>
-        <translation>Un servicio de muchas capas: elegirlo y después una de ellas, que se guarda con las fuentes propias.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/source_choices.py"/>
-        <source>Computed on this computer, for any place; no limits.</source>
-        <translation>Calculado en este equipo, para cualquier lugar; sin límites.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/source_choices.py"/>
-        <source>Connection that is not there</source>
-        <translation>Conexión que no existe</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/source_choices.py"/>
-        <source>Drawn by QGIS as the map shows it, and read from where the layer's data are.</source>
-        <translation>Dibujado por QGIS como lo muestra el mapa, y leído de donde están los datos de la capa.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/source_choices.py"/>
-        <source>Its terms are not known here: they are yours to check.</source>
-        <translation>Sus condiciones no se conocen aquí: corresponde al usuario comprobarlas.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/source_choices.py"/>
-        <source>Layer that is not there</source>
-        <translation>Capa que no existe</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/source_choices.py"/>
-        <source>Licence not stated</source>
-        <translation>Licencia no indicada</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/source_choices.py"/>
-        <source>any number of requests</source>
-        <translation>cualquier número de peticiones</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/source_choices.py"/>
-        <source>at most {count} requests</source>
-        <translation>{count} peticiones como máximo</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/source_choices.py"/>
-        <source>kept in the cache</source>
-        <translation>se guarda en la caché</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/source_choices.py"/>
-        <source>more than {count} requests after agreeing to the terms</source>
-        <translation>más de {count} peticiones tras aceptar las condiciones</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/source_choices.py"/>
-        <source>not kept in the cache</source>
-        <translation>no se guarda en la caché</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/source_choices.py"/>
-        <source>terms</source>
-        <translation>condiciones</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/source_choices.py"/>
-        <source>zoom {least} to {most}</source>
-        <translation>zoom {least} a {most}</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/source_choices.py"/>
-        <source>{count} connections</source>
-        <translation>{count} conexiones</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/source_choices.py"/>
-        <source>{name}…</source>
-        <translation>{name}…</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/source_choices.py"/>
-        <source>{rate} requests a second</source>
-        <translation>{rate} peticiones por segundo</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/source_combo.py"/>
-        <source>Catalogue: one country</source>
-        <translation>Catálogo: un país</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/source_combo.py"/>
-        <source>Catalogue: worldwide</source>
-        <translation>Catálogo: todo el mundo</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/source_combo.py"/>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>Files</source>
-        <translation>Archivos</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/source_combo.py"/>
-        <source>Other</source>
-        <translation>Otras</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/source_combo.py"/>
-        <source>QGIS connections: WMS and WMTS</source>
-        <translation>Conexiones de QGIS: WMS y WMTS</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/source_combo.py"/>
-        <source>QGIS connections: XYZ tiles</source>
-        <translation>Conexiones de QGIS: teselas XYZ</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/source_combo.py"/>
-        <source>This project</source>
-        <translation>Este proyecto</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/source_combo.py"/>
-        <source>Your own sources</source>
-        <translation>Fuentes propias</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/source_shelf.py"/>
-        <source>Remove “{title}” from your sources? Captured images stay.</source>
-        <translation>¿Eliminar «{title}» de las fuentes propias? Las imágenes capturadas se quedan.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/source_shelf.py"/>
-        <source>Some of your own sources are left out: {reason}</source>
-        <translation>Algunas de las fuentes propias se omiten: {reason}</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/source_shelf.py"/>
-        <source>TerrAInav: remove source</source>
-        <translation>TerrAInav: eliminar fuente</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/units.py"/>
-        <source>{count} acres</source>
-        <translation>{count} acres</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dock/units.py"/>
-        <source>{count} sq mi</source>
-        <translation>{count} mi²</translation>
+        <location filename="../../terrainav_plugin/help.py"/>
+        <source>TerrAInav: guide</source>
+        <translation>TerrAInav: guía</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/i18n.py"/>
@@ -2547,328 +1459,17 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>español</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/layers/connections.py"/>
-        <source>QGIS connection “{name}” holds a user name and password in plain text: give it an authentication configuration in QGIS's Browser panel</source>
-        <translation>La conexión de QGIS «{name}» contiene usuario y contraseña en texto sin cifrar: darle una configuración de autenticación en el panel Navegador de QGIS</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/layers/connections.py"/>
-        <source>QGIS connection “{name}” holds keys in its address ({keys}), which would end up in files: take them out of it, and give it an authentication configuration in QGIS's Browser panel</source>
-        <translation>La conexión de QGIS «{name}» contiene claves en su dirección ({keys}), que acabarían en archivos: quitarlas de ella y darle una configuración de autenticación en el panel Navegador de QGIS</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/layers/connections.py"/>
-        <source>QGIS connection “{name}”: {problem}</source>
-        <translation>Conexión de QGIS «{name}»: {problem}</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/layers/connections.py"/>
-        <source>source {name}: QGIS has no such XYZ connection (any more); choose another source</source>
-        <translation>fuente {name}: QGIS no tiene (o ya no tiene) tal conexión XYZ; elegir otra fuente</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/layers/snapshot.py"/>
-        <source>Whole map</source>
-        <translation>Mapa completo</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/layers/snapshot.py"/>
-        <source>layer {name}: its pixels have no size</source>
-        <translation>capa {name}: sus píxeles no tienen tamaño</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/layers/snapshot.py"/>
-        <source>layer {name}: its place on the globe is not known; set its CRS</source>
-        <translation>capa {name}: no se conoce su lugar en el globo; definir su SRC</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/layers/snapshot.py"/>
-        <source>layer {name}: shows nothing; repair its data source</source>
-        <translation>capa {name}: no muestra nada; reparar su fuente de datos</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/layers/snapshot.py"/>
-        <source>source {name}: the project has no such layer (any more); choose another source</source>
-        <translation>fuente {name}: el proyecto no tiene (o ya no tiene) tal capa; elegir otra fuente</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/layers/snapshot.py"/>
-        <source>the map shows no layer: tick one in the Layers panel</source>
-        <translation>el mapa no muestra ninguna capa: marcar una en el panel Capas</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/layers/tiles.py"/>
-        <source>layer {name}: its service has tiles of {size} px; choose a layer with tiles of 256, 512 or 1024 px</source>
-        <translation>capa {name}: su servicio tiene teselas de {size} px; elegir una capa con teselas de 256, 512 o 1024 px</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/area_control.py"/>
-        <source>Click one polygon of “{layer}” on the map.</source>
-        <translation>Haga clic en un polígono de «{layer}» en el mapa.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/area_control.py"/>
-        <source>Extent of a layer</source>
-        <translation>Extensión de una capa</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/area_control.py"/>
-        <source>No area was taken.</source>
-        <translation>No se ha tomado ningún área.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/area_control.py"/>
-        <source>No area: {reason}</source>
-        <translation>Sin área: {reason}</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/area_control.py"/>
-        <source>Text file of points: lat lon agl [yaw]</source>
-        <translation>Archivo de texto con puntos: lat lon agl [guiñada]</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/area_control.py"/>
-        <source>Text files (*.txt *.csv *.dat);;All files (*)</source>
-        <translation>Archivos de texto (*.txt *.csv *.dat);;Todos los archivos (*)</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/area_control.py"/>
-        <source>draw box</source>
-        <translation>dibujar recuadro</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/area_control.py"/>
-        <source>extent of {layer}</source>
-        <translation>extensión de {layer}</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/area_control.py"/>
-        <source>map canvas extent</source>
-        <translation>extensión del lienzo del mapa</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/area_control.py"/>
-        <source>points of {layer}</source>
-        <translation>puntos de {layer}</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/area_control.py"/>
-        <source>polygon of {layer}</source>
-        <translation>polígono de {layer}</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/area_control.py"/>
-        <source>single capture</source>
-        <translation>captura única</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/area_control.py"/>
-        <source>text file</source>
-        <translation>archivo de texto</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/area_control.py"/>
-        <source>the clipboard holds no text; copy coordinates first</source>
-        <translation>el portapapeles no contiene texto; copiar antes unas coordenadas</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/area_layers.py"/>
-        <source>feature {id}</source>
-        <translation>objeto {id}</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/area_layers.py"/>
-        <source>no point is there to be taken: select some, or take all of the layer</source>
-        <translation>no hay ningún punto que tomar: seleccionar algunos, o tomar todos los de la capa</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/area_layers.py"/>
-        <source>no polygon is selected: select exactly one in its layer</source>
-        <translation>no hay ningún polígono seleccionado: seleccionar exactamente uno en su capa</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/area_layers.py"/>
-        <source>{count} polygons are selected, and an area is one: select only that one, or join them first (Vector &gt; Geoprocessing Tools &gt; Dissolve)</source>
-        <translation>hay {count} polígonos seleccionados, y un área es uno: seleccionar solo ese, o unirlos antes (Vectorial &gt; Herramientas de geoproceso &gt; Disolver)</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/area_layers.py"/>
-        <source>{feature} goes around a pole: an area's edges must close without that; cut it</source>
-        <translation>{feature} rodea un polo: los bordes de un área deben cerrarse sin ello; cortarlo</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/area_layers.py"/>
-        <source>{feature} has an edge through a pole or across the edge of its map: cut it</source>
-        <translation>{feature} tiene un lado que pasa por un polo o cruza el borde de su mapa: cortarlo</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/area_layers.py"/>
-        <source>{feature} has no geometry: give it a point, or leave it out</source>
-        <translation>{feature} no tiene geometría: darle un punto u omitirlo</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/area_layers.py"/>
-        <source>{feature} has no geometry: select one that has</source>
-        <translation>{feature} no tiene geometría: seleccionar uno que la tenga</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/area_layers.py"/>
-        <source>{feature} has {count} parts, and an area is one: take it apart first (Vector &gt; Geometry Tools &gt; Multipart to Singleparts) and select one of them</source>
-        <translation>{feature} tiene {count} partes, y un área es una: separarlas antes (Vectorial &gt; Herramientas de geometría &gt; Multiparte a monoparte) y seleccionar una de ellas</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/area_layers.py"/>
-        <source>{feature} is no point: take a layer of points</source>
-        <translation>{feature} no es un punto: tomar una capa de puntos</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/area_layers.py"/>
-        <source>{feature} is no polygon: select one that is</source>
-        <translation>{feature} no es un polígono: seleccionar uno que lo sea</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/area_layers.py"/>
-        <source>{feature} is no sound polygon, {what}: repair it first (Processing: Fix geometries)</source>
-        <translation>{feature} no es un polígono válido, {what}: repararlo antes (Procesos: Corregir geometrías)</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/area_layers.py"/>
-        <source>{feature}: height in “{field}”</source>
-        <translation>{feature}: altura en «{field}»</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/area_layers.py"/>
-        <source>{feature}: yaw in “{field}”</source>
-        <translation>{feature}: guiñada en «{field}»</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/area_layers.py"/>
-        <source>{feature}: {x}, {y} is outside the domain of {crs}</source>
-        <translation>{feature}: {x}, {y} está fuera del dominio de {crs}</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/area_layers.py"/>
-        <source>{what} is empty (NULL): must be a number</source>
-        <translation>{what} está vacío (NULL): debe ser un número</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/area_layers.py"/>
-        <source>{what} is {value} m: must be above 0</source>
-        <translation>{what} es {value} m: debe ser mayor que 0</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/area_layers.py"/>
-        <source>{what} is {value}°: must be from -360 to 360</source>
-        <translation>{what} es {value}°: debe estar entre -360 y 360</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/area_layers.py"/>
-        <source>{what} is “{value}”: must be a number</source>
-        <translation>{what} es «{value}»: debe ser un número</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/area_reading.py"/>
-        <source>Reading the area</source>
-        <translation>Leyendo el área</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/area_reading.py"/>
-        <source>layer “{name}” has no CRS: set it in the layer's properties</source>
-        <translation>la capa «{name}» no tiene SRC: definirlo en las propiedades de la capa</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/area_reading.py"/>
-        <source>layer “{name}” is empty: it has no extent</source>
-        <translation>la capa «{name}» está vacía: no tiene extensión</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/area_tool.py"/>
-        <source>drag an edge</source>
-        <translation>arrastrar un borde</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/area_tool.py"/>
-        <source>move by arrow keys</source>
-        <translation>mover con las teclas de flecha</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/area_tool.py"/>
-        <source>move the area</source>
-        <translation>mover el área</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/area_words.py"/>
-        <source>1 hole</source>
-        <translation>1 hueco</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/area_words.py"/>
-        <source>Box, {size}</source>
-        <translation>Recuadro, {size}</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/area_words.py"/>
-        <source>Polygon</source>
-        <translation>Polígono</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/area_words.py"/>
-        <source>Single capture</source>
-        <translation>Captura única</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/area_words.py"/>
-        <source>each with its yaw</source>
-        <translation>cada uno con su guiñada</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/area_words.py"/>
-        <location filename="../../terrainav_plugin/map/preview_layers.py"/>
-        <source>yaw {yaw}°</source>
-        <translation>guiñada {yaw}°</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/area_words.py"/>
-        <source>{n} corners</source>
-        <translation>{n} vértices</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/area_words.py"/>
-        <source>{n} holes</source>
-        <translation>{n} huecos</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/area_words.py"/>
-        <source>{n} points</source>
-        <translation>{n} puntos</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/background.py"/>
-        <source>Drawing the synthetic landscape</source>
-        <translation>Dibujando el paisaje sintético</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/background.py"/>
-        <source>no reason given</source>
-        <translation>no se indica el motivo</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/background.py"/>
-        <source>{title} cannot be shown: {reason}</source>
-        <translation>no se puede mostrar {title}: {reason}</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/box_geometry.py"/>
+        <location filename="../../terrainav_plugin/map/canvas.py"/>
         <source>(custom)</source>
         <translation>(personalizado)</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/map/box_geometry.py"/>
+        <location filename="../../terrainav_plugin/map/canvas.py"/>
         <source>this place cannot be shown in the project's CRS {crs}; choose another CRS</source>
         <translation>este lugar no se puede mostrar en el SRC del proyecto, {crs}; elegir otro SRC</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/map/box_geometry.py"/>
+        <location filename="../../terrainav_plugin/map/canvas.py"/>
         <source>this place is outside the domain of the project's CRS {crs}</source>
         <translation>este lugar está fuera del dominio del SRC del proyecto, {crs}</translation>
     </message>
@@ -2878,118 +1479,16 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>TerrAInav: {name}</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/map/mosaic.py"/>
-        <source>Roadmap images</source>
-        <translation>Imágenes de callejero</translation>
+        <location filename="../../terrainav_plugin/map/mission_group.py"/>
+        <location filename="../../terrainav_plugin/missions/plan_export.py"/>
+        <source>mission</source>
+        <translation>misión</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/map/mosaic.py"/>
-        <source>Satellite images</source>
-        <translation>Imágenes de satélite</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/mosaic.py"/>
-        <source>Terrain images</source>
-        <translation>Imágenes de relieve</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/mosaic.py"/>
-        <source>{title}, part {number}</source>
-        <translation>{title}, parte {number}</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/opened_results.py"/>
-        <location filename="../../terrainav_plugin/processing/capture.py"/>
-        <source>Captured images</source>
-        <translation>Imágenes capturadas</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/opened_results.py"/>
-        <source>Failed images</source>
-        <translation>Imágenes fallidas</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/preview_layers.py"/>
-        <source>Capture centres</source>
-        <translation>Centros de captura</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/preview_layers.py"/>
-        <location filename="../../terrainav_plugin/processing/plan.py"/>
-        <source>Flight line</source>
-        <translation>Línea de vuelo</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/preview_layers.py"/>
-        <location filename="../../terrainav_plugin/processing/capture.py"/>
-        <location filename="../../terrainav_plugin/processing/plan.py"/>
-        <source>Footprints</source>
-        <translation>Huellas</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/preview_layers.py"/>
-        <source>Images per place</source>
-        <translation>Imágenes por lugar</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/preview_layers.py"/>
-        <source>Overlap count</source>
-        <translation>Número de solapes</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/preview_layers.py"/>
-        <source>Planned images</source>
-        <translation>Imágenes planificadas</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/preview_layers.py"/>
-        <source>at {time} UTC</source>
-        <translation>a las {time} UTC</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/preview_layers.py"/>
-        <source>images that show a place here, on average: {count}</source>
-        <translation>imágenes que muestran un punto de aquí, en promedio: {count}</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/preview_layers.py"/>
-        <source>images that show its middle: {count}</source>
-        <translation>imágenes que muestran su centro: {count}</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/preview_layers.py"/>
-        <source>the horizon is in the picture</source>
-        <translation>el horizonte está en la imagen</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/preview_layers.py"/>
-        <source>yaw {yaw}°, tilt {tilt}°, roll {roll}°</source>
-        <translation>guiñada {yaw}°, inclinación {tilt}°, alabeo {roll}°</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/preview_layers.py"/>
-        <source>{gsd} cm per pixel, {height} m above ground</source>
-        <translation>{gsd} cm por píxel, {height} m sobre el terreno</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/preview_layers.py"/>
-        <source>{length} km, {count} images, from {start} to {end} UTC</source>
-        <translation>{length} km, {count} imágenes, de {start} a {end} UTC</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/results.py"/>
-        <source>Open the picture ({map_type})</source>
-        <translation>Abrir la imagen ({map_type})</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/results.py"/>
-        <source>yaw, tilt, roll: {angles}</source>
-        <translation>guiñada, inclinación, alabeo: {angles}</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/missions/dataset_task.py"/>
-        <source>Opening {name}</source>
-        <translation>Abriendo {name}</translation>
+        <location filename="../../terrainav_plugin/messages.py"/>
+        <location filename="../../terrainav_plugin/panel/figures.py"/>
+        <source>Details</source>
+        <translation>Detalles</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/missions/missions.py"/>
@@ -3108,6 +1607,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>{name}: abierto sin mosaico: {reason}</translation>
     </message>
     <message>
+        <location filename="../../terrainav_plugin/missions/opening.py"/>
+        <source>Opening {name}</source>
+        <translation>Abriendo {name}</translation>
+    </message>
+    <message>
         <location filename="../../terrainav_plugin/missions/plan_export.py"/>
         <source>GPX route</source>
         <translation>Ruta GPX</translation>
@@ -3164,14 +1668,1610 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/missions/plan_export.py"/>
-        <location filename="../../terrainav_plugin/workflow.py"/>
-        <source>mission</source>
-        <translation>misión</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/missions/plan_export.py"/>
         <source>{name} is still being written; try again when it is there.</source>
         <translation>{name} todavía se está escribiendo; intentarlo de nuevo cuando esté.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/camera.py"/>
+        <source>Aspect ra&amp;tio</source>
+        <translation>Relación de as&amp;pecto</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/camera.py"/>
+        <source>C&amp;amera</source>
+        <translation>Cámar&amp;a</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/camera.py"/>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <source>Camera</source>
+        <translation>Cámara</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/camera.py"/>
+        <source>Diagonal</source>
+        <translation>Diagonal</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/camera.py"/>
+        <source>F&amp;ield of view</source>
+        <translation>Campo de vis&amp;ión</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/camera.py"/>
+        <source>Field of view across the picture's diagonal, in degrees</source>
+        <translation>Campo de visión en la diagonal de la imagen, en grados</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/camera.py"/>
+        <source>Field of view across the picture's width or height, as chosen beside, in degrees</source>
+        <translation>Campo de visión a lo ancho o a lo alto de la imagen, según lo elegido al lado, en grados</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/camera.py"/>
+        <source>Fills in field of view (degrees), aspect ratio and the image's longer side (px)</source>
+        <translation>Rellena campo de visión (grados), relación de aspecto y lado mayor de la imagen (px)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/camera.py"/>
+        <source>Focal length</source>
+        <translation>Distancia focal</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/camera.py"/>
+        <source>Focal length of the lens in millimetres: the real one, not that for full frame</source>
+        <translation>Distancia focal del objetivo en milímetros: la real, no la equivalente en formato completo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/camera.py"/>
+        <source>Height of the sensor in millimetres</source>
+        <translation>Altura del sensor en milímetros</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/camera.py"/>
+        <source>Horizontal</source>
+        <translation>Horizontal</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/camera.py"/>
+        <source>Image's lo&amp;nger side</source>
+        <translation>&amp;Lado mayor de la imagen</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/camera.py"/>
+        <source>Name of the camera with the values entered:</source>
+        <translation>Nombre de la cámara con los valores introducidos:</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/camera.py"/>
+        <source>Own values</source>
+        <translation>Valores propios</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/camera.py"/>
+        <source>Picture width to height, without unit: 4:3, 4000x3000 or 1.333</source>
+        <translation>Anchura entre altura de la imagen, sin unidad: 4:3, 4000x3000 o 1.333</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/camera.py"/>
+        <source>Pixels (px) along the longer side of the camera's image: the source's pixels are taken that come nearest to the camera's. Cameras by name bring their own.</source>
+        <translation>Píxeles (px) en el lado mayor de la imagen de la cámara: se toman los píxeles de la fuente más próximos a los de la cámara. Las cámaras con nombre traen los suyos.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/camera.py"/>
+        <source>Remove this camera</source>
+        <translation>Eliminar esta cámara</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/camera.py"/>
+        <source>Save camera</source>
+        <translation>Guardar cámara</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/camera.py"/>
+        <source>Save the values entered as a camera of your own, or remove one</source>
+        <translation>Guardar los valores introducidos como cámara propia, o eliminar una</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/camera.py"/>
+        <source>Save these values as…</source>
+        <translation>Guardar estos valores como…</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/camera.py"/>
+        <source>Sensor</source>
+        <translation>Sensor</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/camera.py"/>
+        <source>Sensor {width} × {height} mm, focal length {focal} mm</source>
+        <translation>Sensor de {width} × {height} mm, distancia focal de {focal} mm</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/camera.py"/>
+        <source>Source: {source}</source>
+        <translation>Fuente: {source}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/camera.py"/>
+        <source>The real camera's pictures: {width} × {height} px</source>
+        <translation>Imágenes de la cámara real: {width} × {height} px</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/camera.py"/>
+        <source>The values entered make no camera: put right what is marked, and save then.</source>
+        <translation>Los valores introducidos no forman una cámara: corregir lo marcado y guardar después.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/camera.py"/>
+        <source>Vertical</source>
+        <translation>Vertical</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/camera.py"/>
+        <source>What the field of view is given by: degrees across the picture's diagonal, width or height, or focal length and sensor in mm. Choosing another shows the same camera in its numbers.</source>
+        <translation>Con qué se da el campo de visión: grados en la diagonal, la anchura o la altura de la imagen, o distancia focal y sensor en mm. Al elegir otro se muestra la misma cámara en sus números.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/camera.py"/>
+        <source>Width of the sensor in millimetres</source>
+        <translation>Anchura del sensor en milímetros</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/camera.py"/>
+        <source>{name}: {degrees}° across the diagonal</source>
+        <translation>{name}: {degrees}° en diagonal</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/choices.py"/>
+        <source> (own detail to {native})</source>
+        <translation> (detalle propio hasta {native})</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/choices.py"/>
+        <source>A service of many layers: choose it, then one of them, which is kept with your own sources.</source>
+        <translation>Un servicio de muchas capas: elegirlo y después una de ellas, que se guarda con las fuentes propias.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/choices.py"/>
+        <source>Computed on this computer, for any place; no limits.</source>
+        <translation>Calculado en este equipo, para cualquier lugar; sin límites.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/choices.py"/>
+        <source>Connection that is not there</source>
+        <translation>Conexión que no existe</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/choices.py"/>
+        <source>Drawn by QGIS as the map shows it, and read from where the layer's data are.</source>
+        <translation>Dibujado por QGIS como lo muestra el mapa, y leído de donde están los datos de la capa.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/choices.py"/>
+        <source>Its terms are not known here: they are yours to check.</source>
+        <translation>Sus condiciones no se conocen aquí: corresponde al usuario comprobarlas.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/choices.py"/>
+        <source>Layer that is not there</source>
+        <translation>Capa que no existe</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/choices.py"/>
+        <source>Licence not stated</source>
+        <translation>Licencia no indicada</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/choices.py"/>
+        <source>any number of requests</source>
+        <translation>cualquier número de peticiones</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/choices.py"/>
+        <source>at most {count} requests</source>
+        <translation>{count} peticiones como máximo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/choices.py"/>
+        <source>kept in the cache</source>
+        <translation>se guarda en la caché</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/choices.py"/>
+        <source>more than {count} requests after agreeing to the terms</source>
+        <translation>más de {count} peticiones tras aceptar las condiciones</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/choices.py"/>
+        <source>not kept in the cache</source>
+        <translation>no se guarda en la caché</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/choices.py"/>
+        <source>terms</source>
+        <translation>condiciones</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/choices.py"/>
+        <source>zoom {least} to {most}</source>
+        <translation>zoom {least} a {most}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/choices.py"/>
+        <source>{count} connections</source>
+        <translation>{count} conexiones</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/choices.py"/>
+        <source>{name}…</source>
+        <translation>{name}…</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/choices.py"/>
+        <source>{rate} requests a second</source>
+        <translation>{rate} peticiones por segundo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/dock.py"/>
+        <source>Capture</source>
+        <translation>Capturar</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/dock.py"/>
+        <source>Click a point on the map and capture one image there</source>
+        <translation>Pulsar un punto del mapa y capturar allí una imagen</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/dock.py"/>
+        <source>Estimates</source>
+        <translation>Estimación</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/dock.py"/>
+        <source>Help</source>
+        <translation>Ayuda</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/dock.py"/>
+        <location filename="../../terrainav_plugin/panel/options_page.py"/>
+        <location filename="../../terrainav_plugin/processing/algorithm.py"/>
+        <source>Missions</source>
+        <translation>Misiones</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/dock.py"/>
+        <source>Missions of this project, mission files and datasets: open, save, begin</source>
+        <translation>Misiones de este proyecto, archivos de misión y conjuntos de datos: abrir, guardar, empezar</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/dock.py"/>
+        <source>No area yet.</source>
+        <translation>Aún no hay área.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/dock.py"/>
+        <source>Preview</source>
+        <translation>Vista previa</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/dock.py"/>
+        <source>Show every planned image on the map</source>
+        <translation>Mostrar en el mapa todas las imágenes planificadas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/dock.py"/>
+        <source>TerrAInav mission</source>
+        <translation>Misión de TerrAInav</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/dock.py"/>
+        <source>Write all images; goes on where an earlier run was stopped</source>
+        <translation>Escribir todas las imágenes; continúa donde se detuvo una ejecución anterior</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/figures.py"/>
+        <source>, which is exceeded</source>
+        <translation>, que se supera</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/figures.py"/>
+        <source>100 % of {area}</source>
+        <translation>100 % de {area}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/figures.py"/>
+        <source>100 % of {area}, but for missing imagery</source>
+        <translation>100 % de {area}, salvo donde faltan imágenes</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/figures.py"/>
+        <source>; not {name}: {reason}</source>
+        <translation>; no {name}: {reason}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/figures.py"/>
+        <source>Condition number</source>
+        <translation>Número de condición</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/figures.py"/>
+        <source>Cost</source>
+        <translation>Coste</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/figures.py"/>
+        <source>Coverage</source>
+        <translation>Cobertura</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/figures.py"/>
+        <source>Download</source>
+        <translation>Descarga</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/figures.py"/>
+        <source>Error</source>
+        <translation>Error</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/figures.py"/>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>Flight</source>
+        <translation>Vuelo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/figures.py"/>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>Ground per px</source>
+        <translation>Terreno por px</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/figures.py"/>
+        <location filename="../../terrainav_plugin/panel/imagery.py"/>
+        <source>Imagery</source>
+        <translation>Fuente de imágenes</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/figures.py"/>
+        <source>Left out</source>
+        <translation>Se omite</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/figures.py"/>
+        <source>Limit</source>
+        <translation>Límite</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/figures.py"/>
+        <source>Methods</source>
+        <translation>Métodos</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/figures.py"/>
+        <source>No {what}</source>
+        <translation>Sin {what}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/figures.py"/>
+        <source>On disk</source>
+        <translation>En disco</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/figures.py"/>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>Overlap</source>
+        <translation>Solape</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/figures.py"/>
+        <source>Picture</source>
+        <translation>Imagen</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/figures.py"/>
+        <source>Picture size, methods with their error bounds, and what is left out</source>
+        <translation>Tamaño de la imagen, métodos con sus cotas de error y lo que se omite</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/figures.py"/>
+        <source>Put right what is marked above.</source>
+        <translation>Corregir lo marcado arriba.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/figures.py"/>
+        <source>The source has no finer pixels of its own here.</source>
+        <translation>La fuente no tiene aquí píxeles propios más finos.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/figures.py"/>
+        <location filename="../../terrainav_plugin/panel/options_page.py"/>
+        <source>Tiles</source>
+        <translation>Teselas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/figures.py"/>
+        <location filename="../../terrainav_plugin/results/viewer.py"/>
+        <source>Time</source>
+        <translation>Tiempo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/figures.py"/>
+        <source>about {duration}</source>
+        <translation>unos {duration}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/figures.py"/>
+        <source>about {size} in {count} tiles</source>
+        <translation>unos {size} en {count} teselas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/figures.py"/>
+        <source>at least {shares}</source>
+        <translation>al menos {shares}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/figures.py"/>
+        <source>being timed…</source>
+        <translation>midiendo…</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/figures.py"/>
+        <source>front {share}</source>
+        <translation>longitudinal {share}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/figures.py"/>
+        <source>nothing ({count} tiles from this computer)</source>
+        <translation>nada ({count} teselas de este equipo)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/figures.py"/>
+        <source>requested {requested}, delivered {delivered}</source>
+        <translation>pedido {requested}, entregado {delivered}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/figures.py"/>
+        <source>side {share}</source>
+        <translation>transversal {share}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/figures.py"/>
+        <source>the source has imagery of {share} of the area</source>
+        <translation>la fuente tiene imágenes del {share} del área</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/figures.py"/>
+        <source>the source's own pixels are {source}: the picture has no more detail than that</source>
+        <translation>los píxeles propios de la fuente son de {source}: la imagen no tiene más detalle</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/figures.py"/>
+        <source>without limit at the horizon</source>
+        <translation>sin límite en el horizonte</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/figures.py"/>
+        <source>{count} of the {most} requests that the provider allows</source>
+        <translation>{count} de las {most} peticiones que permite el proveedor</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/figures.py"/>
+        <source>{count} requests, more than the {most} that pass freely: Capture asks you to agree to the terms</source>
+        <translation>{count} peticiones, más que las {most} que se permiten sin más: Capturar le pide que acepte las condiciones</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/figures.py"/>
+        <source>{count} requests, more than the {most} that the provider allows: take a smaller area, coarser pixels or another source</source>
+        <translation>{count} peticiones, más que las {most} que permite el proveedor: tome un área menor, píxeles más gruesos u otra fuente</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/figures.py"/>
+        <source>{count}, each fetched once</source>
+        <translation>{count}, cada una pedida una vez</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/figures.py"/>
+        <source>{distance}, {duration}</source>
+        <translation>{distance}, {duration}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/figures.py"/>
+        <source>{images} in {rows} rows</source>
+        <translation>{images} en {rows} pasadas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/figures.py"/>
+        <source>{name}, ≤ {px} px, {metres} on the ground</source>
+        <translation>{name}, ≤ {px} px, {metres} sobre el terreno</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/figures.py"/>
+        <source>{share} % of {area}; {uncovered} left out</source>
+        <translation>{share} % de {area}; {uncovered} sin cubrir</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/figures.py"/>
+        <source>{stage}: {name}, ≤ {px} px</source>
+        <translation>{stage}: {name}, ≤ {px} px</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/figures.py"/>
+        <source>{text}, for each of {count} map types</source>
+        <translation>{text}, para cada uno de {count} tipos de mapa</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/figures.py"/>
+        <source>{width} × {height} px at zoom {zoom}</source>
+        <translation>{width} × {height} px con zoom {zoom}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/figures.py"/>
+        <source>≤ {bound} px of a budget of {budget} px</source>
+        <translation>≤ {bound} px de {budget} px admisibles</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/imagery.py"/>
+        <source>API key</source>
+        <translation>Clave API</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/imagery.py"/>
+        <source>API key, kept in QGIS's authentication database as the password of a configuration</source>
+        <translation>Clave API, guardada en la base de datos de autenticación de QGIS como contraseña de una configuración</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/imagery.py"/>
+        <source>Add a source by URL, open a file, and more</source>
+        <translation>Añadir una fuente por URL, abrir un archivo y más</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/imagery.py"/>
+        <source>Add source by URL…</source>
+        <translation>Añadir fuente por URL…</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/imagery.py"/>
+        <source>Add this source to the map as background and zoom to the area</source>
+        <translation>Añadir esta fuente al mapa como fondo y hacer zoom al área</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/imagery.py"/>
+        <source>Address of the tiles with {z}, {x} and {y} or {-y}; also {s}, {q}, {r}, {map_type}, {date}</source>
+        <translation>Dirección de las teselas con {z}, {x} e {y} o {-y}; también {s}, {q}, {r}, {map_type}, {date}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/imagery.py"/>
+        <source>Authentication</source>
+        <translation>Autenticación</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/imagery.py"/>
+        <source>Cache…</source>
+        <translation>Caché…</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/imagery.py"/>
+        <source>Catalogue: one country</source>
+        <translation>Catálogo: un país</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/imagery.py"/>
+        <source>Catalogue: worldwide</source>
+        <translation>Catálogo: todo el mundo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/imagery.py"/>
+        <source>Date of the imagery, as the server takes it</source>
+        <translation>Fecha de las imágenes, como la acepta el servidor</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/imagery.py"/>
+        <source>Date of the imagery: {dates}</source>
+        <translation>Fecha de las imágenes: {dates}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/imagery.py"/>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <source>Files</source>
+        <translation>Archivos</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/imagery.py"/>
+        <source>How QGIS authenticates requests to this source; a configuration of its authentication database</source>
+        <translation>Cómo autentica QGIS las peticiones a esta fuente; una configuración de su base de datos de autenticación</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/imagery.py"/>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <source>Map types</source>
+        <translation>Tipos de mapa</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/imagery.py"/>
+        <source>Open raster or MBTiles file…</source>
+        <translation>Abrir archivo ráster o MBTiles…</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/imagery.py"/>
+        <source>Other</source>
+        <translation>Otras</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/imagery.py"/>
+        <source>QGIS connections: WMS and WMTS</source>
+        <translation>Conexiones de QGIS: WMS y WMTS</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/imagery.py"/>
+        <source>QGIS connections: XYZ tiles</source>
+        <translation>Conexiones de QGIS: teselas XYZ</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/imagery.py"/>
+        <source>Raster or MBTiles file</source>
+        <translation>Archivo ráster o MBTiles</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/imagery.py"/>
+        <source>Rasters and tiles ({endings});;All files (*)</source>
+        <translation>Rásteres y teselas ({endings});;Todos los archivos (*)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/imagery.py"/>
+        <source>Remove this source</source>
+        <translation>Eliminar esta fuente</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/imagery.py"/>
+        <source>Show on map</source>
+        <translation>Ver en el mapa</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/imagery.py"/>
+        <location filename="../../terrainav_plugin/panel/options_page.py"/>
+        <location filename="../../terrainav_plugin/results/viewer.py"/>
+        <source>Source</source>
+        <translation>Fuente</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/imagery.py"/>
+        <source>This project</source>
+        <translation>Este proyecto</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/imagery.py"/>
+        <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
+        <source>URL</source>
+        <translation>URL</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/imagery.py"/>
+        <source>URL template</source>
+        <translation>Plantilla de URL</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/imagery.py"/>
+        <source>URL template…</source>
+        <translation>Plantilla de URL…</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/imagery.py"/>
+        <source>Where the pictures come from; type a part of its name to find it</source>
+        <translation>De dónde vienen las imágenes; teclear parte de su nombre para encontrarla</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/imagery.py"/>
+        <source>Your own sources</source>
+        <translation>Fuentes propias</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/imagery.py"/>
+        <source>date</source>
+        <translation>fecha</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/options_page.py"/>
+        <source>A key is the password of a Basic configuration in QGIS's authentication database, which is encrypted. Only the id of the configuration is kept here; no project, mission or layer holds a key.</source>
+        <translation>Una clave es la contraseña de una configuración de autenticación básica en la base de datos de autenticación de QGIS, que está cifrada. Aquí solo se guarda el identificador de la configuración; ningún proyecto, misión o capa contiene una clave.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/options_page.py"/>
+        <source>At most</source>
+        <translation>Como máximo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/options_page.py"/>
+        <source>Authentication configuration</source>
+        <translation>Configuración de autenticación</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/options_page.py"/>
+        <source>Beyond it the tiles that were used longest ago go, in MB</source>
+        <translation>Al superarlo se borran las teselas usadas hace más tiempo, en MB</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/options_page.py"/>
+        <source>Cache of tiles</source>
+        <translation>Caché de teselas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/options_page.py"/>
+        <source>Clear all</source>
+        <translation>Vaciar todo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/options_page.py"/>
+        <source>Clear selected</source>
+        <translation>Vaciar lo seleccionado</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/options_page.py"/>
+        <source>Configuration for {title}</source>
+        <translation>Configuración de {title}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/options_page.py"/>
+        <source>Connections at once</source>
+        <translation>Conexiones simultáneas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/options_page.py"/>
+        <source>Everything but the keys, which stay as they are</source>
+        <translation>Todo salvo las claves, que se mantienen</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/options_page.py"/>
+        <source>Feet (international)</source>
+        <translation>Pies (internacionales)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/options_page.py"/>
+        <source>Folder for backgrounds</source>
+        <translation>Carpeta de los fondos</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/options_page.py"/>
+        <source>Folder for missions</source>
+        <translation>Carpeta de las misiones</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/options_page.py"/>
+        <source>Folder of the cache</source>
+        <translation>Carpeta de la caché</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/options_page.py"/>
+        <source>Heights in</source>
+        <translation>Alturas en</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/options_page.py"/>
+        <source>Keys and authentication</source>
+        <translation>Claves y autenticación</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/options_page.py"/>
+        <source>Look at it or clear it…</source>
+        <translation>Ver o vaciar…</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/options_page.py"/>
+        <source>Map type</source>
+        <translation>Tipo de mapa</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/options_page.py"/>
+        <source>Metres</source>
+        <translation>Metros</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/options_page.py"/>
+        <source>New missions are captured into folders below this one</source>
+        <translation>Las misiones nuevas se capturan en carpetas dentro de esta</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/options_page.py"/>
+        <source>Not kept: {problem}</source>
+        <translation>No se ha guardado: {problem}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/options_page.py"/>
+        <source>Pictures of the synthetic landscape that are shown as background</source>
+        <translation>Imágenes del paisaje sintético que se muestran como fondo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/options_page.py"/>
+        <source>Requests under way at once; fewer where a provider says so</source>
+        <translation>Peticiones simultáneas; menos donde un proveedor lo indica</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/options_page.py"/>
+        <source>Reset to defaults</source>
+        <translation>Restablecer valores predeterminados</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/options_page.py"/>
+        <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
+        <source>SHA-256 of tiles that show no imagery, 16 digits or more of each, with spaces between them</source>
+        <translation>SHA-256 de las teselas que no muestran imágenes, 16 dígitos o más de cada una, separados por espacios</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/options_page.py"/>
+        <source>Shows what is in the cache, and clears some or all of it</source>
+        <translation>Muestra lo que hay en la caché, y la vacía en parte o del todo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/options_page.py"/>
+        <location filename="../../terrainav_plugin/results/viewer.py"/>
+        <source>Size</source>
+        <translation>Tamaño</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/options_page.py"/>
+        <source>Sources that need a key or are authenticated, and the configurations that hold it</source>
+        <translation>Fuentes que necesitan una clave o autenticación, y las configuraciones que la contienen</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/options_page.py"/>
+        <source>TerrAInav: cache</source>
+        <translation>TerrAInav: caché</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/options_page.py"/>
+        <source>Tiles that providers let keep: what is there is not asked for again</source>
+        <translation>Teselas que los proveedores dejan guardar: lo que está en ella no se vuelve a pedir</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/options_page.py"/>
+        <source>Unit of heights above ground: m or ft</source>
+        <translation>Unidad de las alturas sobre el terreno: m o ft</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/options_page.py"/>
+        <source>settings</source>
+        <translation>configuración</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/options_page.py"/>
+        <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
+        <source>sources</source>
+        <translation>fuentes</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/options_page.py"/>
+        <source>{folder}: cannot be a folder ({reason})</source>
+        <translation>{folder}: no puede ser una carpeta ({reason})</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/options_page.py"/>
+        <source>{folder}: cannot be written to; choose another</source>
+        <translation>{folder}: no se puede escribir en ella; elegir otra</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/options_page.py"/>
+        <source>{folder}: must be a whole path, such as {example}</source>
+        <translation>{folder}: debe ser una ruta completa, como {example}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/options_page.py"/>
+        <source>{folder}: {file} is a file; choose a folder</source>
+        <translation>{folder}: {file} es un archivo; elegir una carpeta</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/options_page.py"/>
+        <source>{size} freed.</source>
+        <translation>{size} liberados.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/options_page.py"/>
+        <source>{size} of at most {limit} in {folder}</source>
+        <translation>{size} de un máximo de {limit} en {folder}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/planning.py"/>
+        <source>The entries have changed before their plan was there: press the button again.</source>
+        <translation>Las entradas han cambiado antes de que estuviera su plan: pulsar el botón de nuevo.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/planning.py"/>
+        <source>The mission could not be planned.</source>
+        <translation>No se ha podido planificar la misión.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/planning.py"/>
+        <source>Unexpected error: {error}</source>
+        <translation>Error inesperado: {error}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/planning.py"/>
+        <source>no area yet; draw a box or enter coordinates</source>
+        <translation>aún no hay área; dibujar un recuadro o introducir coordenadas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/planning.py"/>
+        <source>not timed beside a run</source>
+        <translation>sin medir mientras hay una captura en curso</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/runs.py"/>
+        <source>Cancel; images that are finished are kept</source>
+        <translation>Cancelar; las imágenes terminadas se conservan</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/runs.py"/>
+        <source>Capture only the failed images again</source>
+        <translation>Capturar de nuevo solo las imágenes fallidas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/runs.py"/>
+        <source>Clean this dataset of images with too little to see</source>
+        <translation>Limpiar este conjunto de datos de imágenes con demasiado poco que ver</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/runs.py"/>
+        <source>Open the folder of the images</source>
+        <translation>Abrir la carpeta de las imágenes</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/runs.py"/>
+        <source>Pause: hold this capture in its place</source>
+        <translation>Pausa: dejar esta captura donde está</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/runs.py"/>
+        <source>Resume this capture</source>
+        <translation>Reanudar esta captura</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/runs.py"/>
+        <source>Take this capture off the list; its images stay</source>
+        <translation>Quitar esta captura de la lista; sus imágenes se quedan</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/runs.py"/>
+        <source>Zoom the map to this mission</source>
+        <translation>Hacer zoom a esta misión en el mapa</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>&amp;Ground per px</source>
+        <translation>&amp;Terreno por px</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>Accuracy</source>
+        <translation>Exactitud</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>Airspeed</source>
+        <translation>Velocidad aérea</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>Also set: {text}</source>
+        <translation>También definido: {text}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>Also take zooms above the finest that the source has pixels of its own for. Pictures get more pixels (px), and show nothing more.</source>
+        <translation>Tomar también zooms superiores al más fino para el que la fuente tiene píxeles propios. Las imágenes tienen más píxeles (px), pero no muestran nada más.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>Attitude, ground and time</source>
+        <translation>Actitud, terreno y hora</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>Automatic</source>
+        <translation>Automático</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>Bicubic</source>
+        <translation>Bicúbico</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>Bilinear</source>
+        <translation>Bilineal</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>Camera frame (as seen)</source>
+        <translation>Encuadre de cámara (como se ve)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>Cover (no gaps)</source>
+        <translation>Cubrir (sin huecos)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>Cover: rows that leave nothing out. Paper: the grid in UTM as published.</source>
+        <translation>Cubrir: pasadas que no dejan nada fuera. Artículo: la cuadrícula en UTM tal como se publicó.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <source>Crosshatch</source>
+        <translation>Cuadrícula cruzada</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>Degrees the camera is rolled about its line of sight, right side down (-180 to 180)</source>
+        <translation>Grados que la cámara gira en torno a su línea de visión, lado derecho hacia abajo (-180 a 180)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>Degrees the rows are turned clockwise from east (-180 to 180); the pictures turn with them. Points have no rows.</source>
+        <translation>Grados que las pasadas se giran en sentido horario desde el este (-180 a 180); las imágenes giran con ellas. Los puntos no tienen pasadas.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>Degrees the view is lifted from straight down (0) towards the picture's top edge; 90 looks level (-180 to 180)</source>
+        <translation>Grados que la vista se levanta desde la vertical (0) hacia el borde superior de la imagen; 90 mira al horizonte (-180 a 180)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>Direction of the picture's top edge, in degrees clockwise from north (-360 to 360); counted from the grid's own north where a grid angle turns the rows</source>
+        <translation>Dirección del borde superior de la imagen, en grados en sentido horario desde el norte (-360 a 360); se cuenta desde el norte de la cuadrícula cuando un ángulo de cuadrícula gira las pasadas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>Direction the wind blows from, in degrees clockwise from north</source>
+        <translation>Dirección desde la que sopla el viento, en grados en sentido horario desde el norte</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>Fly the area a second time, in rows across the first ones: about twice the images</source>
+        <translation>Volar el área por segunda vez, en pasadas que cruzan las primeras: cerca del doble de imágenes</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>Folder</source>
+        <translation>Carpeta</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>Folder for the pictures</source>
+        <translation>Carpeta para las imágenes</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>Folder for the pictures; its last part names the mission on the map</source>
+        <translation>Carpeta para las imágenes; su última parte da nombre a la misión en el mapa</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>Format</source>
+        <translation>Formato</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>Format of the pictures; all three know their coordinate reference system</source>
+        <translation>Formato de las imágenes; los tres conocen su sistema de referencia de coordenadas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>From</source>
+        <translation>Desde</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>Front overlap: share of a picture that the next one along the flight line shows again, in percent</source>
+        <translation>Solape longitudinal: parte de una imagen que la siguiente de la línea de vuelo vuelve a mostrar, en tanto por ciento</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>GeoTIFF (lossless)</source>
+        <translation>GeoTIFF (sin pérdida)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>Grey</source>
+        <translation>Grises</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>Grid angle</source>
+        <translation>Ángulo de cuadrícula</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>Ground height</source>
+        <translation>Altura del terreno</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>Ground sample distance of the camera: the ground that one pixel of an image with the longer side of the camera shows, straight down, in centimetres (inches with feet) per px. Height and ground sample distance follow each other; the one typed last stays. How fine the source's own pixels are is in the estimates.</source>
+        <translation>Distancia de muestreo del terreno (GSD) de la cámara: el terreno que muestra un píxel de una imagen con el lado mayor de la cámara, en vertical, en centímetros (pulgadas con los pies) por px. La altura y la distancia de muestreo se siguen la una a la otra; se mantiene la última tecleada. La finura de los píxeles de la fuente figura en la estimación.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>Ground that a pixel of the source is to show, in metres; the zoom nearest to it is taken</source>
+        <translation>Terreno que debe mostrar un píxel de la fuente, en metros; se toma el zoom más próximo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>Gusts move and turn the camera at every exposure: pictures are then as the camera really sees them</source>
+        <translation>Las ráfagas mueven y giran la cámara en cada exposición: las imágenes son entonces como las ve realmente la cámara</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>Height above gro&amp;und</source>
+        <translation>Altura sobre el terre&amp;no</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>Height above the ground (AGL), in metres or feet as chosen beside</source>
+        <translation>Altura sobre el terreno (AGL), en metros o pies según lo elegido al lado</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>Height of the ground above the WGS84 ellipsoid, in metres (-12,000 to 9,000)</source>
+        <translation>Altura del terreno sobre el elipsoide WGS84, en metros (-12 000 a 9000)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>Height of the resized pictures in pixels (px)</source>
+        <translation>Altura de las imágenes redimensionadas en píxeles (px)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>How camera frames take their values between the source's pixels, from 1 px to 6 px across; map frames are not resampled</source>
+        <translation>Cómo toman los encuadres de cámara sus valores entre los píxeles de la fuente, de 1 px a 6 px de lado; los encuadres de mapa no se remuestrean</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>JPEG (smaller)</source>
+        <translation>JPEG (menor)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>La&amp;yout</source>
+        <translation>&amp;Disposición</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>Lanczos</source>
+        <translation>Lanczos</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>Map frame (north-up)</source>
+        <translation>Encuadre de mapa (norte arriba)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>Map frame: a window of the source's own pixels, for cameras that look straight down. Camera frame: the picture as the camera sees it. Automatic: a map frame where its error in px fits the budget.</source>
+        <translation>Encuadre de mapa: una ventana de los propios píxeles de la fuente, para cámaras que miran en vertical. Encuadre de cámara: la imagen como la ve la cámara. Automático: un encuadre de mapa si su error en px cabe en el admisible.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>Mean wind at flight height, in metres a second; below the airspeed</source>
+        <translation>Viento medio a la altura de vuelo, en metros por segundo; menor que la velocidad aérea</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>Metres or international feet: for the height, and for the lengths and areas of the estimates</source>
+        <translation>Metros o pies internacionales: para la altura, y para las longitudes y superficies de la estimación</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>Most that the errors of all steps may add up to, in pixels of the planned image, by their bounds; above 0. The cheapest methods that fit are used.</source>
+        <translation>Máximo que pueden sumar los errores de todos los pasos, en píxeles de la imagen planificada, según sus cotas; mayor que 0. Se usan los métodos más económicos que caben.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>Nearest pixel</source>
+        <translation>Píxel más próximo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>No picture gets a longer side than so many pixels (px; of a source's 256 px tiles): where one would, a coarser zoom is taken for all</source>
+        <translation>Ninguna imagen tendrá un lado mayor de tantos píxeles (px, de teselas de 256 px): si alguna lo tuviera, se toma para todas un zoom más grueso</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>One way</source>
+        <translation>Un solo sentido</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>Order</source>
+        <translation>Orden</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>Output</source>
+        <translation>Salida</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>PNG</source>
+        <translation>PNG</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>Paper (UTM grid)</source>
+        <translation>Artículo (cuadrícula UTM)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>Pictures</source>
+        <translation>Imágenes</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>Pixels</source>
+        <translation>Píxeles</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <source>Resampling</source>
+        <translation>Remuestreo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>Resize every picture to the width and height below, in pixels (px)</source>
+        <translation>Redimensionar todas las imágenes a la anchura y altura de abajo, en píxeles (px)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>Roll</source>
+        <translation>Alabeo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>Serpentine (to and fro)</source>
+        <translation>En zigzag (ida y vuelta)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>Serpentine: every other row is flown back. One way: every row is flown from its beginning.</source>
+        <translation>En zigzag: una de cada dos pasadas se vuela de vuelta. Un solo sentido: cada pasada se vuela desde su comienzo.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>Settings of the mission's file that this panel has no entries for</source>
+        <translation>Ajustes del archivo de la misión para los que este panel no tiene campos</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>Side overlap: share of a picture that the next flight line shows again, in percent</source>
+        <translation>Solape transversal: parte de una imagen que la siguiente línea de vuelo vuelve a mostrar, en tanto por ciento</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>Source's pixels</source>
+        <translation>Píxeles de la fuente</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>Speed</source>
+        <translation>Velocidad</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>Speed of the flight through the air, in metres a second (0.1 to 340)</source>
+        <translation>Velocidad del vuelo respecto al aire, en metros por segundo (0.1 a 340)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>Start</source>
+        <translation>Inicio</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>Strength of the gusts: their standard deviation over the mean wind, without unit; about 0.1 over water, 0.2 over fields, 0 for a steady wind</source>
+        <translation>Intensidad de las ráfagas: su desviación típica entre el viento medio, sin unidad; cerca de 0.1 sobre el agua, 0.2 sobre campos, 0 con viento constante</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>Tilt</source>
+        <translation>Inclinación</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>Time of the first image, in UTC as 2024-06-21T10:30:00Z: the clock of the simulated flight</source>
+        <translation>Hora de la primera imagen, en UTC como 2024-06-21T10:30:00Z: el reloj del vuelo simulado</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>To</source>
+        <translation>A</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <source>Turbulence</source>
+        <translation>Turbulencia</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>Where no methods fit the budget (px), take the most accurate ones instead of refusing</source>
+        <translation>Si ningún método cabe en el error admisible (px), tomar los más exactos en lugar de rechazar la misión</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>Which of the source's pixels make the pictures. Automatic: those that come nearest to the camera's, whose ground per px follows from the height and the image's longer side.</source>
+        <translation>Con qué píxeles de la fuente se hacen las imágenes. Automático: los más próximos a los de la cámara, cuyo terreno por px resulta de la altura y del lado mayor de la imagen.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>Width of the resized pictures in pixels (px)</source>
+        <translation>Anchura de las imágenes redimensionadas en píxeles (px)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>Wind</source>
+        <translation>Viento</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>With {px} px along the image's longer side this is {height} above ground. To fly higher, enter more under “Image's longer side” of the camera.</source>
+        <translation>Con {px} px en el lado mayor de la imagen, son {height} sobre el suelo. Para volar más alto, introduzca más en «Lado mayor de la imagen» de la cámara.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>Write one channel of grey values instead of three of colours (without unit)</source>
+        <translation>Escribir un canal de valores de gris en lugar de tres de color (sin unidad)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>Yaw</source>
+        <translation>Guiñada</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>Zoom level of the source, without unit: each one has pixels half the size of the one before</source>
+        <translation>Nivel de zoom de la fuente, sin unidad: cada uno tiene píxeles de la mitad del tamaño que el anterior</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>cm</source>
+        <translation>cm</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>forget</source>
+        <translation>olvidar</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>front</source>
+        <translation>longitudinal</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>in</source>
+        <translation>in</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>no limit</source>
+        <translation>sin límite</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>side</source>
+        <translation>transversal</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
+        <source> a second</source>
+        <translation> por segundo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
+        <source>256 px</source>
+        <translation>256 px</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
+        <source>512 px</source>
+        <translation>512 px</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
+        <source>Address of the provider's terms of use</source>
+        <translation>Dirección de las condiciones de uso del proveedor</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
+        <source>Address of the tiles with {z}, {x} and {y} or {-y}; {key} stands for an API key</source>
+        <translation>Dirección de las teselas con {z}, {x} e {y} o {-y}; {key} representa una clave API</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
+        <source>Asking the service…</source>
+        <translation>Consultando el servicio…</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
+        <source>Asking {name} for its layers</source>
+        <translation>Consultando a {name} por sus capas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
+        <location filename="../../terrainav_plugin/results/viewer.py"/>
+        <source>Attribution</source>
+        <translation>Atribución</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
+        <source>Connections</source>
+        <translation>Conexiones</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
+        <source>Credit that goes into every image's metadata</source>
+        <translation>Crédito que figura en los metadatos de cada imagen</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
+        <source>Default date</source>
+        <translation>Fecha predeterminada</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
+        <source>Highest zoom</source>
+        <translation>Zoom máximo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
+        <source>Highest zoom with detail of its own, 0 to 30</source>
+        <translation>Zoom máximo con detalle propio, de 0 a 30</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
+        <source>Layers that the service offers</source>
+        <translation>Capas que ofrece el servicio</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
+        <source>Leave it ticked only where the provider's terms allow storing</source>
+        <translation>Dejarlo marcado solo si las condiciones del proveedor permiten almacenarlas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
+        <source>Licence</source>
+        <translation>Licencia</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
+        <source>Licence of the imagery, such as CC BY 4.0</source>
+        <translation>Licencia de las imágenes, como CC BY 4.0</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
+        <source>Name</source>
+        <translation>Nombre</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
+        <source>Names it in missions and on the command line: lower-case letters and digits</source>
+        <translation>La identifica en las misiones y en la línea de órdenes: minúsculas y cifras</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
+        <source>Part of a layer's title or name</source>
+        <translation>Parte del título o nombre de una capa</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
+        <location filename="../../terrainav_plugin/processing/capture.py"/>
+        <source>Requests</source>
+        <translation>Peticiones</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
+        <source>Requests a second, as many as the provider allows</source>
+        <translation>Peticiones por segundo, tantas como permita el proveedor</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
+        <source>Requests under way at once, as many as the provider allows</source>
+        <translation>Peticiones simultáneas, tantas como permita el proveedor</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
+        <source>Search</source>
+        <translation>Buscar</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
+        <source>Terms</source>
+        <translation>Condiciones</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
+        <source>TerrAInav: add source</source>
+        <translation>TerrAInav: añadir fuente</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
+        <source>TerrAInav: layer of {name}</source>
+        <translation>TerrAInav: capa de {name}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
+        <source>The key in its address will be kept in QGIS's authentication database.</source>
+        <translation>La clave de su dirección se guardará en la base de datos de autenticación de QGIS.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
+        <source>Tile size</source>
+        <translation>Tamaño de tesela</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
+        <source>Tiles may be kept in the cache</source>
+        <translation>Las teselas se pueden guardar en la caché</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
+        <source>Title</source>
+        <translation>Título</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
+        <source>What you call it</source>
+        <translation>Cómo se la quiere llamar</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
+        <source>What {date} in the address stands for where no date is asked for</source>
+        <translation>Lo que representa {date} en la dirección cuando no se pide ninguna fecha</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
+        <source>Width and height of a tile</source>
+        <translation>Anchura y altura de una tesela</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
+        <source>must be lower-case letters, digits, hyphens and underscores, at most 64</source>
+        <translation>debe constar de minúsculas, cifras, guiones y guiones bajos, 64 como máximo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
+        <source>nothing was answered</source>
+        <translation>no hubo respuesta</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
+        <source>{count} layers</source>
+        <translation>{count} capas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
+        <source>{layer} ({service})</source>
+        <translation>{layer} ({service})</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
+        <source>“{name}” is taken; choose another name</source>
+        <translation>«{name}» ya está en uso; elegir otro nombre</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/source_list.py"/>
+        <source>Remove “{title}” from your sources? Captured images stay.</source>
+        <translation>¿Eliminar «{title}» de las fuentes propias? Las imágenes capturadas se quedan.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/source_list.py"/>
+        <source>Some of your own sources are left out: {reason}</source>
+        <translation>Algunas de las fuentes propias se omiten: {reason}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/source_list.py"/>
+        <source>TerrAInav: remove source</source>
+        <translation>TerrAInav: eliminar fuente</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/planner.py"/>
@@ -3228,6 +3328,89 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/plugin.py"/>
         <source>TerrAInav: {text}</source>
         <translation>TerrAInav: {text}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/preview/background.py"/>
+        <source>Drawing the synthetic landscape</source>
+        <translation>Dibujando el paisaje sintético</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/preview/background.py"/>
+        <source>no reason given</source>
+        <translation>no se indica el motivo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/preview/background.py"/>
+        <source>{title} cannot be shown: {reason}</source>
+        <translation>no se puede mostrar {title}: {reason}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/preview/layers.py"/>
+        <source>Capture centres</source>
+        <translation>Centros de captura</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/preview/layers.py"/>
+        <location filename="../../terrainav_plugin/processing/plan.py"/>
+        <source>Flight line</source>
+        <translation>Línea de vuelo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/preview/layers.py"/>
+        <location filename="../../terrainav_plugin/processing/capture.py"/>
+        <location filename="../../terrainav_plugin/processing/plan.py"/>
+        <source>Footprints</source>
+        <translation>Huellas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/preview/layers.py"/>
+        <source>Images per place</source>
+        <translation>Imágenes por lugar</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/preview/layers.py"/>
+        <source>Overlap count</source>
+        <translation>Número de solapes</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/preview/layers.py"/>
+        <source>Planned images</source>
+        <translation>Imágenes planificadas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/preview/layers.py"/>
+        <source>at {time} UTC</source>
+        <translation>a las {time} UTC</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/preview/layers.py"/>
+        <source>images that show a place here, on average: {count}</source>
+        <translation>imágenes que muestran un punto de aquí, en promedio: {count}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/preview/layers.py"/>
+        <source>images that show its middle: {count}</source>
+        <translation>imágenes que muestran su centro: {count}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/preview/layers.py"/>
+        <source>the horizon is in the picture</source>
+        <translation>el horizonte está en la imagen</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/preview/layers.py"/>
+        <source>yaw {yaw}°, tilt {tilt}°, roll {roll}°</source>
+        <translation>guiñada {yaw}°, inclinación {tilt}°, alabeo {roll}°</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/preview/layers.py"/>
+        <source>{gsd} cm per pixel, {height} m above ground</source>
+        <translation>{gsd} cm por píxel, {height} m sobre el terreno</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/preview/layers.py"/>
+        <source>{length} km, {count} images, from {start} to {end} UTC</source>
+        <translation>{length} km, {count} imágenes, de {start} a {end} UTC</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/algorithm.py"/>
@@ -4289,225 +4472,270 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>{part}: {images} imágenes ({share} %).</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/runs/after.py"/>
-        <source>Camera frames make no mosaic: “View images” shows them one by one.</source>
-        <translation>Los encuadres de cámara no forman mosaico: «Ver imágenes» los muestra uno a uno.</translation>
+        <location filename="../../terrainav_plugin/qgis_source/connections.py"/>
+        <source>QGIS connection “{name}” holds a user name and password in plain text: give it an authentication configuration in QGIS's Browser panel</source>
+        <translation>La conexión de QGIS «{name}» contiene usuario y contraseña en texto sin cifrar: darle una configuración de autenticación en el panel Navegador de QGIS</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/runs/after.py"/>
-        <source>Capture only the failed ones</source>
-        <translation>Capturar solo las fallidas</translation>
+        <location filename="../../terrainav_plugin/qgis_source/connections.py"/>
+        <source>QGIS connection “{name}” holds keys in its address ({keys}), which would end up in files: take them out of it, and give it an authentication configuration in QGIS's Browser panel</source>
+        <translation>La conexión de QGIS «{name}» contiene claves en su dirección ({keys}), que acabarían en archivos: quitarlas de ella y darle una configuración de autenticación en el panel Navegador de QGIS</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/runs/after.py"/>
-        <source>Its SHA-256 begins with {digest}; {image} shows it. It may be water or snow. If it shows no imagery, “Treat as missing” removes the images with it and asks for its places again; the options list what is treated so.</source>
-        <translation>Su SHA-256 empieza por {digest}; {image} la muestra. Puede ser agua o nieve. Si no muestra imágenes, «Tratar como ausente» elimina las imágenes que la contienen y vuelve a pedir sus lugares; las opciones enumeran lo que se trata así.</translation>
+        <location filename="../../terrainav_plugin/qgis_source/connections.py"/>
+        <source>QGIS connection “{name}”: {problem}</source>
+        <translation>Conexión de QGIS «{name}»: {problem}</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/runs/after.py"/>
-        <source>Its project is closed: open the dataset by “Missions” to see it.</source>
-        <translation>Su proyecto está cerrado: abrir el conjunto de datos con «Misiones» para verlo.</translation>
+        <location filename="../../terrainav_plugin/qgis_source/connections.py"/>
+        <source>source {name}: QGIS has no such XYZ connection (any more); choose another source</source>
+        <translation>fuente {name}: QGIS no tiene (o ya no tiene) tal conexión XYZ; elegir otra fuente</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/runs/after.py"/>
-        <source>Resume</source>
-        <translation>Reanudar</translation>
+        <location filename="../../terrainav_plugin/qgis_source/snapshot.py"/>
+        <source>Whole map</source>
+        <translation>Mapa completo</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/runs/after.py"/>
-        <source>Test shot {lat:.5f} {lon:.5f}</source>
-        <translation>Toma de prueba {lat:.5f} {lon:.5f}</translation>
+        <location filename="../../terrainav_plugin/qgis_source/snapshot.py"/>
+        <source>layer {name}: its pixels have no size</source>
+        <translation>capa {name}: sus píxeles no tienen tamaño</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/runs/after.py"/>
-        <source>in an earlier run</source>
-        <translation>en una ejecución anterior</translation>
+        <location filename="../../terrainav_plugin/qgis_source/snapshot.py"/>
+        <source>layer {name}: its place on the globe is not known; set its CRS</source>
+        <translation>capa {name}: no se conoce su lugar en el globo; definir su SRC</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/runs/after.py"/>
-        <source>{name}: stopped before the first image.</source>
-        <translation>{name}: detenida antes de la primera imagen.</translation>
+        <location filename="../../terrainav_plugin/qgis_source/snapshot.py"/>
+        <source>layer {name}: shows nothing; repair its data source</source>
+        <translation>capa {name}: no muestra nada; reparar su fuente de datos</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/runs/after.py"/>
-        <source>{name}: stopped with {there} of {total} images.</source>
-        <translation>{name}: detenida con {there} de {total} imágenes.</translation>
+        <location filename="../../terrainav_plugin/qgis_source/snapshot.py"/>
+        <source>source {name}: the project has no such layer (any more); choose another source</source>
+        <translation>fuente {name}: el proyecto no tiene (o ya no tiene) tal capa; elegir otra fuente</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/runs/after.py"/>
-        <source>{name}: the same tile came for {places} places and is in {images} images.</source>
-        <translation>{name}: la misma tesela llegó para {places} lugares y está en {images} imágenes.</translation>
+        <location filename="../../terrainav_plugin/qgis_source/snapshot.py"/>
+        <source>the map shows no layer: tick one in the Layers panel</source>
+        <translation>el mapa no muestra ninguna capa: marcar una en el panel Capas</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/runs/after.py"/>
-        <source>{name}: {failed} of {total} images could not be made ({reason}).</source>
-        <translation>{name}: {failed} de {total} imágenes no se pudieron hacer ({reason}).</translation>
+        <location filename="../../terrainav_plugin/qgis_source/tiles.py"/>
+        <source>layer {name}: its service has tiles of {size} px; choose a layer with tiles of 256, 512 or 1024 px</source>
+        <translation>capa {name}: su servicio tiene teselas de {size} px; elegir una capa con teselas de 256, 512 o 1024 px</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/runs/before.py"/>
-        <source>Capture into {name}</source>
-        <translation>Capturar en {name}</translation>
+        <location filename="../../terrainav_plugin/results/shots.py"/>
+        <source>footprints {path}: have no poses</source>
+        <translation>huellas {path}: no tienen poses</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/runs/before.py"/>
-        <source>Do you agree to these terms, and are you allowed to download?</source>
-        <translation>¿Acepta estas condiciones y tiene permiso para descargar?</translation>
+        <location filename="../../terrainav_plugin/results/viewer.py"/>
+        <source>&amp;Zoom to</source>
+        <translation>&amp;Zoom a</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/runs/before.py"/>
-        <location filename="../../terrainav_plugin/workflow.py"/>
-        <source>Nothing to capture yet.</source>
-        <translation>Aún no hay nada que capturar.</translation>
+        <location filename="../../terrainav_plugin/results/viewer.py"/>
+        <location filename="../../terrainav_plugin/results/viewing.py"/>
+        <source>Click a captured footprint on the map.</source>
+        <translation>Pulsar una huella capturada en el mapa.</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/runs/before.py"/>
-        <source>Terms and alternatives</source>
-        <translation>Condiciones y alternativas</translation>
+        <location filename="../../terrainav_plugin/results/viewer.py"/>
+        <source>Column, row</source>
+        <translation>Columna, fila</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/runs/before.py"/>
-        <source>TerrAInav: terms of the source</source>
-        <translation>TerrAInav: condiciones de la fuente</translation>
+        <location filename="../../terrainav_plugin/results/viewer.py"/>
+        <source>Entropy</source>
+        <translation>Entropía</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/runs/before.py"/>
-        <source>folder is empty: choose where the pictures go</source>
-        <translation>la carpeta está vacía: elegir adónde van las imágenes</translation>
+        <location filename="../../terrainav_plugin/results/viewer.py"/>
+        <source>Failed</source>
+        <translation>Fallida</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/runs/before.py"/>
-        <source>{folder} holds another mission; nothing was changed there.</source>
-        <translation>{folder} contiene otra misión; no se ha cambiado nada en ella.</translation>
+        <location filename="../../terrainav_plugin/results/viewer.py"/>
+        <source>File</source>
+        <translation>Archivo</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/runs/before.py"/>
-        <source>{folder} is being captured already; a second mission needs a folder of its own.</source>
-        <translation>{folder} ya se está capturando; una segunda misión necesita una carpeta propia.</translation>
+        <location filename="../../terrainav_plugin/results/viewer.py"/>
+        <source>Ground sample distance</source>
+        <translation>Distancia de muestreo del terreno</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/runs/before.py"/>
-        <source>{name} is being captured already.</source>
-        <translation>{name} ya se está capturando.</translation>
+        <location filename="../../terrainav_plugin/results/viewer.py"/>
+        <source>Height</source>
+        <translation>Altura</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/runs/line.py"/>
-        <source>No test shot.</source>
-        <translation>Sin toma de prueba.</translation>
+        <location filename="../../terrainav_plugin/results/viewer.py"/>
+        <source>Image</source>
+        <translation>Imagen</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/runs/line.py"/>
-        <source>Nothing captured: {reason}</source>
-        <translation>No se ha capturado nada: {reason}</translation>
+        <location filename="../../terrainav_plugin/results/viewer.py"/>
+        <source>Image after this one in the flight</source>
+        <translation>Imagen siguiente en el vuelo</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/runs/words.py"/>
-        <source>, {failed} failed</source>
-        <translation>, {failed} fallidas</translation>
+        <location filename="../../terrainav_plugin/results/viewer.py"/>
+        <source>Image before this one in the flight</source>
+        <translation>Imagen anterior en el vuelo</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/runs/words.py"/>
-        <source>, {rate} a second, {time} left</source>
-        <translation>, {rate} por segundo, quedan {time}</translation>
+        <location filename="../../terrainav_plugin/results/viewer.py"/>
+        <source>Imagery date</source>
+        <translation>Fecha de las imágenes</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/runs/words.py"/>
-        <source>; making the mosaic…</source>
-        <translation>; creando el mosaico…</translation>
+        <location filename="../../terrainav_plugin/results/viewer.py"/>
+        <source>Images that show the place of the click</source>
+        <translation>Imágenes que muestran el lugar pulsado</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/runs/words.py"/>
-        <source>All {total} images are there: {written} captured now in {time}, {skipped} before.</source>
-        <translation>Las {total} imágenes están: {written} capturadas ahora en {time}, {skipped} antes.</translation>
+        <location filename="../../terrainav_plugin/results/viewer.py"/>
+        <source>Kind of map that is shown</source>
+        <translation>Clase de mapa que se muestra</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/runs/words.py"/>
-        <source>All {total} images were there already.</source>
-        <translation>Las {total} imágenes ya estaban todas.</translation>
+        <location filename="../../terrainav_plugin/results/viewer.py"/>
+        <source>Missing</source>
+        <translation>Falta</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/runs/words.py"/>
-        <source>Missing: {failed} of {total} images</source>
-        <translation>Faltan: {failed} de {total} imágenes</translation>
+        <location filename="../../terrainav_plugin/results/viewer.py"/>
+        <source>Ne&amp;xt</source>
+        <translation>&amp;Siguiente</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/runs/words.py"/>
-        <source>No image was missing.</source>
-        <translation>No faltaba ninguna imagen.</translation>
+        <location filename="../../terrainav_plugin/results/viewer.py"/>
+        <source>Ope&amp;n</source>
+        <translation>&amp;Abrir</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/runs/words.py"/>
-        <source>One image captured in {time}.</source>
-        <translation>Una imagen capturada en {time}.</translation>
+        <location filename="../../terrainav_plugin/results/viewer.py"/>
+        <source>Open the image in the program for such files</source>
+        <translation>Abrir la imagen con el programa para tales archivos</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/runs/words.py"/>
-        <source>Paused</source>
-        <translation>En pausa</translation>
+        <location filename="../../terrainav_plugin/results/viewer.py"/>
+        <source>Position</source>
+        <translation>Posición</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/runs/words.py"/>
-        <source>Paused: {counts}</source>
-        <translation>En pausa: {counts}</translation>
+        <location filename="../../terrainav_plugin/results/viewer.py"/>
+        <source>Prev&amp;ious</source>
+        <translation>A&amp;nterior</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/runs/words.py"/>
-        <source>Starting…</source>
-        <translation>Empezando…</translation>
+        <location filename="../../terrainav_plugin/results/viewer.py"/>
+        <source>Rejected</source>
+        <translation>Rechazada</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/runs/words.py"/>
-        <source>Stopped before the first image</source>
-        <translation>Detenida antes de la primera imagen</translation>
+        <location filename="../../terrainav_plugin/results/viewer.py"/>
+        <source>Show the image's footprint on the map</source>
+        <translation>Mostrar en el mapa la huella de la imagen</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/runs/words.py"/>
-        <source>Stopped with {there} of {total} images</source>
-        <translation>Detenida con {there} de {total} imágenes</translation>
+        <location filename="../../terrainav_plugin/results/viewer.py"/>
+        <source>TerrAInav images</source>
+        <translation>Imágenes de TerrAInav</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/runs/words.py"/>
-        <source>Stopped; making the mosaic…</source>
-        <translation>Detenida; haciendo el mosaico…</translation>
+        <location filename="../../terrainav_plugin/results/viewer.py"/>
+        <source>Yaw, tilt, roll</source>
+        <translation>Guiñada, inclinación, alabeo</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/runs/words.py"/>
-        <source>Stopping…</source>
-        <translation>Deteniendo…</translation>
+        <location filename="../../terrainav_plugin/results/viewer.py"/>
+        <source>by cleaning the dataset</source>
+        <translation>al limpiar el conjunto de datos</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/runs/words.py"/>
-        <source>The image was there already.</source>
-        <translation>La imagen ya estaba.</translation>
+        <location filename="../../terrainav_plugin/results/viewer.py"/>
+        <source>{agl} m above ground</source>
+        <translation>{agl} m sobre el terreno</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/runs/words.py"/>
-        <source>Waiting: next in line</source>
-        <translation>En espera: la siguiente</translation>
+        <location filename="../../terrainav_plugin/results/viewer.py"/>
+        <source>{gsd} m/px</source>
+        <translation>{gsd} m/px</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/runs/words.py"/>
-        <source>Waiting: {place} before it</source>
-        <translation>En espera: {place} delante</translation>
+        <location filename="../../terrainav_plugin/results/viewer.py"/>
+        <source>{lat}°, {lon}°</source>
+        <translation>{lat}°, {lon}°</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/runs/words.py"/>
-        <source>{done} of {total} images</source>
-        <translation>{done} de {total} imágenes</translation>
+        <location filename="../../terrainav_plugin/results/viewer.py"/>
+        <source>{number} of {count}</source>
+        <translation>{number} de {count}</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/runs/words.py"/>
-        <source>{error} (the images are written)</source>
-        <translation>{error} (las imágenes están escritas)</translation>
+        <location filename="../../terrainav_plugin/results/viewer.py"/>
+        <source>{number} of {count} here: {name}</source>
+        <translation>{number} de {count} aquí: {name}</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/runs/words.py"/>
-        <source>{name}: failed images</source>
-        <translation>{name}: imágenes fallidas</translation>
+        <location filename="../../terrainav_plugin/results/viewer.py"/>
+        <source>{width} × {height} px</source>
+        <translation>{width} × {height} px</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/runs/words.py"/>
-        <source>{written} images captured in {time}.</source>
-        <translation>{written} imágenes capturadas en {time}.</translation>
+        <location filename="../../terrainav_plugin/results/viewer.py"/>
+        <source>{}°, {}°, {}°</source>
+        <translation>{}°, {}°, {}°</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/results/viewing.py"/>
+        <source>Looking for images…</source>
+        <translation>Buscando imágenes…</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/results/viewing.py"/>
+        <source>No image shows this place. Click a captured footprint on the map.</source>
+        <translation>Ninguna imagen muestra este lugar. Pulsar una huella capturada en el mapa.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/results/viewing.py"/>
+        <source>There are no captured images on the map yet: capture a mission, or open a dataset by “Missions”.</source>
+        <translation>Aún no hay imágenes capturadas en el mapa: capturar una misión, o abrir un conjunto de datos con «Misiones».</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/session.py"/>
+        <source>Draw a box</source>
+        <translation>Dibujar un recuadro</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/session.py"/>
+        <source>No preview yet.</source>
+        <translation>Aún no hay vista previa.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/session.py"/>
+        <source>The map is empty: {link}, or add layers of your own.</source>
+        <translation>El mapa está vacío: {link}, o añada capas propias.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/session.py"/>
+        <source>The preview could not be drawn: {error}</source>
+        <translation>No se ha podido dibujar la vista previa: {error}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/session.py"/>
+        <source>show the imagery chosen below and draw a box</source>
+        <translation>mostrar las imágenes elegidas abajo y dibujar un recuadro</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/session.py"/>
+        <source>{link} and drag over the area, or paste its coordinates below.</source>
+        <translation>{link} y arrastre sobre el área, o pegue sus coordenadas abajo.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/sources.py"/>
@@ -4545,265 +4773,34 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>{title}: {requests} peticiones, y como máximo {most} pasan sin {without}.</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/task.py"/>
+        <location filename="../../terrainav_plugin/tasks.py"/>
         <source>unexpected error: {error}</source>
         <translation>error inesperado: {error}</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/viewer/details.py"/>
-        <source>Column, row</source>
-        <translation>Columna, fila</translation>
+        <location filename="../../terrainav_plugin/units.py"/>
+        <source>{count} acres</source>
+        <translation>{count} acres</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/viewer/details.py"/>
-        <source>Entropy</source>
-        <translation>Entropía</translation>
+        <location filename="../../terrainav_plugin/units.py"/>
+        <source>{count} h</source>
+        <translation>{count} h</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/viewer/details.py"/>
-        <source>Failed</source>
-        <translation>Fallida</translation>
+        <location filename="../../terrainav_plugin/units.py"/>
+        <source>{count} min</source>
+        <translation>{count} min</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/viewer/details.py"/>
-        <source>File</source>
-        <translation>Archivo</translation>
+        <location filename="../../terrainav_plugin/units.py"/>
+        <source>{count} s</source>
+        <translation>{count} s</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/viewer/details.py"/>
-        <source>Ground sample distance</source>
-        <translation>Distancia de muestreo del terreno</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/viewer/details.py"/>
-        <source>Height</source>
-        <translation>Altura</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/viewer/details.py"/>
-        <source>Image</source>
-        <translation>Imagen</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/viewer/details.py"/>
-        <source>Imagery date</source>
-        <translation>Fecha de las imágenes</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/viewer/details.py"/>
-        <source>Missing</source>
-        <translation>Falta</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/viewer/details.py"/>
-        <source>Position</source>
-        <translation>Posición</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/viewer/details.py"/>
-        <source>Rejected</source>
-        <translation>Rechazada</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/viewer/details.py"/>
-        <source>Yaw, tilt, roll</source>
-        <translation>Guiñada, inclinación, alabeo</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/viewer/details.py"/>
-        <source>by cleaning the dataset</source>
-        <translation>al limpiar el conjunto de datos</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/viewer/details.py"/>
-        <source>{agl} m above ground</source>
-        <translation>{agl} m sobre el terreno</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/viewer/details.py"/>
-        <source>{gsd} m/px</source>
-        <translation>{gsd} m/px</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/viewer/details.py"/>
-        <source>{lat}°, {lon}°</source>
-        <translation>{lat}°, {lon}°</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/viewer/details.py"/>
-        <source>{width} × {height} px</source>
-        <translation>{width} × {height} px</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/viewer/details.py"/>
-        <source>{}°, {}°, {}°</source>
-        <translation>{}°, {}°, {}°</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/viewer/footprint_file.py"/>
-        <source>it has changed</source>
-        <translation>ha cambiado</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/viewer/footprint_file.py"/>
-        <source>it is none of a capture</source>
-        <translation>no es de ninguna captura</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/viewer/picture.py"/>
-        <source>The image cannot be read: {reason}</source>
-        <translation>No se puede leer la imagen: {reason}</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/viewer/picture.py"/>
-        <source>There is no image (yet).</source>
-        <translation>No hay imagen (todavía).</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/viewer/shots.py"/>
-        <source>footprints {path}: have no poses</source>
-        <translation>huellas {path}: no tienen poses</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/viewer/viewer.py"/>
-        <source>&amp;Zoom to</source>
-        <translation>&amp;Zoom a</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/viewer/viewer.py"/>
-        <location filename="../../terrainav_plugin/viewer/viewing.py"/>
-        <source>Click a captured footprint on the map.</source>
-        <translation>Pulsar una huella capturada en el mapa.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/viewer/viewer.py"/>
-        <source>Image after this one in the flight</source>
-        <translation>Imagen siguiente en el vuelo</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/viewer/viewer.py"/>
-        <source>Image before this one in the flight</source>
-        <translation>Imagen anterior en el vuelo</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/viewer/viewer.py"/>
-        <source>Images that show the place of the click</source>
-        <translation>Imágenes que muestran el lugar pulsado</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/viewer/viewer.py"/>
-        <source>Kind of map that is shown</source>
-        <translation>Clase de mapa que se muestra</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/viewer/viewer.py"/>
-        <source>Ne&amp;xt</source>
-        <translation>&amp;Siguiente</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/viewer/viewer.py"/>
-        <source>Ope&amp;n</source>
-        <translation>&amp;Abrir</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/viewer/viewer.py"/>
-        <source>Open the image in the program for such files</source>
-        <translation>Abrir la imagen con el programa para tales archivos</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/viewer/viewer.py"/>
-        <source>Prev&amp;ious</source>
-        <translation>A&amp;nterior</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/viewer/viewer.py"/>
-        <source>Show the image's footprint on the map</source>
-        <translation>Mostrar en el mapa la huella de la imagen</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/viewer/viewer.py"/>
-        <source>TerrAInav images</source>
-        <translation>Imágenes de TerrAInav</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/viewer/viewer.py"/>
-        <source>{number} of {count}</source>
-        <translation>{number} de {count}</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/viewer/viewer.py"/>
-        <source>{number} of {count} here: {name}</source>
-        <translation>{number} de {count} aquí: {name}</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/viewer/viewing.py"/>
-        <source>Looking for images…</source>
-        <translation>Buscando imágenes…</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/viewer/viewing.py"/>
-        <source>No image shows this place. Click a captured footprint on the map.</source>
-        <translation>Ninguna imagen muestra este lugar. Pulsar una huella capturada en el mapa.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/viewer/viewing.py"/>
-        <source>There are no captured images on the map yet: capture a mission, or open a dataset by “Missions”.</source>
-        <translation>Aún no hay imágenes capturadas en el mapa: capturar una misión, o abrir un conjunto de datos con «Misiones».</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/workflow.py"/>
-        <source>Draw a box</source>
-        <translation>Dibujar un recuadro</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/workflow.py"/>
-        <source>No preview yet.</source>
-        <translation>Aún no hay vista previa.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/workflow.py"/>
-        <source>The entries have changed before their plan was there: press the button again.</source>
-        <translation>Las entradas han cambiado antes de que estuviera su plan: pulsar el botón de nuevo.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/workflow.py"/>
-        <source>The map is empty: {link}, or add layers of your own.</source>
-        <translation>El mapa está vacío: {link}, o añada capas propias.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/workflow.py"/>
-        <source>The mission could not be planned.</source>
-        <translation>No se ha podido planificar la misión.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/workflow.py"/>
-        <source>The preview could not be drawn: {error}</source>
-        <translation>No se ha podido dibujar la vista previa: {error}</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/workflow.py"/>
-        <source>Unexpected error: {error}</source>
-        <translation>Error inesperado: {error}</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/workflow.py"/>
-        <source>no area yet; draw a box or enter coordinates</source>
-        <translation>aún no hay área; dibujar un recuadro o introducir coordenadas</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/workflow.py"/>
-        <source>not timed beside a run</source>
-        <translation>sin medir mientras hay una captura en curso</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/workflow.py"/>
-        <source>show the imagery chosen below and draw a box</source>
-        <translation>mostrar las imágenes elegidas abajo y dibujar un recuadro</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/workflow.py"/>
-        <source>{link} and drag over the area, or paste its coordinates below.</source>
-        <translation>{link} y arrastre sobre el área, o pegue sus coordenadas abajo.</translation>
+        <location filename="../../terrainav_plugin/units.py"/>
+        <source>{count} sq mi</source>
+        <translation>{count} mi²</translation>
     </message>
 </context>
 <context>
@@ -5765,7 +5762,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/http/requests_transport.py"/>
-        <location filename="../../terrainav_plugin/network/errors.py"/>
+        <location filename="../../terrainav_plugin/network/answers.py"/>
         <source>connection to {0} broke off</source>
         <translation>se cortó la conexión con {0}</translation>
     </message>
@@ -5777,13 +5774,13 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/http/requests_transport.py"/>
-        <location filename="../../terrainav_plugin/network/errors.py"/>
+        <location filename="../../terrainav_plugin/network/answers.py"/>
         <source>no connection to {0}</source>
         <translation>sin conexión con {0}</translation>
     </message>
     <message>
         <location filename="../../core/imagery/http/requests_transport.py"/>
-        <location filename="../../terrainav_plugin/network/errors.py"/>
+        <location filename="../../terrainav_plugin/network/answers.py"/>
         <source>no trusted connection to {0} (TLS)</source>
         <translation>sin conexión de confianza con {0} (TLS)</translation>
     </message>
@@ -5795,7 +5792,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/http/requests_transport.py"/>
-        <location filename="../../terrainav_plugin/network/errors.py"/>
+        <location filename="../../terrainav_plugin/network/answers.py"/>
         <location filename="../../terrainav_plugin/network/transport.py"/>
         <location filename="../../terrainav_plugin/network/worker.py"/>
         <source>the URL is not valid</source>
@@ -5803,7 +5800,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/http/requests_transport.py"/>
-        <location filename="../../terrainav_plugin/network/errors.py"/>
+        <location filename="../../terrainav_plugin/network/answers.py"/>
         <source>the proxy does not answer</source>
         <translation>el proxy no responde</translation>
     </message>
@@ -7734,107 +7731,57 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>error inesperado ({0})</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/dock/entries.py"/>
-        <source>{0}: not a widget that entries know</source>
-        <translation>{0}: no es un elemento que las entradas conozcan</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/layers/jobs.py"/>
-        <source>QGIS could not draw it: {0}</source>
-        <translation>QGIS no ha podido dibujarlo: {0}</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/layers/jobs.py"/>
-        <source>QGIS had not drawn it after {0} s</source>
-        <translation>QGIS no lo había dibujado tras {0} s</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/layers/jobs.py"/>
-        <source>cancelled while drawing the map</source>
-        <translation>cancelado mientras se dibujaba el mapa</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/layers/jobs.py"/>
-        <source>picture of {0}x{1} px: too large to be drawn</source>
-        <translation>imagen de {0}x{1} px: demasiado grande para dibujarla</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/layers/pipes.py"/>
-        <source>QGIS could not read it: {0}</source>
-        <translation>QGIS no ha podido leerlo: {0}</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/layers/pipes.py"/>
-        <source>no reason given</source>
-        <translation>no se indica el motivo</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/layers/source.py"/>
-        <source>{0} shows nothing here</source>
-        <translation>{0} no muestra nada aquí</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/failed_images.py"/>
+        <location filename="../../terrainav_plugin/dataset/layers.py"/>
         <source>failed images of {0}: cannot be written ({1})</source>
         <translation>imágenes fallidas de {0}: no se pueden escribir ({1})</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/map/mosaic.py"/>
-        <source>file {0}: cannot be replaced ({1}); close what shows it</source>
-        <translation>archivo {0}: no se puede sustituir ({1}); cerrar lo que lo muestra</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/on_map.py"/>
-        <source>picture {0}: cannot be read ({1})</source>
-        <translation>imagen {0}: no se puede leer ({1})</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/on_map.py"/>
-        <source>picture {0}: cannot be written ({1})</source>
-        <translation>imagen {0}: no se puede escribir ({1})</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/on_map.py"/>
-        <source>picture {0}: shows no ground that a map in EPSG:3857 has</source>
-        <translation>imagen {0}: no muestra terreno que tenga un mapa en EPSG:3857</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/map/opened_results.py"/>
+        <location filename="../../terrainav_plugin/dataset/layers.py"/>
         <source>footprints {0}: QGIS cannot open them</source>
         <translation>huellas {0}: QGIS no puede abrirlas</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/map/opened_results.py"/>
+        <location filename="../../terrainav_plugin/dataset/layers.py"/>
         <source>picture {0}: QGIS cannot open it</source>
         <translation>imagen {0}: QGIS no puede abrirla</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/map/overviews.py"/>
+        <location filename="../../terrainav_plugin/dataset/mosaic.py"/>
+        <source>file {0}: cannot be replaced ({1}); close what shows it</source>
+        <translation>archivo {0}: no se puede sustituir ({1}); cerrar lo que lo muestra</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/mosaic.py"/>
         <source>mosaic {0}: cannot be made ({1})</source>
         <translation>mosaico {0}: no se puede crear ({1})</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/map/overviews.py"/>
+        <location filename="../../terrainav_plugin/dataset/mosaic.py"/>
         <source>mosaic {0}: cannot be written ({1})</source>
         <translation>mosaico {0}: no se puede escribir ({1})</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/map/overviews.py"/>
+        <location filename="../../terrainav_plugin/dataset/mosaic.py"/>
         <source>mosaic: stopped</source>
         <translation>mosaico: detenido</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/map/world_picture.py"/>
-        <source>background {0}: cannot be written ({1})</source>
-        <translation>fondo {0}: no se puede escribir ({1})</translation>
+        <location filename="../../terrainav_plugin/dataset/rectify.py"/>
+        <source>picture {0}: cannot be read ({1})</source>
+        <translation>imagen {0}: no se puede leer ({1})</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/map/world_picture.py"/>
-        <source>background: stopped</source>
-        <translation>fondo: detenido</translation>
+        <location filename="../../terrainav_plugin/dataset/rectify.py"/>
+        <source>picture {0}: cannot be written ({1})</source>
+        <translation>imagen {0}: no se puede escribir ({1})</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/network/errors.py"/>
+        <location filename="../../terrainav_plugin/dataset/rectify.py"/>
+        <source>picture {0}: shows no ground that a map in EPSG:3857 has</source>
+        <translation>imagen {0}: no muestra terreno que tenga un mapa en EPSG:3857</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/network/answers.py"/>
         <source>the proxy asks for a user name and password</source>
         <translation>el proxy pide usuario y contraseña</translation>
     </message>
@@ -7847,6 +7794,56 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/network/worker.py"/>
         <source>QGIS's authentication database is locked: enter its master password, then try again</source>
         <translation>La base de datos de autenticación de QGIS está bloqueada: introducir su contraseña maestra e intentarlo de nuevo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/entries.py"/>
+        <source>{0}: not a widget that entries know</source>
+        <translation>{0}: no es un elemento que las entradas conozcan</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/preview/background.py"/>
+        <source>background {0}: cannot be written ({1})</source>
+        <translation>fondo {0}: no se puede escribir ({1})</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/preview/background.py"/>
+        <source>background: stopped</source>
+        <translation>fondo: detenido</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/qgis_source/renderer.py"/>
+        <source>QGIS could not draw it: {0}</source>
+        <translation>QGIS no ha podido dibujarlo: {0}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/qgis_source/renderer.py"/>
+        <source>QGIS could not read it: {0}</source>
+        <translation>QGIS no ha podido leerlo: {0}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/qgis_source/renderer.py"/>
+        <source>QGIS had not drawn it after {0} s</source>
+        <translation>QGIS no lo había dibujado tras {0} s</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/qgis_source/renderer.py"/>
+        <source>cancelled while drawing the map</source>
+        <translation>cancelado mientras se dibujaba el mapa</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/qgis_source/renderer.py"/>
+        <source>no reason given</source>
+        <translation>no se indica el motivo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/qgis_source/renderer.py"/>
+        <source>picture of {0}x{1} px: too large to be drawn</source>
+        <translation>imagen de {0}x{1} px: demasiado grande para dibujarla</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/qgis_source/source.py"/>
+        <source>{0} shows nothing here</source>
+        <translation>{0} no muestra nada aquí</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/settings.py"/>

@@ -83,10 +83,10 @@ class MissionGroup:
     It is looked up anew each time, because users move, rename and remove groups as they like.
     """
 
-    def __init__(self, project: QgsProject, name: str, folder: str) -> None:
+    def __init__(self, project: QgsProject, folder: Path) -> None:
         self.project = project
-        self._title = tr("TerrAInav: {name}").format(name=name)
-        self._folder = folder
+        self._title = tr("TerrAInav: {name}").format(name=folder.name or tr("mission"))
+        self._folder = str(folder)
 
     def is_same(self, other: MissionGroup) -> bool:
         """Whether both are the group of one folder."""

@@ -1,1 +1,6 @@
-"""Missions and datasets: opened, saved, and taken up again."""
+"""Missions and datasets: opened, saved, and taken up again.
+
+missions        the menu of missions, and what it does
+opening         a dataset that is there, opened in the background
+plan_export     the plan in the panel, written as a file for other programs
+"""

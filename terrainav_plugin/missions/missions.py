@@ -2,55 +2,98 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from qgis.core import QgsApplication
-from qgis.PyQt.QtCore import QObject
-from qgis.PyQt.QtWidgets import QFileDialog, QMenu
+from qgis.PyQt.QtCore import QObject, pyqtSignal
+from qgis.PyQt.QtWidgets import QFileDialog, QMenu, QToolButton
 
 from ...core.dataset.folder import JOURNAL_FILE, MISSION_FILE
 from ...core.errors import InvalidInput, TerrAInavError
-from ..dock import mission_form
-from ..dock.area_form import FormError
-from ..dock.form_state import BOX_FIELDS
-from ..i18n import told, tr
-from ..map.failed_images import FAILED_FILE
+from ..dataset.layers import FAILED_FILE
+from ..dataset.placing import show_failed, show_results
+from ..form import mission_form
+from ..form.area import FormError
+from ..form.state import BOX_FIELDS
+from ..i18n import tr, translate
 from ..map.mission_group import SavedMission, saved_missions
-from ..map.results import show_failed, show_results
-from ..paths import folder_of
+from ..paths import folder_of, next_folder
 from ..plain import shown_plain
-from ..runs.before import next_folder
+from ..settings import Settings, recent, remember
 from ..sources import grid_finder
-from .dataset_task import DatasetTask
+from .opening import DatasetTask
 from .plan_export import PlanExport
-from .recent import recent, remember
 
 if TYPE_CHECKING:
     from ...core.mission.mission import Mission
-    from ..workflow import Workflow
+    from ..dataset.placing import OpenProject
+    from ..form.state import FormState
+    from ..messages import Messages
 
 #: Entries of a form without an area.
 _NO_AREA = dict.fromkeys((*BOX_FIELDS, "shape"), "")
 
 
 class Missions(QObject):
-    """The menu of missions, and what it does."""
+    """The menu of missions, and what it does.
 
-    def __init__(self, workflow: Workflow) -> None:
+    Parameters
+    ----------
+    button : QToolButton
+        That opens the menu.
+    messages : Messages
+    open_project : OpenProject
+    read, write : callable
+        What is entered, and its setter.
+    captures : callable
+        Folders that captures of this session go into.
+
+    Signals
+    -------
+    preview_wanted(bool)
+        The preview is to come, and the map to go there, or it is to go.
+    reopened()
+        A mission of the project is in the panel again: its preview is kept.
+    zoom_wanted(object)
+        A box.
+    refused(object)
+        What is wrong with entries, by their fields.
+    capture_failed_wanted()
+        The failed images of what is entered are to be captured.
+    clean_wanted(object)
+        The folder of a dataset.
+    """
+
+    preview_wanted = pyqtSignal(bool)
+    reopened = pyqtSignal()
+    zoom_wanted = pyqtSignal(object)
+    refused = pyqtSignal(object)
+    capture_failed_wanted = pyqtSignal()
+    clean_wanted = pyqtSignal(object)
+
+    def __init__(
+        self,
+        button: QToolButton,
+        messages: Messages,
+        open_project: OpenProject,
+        read: Callable[[], FormState],
+        write: Callable[[FormState], None],
+        captures: Callable[[], list[Path]],
+    ) -> None:
         super().__init__()
-        self._workflow, self._messages = workflow, workflow.messages
+        self._button, self._messages, self._open_project = button, messages, open_project
+        self._read, self._write, self._captures = read, write, captures
+        self._settings = Settings()
         self._task: DatasetTask | None = None
-        self.plan_export = PlanExport(workflow)
-        self._projects_closed = 0
-        self.menu = QMenu(workflow.dock.missions)
+        self.plan_export = PlanExport(button, messages, self._folder)
+        self.menu = QMenu(button)
         self.menu.setObjectName("missions_menu")
         self.menu.setToolTipsVisible(True)
         self.menu.aboutToShow.connect(self._fill)
-        workflow.dock.missions.setMenu(self.menu)
-        workflow.project.cleared.connect(self._project_closed)
+        button.setMenu(self.menu)
 
     @property
     def busy(self) -> bool:
@@ -60,10 +103,8 @@ class Missions(QObject):
     def close(self) -> None:
         """End for good."""
         self.plan_export.close()
-        self._workflow.project.cleared.disconnect(self._project_closed)
         if self._task is not None:
-            self._task.ended.disconnect()
-            self._task.cancel()
+            self._task.abandon()
             self._task.waitForFinished()
             self._task = None
 
@@ -72,7 +113,7 @@ class Missions(QObject):
     def _fill(self) -> None:
         menu = self.menu
         menu.clear()
-        saved = saved_missions(self._workflow.project)
+        saved = saved_missions(self._open_project.project)
         if saved:
             menu.addSection(tr("In this project"))
         current = str(self._folder())
@@ -108,7 +149,7 @@ class Missions(QObject):
 
     def restore(self) -> None:
         """Take up the mission that was in the panel when the project that has been opened was saved."""
-        saved = saved_missions(self._workflow.project)
+        saved = saved_missions(self._open_project.project)
         if saved:
             self._open_saved(next((mission for mission in saved if mission.current), saved[0]), zoom=False)
 
@@ -119,9 +160,9 @@ class Missions(QObject):
     def ask_for_file(self) -> None:
         """Let the user choose a mission file, and open it."""
         path, _ = QFileDialog.getOpenFileName(
-            self._workflow.iface.mainWindow(),
+            self._button.window(),
             tr("TerrAInav: open mission"),
-            str(self._workflow.settings.missions),
+            str(self._settings.missions),
             tr("Mission files (*.json);;All files (*)"),
         )
         if path:
@@ -130,9 +171,9 @@ class Missions(QObject):
     def ask_for_dataset(self) -> None:
         """Let the user choose the folder of a dataset, and open it."""
         path = QFileDialog.getExistingDirectory(
-            self._workflow.iface.mainWindow(),
+            self._button.window(),
             tr("TerrAInav: open dataset"),
-            str(self._workflow.settings.missions),
+            str(self._settings.missions),
         )
         if path:
             self.open_path(Path(path))
@@ -150,14 +191,14 @@ class Missions(QObject):
         """Take a mission file's mission into the panel; it is captured into a folder of its own."""
         from ...core.mission.mission import Mission
 
-        folder = self._workflow.settings.missions / path.stem
+        folder = self._settings.missions / path.stem
         try:
             self._take_up(Mission.load(path), folder if not folder.exists() else next_folder(folder))
         except TerrAInavError as wrong:
             self._tell_broken(path.name, wrong)
             return
         remember(path)
-        self._workflow.set_preview(True)
+        self.preview_wanted.emit(True)
 
     def open_dataset(self, folder: Path) -> None:
         """Take a dataset's mission into the panel, and its results onto the map."""
@@ -178,47 +219,46 @@ class Missions(QObject):
         except TerrAInavError as wrong:
             self._tell_broken(folder.name, wrong)
             return
-        begun_in = self._projects_closed
-        task.ended.connect(lambda task: self._dataset_opened(task, state, begun_in))
+        begun_in = self._open_project.number
         self._task = task
-        QgsApplication.taskManager().addTask(task)
+        task.begin(lambda task: self._dataset_opened(task, state, begun_in))
 
     # --- other entries of the menu
 
     def begin_new(self) -> None:
         """Empty the area and take a folder that is free; camera, height and source stay as they are."""
-        state = self._workflow.state()
-        folder = self._folder() if state.folder.strip() else self._workflow.settings.missions / "mission-1"
-        taken = {Path(saved.folder) for saved in saved_missions(self._workflow.project)}
-        taken |= {run.folder for run in self._workflow.runs.runs}
+        state = self._read()
+        folder = self._folder() if state.folder.strip() else self._settings.missions / "mission-1"
+        taken = {Path(saved.folder) for saved in saved_missions(self._open_project.project)}
+        taken |= set(self._captures())
         folder = next_folder(folder, taken | {folder})
-        self._workflow.set_preview(False)
-        self._workflow.dock.form.set_state(replace(state, folder=str(folder), **_NO_AREA))
+        self.preview_wanted.emit(False)
+        self._write(replace(state, folder=str(folder), **_NO_AREA))
 
     def begin_anew(self) -> None:
-        """Empty the area for a new project, with a folder that is free, unless captures are under way."""
-        state = self._workflow.state()
-        if not self._workflow.runs.idle or not any(getattr(state, name) for name in _NO_AREA):
+        """Empty the area for a new project, with a folder that is free."""
+        state = self._read()
+        if not any(getattr(state, name) for name in _NO_AREA):
             return
         folder = self._folder()
         if state.folder.strip() and folder.exists():
-            taken = {run.folder for run in self._workflow.runs.runs}
+            taken = set(self._captures())
             state = mission_form.with_folder(state, str(next_folder(folder, taken)))
-        self._workflow.dock.form.set_state(replace(state, **_NO_AREA))
+        self._write(replace(state, **_NO_AREA))
 
     def save_as(self) -> None:
         """Let the user choose where the mission in the panel is saved."""
         try:
-            mission = mission_form.mission(self._workflow.state())
+            mission = mission_form.mission(self._read())
         except FormError as wrong:
-            self._workflow.dock.form.show_messages(wrong.messages)
+            self.refused.emit(wrong.messages)
             reason = next(iter(wrong.messages.values()), "")
             self._messages.refused(reason, tr("Nothing to save yet."))
             return
         chosen, _ = QFileDialog.getSaveFileName(
-            self._workflow.iface.mainWindow(),
+            self._button.window(),
             tr("TerrAInav: save mission"),
-            str(self._workflow.settings.missions / f"{self._folder().name}.json"),
+            str(self._settings.missions / f"{self._folder().name}.json"),
             tr("Mission files (*.json)"),
         )
         if not chosen:
@@ -228,32 +268,29 @@ class Missions(QObject):
         try:
             mission.save(path)
         except TerrAInavError as wrong:
-            self._messages.warning(told(wrong))
+            self._messages.warning(translate(wrong))
             return
         remember(path)
         self._messages.success(tr("Mission saved as {name}.").format(name=path.name))
 
     def capture_failed(self) -> None:
         """Capture only those images of the mission in the panel that have failed."""
-        self._workflow.capture(only_failed=True)
+        self.capture_failed_wanted.emit()
 
     def clean(self) -> None:
         """Open the window in which the dataset of the mission in the panel is cleaned."""
-        self._workflow.cleaning.open(self._folder())
+        self.clean_wanted.emit(self._folder())
 
     # --- how
 
     def _folder(self) -> Path:
-        return folder_of(self._workflow.state().folder)
-
-    def _project_closed(self) -> None:
-        self._projects_closed += 1
+        return folder_of(self._read().folder)
 
     def _state_of(self, mission: Mission, folder: Path) -> mission_form.FormState:
-        return mission_form.state_of(mission, str(folder), like=self._workflow.state())
+        return mission_form.state_of(mission, str(folder), like=self._read())
 
     def _take_up(self, mission: Mission, folder: Path) -> None:
-        self._workflow.dock.form.set_state(self._state_of(mission, folder))
+        self._write(self._state_of(mission, folder))
 
     def _open_saved(self, saved: SavedMission, zoom: bool) -> None:
         from ...core.mission.mission import Mission
@@ -263,30 +300,29 @@ class Missions(QObject):
             self._take_up(mission, Path(saved.folder))
         except TerrAInavError as wrong:
             self._messages.warning(
-                tr("The project's mission cannot be read: {error}").format(error=told(wrong))
+                tr("The project's mission cannot be read: {error}").format(error=translate(wrong))
             )
             return
-        self._workflow.show_preview_again()
+        self.reopened.emit()
         if zoom:
-            self._workflow.zoom_to(mission.area.bounds)
+            self.zoom_wanted.emit(mission.area.bounds)
 
     def _dataset_opened(self, task: DatasetTask, state: mission_form.FormState, begun_in: int) -> None:
         self._task = None
         if task.error:
-            tell = self._messages.error if task.trace else self._messages.warning
-            tell(told(task.error), task.trace)
+            self._messages.failed(translate(task.error), task.trace)
             return
-        if task.opened is None or begun_in != self._projects_closed:
+        if task.opened is None or begun_in != self._open_project.number:
             return
         remember(task.folder)
-        group = self._workflow.group_of(task.folder)
+        group = self._open_project.group_of(task.folder)
         show_results(group, task.opened)
         # Layers that were not needed keep their files open.
         task.opened = None
         show_failed(group, task.failed)
-        self._workflow.dock.form.set_state(state)
+        self._write(state)
         group.make_current()
-        self._workflow.zoom_to(task.mission.area.bounds)
+        self.zoom_wanted.emit(task.mission.area.bounds)
         if task.left_out:
             self._messages.warning(
                 tr("{name}: opened without mosaic: {reason}").format(
@@ -295,7 +331,9 @@ class Missions(QObject):
             )
 
     def _tell_broken(self, name: str, wrong: TerrAInavError) -> None:
-        self._messages.warning(tr("{name} was not opened: {reason}").format(name=name, reason=told(wrong)))
+        self._messages.warning(
+            tr("{name} was not opened: {reason}").format(name=name, reason=translate(wrong))
+        )
 
 
 def _plain(text: str) -> str:

@@ -2,23 +2,24 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from qgis.core import QgsApplication
-from qgis.PyQt.QtCore import QObject
-from qgis.PyQt.QtWidgets import QFileDialog
+from qgis.PyQt.QtCore import QObject, pyqtSignal
+from qgis.PyQt.QtWidgets import QFileDialog, QWidget
 
 from ...core.errors import TerrAInavError
-from ..i18n import told, tr
-from ..runs.after import open_in_system
-from ..task import Task
+from ..i18n import tr, translate
+from ..paths import open_in_system
+from ..settings import Settings
+from ..tasks import Task
 
 if TYPE_CHECKING:
     from ...core.mission.export import Exported
     from ...core.mission.plan import Plan
+    from ..messages import Messages
     from ..planner import Planned
-    from ..workflow import Workflow
 
 #: Ending of a name that has none.
 _USUAL = ".kml"
@@ -46,11 +47,27 @@ class ExportTask(Task):
 
 
 class PlanExport(QObject):
-    """Asks for the file, has it written, and says what its format could not say."""
+    """Asks for the file, has it written, and says what its format could not say.
 
-    def __init__(self, workflow: Workflow) -> None:
+    Parameters
+    ----------
+    parent : QWidget
+        Dialogs belong to its window.
+    messages : Messages
+    folder : callable
+        Folder of the mission that is entered, whose name files have until the user gives them another.
+
+    Signals
+    -------
+    plan_wanted(object, str)
+        What to do with the plan of what is entered, as soon as there is one; and what to say where there is none.
+    """
+
+    plan_wanted = pyqtSignal(object, str)
+
+    def __init__(self, parent: QWidget, messages: Messages, folder: Callable[[], Path]) -> None:
         super().__init__()
-        self._workflow, self._messages = workflow, workflow.messages
+        self._parent, self._messages, self._mission_folder = parent, messages, folder
         self._task: ExportTask | None = None
 
     @property
@@ -74,10 +91,10 @@ class PlanExport(QObject):
                 )
             )
             return
-        folder = self._workflow.settings.missions
-        name = Path(self._workflow.state().folder.strip()).name or tr("mission")
+        folder = Settings().missions
+        name = self._mission_folder().name or tr("mission")
         chosen, kind = QFileDialog.getSaveFileName(
-            self._workflow.iface.mainWindow(),
+            self._parent.window(),
             tr("TerrAInav: export plan"),
             str((folder if folder.is_dir() else Path.home()) / f"{name}{_USUAL}"),
             ";;".join(f"{title} (*{ending})" for ending, title in formats().items()),
@@ -86,7 +103,7 @@ class PlanExport(QObject):
             return
         path = with_ending(Path(chosen), kind)
         refusal = tr("Nothing to export yet.")
-        self._workflow.with_plan(lambda planned: self._write(planned, path), refusal)
+        self.plan_wanted.emit(lambda planned: self._write(planned, path), refusal)
 
     def _write(self, planned: Planned, path: Path) -> None:
         from ...core.mission.export import check_plan_ending
@@ -94,17 +111,15 @@ class PlanExport(QObject):
         try:
             check_plan_ending(path)
         except TerrAInavError as wrong:
-            self._messages.warning(told(wrong))
+            self._messages.warning(translate(wrong))
             return
         self._task = ExportTask(planned.plan, path)
-        self._task.ended.connect(self._ended)
-        QgsApplication.taskManager().addTask(self._task)
+        self._task.begin(self._ended)
 
     def _ended(self, task: ExportTask) -> None:
         self._task = None
         if task.error:
-            tell = self._messages.error if task.trace else self._messages.warning
-            tell(told(task.error), task.trace)
+            self._messages.failed(translate(task.error), task.trace)
             return
         if task.exported is None:
             return
@@ -113,7 +128,7 @@ class PlanExport(QObject):
         folder = files[0].parent
         open_folder = (tr("Open folder"), lambda: open_in_system(folder))
         if notes:
-            lines = [told(note) for note in notes]
+            lines = [translate(note) for note in notes]
             self._messages.warning(f"{text} {' '.join(lines)}", "\n".join(lines), open_folder)
         else:
             self._messages.success(text, open_folder)

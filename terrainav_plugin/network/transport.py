@@ -11,8 +11,7 @@ from qgis.PyQt.QtCore import QEventLoop
 from ...core.errors import Cancelled
 from ...core.imagery.http.transport import Response, Timeouts, TransportError, user_agent
 from ...core.limits import MAX_BODY_BYTES
-from .exchange import Exchange, Terms
-from .worker import NetworkWorker, in_main_thread
+from .worker import Exchange, NetworkWorker, Terms, in_main_thread
 
 #: Seconds of one wait for an outcome.
 _LOOK_S = 0.1

@@ -1,1 +1,13 @@
-"""The provider of Processing algorithms: plans and captures in models, in batches and from a terminal."""
+"""The algorithms of Processing: missions planned, captured and measured, datasets cleaned and split.
+
+provider            what QGIS lists in its toolbox
+algorithm           what all algorithms have in common; their work is kept off the main thread
+areas               areas out of what Processing hands over: extents, polygons and points
+mission_parameters  the parameters of a mission, and the mission that they ask for
+imagery             the imagery of a mission, taken on the main thread before an algorithm runs
+plan                a mission worked out, as layers, numbers and files
+capture             a mission captured into a dataset folder, and what has failed captured again
+clean               a dataset cleaned of images with too little to see
+split               a dataset divided into training, validation and test
+report              a mission's error measured against run time
+"""

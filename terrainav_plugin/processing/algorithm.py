@@ -1,9 +1,11 @@
-"""What all algorithms have in common."""
+"""What all algorithms have in common; their work is kept off the main thread."""
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Callable
 from pathlib import Path
+from queue import Empty, SimpleQueue
 from typing import Any, TypeVar
 
 from qgis.core import (
@@ -13,16 +15,18 @@ from qgis.core import (
     QgsProcessingFeedback,
     QgsProcessingParameterDefinition,
 )
+from qgis.PyQt.QtCore import QEventLoop, QTimer
 from qgis.PyQt.QtGui import QIcon
 
 from ...core.errors import Cancelled, TerrAInavError
-from ..i18n import told, tr
+from ..i18n import tr, translate
 from ..packages import missing_packages
 from ..paths import RESOURCES, icon
-from ..threads import hold_crs
-from .beside import Watch, beside_main
+from ..tasks import PythonThread, hold_crs, on_python_thread
 
 Result = TypeVar("Result")
+#: Milliseconds between two looks at what the work tells, and at whether the user has cancelled.
+_LOOK_MS = 20
 
 
 class Algorithm(QgsProcessingAlgorithm):
@@ -133,28 +137,82 @@ class Algorithm(QgsProcessingAlgorithm):
         """Let go of what was prepared; whatever became of the run."""
 
 
+def paragraphs(*texts: str) -> str:
+    """Help text, which the toolbox shows as HTML and a terminal as it is."""
+    return "\n\n".join(texts)
+
+
+class Watch:
+    """What work tells of itself, in the thread that it runs on, and whether it is to go on."""
+
+    def __init__(self, feedback: QgsProcessingFeedback) -> None:
+        self._feedback = feedback
+
+    def say(self, text: str) -> None:
+        """Add a line to the log."""
+        self._feedback.pushInfo(text)
+
+    def warn(self, text: str) -> None:
+        """Add a warning to the log."""
+        self._feedback.pushWarning(text)
+
+    def progress(self, share: float) -> bool:
+        """Set how much is done, 0 to 1; returns whether to go on."""
+        self._feedback.setProgress(100.0 * share)
+        return not self.cancelled()
+
+    def cancelled(self) -> bool:
+        """Whether the user has cancelled."""
+        return self._feedback.isCanceled()
+
+
+def run_in_background(work: Callable[[Watch], Result], feedback: QgsProcessingFeedback) -> Result:
+    """Work with the main thread free for its events; see `beside`."""
+    return off_main_thread(work, feedback)
+
+
+def off_main_thread(work: Callable[[Watch], Result], feedback: QgsProcessingFeedback) -> Result:
+    """Do ``work`` while the main thread is free for its events; returns or raises what it does.
+
+    Called in another thread, which is beside it already, that one waits.
+    """
+    from ..network.worker import in_main_thread
+
+    if not in_main_thread():
+        return on_python_thread(lambda: work(Watch(feedback)))
+    relay, loop, timer = _Relay(feedback), QEventLoop(), QTimer()
+    thread = PythonThread(lambda: work(relay), "terrainav-algorithm")
+
+    def look() -> None:
+        relay.deliver()
+        if not thread.works:
+            loop.quit()
+
+    timer.timeout.connect(look)
+    timer.start(_LOOK_MS)
+    try:
+        # What the user does meanwhile waits, as it does for every algorithm that runs here.
+        loop.exec(QEventLoop.ProcessEventsFlag.ExcludeUserInputEvents)
+    finally:
+        relay.stop()
+        thread.wait()
+        timer.stop()
+    relay.deliver()
+    return thread.result()
+
+
 def _checked(work: Callable[[], Result]) -> Result:
     """What ``work`` returns; its errors in the way that Processing shows them."""
-    from ..dock.mission_form import FormError
+    from ..form.mission_form import FormError
 
     try:
         return work()
     except Cancelled as stopped:
-        text = tr("Stopped: {reason}").format(reason=told(stopped))
+        text = tr("Stopped: {reason}").format(reason=translate(stopped))
     except (TerrAInavError, FormError) as wrong:
-        text = told(wrong)
+        text = translate(wrong)
     # Out here the error is forgotten, and with it all that its trace would hold until the thread has ended.
     raise QgsProcessingException(text)
-
-
-def run_beside(work: Callable[[Watch], Result], feedback: QgsProcessingFeedback) -> Result:
-    """Work with the main thread free for its events; see `beside`."""
-    return beside_main(work, feedback)
-
-
-def paragraphs(*texts: str) -> str:
-    """Help text, which the toolbox shows as HTML and a terminal as it is."""
-    return "\n\n".join(texts)
 
 
 def _homepage() -> str:
@@ -164,3 +222,39 @@ def _homepage() -> str:
         if name == "homepage":
             return value
     return ""
+
+
+class _Relay(Watch):
+    """A watch whose words go through the main thread, where the caller's feedback expects them."""
+
+    def __init__(self, feedback: QgsProcessingFeedback) -> None:
+        super().__init__(feedback)
+        self._told: SimpleQueue[Callable[[], object]] = SimpleQueue()
+        self._stop = threading.Event()
+
+    def say(self, text: str) -> None:
+        self._told.put(lambda: Watch.say(self, text))
+
+    def warn(self, text: str) -> None:
+        self._told.put(lambda: Watch.warn(self, text))
+
+    def progress(self, share: float) -> bool:
+        self._told.put(lambda: Watch.progress(self, share))
+        return not self.cancelled()
+
+    def cancelled(self) -> bool:
+        return self._stop.is_set()
+
+    def deliver(self) -> None:
+        """Pass on what has been told; in the main thread."""
+        if self._feedback.isCanceled():
+            self._stop.set()
+        try:
+            while True:
+                self._told.get_nowait()()
+        except Empty:
+            return
+
+    def stop(self) -> None:
+        """Ask the work to end."""
+        self._stop.set()

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from ...core.mission.area import Area, Box, Points, Polygon
     from .algorithm import Algorithm
 
+
 #: Latitude and longitude, which missions are in.
 _GEOGRAPHIC = "EPSG:4326"
 #: Pieces that the longest side of a polygon is cut in where its CRS is another: straight edges bend.

@@ -22,9 +22,8 @@ from qgis.core import (
 
 from ...core.dataset.folder import FOOTPRINTS_FILE, MISSION_FILE
 from ...core.errors import InvalidInput
-from ..i18n import number_text, told, tr
-from .algorithm import paragraphs, run_beside
-from .beside import Watch
+from ..i18n import number_text, tr, translate
+from .algorithm import Watch, paragraphs, run_in_background
 from .imagery import WithImagery, check_terms
 from .mission_parameters import add_mission_parameters, mission_of
 
@@ -32,7 +31,7 @@ if TYPE_CHECKING:
     from ...core.capture.runner import CaptureResult, Progress
     from ...core.mission.mission import Mission
     from ...core.mission.plan import Plan
-    from ..map.mosaic import Mosaic
+    from ..dataset.mosaic import Mosaic
 
 #: Share of the progress that capturing is; the mosaic takes the rest.
 _CAPTURE_SHARE = 0.9
@@ -122,7 +121,7 @@ class _Capturing(WithImagery):
             _tell(result, watch)
             return result, self._mosaics(worked_out, result, watch)
 
-        result, self._made = run_beside(work, feedback)
+        result, self._made = run_in_background(work, feedback)
         if self._load:
             for mosaic in self._made:
                 _load_when_done(context, mosaic.path, mosaic.title)
@@ -140,13 +139,13 @@ class _Capturing(WithImagery):
 
     def finished(self) -> None:
         """Put new mosaics in the place of those that the project may show."""
-        from ..map.results import place_mosaics
+        from ..dataset.placing import place_mosaics
 
         place_mosaics(QgsProject.instance(), self._made)
 
     def _mosaics(self, worked_out: Plan, result: CaptureResult, watch: Watch) -> list[Mosaic]:
         """Mosaics of all map types, as far as there are some."""
-        from ..map.mosaic import MOST_PICTURES, build_mosaics
+        from ..dataset.mosaic import MOST_PICTURES, build_mosaics
 
         # Camera frames are no pieces of the map.
         if worked_out.size_px is not None or len(worked_out) > MOST_PICTURES:
@@ -303,7 +302,7 @@ def _tell(result: CaptureResult, watch: Watch) -> None:
         )
     )
     for failure in result.failed[:_NAMED_FAILURES]:
-        watch.warn(f"{failure.map_type}/{failure.name}: {told(failure.reason)}")
+        watch.warn(f"{failure.map_type}/{failure.name}: {translate(failure.reason)}")
     if len(result.failed) > _NAMED_FAILURES:
         watch.warn(
             tr("{count} more, named in the folder's journal and tables.").format(

@@ -19,8 +19,7 @@ from qgis.core import (
 )
 
 from ..i18n import number_text, tr
-from .algorithm import Algorithm, paragraphs, run_beside
-from .beside import Watch
+from .algorithm import Algorithm, Watch, paragraphs, run_in_background
 
 if TYPE_CHECKING:
     from ...core.dataset.clean import Cleaned
@@ -136,7 +135,7 @@ class Clean(Algorithm):
                 progress=watch.progress,
             )
 
-        cleaned = run_beside(work, feedback)
+        cleaned = run_in_background(work, feedback)
         for one in cleaned:
             feedback.pushInfo(
                 tr("{map_type}: {rejected} of {images} images, {moved} moved, {returned} moved back.").format(

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from ...core.imagery.source import Source
     from ...core.mission.mission import Mission
     from ...core.mission.plan import Plan
-    from ..layers.snapshot import Snapshot
+    from ..qgis_source.snapshot import Snapshot
 
 
 class Imagery:

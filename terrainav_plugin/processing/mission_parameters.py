@@ -129,9 +129,6 @@ def mission_of(
     )
 
 
-# --- parameters
-
-
 def _add_area(algorithm: Algorithm) -> None:
     algorithm.add(
         QgsProcessingParameterExtent("EXTENT", tr("Area: extent"), optional=True),
@@ -344,9 +341,6 @@ def _sources(listed: bool) -> tuple[str, ...]:
         return shipped
 
 
-# --- values
-
-
 def _area(
     algorithm: Algorithm,
     parameters: dict[str, Any],
@@ -377,7 +371,7 @@ def _camera(
     from ...core.geodesy.camera import Camera
     from ...core.mission.cameras import camera_named
     from ...core.mission.options import DEFAULT_IMAGE_PX
-    from ..dock.form_text import parse_aspect
+    from ..form.text import parse_aspect
 
     name = algorithm.parameterAsEnumString(parameters, "CAMERA", context)
     if name:

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from typing import TYPE_CHECKING, Any
 
 from qgis.core import (
     QgsCoordinateReferenceSystem,
     QgsFeature,
     QgsFeatureSink,
+    QgsFields,
+    QgsGeometry,
+    QgsPointXY,
     QgsProcessing,
     QgsProcessingContext,
     QgsProcessingException,
@@ -19,10 +22,11 @@ from qgis.core import (
     QgsProcessingParameterFileDestination,
     QgsWkbTypes,
 )
+from qgis.PyQt.QtCore import QDateTime, Qt
 
-from ..i18n import told, tr
-from . import features
-from .algorithm import Algorithm, paragraphs, run_beside
+from ..compat import field
+from ..i18n import tr, translate
+from .algorithm import Algorithm, paragraphs, run_in_background
 from .mission_parameters import add_mission_parameters, mission_of
 
 if TYPE_CHECKING:
@@ -32,6 +36,29 @@ if TYPE_CHECKING:
 #: Features written between two looks at whether the user has cancelled.
 _BATCH = 1000
 _PERCENT = 100.0
+#: Of all layers: that of the pictures' pixels, in which their edges are exact.
+CRS = "EPSG:3857"
+_CAPTURE = (
+    ("name", "text"),
+    ("column", "integer"),
+    ("row", "integer"),
+    ("lat_deg", "number"),
+    ("lon_deg", "number"),
+    ("agl_m", "number"),
+    ("yaw_deg", "number"),
+    ("tilt_deg", "number"),
+    ("roll_deg", "number"),
+    ("zoom", "integer"),
+    ("left_px", "number"),
+    ("top_px", "number"),
+    ("width_px", "integer"),
+    ("height_px", "integer"),
+    ("gsd_m", "number"),
+    ("horizon", "yes_no"),
+    ("time_s", "number"),
+    ("time", "time"),
+)
+_FLIGHT = (("images", "integer"), ("length_m", "number"), ("flight_s", "number"))
 
 
 class Plan(Algorithm):
@@ -120,25 +147,25 @@ class Plan(Algorithm):
             costs, connections = costs_of(self._mission.source), Settings().connections
             return worked_out, estimate(worked_out, costs, connections, os.cpu_count() or 1)
 
-        worked_out, summary = run_beside(work, feedback)
+        worked_out, summary = run_in_background(work, feedback)
         for label, text in summary.lines():
             tell = feedback.pushWarning if label == "warning" else feedback.pushInfo
-            tell(f"{told(label)}: {told(text)}")
+            tell(f"{translate(label)}: {translate(text)}")
         results: dict[str, Any] = _values(summary)
         kinds = QgsWkbTypes.Type
         for name, found, kind, fields in (
-            ("FOOTPRINTS", features.footprints, kinds.MultiPolygon, features.capture_fields()),
-            ("CAPTURES", features.captures, kinds.Point, features.capture_fields()),
+            ("FOOTPRINTS", footprints, kinds.MultiPolygon, capture_fields()),
+            ("CAPTURES", captures, kinds.Point, capture_fields()),
             (
                 "FLIGHT",
-                lambda one: [features.flight_line(one)],
+                lambda one: [flight_line(one)],
                 kinds.MultiLineString,
-                features.flight_fields(),
+                flight_fields(),
             ),
         ):
             if parameters.get(name) is None:
                 continue
-            crs = QgsCoordinateReferenceSystem(features.CRS)
+            crs = QgsCoordinateReferenceSystem(CRS)
             sink, results[name] = self.parameterAsSink(parameters, name, context, fields, kind, crs)
             if sink is None:
                 raise QgsProcessingException(self.invalidSinkError(parameters, name))
@@ -166,9 +193,46 @@ class Plan(Algorithm):
             for file in exported.files:
                 feedback.pushInfo(tr("Written: {file}").format(file=file))
             for note in exported.notes:
-                feedback.pushInfo(told(note))
+                feedback.pushInfo(translate(note))
             # A flight too long for one file is in several.
             results["EXPORT"] = str(exported.files[0])
+
+
+def capture_fields() -> QgsFields:
+    """Attributes of a footprint and of a capture."""
+    return _fields(_CAPTURE)
+
+
+def flight_fields() -> QgsFields:
+    """Attributes of the flight line."""
+    return _fields(_FLIGHT)
+
+
+def footprints(plan: Plan) -> Iterator[QgsFeature]:
+    """What each picture shows: the frame its file will state, or the ground the camera sees."""
+    from ..map.outlines import footprint_shapes
+
+    for shape, values in zip(footprint_shapes(plan), _attributes(plan)):
+        shape.convertToMultiType()
+        yield _feature(shape, values)
+
+
+def captures(plan: Plan) -> Iterator[QgsFeature]:
+    """Points below the camera, in flight order."""
+    from ...core.geodesy.mercator import wrap_lon_deg
+    from ..map.outlines import metres
+
+    east, north = metres(wrap_lon_deg(plan.lon_deg), plan.lat_deg)
+    for x, y, values in zip(east.tolist(), north.tolist(), _attributes(plan)):
+        yield _feature(QgsGeometry.fromPointXY(QgsPointXY(x, y)), values)
+
+
+def flight_line(plan: Plan) -> QgsFeature:
+    """Way from the first capture to the last, in two parts where it crosses the antimeridian."""
+    from ..map.outlines import flight_lines
+
+    lines = flight_lines([(plan.lon_deg, plan.lat_deg)])
+    return _feature(lines, (len(plan), plan.flight_distance_m, plan.flight_s))
 
 
 def _fill(
@@ -224,3 +288,46 @@ def _values(summary: Summary) -> dict[str, Any]:
         "ERROR_BOUND": summary.accuracy.bound_px,
     }
     return {name: value for name, value in values.items() if value is not None}
+
+
+def _fields(kinds: tuple[tuple[str, str], ...]) -> QgsFields:
+    fields = QgsFields()
+    for name, kind in kinds:
+        fields.append(field(name, kind))
+    return fields
+
+
+def _feature(geometry: QgsGeometry, values: tuple[Any, ...]) -> QgsFeature:
+    feature = QgsFeature()
+    feature.setGeometry(geometry)
+    feature.setAttributes(list(values))
+    return feature
+
+
+def _attributes(plan: Plan) -> Iterator[tuple[Any, ...]]:
+    import numpy as np
+
+    from ...core.geodesy.mercator import wrap_lon_deg
+    from ...core.mission.mission import utc_time
+
+    start = QDateTime.fromMSecsSinceEpoch(
+        round(utc_time(plan.mission.start).timestamp() * 1000.0), Qt.TimeSpec.UTC
+    )
+    columns = (
+        plan.column,
+        plan.row,
+        plan.lat_deg,
+        wrap_lon_deg(plan.lon_deg),
+        plan.agl_m,
+        *plan.poses.attitude,
+        np.broadcast_to(plan.zoom, len(plan)),
+        np.mod(np.asarray(plan.windows.left_px, np.float64), plan.grid.world_px(plan.zoom)),
+        np.asarray(plan.windows.top_px, np.float64),
+        plan.width_px,
+        plan.height_px,
+        plan.grid.ground_m_per_px(plan.lat_deg, plan.zoom),
+        ~plan.corners.hit.all(axis=1),
+        plan.times_s,
+    )
+    for name, *values in zip(plan.names, *(column.tolist() for column in columns)):
+        yield (name, *values, start.addMSecs(round(1000.0 * values[-1])))

@@ -15,9 +15,8 @@ from qgis.core import (
 )
 
 from ...core.errors import Cancelled
-from ..i18n import told, tr
-from .algorithm import paragraphs, run_beside
-from .beside import Watch
+from ..i18n import tr, translate
+from .algorithm import Watch, paragraphs, run_in_background
 from .imagery import WithImagery, check_terms
 from .mission_parameters import add_mission_parameters, mission_of
 
@@ -101,11 +100,11 @@ class AccuracyReport(WithImagery):
             def tell(what: str) -> None:
                 if watch.cancelled():
                     raise Cancelled(tr("the report is not finished"))
-                watch.say(tr("Measuring: {what}").format(what=told(what)))
+                watch.say(tr("Measuring: {what}").format(what=translate(what)))
 
             with self._imagery.opened() as source:
                 worked_out = self._imagery.planned()
                 check_terms(worked_out, source, _REQUESTS, accepted=accepted)
                 return write_report(worked_out, source, folder, progress=tell, quick=quick)
 
-        return {"FOLDER": folder, "HTML": str(run_beside(work, feedback))}
+        return {"FOLDER": folder, "HTML": str(run_in_background(work, feedback))}

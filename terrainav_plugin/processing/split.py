@@ -19,8 +19,7 @@ from qgis.core import (
 )
 
 from ..i18n import number_text, tr
-from .algorithm import Algorithm, paragraphs, run_beside
-from .beside import Watch
+from .algorithm import Algorithm, Watch, paragraphs, run_in_background
 
 if TYPE_CHECKING:
     from ...core.dataset.split import Split as Made
@@ -153,7 +152,7 @@ class Split(Algorithm):
                 dry_run=dry_run,
             )
 
-        made = run_beside(work, feedback)
+        made = run_in_background(work, feedback)
         _tell(made, feedback)
         return {
             "FOLDER": folder,

@@ -76,7 +76,7 @@ def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
 def proj_on_python_threads(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     """Let no test pass that calls pyproj on a thread of QGIS's own, which ends QGIS where pyproj is 3.5 or later."""
     import pyproj
-    from terrainav.terrainav_plugin.threads import is_foreign
+    from terrainav.terrainav_plugin.tasks import is_foreign
 
     offences: list[str] = []
 
@@ -170,7 +170,7 @@ def desk(
     monkeypatch: pytest.MonkeyPatch,
 ) -> Iterator[Desk]:
     """The mission panel as it is at first use, in front of an empty project."""
-    from terrainav.terrainav_plugin.dock.form_state import FormState
+    from terrainav.terrainav_plugin.form.state import FormState
 
     from tests.plugin.steps import Desk
 
@@ -178,14 +178,14 @@ def desk(
     monkeypatch.setenv("TERRAINAV_CACHE_DIR", str(tmp_path / "cache"))
     monkeypatch.setenv("TERRAINAV_CONFIG_DIR", str(tmp_path / "config"))
     desk = Desk(plugin, iface, qtbot, tmp_path / "mission")
-    desk.workflow.settings.backgrounds_folder = str(tmp_path / "backgrounds")
-    desk.workflow.show_dock(True)
+    desk.session.settings.backgrounds_folder = str(tmp_path / "backgrounds")
+    desk.session.show_dock(True)
     desk.form.set_state(FormState(folder=str(desk.folder)))
     yield desk
-    desk.workflow.runs.cancel()
+    desk.session.runs.cancel()
     desk.wait_for_tasks()
     desk.wait_for_run()
-    for run in list(desk.workflow.runs.runs):
-        desk.workflow.runs.dismiss(run)
-    desk.workflow.set_preview(False)
+    for run in list(desk.session.runs.runs):
+        desk.session.runs.dismiss(run)
+    desk.session.set_preview(False)
     desk.form.set_state(FormState())

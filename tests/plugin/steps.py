@@ -23,8 +23,8 @@ class Desk:
 
     def __init__(self, plugin, iface, qtbot, folder: Path):
         self.plugin, self.iface, self.qtbot = plugin, iface, qtbot
-        self.workflow = plugin.workflow
-        self.dock, self.form = self.workflow.dock, self.workflow.dock.form
+        self.session = plugin.session
+        self.dock, self.form = self.session.dock, self.session.dock.form
         self.canvas = iface.mapCanvas()
         self.folder = folder
 
@@ -48,7 +48,7 @@ class Desk:
 
     def enter_coarse_mission(self):
         """Enter the same with images of half as many pixels along each side."""
-        self.form.set_state(replace(self.workflow.state(), **COARSE))
+        self.form.set_state(replace(self.session.state(), **COARSE))
         self.enter_small_mission()
 
     def choose(self, combo, value):
@@ -79,10 +79,10 @@ class Desk:
         """Have the plugin show an area: the map goes there once it has got its layers, and maybe another CRS."""
 
         def is_there():
-            wanted, shown = self.workflow.background.rectangle(box), self.canvas.extent()
+            wanted, shown = self.session.background.rectangle(box), self.canvas.extent()
             return shown.contains(wanted) and shown.width() < 3 * wanted.width()
 
-        self.workflow.zoom_to(box)
+        self.session.zoom_to(box)
         self.wait(is_there)
         self.canvas.waitWhileRendering()
 
@@ -109,15 +109,15 @@ class Desk:
 
     def wait_planned(self):
         """Wait until the figures are those of what is entered."""
-        self.wait(lambda: not (self.workflow.planner.busy or self.workflow.preview.busy))
-        return self.workflow.planned
+        self.wait(lambda: not (self.session.planner.busy or self.session.preview.busy))
+        return self.session.planned
 
     def wait_previewed(self):
         """Wait until the preview is whole."""
-        self.wait(lambda: self.workflow.preview.shown and not self.workflow.preview.busy)
+        self.wait(lambda: self.session.preview.shown and not self.session.preview.busy)
 
     def wait_for_run(self):
-        self.wait(lambda: self.workflow.runs.task is None)
+        self.wait(lambda: self.session.runs.task is None)
 
     def wait_for_tasks(self):
         self.wait(lambda: QgsApplication.taskManager().countActiveTasks() == 0)

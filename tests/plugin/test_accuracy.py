@@ -16,10 +16,10 @@ from terrainav.core.mission.methods import bound_text
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 from terrainav.core.mission.wind import Wind
-from terrainav.terrainav_plugin.dock.estimates import readout
-from terrainav.terrainav_plugin.dock.form_state import FormState
-from terrainav.terrainav_plugin.dock.mission_form import mission, state_of
-from terrainav.terrainav_plugin.dock.refusals import refused_fields
+from terrainav.terrainav_plugin.form.mission_form import mission, state_of
+from terrainav.terrainav_plugin.form.refusals import refused_fields
+from terrainav.terrainav_plugin.form.state import FormState
+from terrainav.terrainav_plugin.panel.figures import readout
 from terrainav.terrainav_plugin.sources import grid_of
 
 AREA = Box(35.16, -89.90, 35.115, -89.823)
@@ -46,8 +46,8 @@ def high(desk):
 
 
 def test_smaller_budget_turns_map_frames_into_camera_frames(high):
-    assert high.workflow.planned.plan.size_px is None
-    bound = bound_text(high.workflow.planned.plan.accuracy.picture.method.bound_px)
+    assert high.session.planned.plan.size_px is None
+    bound = bound_text(high.session.planned.plan.accuracy.picture.method.bound_px)
     assert f"picture: map, ≤ {bound} px" in shown(high)
     assert "of a budget of 0.1 px" in shown(high)
     budget = high.form.accuracy.entries["error_budget_px"]
@@ -71,7 +71,7 @@ def test_smaller_budget_turns_map_frames_into_camera_frames(high):
 
 
 def test_figures_hold_every_part_of_the_accuracy(high):
-    accuracy = high.workflow.planned.plan.accuracy
+    accuracy = high.session.planned.plan.accuracy
     for part in accuracy.text().split("; "):
         assert part.partition(": ")[2] in shown(high)
     assert "(timed here)" in shown(high)
@@ -95,7 +95,7 @@ def test_horizon_is_said_without_numbers_that_are_none():
 
 
 def test_budget_that_nothing_fits_is_marked_and_can_be_accepted(high):
-    high.form.set_state(replace(high.workflow.state(), error_budget_px=1e-12))
+    high.form.set_state(replace(high.session.state(), error_budget_px=1e-12))
     high.wait(lambda: "no methods fit" in high.message("error_budget_px"))
     # In words of the panel.
     assert "Go on beyond the budget" in high.message("error_budget_px")
@@ -104,7 +104,7 @@ def test_budget_that_nothing_fits_is_marked_and_can_be_accepted(high):
     assert high.dock.estimates.text() == ""
     high.click(high.dock.capture)
     high.wait(lambda: any("no methods fit" in text for text in high.messages()))
-    assert high.workflow.runs.task is None
+    assert high.session.runs.task is None
 
     high.form.accuracy.entries["accept_error"].setChecked(True)
     planned = high.wait_planned()
@@ -114,7 +114,7 @@ def test_budget_that_nothing_fits_is_marked_and_can_be_accepted(high):
 
 
 def test_map_frame_of_a_tilted_camera_is_refused_at_the_choice(high):
-    high.form.set_state(replace(high.workflow.state(), tilt_deg=10.0))
+    high.form.set_state(replace(high.session.state(), tilt_deg=10.0))
     high.choose(high.form.accuracy.entries["frame"], "map")
     high.wait(lambda: "cameras that look straight down" in high.message("frame"))
     assert not high.form.accuracy.entries["resampling"].isEnabled()
@@ -156,14 +156,14 @@ def test_sections_open_where_there_is_something_to_see(desk):
     attitude, wind = desk.form.attitude, desk.form.wind
     for section in (attitude, wind):
         section.setCollapsed(True)
-    desk.form.set_state(replace(desk.workflow.state(), agl=77.0))
+    desk.form.set_state(replace(desk.session.state(), agl=77.0))
     assert attitude.isCollapsed()
     assert wind.isCollapsed()
-    desk.form.set_state(replace(desk.workflow.state(), roll_deg=5.0, wind=True))
+    desk.form.set_state(replace(desk.session.state(), roll_deg=5.0, wind=True))
     assert not attitude.isCollapsed()
     assert not wind.isCollapsed()
     attitude.setCollapsed(True)
-    desk.form.set_state(replace(desk.workflow.state(), yaw_deg=1e4))
+    desk.form.set_state(replace(desk.session.state(), yaw_deg=1e4))
     assert "must be from -360 to 360" in desk.message("yaw_deg")
     assert not attitude.isCollapsed()
 
@@ -179,7 +179,7 @@ def test_every_entry_says_what_it_is(desk):
 
 def test_wind_that_is_not_ticked_is_never_wrong(desk):
     desk.enter_small_mission()
-    desk.form.set_state(replace(desk.workflow.state(), wind=False, wind_speed_m_per_s=99.0))
+    desk.form.set_state(replace(desk.session.state(), wind=False, wind_speed_m_per_s=99.0))
     assert desk.wait_planned().mission.wind is None
     desk.form.wind.setChecked(True)
     assert "must be below the airspeed" in desk.message("wind_speed_m_per_s")
@@ -250,19 +250,19 @@ POLYGON = Polygon((((-89.9, 35.1), (-89.8, 35.1), (-89.85, 35.2)),))
 def test_mission_comes_out_of_the_panel_as_it_went_in(desk, there):
     text = there.to_json()
     desk.form.set_state(state_of(Mission.from_json(text), str(desk.folder)))
-    assert mission(desk.workflow.state()).to_json() == text
+    assert mission(desk.session.state()).to_json() == text
     # Also after a session's end.
-    desk.workflow.memory.write()
-    remembered = FormState.from_json(desk.workflow.settings.form)
+    desk.session.memory.write()
+    remembered = FormState.from_json(desk.session.settings.form)
     assert mission(remembered).to_json() == text
 
 
 def test_one_changed_entry_changes_nothing_else(desk):
     desk.form.set_state(state_of(EVERYTHING, ""))
     desk.form.attitude.entries["yaw_deg"].setValue(20.0)
-    assert mission(desk.workflow.state()) == replace(EVERYTHING, yaw_deg=20.0)
+    assert mission(desk.session.state()) == replace(EVERYTHING, yaw_deg=20.0)
     desk.form.map_types["satellite"].setChecked(False)
-    assert mission(desk.workflow.state()) == replace(EVERYTHING, yaw_deg=20.0, map_types=("terrain",))
+    assert mission(desk.session.state()) == replace(EVERYTHING, yaw_deg=20.0, map_types=("terrain",))
 
 
 def test_what_the_panel_has_no_entry_for_is_shown_and_can_be_forgotten(desk):
@@ -271,7 +271,7 @@ def test_what_the_panel_has_no_entry_for_is_shown_and_can_be_forgotten(desk):
     assert "mesh: rays" in desk.form.accuracy.more.text()
     desk.form.accuracy.more.linkActivated.emit("forget")
     assert desk.form.accuracy.more.text() == ""
-    forgotten = mission(desk.workflow.state())
+    forgotten = mission(desk.session.state())
     assert (forgotten.max_images, forgotten.mesh) == (Mission.max_images, "auto")
     assert forgotten.tilt_deg == EVERYTHING.tilt_deg
 
@@ -288,7 +288,7 @@ def test_points_are_planned_and_previewed_from_the_panel(desk):
     desk.form.set_state(state_of(there, str(desk.folder)))
     desk.click(desk.dock.preview)
     desk.wait_previewed()
-    assert desk.workflow.planned.mission == there
+    assert desk.session.planned.mission == there
     assert desk.layer("Planned images").featureCount() == 2
 
 

@@ -22,8 +22,8 @@ from qgis.PyQt.QtTest import QTest
 from qgis.PyQt.QtWidgets import QApplication, QDialogButtonBox, QFileDialog
 from terrainav.core.errors import Cancelled, InvalidInput
 from terrainav.core.mission.area import Box
-from terrainav.terrainav_plugin.dock.area_dialogs import LayerDialog
-from terrainav.terrainav_plugin.map.area_layers import EDGE_TOLERANCE_M, PointFields, points_of, polygon_of
+from terrainav.terrainav_plugin.area.dialogs import LayerDialog
+from terrainav.terrainav_plugin.area.layers import EDGE_TOLERANCE_M, PointFields, points_of, polygon_of
 
 CONTEXT = QgsCoordinateTransformContext()
 CONCAVE = (
@@ -236,10 +236,10 @@ def test_several_selected_polygons_are_counted(desk):
     layer = layer_of("Polygon", "EPSG:4326", ["Polygon ((0 0, 1 0, 1 1, 0 0))"] * 3)
     desk.iface.setActiveLayer(layer)
     layer.selectAll()
-    state = desk.workflow.state()
+    state = desk.session.state()
     choose_way(desk, "polygon")
     desk.wait(lambda: any("3 polygons are selected" in text for text in desk.messages()))
-    assert desk.workflow.state() == state
+    assert desk.session.state() == state
 
 
 def test_layer_of_the_polygon_is_asked_for_where_the_active_one_has_none(desk, screenshot):

@@ -12,7 +12,7 @@ from qgis.PyQt.QtTest import QTest
 from qgis.PyQt.QtWidgets import QApplication, QScrollArea
 from terrainav.core.geodesy.mercator import MAX_LAT_DEG
 from terrainav.core.mission.area import Box, Points, Polygon
-from terrainav.terrainav_plugin.map.area_drag import moved, stretched
+from terrainav.terrainav_plugin.area.outline import moved, stretched
 
 NONE, SHIFT = Qt.KeyboardModifier.NoModifier, Qt.KeyboardModifier.ShiftModifier
 LEFT = Qt.MouseButton.LeftButton
@@ -32,7 +32,7 @@ PLACES = [
 
 @pytest.fixture
 def tool(desk):
-    return desk.workflow.areas.tool
+    return desk.session.areas.tool
 
 
 def enter(desk, area):
@@ -115,7 +115,7 @@ def test_numbers_are_live_while_dragging_and_escape_puts_them_back(desk, tool, s
     others = len(bands(desk))
     look_and_switch_on(desk, crs, extent, box)
     assert len(bands(desk)) > others
-    state, count = desk.workflow.state(), desk.form.area_editing.history.stack.count()
+    state, count = desk.session.state(), desk.form.area_editing.history.stack.count()
     viewport = desk.canvas.viewport()
     start = pixel(desk, crs, box.west_deg, box.north_deg)
     QTest.mousePress(viewport, LEFT, NONE, start)
@@ -124,9 +124,9 @@ def test_numbers_are_live_while_dragging_and_escape_puts_them_back(desk, tool, s
     assert shown_box(desk).north_deg > box.north_deg
     screenshot("drag-corner")
     QTest.keyClick(desk.canvas, Qt.Key.Key_Escape)
-    assert desk.workflow.state() == state
+    assert desk.session.state() == state
     QTest.mouseRelease(viewport, LEFT, NONE, start + QPoint(-40, -30))
-    assert desk.workflow.state() == state
+    assert desk.session.state() == state
     assert desk.form.area_editing.history.stack.count() == count
     # The tool is still on; a second Esc leaves it, and of its drawing the outline alone stays on the canvas.
     assert desk.canvas.mapTool() is tool
@@ -227,9 +227,9 @@ def test_edge_stops_at_the_opposite_one(desk):
 def test_dragging_beside_the_area_moves_the_map(desk):
     crs, extent, box = PLACES[0].values
     look_and_switch_on(desk, crs, extent, box)
-    before, state = desk.canvas.extent(), desk.workflow.state()
+    before, state = desk.canvas.extent(), desk.session.state()
     desk.drag(desk.at(0.05, 0.05), desk.at(0.15, 0.15))
-    assert desk.workflow.state() == state
+    assert desk.session.state() == state
     assert desk.canvas.extent().center() != before.center()
 
 
@@ -241,10 +241,10 @@ def test_dragging_inside_a_polygon_moves_it_and_its_hole_does_not(desk, screensh
     crs = "EPSG:3857"
     look_and_switch_on(desk, crs, (-10_012_000, 4_172_000, -9_990_000, 4_192_000), Polygon((RING, HOLE)))
     screenshot("polygon")
-    state = desk.workflow.state()
+    state = desk.session.state()
     in_hole = pixel(desk, crs, -89.883, 35.113)
     desk.drag(in_hole, in_hole + QPoint(20, 0))
-    assert desk.workflow.state() == state
+    assert desk.session.state() == state
     start = pixel(desk, crs, -89.87, 35.12)
     end = start + QPoint(30, 15)
     desk.drag(start, end)
@@ -305,7 +305,7 @@ def test_undo_by_keys_on_the_canvas(desk):
 def test_tool_goes_with_the_area_it_is_for(desk, tool):
     crs, extent, box = PLACES[0].values
     look_and_switch_on(desk, crs, extent, box)
-    desk.form.set_state(type(desk.workflow.state())())
+    desk.form.set_state(type(desk.session.state())())
     assert desk.canvas.mapTool() is not tool
     assert not desk.form.area.edit.isEnabled()
 

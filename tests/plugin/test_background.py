@@ -14,7 +14,8 @@ from terrainav.core.errors import InvalidInput
 from terrainav.core.imagery.opening import open_source
 from terrainav.core.imagery.source import Window
 from terrainav.core.mission.area import Box
-from terrainav.terrainav_plugin.map.world_picture import choose_picture, render
+from terrainav.terrainav_plugin.preview import background
+from terrainav.terrainav_plugin.preview.background import choose_picture, render
 from terrainav.terrainav_plugin.sources import tile_layer_uri
 
 from tests.support.tileserver import TileServer
@@ -26,9 +27,8 @@ JPEG_MEAN_ERROR = 4.0
 @pytest.fixture(autouse=True)
 def small_pictures(monkeypatch):
     """Drawing is what takes time; what is drawn where is the same at any size."""
-    from terrainav.terrainav_plugin.map import world_picture
 
-    monkeypatch.setattr(world_picture, "_MOST_PX", 6 * 256**2)
+    monkeypatch.setattr(background, "_MOST_PX", 6 * 256**2)
 
 
 def show(desk):
@@ -52,7 +52,7 @@ def test_embedded_world_comes_by_its_name_and_the_map_goes_there(desk):
     # QGIS gives an empty project the CRS of its first layer.
     desk.wait(lambda: project.crs().authid() == "EPSG:3857")
     assert project.layerTreeRoot().children()[-1].layer() is layer
-    box = desk.workflow.background.rectangle(Box(35.16, -89.90, 35.115, -89.823))
+    box = desk.session.background.rectangle(Box(35.16, -89.90, 35.115, -89.823))
     desk.wait(lambda: fits(desk.canvas.extent(), box))
     assert layer.extent().contains(box)
 
@@ -76,11 +76,11 @@ def follow_hint(desk):
 def test_link_of_the_hint_leads_to_a_first_place_and_to_drawing(desk):
     follow_hint(desk)
     desk.wait_for_tasks()
-    box = desk.workflow.background.rectangle(Box(35.16, -89.90, 35.115, -89.823))
+    box = desk.session.background.rectangle(Box(35.16, -89.90, 35.115, -89.823))
     desk.wait(lambda: fits(desk.canvas.extent(), box))
-    assert desk.canvas.mapTool() is desk.workflow.box_tool
+    assert desk.canvas.mapTool() is desk.session.box_tool
     desk.drag(desk.at(0.4, 0.4), desk.at(0.6, 0.6))
-    assert desk.workflow.state().has_box
+    assert desk.session.state().has_box
 
 
 def test_map_goes_there_though_it_still_has_layers_of_another_project(desk, iface):
@@ -88,15 +88,15 @@ def test_map_goes_there_though_it_still_has_layers_of_another_project(desk, ifac
     stale = QgsVectorLayer("Point?crs=EPSG:4326", "of the project before", "memory")
     desk.canvas.setLayers([stale])
     world = Box(60.0, -100.0, -60.0, 100.0)
-    far = desk.workflow.background.show_world(world, "satellite", 2024, write_world(desk, world), "far")
-    desk.workflow.background.zoom_to(Box(35.16, -89.90, 35.115, -89.823))
+    far = desk.session.background.show_world(world, "satellite", 2024, write_world(desk, world), "far")
+    desk.session.background.zoom_to(Box(35.16, -89.90, 35.115, -89.823))
     desk.wait(lambda: far in desk.canvas.layers())
-    box = desk.workflow.background.rectangle(Box(35.16, -89.90, 35.115, -89.823))
+    box = desk.session.background.rectangle(Box(35.16, -89.90, 35.115, -89.823))
     desk.wait(lambda: fits(desk.canvas.extent(), box))
 
 
 def test_zoom_does_not_wait_for_a_layer_that_is_hidden_or_gone(desk):
-    background, project = desk.workflow.background, QgsProject.instance()
+    background, project = desk.session.background, QgsProject.instance()
     place = Box(35.16, -89.90, 35.115, -89.823)
     background.show_world(place, "satellite", 2024, write_world(desk, place), "world")
     background.zoom_to(place)
@@ -111,7 +111,7 @@ def test_zoom_does_not_wait_for_a_layer_that_is_hidden_or_gone(desk):
 
 def write_world(desk, box):
     """Draw the embedded world around a box; returns the folder."""
-    folder = Path(desk.workflow.settings.backgrounds_folder)
+    folder = Path(desk.session.settings.backgrounds_folder)
     picture = choose_picture(box, "satellite", 2024)
     render(picture, folder / picture.file_name, lambda _share: True)
     return folder
@@ -122,13 +122,13 @@ def test_link_of_the_hint_draws_no_box_where_there_is_one(desk):
     follow_hint(desk)
     desk.wait_for_tasks()
     desk.wait(lambda: bool(QgsProject.instance().mapLayers()))
-    assert desk.canvas.mapTool() is not desk.workflow.box_tool
+    assert desk.canvas.mapTool() is not desk.session.box_tool
 
 
 def test_link_of_the_hint_draws_on_a_map_of_one_s_own(desk):
     QgsProject.instance().addMapLayer(QgsVectorLayer("Point?crs=EPSG:4326", "mine", "memory"))
     follow_hint(desk)
-    assert desk.canvas.mapTool() is desk.workflow.box_tool
+    assert desk.canvas.mapTool() is desk.session.box_tool
 
 
 def test_map_that_shows_a_place_stays_there(desk):
@@ -185,7 +185,7 @@ def test_crs_of_a_project_in_use_stays(desk, clean_project):
     desk.wait_for_tasks()
     desk.wait(lambda: len(clean_project.mapLayers()) == 2)
     assert clean_project.crs().authid() == "EPSG:32616"
-    box = desk.workflow.background.rectangle(Box(35.16, -89.90, 35.115, -89.823))
+    box = desk.session.background.rectangle(Box(35.16, -89.90, 35.115, -89.823))
     desk.wait(lambda: desk.canvas.extent().contains(box))
 
 

@@ -10,7 +10,7 @@ from qgis.PyQt.QtCore import QPoint, Qt
 from qgis.PyQt.QtTest import QTest
 from qgis.PyQt.QtWidgets import QLabel
 from terrainav.core.errors import InvalidInput
-from terrainav.terrainav_plugin.map.box_geometry import box_of, box_of_outline, canvas_rectangle
+from terrainav.terrainav_plugin.map.canvas import box_of, box_of_outline, canvas_rectangle
 
 # Of a degree, as the fields show it.
 LAST_DECIMAL_DEG = 1e-7
@@ -38,7 +38,7 @@ def test_dragged_box_fills_the_fields(desk, crs, extent):
     desk.look_at(crs, extent)
     before = desk.canvas.mapTool()
     desk.click(desk.form.draw_box)
-    assert desk.canvas.mapTool() is desk.workflow.box_tool
+    assert desk.canvas.mapTool() is desk.session.box_tool
     start, end = desk.at(0.3, 0.3), desk.at(0.6, 0.7)
     desk.drag(start, end)
 
@@ -47,7 +47,7 @@ def test_dragged_box_fills_the_fields(desk, crs, extent):
     expected = {"north": north, "west": west, "south": south, "east": east}
     assert shown == pytest.approx(expected, abs=LAST_DECIMAL_DEG)
     # The box can be moved at once; Esc gives the map back.
-    assert desk.canvas.mapTool() is desk.workflow.areas.tool
+    assert desk.canvas.mapTool() is desk.session.areas.tool
     QTest.keyClick(desk.canvas, Qt.Key.Key_Escape)
     assert desk.canvas.mapTool() is before
     assert desk.wait_planned().plan.mission.area.north_deg == shown["north"]
@@ -81,7 +81,7 @@ def test_box_across_the_antimeridian(desk):
 
 def test_escape_while_dragging_gives_up_and_restores_the_tool(desk):
     desk.look_at("EPSG:3857", (-10_010_000, 4_178_000, -9_998_000, 4_187_000))
-    before, state, extent = desk.canvas.mapTool(), desk.workflow.state(), desk.canvas.extent()
+    before, state, extent = desk.canvas.mapTool(), desk.session.state(), desk.canvas.extent()
     desk.click(desk.form.draw_box)
     viewport, items = desk.canvas.viewport(), rubber_bands(desk)
     QTest.mousePress(viewport, Qt.MouseButton.LeftButton, Qt.KeyboardModifier.NoModifier, desk.at(0.3, 0.3))
@@ -91,7 +91,7 @@ def test_escape_while_dragging_gives_up_and_restores_the_tool(desk):
     assert rubber_bands(desk) == items
     QTest.mouseRelease(viewport, Qt.MouseButton.LeftButton, Qt.KeyboardModifier.NoModifier, desk.at(0.5, 0.5))
     assert desk.canvas.mapTool() is before
-    assert desk.workflow.state() == state
+    assert desk.session.state() == state
     assert desk.canvas.extent() == extent
 
 
@@ -110,7 +110,7 @@ def test_size_is_told_beside_the_pointer_while_drawing(desk, screenshot):
     width = geod.inv(west, middle, east, middle)[2] / 1000.0
     height = geod.inv(west, south, west, north)[2] / 1000.0
     ground = width * height
-    assert label.text() == f"{width:.2f} km × {height:.2f} km, {ground:.3g} km²"
+    assert label.text() == f"{width:.4g} km × {height:.4g} km, {ground:.4g} km²"
     assert viewport.rect().contains(label.geometry())
     screenshot("draw-box")
     QTest.mouseRelease(viewport, Qt.MouseButton.LeftButton, Qt.KeyboardModifier.NoModifier, end)
@@ -126,18 +126,18 @@ def test_escape_before_dragging_restores_the_tool(desk):
 
 def test_click_without_a_drag_draws_nothing(desk):
     desk.look_at("EPSG:3857", (-10_010_000, 4_178_000, -9_998_000, 4_187_000))
-    state = desk.workflow.state()
+    state = desk.session.state()
     desk.click(desk.form.draw_box)
     desk.drag(desk.at(0.5, 0.5), desk.at(0.5, 0.5) + QPoint(2, 1))
-    assert desk.workflow.state() == state
-    assert desk.canvas.mapTool() is desk.workflow.box_tool
+    assert desk.session.state() == state
+    assert desk.canvas.mapTool() is desk.session.box_tool
 
 
 def test_toolbar_button_shows_the_tool_in_use(desk):
     action = desk.plugin.actions["draw_box"]
     action.trigger()
     assert action.isChecked()
-    assert desk.canvas.mapTool() is desk.workflow.box_tool
+    assert desk.canvas.mapTool() is desk.session.box_tool
     QTest.keyClick(desk.canvas, Qt.Key.Key_Escape)
     assert not action.isChecked()
 

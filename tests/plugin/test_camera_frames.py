@@ -18,10 +18,10 @@ from terrainav.core.mission.layout.framing import ground_of
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 from terrainav.core.mission.wind import Wind
-from terrainav.terrainav_plugin.map.camera_outlines import metres
-from terrainav.terrainav_plugin.map.on_map import lay_on_map
-from terrainav.terrainav_plugin.map.preview_layers import field_names
-from terrainav.terrainav_plugin.map.preview_scene import Scene
+from terrainav.terrainav_plugin.dataset.rectify import lay_on_map
+from terrainav.terrainav_plugin.map.outlines import metres
+from terrainav.terrainav_plugin.preview.layers import field_names
+from terrainav.terrainav_plugin.preview.scene import Scene
 from terrainav.terrainav_plugin.sources import grid_of
 
 from tests.plugin.test_capture import capture
@@ -145,13 +145,13 @@ def test_wind_gives_every_capture_an_outline_of_its_own():
 @pytest.fixture
 def tilted(desk):
     desk.enter_small_mission()
-    desk.form.set_state(replace(desk.workflow.state(), tilt_deg=60.0, yaw_deg=30.0, agl=300.0))
+    desk.form.set_state(replace(desk.session.state(), tilt_deg=60.0, yaw_deg=30.0, agl=300.0))
     desk.wait_planned()
     return desk
 
 
 def test_tilted_mission_from_preview_to_footprints(tilted):
-    planned = tilted.workflow.planned.plan
+    planned = tilted.session.planned.plan
     assert planned.size_px == (640, 480)
     tilted.click(tilted.dock.preview)
     tilted.wait_previewed()

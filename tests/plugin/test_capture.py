@@ -49,10 +49,10 @@ def prepared(desk, server):
 def capture(desk):
     """Press Capture and wait for the end of the run, however short it is."""
     seen = []
-    desk.workflow.running.connect(seen.append)
+    desk.session.runs.running.connect(seen.append)
     desk.click(desk.dock.capture)
     desk.wait(lambda: seen[-1:] == [False])
-    desk.workflow.running.disconnect(seen.append)
+    desk.session.runs.running.disconnect(seen.append)
 
 
 def images(desk, map_type="satellite", ending="tif"):
@@ -92,7 +92,7 @@ def test_embedded_world_from_box_to_mosaic(desk):
 
 
 def test_mosaic_shows_the_pixels_of_the_files(prepared, server):
-    planned = prepared.workflow.planned.plan
+    planned = prepared.session.planned.plan
     capture(prepared)
     layer = prepared.layer("Satellite images")
     assert layer.dataProvider().bandCount() == 4
@@ -183,7 +183,7 @@ def test_other_formats_make_a_mosaic_too(prepared, image_format):
 
 def test_cancelled_run_is_resumed(prepared, server):
     server.latency_s = SLOW_S
-    planned = prepared.workflow.planned.plan
+    planned = prepared.session.planned.plan
     prepared.click(prepared.dock.capture)
     prepared.wait(lambda: len(images(prepared)) >= 5)
     (row,) = prepared.dock.run_list.rows
@@ -215,14 +215,14 @@ def test_capture_of_what_is_there_makes_nothing_anew(prepared, server):
 
 
 def test_each_tile_is_asked_for_once(prepared, server):
-    planned = prepared.workflow.planned.plan
+    planned = prepared.session.planned.plan
     capture(prepared)
     assert set(server.tile_requests.values()) == {1}
     assert len(server.tile_requests) == planned.requests
 
 
 def test_failed_images_are_named_and_the_others_written(prepared, server):
-    planned = prepared.workflow.planned.plan
+    planned = prepared.session.planned.plan
     x, y = int(planned.windows.left_px[0]) // 256, int(planned.windows.top_px[0]) // 256
     server.fail("404", (planned.zoom, x, y))
     capture(prepared)
@@ -309,7 +309,7 @@ def test_capture_without_an_area_or_folder_says_so(desk):
     desk.form.folder.setFilePath("")
     desk.click(desk.dock.capture)
     assert "folder is empty" in desk.message("folder")
-    assert desk.workflow.runs.task is None
+    assert desk.session.runs.task is None
 
 
 def test_terms_are_asked_for_and_a_no_captures_nothing(desk, monkeypatch):
@@ -328,7 +328,7 @@ def test_terms_are_asked_for_and_a_no_captures_nothing(desk, monkeypatch):
     desk.click(desk.dock.capture)
     desk.wait(lambda: bool(asked))
     assert "terms" in asked[0]
-    assert desk.workflow.runs.task is None
+    assert desk.session.runs.task is None
     assert not desk.folder.exists()
 
 
@@ -385,7 +385,7 @@ def test_key_comes_from_the_authentication_database_only(desk):
     assert manager.storeAuthenticationConfig(config)
     desk.choose(desk.form.source, "google-static")
     desk.form.key.setConfigId(config.id())
-    assert desk.workflow.settings.authcfg("google-static") == config.id()
+    assert desk.session.settings.authcfg("google-static") == config.id()
     assert key_in(config.id()) == "k3y-of-the-test"
     assert key_in("") is None
     stored = [str(QgsSettings().value(key)) for key in QgsSettings().allKeys()]
@@ -395,7 +395,7 @@ def test_key_comes_from_the_authentication_database_only(desk):
 def test_mission_file_holds_no_more_than_the_mission(prepared):
     capture(prepared)
     data = json.loads((prepared.folder / "mission.json").read_text())
-    assert data["source"] == prepared.workflow.state().template
+    assert data["source"] == prepared.session.state().template
 
 
 def test_mission_across_the_antimeridian_has_a_mosaic_on_either_side(desk):

@@ -6,6 +6,9 @@ import numpy as np
 import pytest
 from qgis.PyQt.QtWidgets import QApplication
 from terrainav.core.mission.cameras import cameras
+from terrainav.terrainav_plugin.area import editing
+from terrainav.terrainav_plugin.area.editing import area_words
+from terrainav.terrainav_plugin.form import area as entered
 
 AGRICENTER = "35.16_-89.90_35.115_-89.823_120"
 
@@ -101,7 +104,7 @@ def test_bad_value_is_marked_at_its_field_only(desk, field, entries, words):
     from dataclasses import replace
 
     desk.enter_small_mission()
-    desk.form.set_state(replace(desk.workflow.state(), **entries))
+    desk.form.set_state(replace(desk.session.state(), **entries))
     assert words in desk.message(field)
     labels = [label for _, label in desk.form.marks.fields() if label.text()]
     assert len(labels) == 1
@@ -124,7 +127,7 @@ def test_empty_fields_are_no_errors(desk):
 
 def test_feet_and_metres_are_the_same_height(desk):
     desk.enter_small_mission()
-    images = desk.workflow.planned.summary.images
+    images = desk.session.planned.summary.images
     desk.choose(desk.form.agl_unit, "ft")
     assert desk.form.agl.value() == pytest.approx(393.7, abs=0.01)
     assert desk.wait_planned().summary.images == images
@@ -136,7 +139,7 @@ def test_camera_presets_fill_in_their_values(desk):
     for index, preset in enumerate(cameras()):
         desk.form.camera.setCurrentIndex(index)
         desk.form.camera.activated.emit(index)
-        state = desk.workflow.state()
+        state = desk.session.state()
         # What a preset is, to the decimals the fields show.
         assert state.fov_deg == pytest.approx(preset.camera.fov_deg, abs=1e-4)
         width, height = (float(part) for part in state.aspect.split(":"))
@@ -180,12 +183,12 @@ def test_hint_leads_through_the_first_use(desk):
 
 
 def test_entries_are_remembered(desk):
-    from terrainav.terrainav_plugin.dock.form_state import FormState
+    from terrainav.terrainav_plugin.form.state import FormState
 
     desk.enter_small_mission()
     desk.form.agl.setValue(77.0)
-    desk.wait(lambda: not desk.workflow.memory.pending)
-    assert FormState.from_json(desk.workflow.settings.form) == desk.workflow.state()
+    desk.wait(lambda: not desk.session.memory.pending)
+    assert FormState.from_json(desk.session.settings.form) == desk.session.state()
 
 
 class Written:
@@ -203,28 +206,27 @@ class Written:
 
 def test_entries_are_written_down_once_when_typing_pauses(desk, monkeypatch):
     written = Written()
-    monkeypatch.setattr(desk.workflow.memory, "_settings", written)
+    monkeypatch.setattr(desk.session.memory, "_settings", written)
     for key in range(20):
         desk.form.agl.setValue(100.0 + key)
     assert written.texts == []
     desk.wait(lambda: len(written.texts) > 0)
-    assert written.texts == [desk.workflow.state().to_json()]
+    assert written.texts == [desk.session.state().to_json()]
     desk.form.agl.setValue(50.0)
-    desk.workflow.memory.write()
+    desk.session.memory.write()
     # What is written down need not be written again.
-    assert not desk.workflow.memory.pending
-    assert written.texts[1:] == [desk.workflow.state().to_json()]
+    assert not desk.session.memory.pending
+    assert written.texts[1:] == [desk.session.state().to_json()]
 
 
 def test_large_shapes_are_looked_at_once_however_much_is_typed(desk, monkeypatch):
     from terrainav.core.mission.area import Points, Polygon
-    from terrainav.terrainav_plugin.dock import area_editing, area_shape
 
     angles = np.linspace(0.0, 2.0 * np.pi, 2000, endpoint=False)
     ring = tuple(zip((0.01 * np.cos(angles)).tolist(), (0.01 * np.sin(angles)).tolist()))
     poses = tuple((35.0 + 1e-5 * index, -89.0, 120.0) for index in range(2000))
     looks = []
-    words, parse = area_editing.area_words, area_shape.parse_json
+    words, parse = area_words, entered.parse_json
     made = Points.__post_init__
 
     def noted(name, act):
@@ -233,8 +235,8 @@ def test_large_shapes_are_looked_at_once_however_much_is_typed(desk, monkeypatch
     for area in (Polygon((ring,)), Points(poses)):
         desk.form.area_editing.set_area(area, "enter")
         with monkeypatch.context() as watched:
-            watched.setattr(area_editing, "area_words", noted("words", words))
-            watched.setattr(area_shape, "parse_json", noted("read", parse))
+            watched.setattr(editing, "area_words", noted("words", words))
+            watched.setattr(entered, "parse_json", noted("read", parse))
             watched.setattr(Points, "__post_init__", noted("points", made))
             for key in range(5):
                 desk.form.flight.entries["airspeed_m_per_s"].setValue(10.0 + key)

@@ -13,7 +13,7 @@ from qgis.core import QgsSettings
 from qgis.PyQt.QtCore import QPoint, Qt
 from qgis.PyQt.QtTest import QTest
 from qgis.PyQt.QtWidgets import QAbstractSpinBox, QApplication
-from terrainav.terrainav_plugin.dock.dock import Dock
+from terrainav.terrainav_plugin.panel.dock import Dock
 
 # Calls of Python functions that one key may cost the main thread: some milliseconds of work.
 MOST_CALLS = 25_000
@@ -121,7 +121,7 @@ def fresh_dock(desk):
 
     def make():
         dock = Dock((), ())
-        dock.form.set_state(desk.workflow.state())
+        dock.form.set_state(desk.session.state())
         docks.append(dock)
         return dock
 
@@ -144,9 +144,9 @@ def test_folds_are_remembered_as_a_person_left_them(desk, fresh_dock):
     desk.form.imagery.setCollapsed(False)
     desk.dock.figures.fold.setChecked(False)
     # What an error has opened is not what the person wished for.
-    desk.form.set_state(replace(desk.workflow.state(), yaw_deg=999.0))
+    desk.form.set_state(replace(desk.session.state(), yaw_deg=999.0))
     assert not desk.form.attitude.isCollapsed()
-    desk.form.set_state(replace(desk.workflow.state(), yaw_deg=0.0))
+    desk.form.set_state(replace(desk.session.state(), yaw_deg=0.0))
     later = fresh_dock()
     assert later.form.attitude.isCollapsed()
     assert not later.form.imagery.isCollapsed()
@@ -193,13 +193,13 @@ def test_wheel_over_an_entry_scrolls_the_panel(desk):
         QApplication.sendEvent(widget, event)
 
     desk.form.edges["north"].setFocus()
-    before = desk.workflow.state()
+    before = desk.session.state()
     for widget in (desk.form.agl, desk.form.layout_choice, desk.form.fov):
         turn(widget)
-    assert desk.workflow.state() == before
+    assert desk.session.state() == before
     desk.form.agl.setFocus()
     turn(desk.form.agl)
-    assert desk.workflow.state().agl < before.agl
+    assert desk.session.state().agl < before.agl
 
 
 def test_every_number_has_its_unit_and_every_label_its_entry(desk):
@@ -267,7 +267,7 @@ def test_a_key_costs_the_main_thread_little_however_large_the_mission(desk):
             number = widget.value()
             counts[name, entry] = calls_of(lambda widget=widget, number=number: widget.setValue(number + 1.0))
             widget.setValue(number)
-        desk.workflow.planner.forget()
+        desk.session.planner.forget()
     assert images > 100_000
     assert max(counts.values()) < MOST_CALLS, max(counts, key=counts.get)
     assert all(counts["large", entry] < 1.5 * counts["small", entry] for entry in entries)

@@ -30,7 +30,7 @@ def test_one_map_type_of_a_source_is_ticked_and_the_former_choice_comes_back(des
     roadmap, satellite = desk.form.map_types["roadmap"], desk.form.map_types["satellite"]
     desk.click(desk.form.map_types["terrain"])
     choose_by_typing(desk, "OpenStreetMap")
-    assert desk.workflow.state().map_types == ("roadmap",)
+    assert desk.session.state().map_types == ("roadmap",)
     assert desk.wait_planned() is not None
     assert desk.message("map_types") == ""
     desk.dock.findChild(QScrollArea).ensureWidgetVisible(roadmap)
@@ -38,13 +38,13 @@ def test_one_map_type_of_a_source_is_ticked_and_the_former_choice_comes_back(des
     # Entering another area is no choice of map types.
     desk.type_text(desk.form.edges["north"], "35.142")
     QTest.keyClick(desk.form.edges["north"], Qt.Key.Key_Z, Qt.KeyboardModifier.ControlModifier)
-    assert desk.workflow.state().map_types == ("roadmap",)
+    assert desk.session.state().map_types == ("roadmap",)
     choose_by_typing(desk, "Synthetic (offline)")
-    assert desk.workflow.state().map_types == ("satellite", "terrain")
+    assert desk.session.state().map_types == ("satellite", "terrain")
     # What is unticked by hand stays so, and is said.
     choose_by_typing(desk, "OpenStreetMap")
     desk.click(roadmap)
-    assert desk.workflow.state().map_types == ()
+    assert desk.session.state().map_types == ()
     assert "no map type" in desk.message("map_types")
     assert not satellite.isEnabled()
 
@@ -87,9 +87,9 @@ def test_typed_area_is_drawn_and_the_map_goes_there_once(desk, screenshot):
     assert drawn(desk) is None
     desk.click(desk.dock.preview)
     assert in_sight(desk)
-    desk.workflow.show_dock(False)
+    desk.session.show_dock(False)
     assert drawn(desk) is None
-    desk.workflow.show_dock(True)
+    desk.session.show_dock(True)
     assert in_sight(desk)
     for edge in desk.form.edges.values():
         desk.type_text(edge, "")
@@ -130,11 +130,11 @@ def test_new_project_begins_with_an_empty_area(desk, screenshot):
     desk.enter_small_mission()
     desk.form.agl.setValue(90.0)
     desk.folder.mkdir()
-    before = desk.workflow.state()
+    before = desk.session.state()
     desk.iface.actionNewProject().trigger()
     empty = dict.fromkeys((*SMALL_BOX, "shape"), "")
     folder = str(desk.folder.with_name("mission-2"))
-    assert desk.workflow.state() == replace(before, folder=folder, **empty)
+    assert desk.session.state() == replace(before, folder=folder, **empty)
     desk.wait(lambda: "No area yet" in desk.dock.estimates.text())
     assert drawn(desk) is None
     screenshot("new-project")
@@ -142,12 +142,12 @@ def test_new_project_begins_with_an_empty_area(desk, screenshot):
 
 def test_new_project_leaves_the_mission_of_a_capture_under_way(desk):
     desk.enter_small_mission()
-    before = desk.workflow.state()
+    before = desk.session.state()
     desk.click(desk.dock.capture)
-    desk.wait(lambda: not desk.workflow.runs.idle)
+    desk.wait(lambda: not desk.session.runs.idle)
     desk.iface.actionNewProject().trigger()
-    assert desk.workflow.state() == before
-    desk.workflow.runs.cancel()
+    assert desk.session.state() == before
+    desk.session.runs.cancel()
     desk.wait_for_run()
 
 

@@ -6,7 +6,7 @@ import itertools
 from dataclasses import fields, replace
 
 import pytest
-from terrainav.terrainav_plugin.dock.form_state import FOV_MODES, FormState
+from terrainav.terrainav_plugin.form.state import FOV_MODES, FormState
 
 # What no mission takes, in each entry that a choice can hide.
 WRONG = {
@@ -61,7 +61,7 @@ def test_capture_of_an_undated_source_follows_a_wrong_date(desk):
 def test_nothing_hidden_is_asked_for_whatever_is_chosen(desk, source):
     """Every entry that is hidden may be wrong, and the mission is sound, or says at an entry in sight why not."""
     desk.enter_small_mission()
-    sound = replace(desk.workflow.state(), zoom=16, gsd_m_per_px=2.0)
+    sound = replace(desk.session.state(), zoom=16, gsd_m_per_px=2.0)
     choices = itertools.product(FOV_MODES, ("auto", "zoom", "gsd"), (True, False))
     seen = set()
     for mode, resolution, resize in choices:
@@ -71,7 +71,7 @@ def test_nothing_hidden_is_asked_for_whatever_is_chosen(desk, source):
         if mode == "sensor":
             state = replace(state, focal_length_mm=8.8, sensor_width_mm=13.2, sensor_height_mm=9.9)
         desk.form.set_state(state)
-        hidden = set(desk.workflow.state().hidden)
+        hidden = set(desk.session.state().hidden)
         seen |= hidden
         off = {"wind_speed_m_per_s", "wind_from_deg", "turbulence", "template"}
         wrong = {name: WRONG[name] for name in WRONG if name in hidden | off}
@@ -117,11 +117,11 @@ def test_what_is_said_of_an_entry_out_of_sight_stands_with_the_figures(desk):
 def test_a_date_of_a_mission_file_is_kept_where_its_source_may_have_dates(desk, source, dated):
     from terrainav.core.mission.area import Box
     from terrainav.core.mission.mission import Mission
-    from terrainav.terrainav_plugin.dock.mission_form import mission, state_of
+    from terrainav.terrainav_plugin.form.mission_form import mission, state_of
 
     there = Mission(
         Box(35.16, -89.9, 35.115, -89.823), agl_m=120.0, source=source, date="2014" if dated else ""
     )
     desk.form.set_state(state_of(there, str(desk.folder)))
     assert desk.form.date.isVisibleTo(desk.form) == dated
-    assert mission(desk.workflow.state()) == there
+    assert mission(desk.session.state()) == there

@@ -200,15 +200,15 @@ def use_everything(iface, qtbot, folder):
     plugin = qgis.utils.plugins[PLUGIN]
     for name in ("dock", "draw_box", "test_shot", "preview"):
         plugin.actions[name].trigger()
-    workflow = plugin.workflow
-    form_state = sys.modules["terrainav.terrainav_plugin.dock.form_state"].FormState
-    workflow.dock.form.set_state(form_state(**SMALL_BOX, **COARSE, folder=str(folder)))
-    qtbot.waitUntil(lambda: not workflow.planner.busy, timeout=PATIENCE_MS)
+    session = plugin.session
+    form_state = sys.modules["terrainav.terrainav_plugin.form.state"].FormState
+    session.dock.form.set_state(form_state(**SMALL_BOX, **COARSE, folder=str(folder)))
+    qtbot.waitUntil(lambda: not session.planner.busy, timeout=PATIENCE_MS)
     plugin.actions["capture"].trigger()
     plugin.actions["clean_dataset"].trigger()
-    workflow.cleaning.open(write_dataset(folder.with_name(f"{folder.name}-there")))
-    qtbot.waitUntil(lambda: workflow.cleaning.marks.item is not None, timeout=PATIENCE_MS)
-    workflow.cleaning.panel.buttons["mark"].click()
+    session.cleaning.open(write_dataset(folder.with_name(f"{folder.name}-there")))
+    qtbot.waitUntil(lambda: session.cleaning.marks.item is not None, timeout=PATIENCE_MS)
+    session.cleaning.panel.buttons["mark"].click()
     close_dialog()
     plugin.actions["settings"].trigger()
     plugin.actions["help"].trigger()
@@ -289,7 +289,7 @@ def test_loading_imports_nothing_heavy(unloaded):
         "terrainav.terrainav_plugin",
         *(
             f"terrainav.terrainav_plugin.{name}"
-            for name in ("plugin", "compat", "i18n", "messages", "options", "packages", "paths", "plain")
+            for name in ("plugin", "compat", "i18n", "messages", "packages", "paths", "plain")
         ),
     }
 
@@ -369,7 +369,7 @@ def test_messages_still_shown_go_with_the_plugin(unloaded, iface, qtbot):
         plugin = qgis.utils.plugins[PLUGIN]
         for number in range(3):
             plugin.messages.warning(f"message {number}", "details", ("Do it", lambda: None))
-        plugin.workflow.viewing.start()
+        plugin.session.viewing.start()
         del plugin
         assert qgis.utils.unloadPlugin(PLUGIN)
         settle()
@@ -383,7 +383,7 @@ def test_file_dialog_of_the_panel_closes_with_the_plugin(unloaded, iface, qtbot,
     monkeypatch.setenv("TERRAINAV_CONFIG_DIR", str(tmp_path))
     load()
     plugin = qgis.utils.plugins[PLUGIN]
-    imagery = plugin.workflow.dock.form.imagery
+    imagery = plugin.session.dock.form.imagery
     closed = []
 
     def unload():
@@ -408,17 +408,17 @@ def test_no_run_begins_after_the_plugin_has_gone(unloaded, qtbot, monkeypatch, t
     monkeypatch.setenv("TERRAINAV_CONFIG_DIR", str(tmp_path / "config"))
     load()
     folder = tmp_path / "mission"
-    workflow = qgis.utils.plugins[PLUGIN].workflow
-    workflow.dock.form.set_state(type(workflow.state())(**SMALL_BOX, folder=str(folder)))
-    qtbot.waitUntil(lambda: workflow.planned is not None and not workflow.planner.busy, timeout=PATIENCE_MS)
-    runs = workflow.runs
+    session = qgis.utils.plugins[PLUGIN].session
+    session.dock.form.set_state(type(session.state())(**SMALL_BOX, folder=str(folder)))
+    qtbot.waitUntil(lambda: session.planned is not None and not session.planner.busy, timeout=PATIENCE_MS)
+    runs = session.runs
 
     def agree(*_):
         assert qgis.utils.unloadPlugin(PLUGIN)
         return True
 
     monkeypatch.setattr(runs.questions, "terms_allow", agree)
-    runs.start(workflow.planned, folder)
+    runs.start(session.planned, folder)
     assert runs.runs == []
     assert not folder.exists()
     assert QgsApplication.taskManager().countActiveTasks() == 0

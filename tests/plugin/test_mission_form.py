@@ -8,17 +8,10 @@ from dataclasses import replace
 import pytest
 from terrainav.core.mission.area import Box
 from terrainav.core.mission.mission import Mission
-from terrainav.terrainav_plugin.dock.form_state import FormState
-from terrainav.terrainav_plugin.dock.form_text import aspect_text, degrees_text, parse_aspect, parse_number
-from terrainav.terrainav_plugin.dock.mission_form import (
-    FormError,
-    mission,
-    state_of,
-    with_box,
-)
-from terrainav.terrainav_plugin.dock.mission_form import (
-    test_shot as single_shot,
-)
+from terrainav.terrainav_plugin.form.mission_form import FormError, mission, state_of, with_box
+from terrainav.terrainav_plugin.form.mission_form import test_shot as single_shot
+from terrainav.terrainav_plugin.form.state import FormState
+from terrainav.terrainav_plugin.form.text import aspect_text, degrees_text, parse_aspect, parse_number
 
 GOOD = FormState(north="35.16", west="-89.9", south="35.115", east="-89.823")
 

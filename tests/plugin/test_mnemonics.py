@@ -7,7 +7,7 @@ from qgis.PyQt.QtCore import Qt
 from qgis.PyQt.QtGui import QKeySequence
 from qgis.PyQt.QtTest import QTest
 from qgis.PyQt.QtWidgets import QAbstractButton, QApplication, QLabel, QMenu, QMenuBar, QPushButton, QWidget
-from terrainav.terrainav_plugin.mnemonics import free_of_menus, letter_of
+from terrainav.terrainav_plugin.widgets import free_of_menus, letter_of
 
 #: Entries of the panel that have a letter: as many as there are letters that no menu has.
 IN_THE_PANEL = {
@@ -75,8 +75,8 @@ def test_letter_goes_to_its_entry(desk, window, name):
 def test_letter_presses_its_button(desk, window):
     desk.form.edges["north"].setFocus()
     press_alt(window, IN_THE_PANEL["Draw box"])
-    desk.wait(desk.workflow.box_tool.isActive)
-    desk.workflow.box_tool.stop()
+    desk.wait(desk.session.box_tool.isActive)
+    desk.session.box_tool.stop()
 
 
 def test_letters_of_menus_still_open_them(desk, window, iface):
@@ -89,8 +89,8 @@ def test_letters_of_menus_still_open_them(desk, window, iface):
 def test_other_panels_have_free_letters_too(desk, iface):
     menus = iface.mainWindow().menuBar()
     taken = {letter_of(action.text()).rpartition("+")[2] for action in menus.actions() if action.isVisible()}
-    desk.workflow.cleaning.open()
-    panel = desk.workflow.cleaning.panel
+    desk.session.cleaning.open()
+    panel = desk.session.cleaning.panel
     try:
         letters = set(underlined(panel))
         assert letters == {"A", "F", "K", "N", "T", "U", "Y"}

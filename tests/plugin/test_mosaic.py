@@ -62,7 +62,7 @@ def named(desk):
 
 def assert_shows_what_is_there(desk, layers=()):
     """File and layers show the images that are there, and no file of the making is left."""
-    plan = desk.workflow.planned.plan
+    plan = desk.session.planned.plan
     there = {path.name for path in images(desk)}
     assert named(desk) == there
     assert np.all(gdal.Open(str(desk.folder / "satellite.vrt")).GetRasterBand(4).ReadAsArray() == 255)
@@ -78,7 +78,7 @@ def assert_shows_what_is_there(desk, layers=()):
 
 
 def assert_shows_all(desk, layers=()):
-    assert len(images(desk)) == len(desk.workflow.planned.plan)
+    assert len(images(desk)) == len(desk.session.planned.plan)
     assert_shows_what_is_there(desk, layers)
 
 
@@ -161,8 +161,8 @@ def middle_entropy(desk):
 
 
 def open_again(desk):
-    desk.workflow.missions.open_dataset(desk.folder)
-    desk.wait(lambda: not desk.workflow.missions.busy)
+    desk.session.missions.open_dataset(desk.folder)
+    desk.wait(lambda: not desk.session.missions.busy)
     desk.wait_for_tasks()
 
 
@@ -176,8 +176,8 @@ def test_old_mosaic_written_by_another_program_is_known_by_its_pictures(one_of_n
     desk.iface.newProject(False)
     settle()
     path.write_bytes(old.read_bytes())
-    desk.workflow.missions.open_dataset(desk.folder)
-    desk.wait(lambda: not desk.workflow.missions.busy)
+    desk.session.missions.open_dataset(desk.folder)
+    desk.wait(lambda: not desk.session.missions.busy)
     desk.wait_planned()
     assert_shows_all(desk)
 
@@ -194,7 +194,7 @@ def test_a_mosaic_that_is_as_it_should_be_is_not_made_anew(one_of_nine):
 
 def test_a_mosaic_that_cannot_be_replaced_is_named_and_shown_as_it_was(one_of_nine, monkeypatch):
     """As on Windows, where another program has it open."""
-    from terrainav.terrainav_plugin.map import mosaic
+    from terrainav.terrainav_plugin.dataset import mosaic
 
     desk = one_of_nine
     replace = mosaic.os.replace

@@ -7,10 +7,8 @@ import re
 import pytest
 from qgis.PyQt.QtCore import QLocale
 from qgis.PyQt.QtWidgets import QLabel
-from terrainav.terrainav_plugin.dock.estimates import duration_text
-from terrainav.terrainav_plugin.dock.units import area_text, length_text
-from terrainav.terrainav_plugin.i18n import localized, number_text, told
-from terrainav.terrainav_plugin.map.area_words import ground_text
+from terrainav.terrainav_plugin.i18n import localized, number_text, translate
+from terrainav.terrainav_plugin.units import area_text, duration_text, length_text
 
 #: Narrow no-break space, between thousands in French.
 THIN = "\N{NARROW NO-BREAK SPACE}"
@@ -72,13 +70,15 @@ def test_words_with_numbers_in_them(country, english, spanish):
 
 def test_one_way_for_all_figures(country):
     country("es_ES")
-    assert ground_text(7_288.3) == "7.288 m²"
+    assert area_text(7_288.3, "m") == "7.288 m²"
     assert area_text(72_883.0, "m") == "72.883 m²"
     assert length_text(2_525.0, "m") == "2,525 km"
     assert length_text(2_525.0, "ft") == "1,569 mi"
     assert duration_text(9_000.0) == "2,5 h"
     # Numbers in what the core says.
-    assert told("tile size 5,000.5 px: must be 512 or less") == "tile size 5.000,5 px: must be 512 or less"
+    assert (
+        translate("tile size 5,000.5 px: must be 512 or less") == "tile size 5.000,5 px: must be 512 or less"
+    )
 
 
 def swapped(text):

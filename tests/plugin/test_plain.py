@@ -22,11 +22,11 @@ from qgis.PyQt.QtCore import Qt
 from qgis.PyQt.QtGui import QColor, QImage, QTextDocument
 from qgis.PyQt.QtTest import QTest
 from qgis.PyQt.QtWidgets import QApplication, QLabel, QPlainTextEdit, QTextBrowser, QToolTip, QWidget
-from terrainav.terrainav_plugin.dock.cache_dialog import CacheDialog
-from terrainav.terrainav_plugin.layers.connections import ServiceConnection
 from terrainav.terrainav_plugin.messages import log
+from terrainav.terrainav_plugin.panel.options_page import CacheDialog
 from terrainav.terrainav_plugin.plain import escaped, escaped_field, plain_label, shown_plain
-from terrainav.terrainav_plugin.task import Task
+from terrainav.terrainav_plugin.qgis_source.connections import ServiceConnection
+from terrainav.terrainav_plugin.tasks import Task
 
 from tests.plugin.transports import Server
 from tests.support.services import wms_document
@@ -140,7 +140,7 @@ def test_words_of_a_server_that_refuses(desk, secret):
 # OWSLib, when it is first loaded under Python 3.11.
 @pytest.mark.filterwarnings("ignore:'cgi' is deprecated")
 def test_names_and_titles_of_a_service_and_its_refusal(desk, secret, qtbot):
-    from terrainav.terrainav_plugin.dock.service_dialog import ServiceDialog
+    from terrainav.terrainav_plugin.panel.source_dialogs import ServiceDialog
 
     mark = escaped(secret.mark)
     crs = "<CRS>EPSG:3857</CRS>"
@@ -171,7 +171,7 @@ def test_names_of_files_and_folders(desk, secret, tmp_path):
 
     title = f"Own {secret.mark}"
     add("own", described("https://own.example/{z}/{x}/{y}", title=title, attribution=title))
-    desk.workflow.shelf.refresh()
+    desk.session.source_list.refresh()
     desk.choose(desk.form.source, "own")
     chooser = desk.form.source
     tips = [chooser.itemData(row, Qt.ItemDataRole.ToolTipRole) for row in range(chooser.count())]
@@ -179,7 +179,7 @@ def test_names_of_files_and_folders(desk, secret, tmp_path):
     desk.form.folder.setFilePath(str(tmp_path / f"<img src=file:{tmp_path}>"))
     desk.enter_small_mission()
     desk.wait_planned()
-    desk.workflow.show_on_map()
+    desk.session.show_on_map()
     chooser.showPopup()
     QApplication.processEvents()
     chooser.hidePopup()

@@ -24,8 +24,8 @@ def choose_file(monkeypatch):
 
 def export(desk):
     choose_in_menu(desk, "Export plan…")
-    exporting = desk.workflow.missions.plan_export
-    desk.wait(lambda: not desk.workflow.planner.busy and not exporting.busy)
+    exporting = desk.session.missions.plan_export
+    desk.wait(lambda: not desk.session.planner.busy and not exporting.busy)
 
 
 @pytest.mark.parametrize(

@@ -10,7 +10,7 @@ from qgis.PyQt.QtCore import QCoreApplication
 from terrainav.core.mission.area import Box, Points, Polygon
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
-from terrainav.terrainav_plugin.map.preview_scene import Scene
+from terrainav.terrainav_plugin.preview.scene import Scene
 from terrainav.terrainav_plugin.sources import grid_of
 
 LAYERS = ["Area", "Capture centres", "Flight line", "Planned images", "Images per place"]
@@ -39,7 +39,7 @@ def test_preview_is_one_group_of_layers(previewed):
 
 
 def test_previewed_images_have_the_edges_of_the_plan(previewed):
-    layer, planned = previewed.layer("Planned images"), previewed.workflow.planned.plan
+    layer, planned = previewed.layer("Planned images"), previewed.session.planned.plan
     assert layer.crs().authid() == "EPSG:3857"
     assert np.array_equal(rectangles(layer), np.stack(planned.edges_m, axis=1))
     first = next(layer.getFeatures())
@@ -53,7 +53,7 @@ def test_previewed_images_have_the_edges_of_the_plan(previewed):
 
 
 def test_centres_and_flight_line_follow_the_plan(previewed):
-    planned = previewed.workflow.planned.plan
+    planned = previewed.session.planned.plan
     centres = list(previewed.layer("Capture centres").getFeatures())
     poses = list(zip(planned.lat_deg.tolist(), planned.lon_deg.tolist()))
     assert [(feature["lat"], feature["lon"]) for feature in centres] == poses
@@ -74,7 +74,7 @@ def test_preview_follows_a_changed_height_in_place(previewed):
     previewed.form.agl.setValue(90.0)
     previewed.wait(lambda: previewed.layer("Planned images").featureCount() > before)
     previewed.wait_planned()
-    images = previewed.workflow.planned.summary.images
+    images = previewed.session.planned.summary.images
     previewed.wait(lambda: previewed.layer("Planned images").featureCount() == images)
     assert images > before
     assert [previewed.layer(name).id() for name in LAYERS] == ids
@@ -86,7 +86,7 @@ def test_preview_follows_a_box_drawn_anew(previewed):
     previewed.click(previewed.form.draw_box)
     previewed.drag(previewed.at(0.45, 0.45), previewed.at(0.5, 0.5))
     previewed.wait_planned()
-    box = previewed.workflow.planned.mission.area
+    box = previewed.session.planned.mission.area
     area = next(previewed.layer("Area").getFeatures())
     assert [area[name] for name in ("north", "west", "south", "east")] == [
         box.north_deg,

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from qgis.core import QgsPointXY
 from terrainav.core.geodesy.mercator import HALF_WORLD_M
-from terrainav.terrainav_plugin.map.preview_density import Cells, density_features, levels, mean_images
-from terrainav.terrainav_plugin.map.preview_index import Boxes, CaptureIndex, shown_by
-from terrainav.terrainav_plugin.map.preview_view import WORLD, WORLD_M, Rect
+from terrainav.terrainav_plugin.preview.density import Cells, density_features, levels, mean_images
+from terrainav.terrainav_plugin.preview.index import Boxes, CaptureIndex, shown_by
+from terrainav.terrainav_plugin.preview.view import WORLD, WORLD_M, Rect
 
 # Of edges in metres, 4 nm, in cells of a centimetre, for dozens of images.
 _ROUNDING = 1e-5

@@ -39,12 +39,12 @@ from terrainav.core.mission.area import Box, Points
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 from terrainav.core.mission.wind import Wind
-from terrainav.terrainav_plugin.map import preview
 from terrainav.terrainav_plugin.map.mission_group import MissionGroup
-from terrainav.terrainav_plugin.map.preview import MOST_A_STEP, Preview
-from terrainav.terrainav_plugin.map.preview_scene import FEW, MOST_DRAWN
-from terrainav.terrainav_plugin.map.preview_view import view_of
 from terrainav.terrainav_plugin.paths import style
+from terrainav.terrainav_plugin.preview import preview
+from terrainav.terrainav_plugin.preview.preview import MOST_A_STEP, Preview
+from terrainav.terrainav_plugin.preview.scene import FEW, MOST_DRAWN
+from terrainav.terrainav_plugin.preview.view import view_of
 from terrainav.terrainav_plugin.sources import grid_of
 
 PATIENCE_MS = 60_000
@@ -62,7 +62,7 @@ class Map:
     def __init__(self, canvas, qtbot, folder):
         self.canvas, self.qtbot = canvas, qtbot
         self.project = QgsProject.instance()
-        self.group = MissionGroup(self.project, "mission", str(folder))
+        self.group = MissionGroup(self.project, folder)
         self.preview = Preview(self.project, canvas)
         self.failures = []
         self.preview.failed.connect(self.failures.append)

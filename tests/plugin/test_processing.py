@@ -100,7 +100,7 @@ def refusal(name, **parameters):
     return text
 
 
-def run_beside(name, qtbot, feedback=None, **parameters):
+def run_in_background(name, qtbot, feedback=None, **parameters):
     """Run an algorithm as the toolbox does: on a thread of the task manager."""
     algorithm = QgsApplication.processingRegistry().createAlgorithmById(f"terrainav:{name}")
     context, feedback, ended = QgsProcessingContext(), feedback or QgsProcessingFeedback(False), []
@@ -449,7 +449,7 @@ def test_a_capture_over_qgis_network_is_the_same_on_the_main_thread_and_beside_i
 
     # What is in the cache is not asked for again: another folder of tiles.
     other = server.url_template + "?again"
-    done, beside, _ = run_beside(
+    done, beside, _ = run_in_background(
         "capture", qtbot, **{**common, "OTHER_SOURCE": other, "FOLDER": str(tmp_path / "beside")}
     )
     assert done
@@ -499,7 +499,7 @@ def test_a_capture_is_cancelled_and_goes_on(server, tmp_path, qtbot, beside):
     }
     started = time.monotonic()
     if beside:
-        run_beside("capture", qtbot, feedback, **parameters)
+        run_in_background("capture", qtbot, feedback, **parameters)
     else:
         result = run("capture", feedback, **parameters)
         assert result["WRITTEN"] < result["TOTAL"]
@@ -520,7 +520,7 @@ def test_the_project_s_map_as_a_source(tmp_path, qtbot, beside):
         "FOLDER": str(tmp_path / "out"),
     }
     if beside:
-        done, result, _ = run_beside("capture", qtbot, **parameters)
+        done, result, _ = run_in_background("capture", qtbot, **parameters)
         assert done
     else:
         result = run("capture", **parameters)
@@ -545,7 +545,7 @@ def test_failed_ones_are_named_and_captured_again(server, tmp_path, qtbot):
     server.heal()
     again = run("capturefailed", DATASET=str(tmp_path / "out"))
     assert (again["TOTAL"], again["WRITTEN"], again["FAILED"]) == (first["FAILED"], first["FAILED"], 0)
-    done, nothing, _ = run_beside("capturefailed", qtbot, DATASET=str(tmp_path / "out"))
+    done, nothing, _ = run_in_background("capturefailed", qtbot, DATASET=str(tmp_path / "out"))
     assert done
     assert nothing["TOTAL"] == 0
     assert "holds no capture" in refusal("capturefailed", DATASET=str(tmp_path))
@@ -733,7 +733,7 @@ def test_the_main_thread_is_never_kept_by_an_algorithm_beside_it(tmp_path, qtbot
     turns, timer = [], QTimer()
     timer.timeout.connect(lambda: turns.append(time.monotonic()))
     timer.start(10)
-    done, _, _ = run_beside("capture", qtbot, EXTENT=EXTENT, AGL=120, FOLDER=str(tmp_path / "out"))
+    done, _, _ = run_in_background("capture", qtbot, EXTENT=EXTENT, AGL=120, FOLDER=str(tmp_path / "out"))
     timer.stop()
     assert done
     assert len(turns) > 10

@@ -57,14 +57,14 @@ def test_saved_project_opens_in_another_place(captured, tmp_path):
 
 
 def test_reopened_project_brings_the_mission_back(captured):
-    state, count = captured.workflow.state(), captured.layer("Planned images").featureCount()
+    state, count = captured.session.state(), captured.layer("Planned images").featureCount()
     names = captured.layer_names()
     captured.iface.newProject(False)
     captured.form.agl.setValue(33.0)
     captured.iface.addProject(str(captured.folder.parent / "project.qgz"))
     captured.wait_previewed()
     captured.wait_planned()
-    assert captured.workflow.state() == state
+    assert captured.session.state() == state
     assert captured.layer_names() == names
     assert captured.layer("Planned images").featureCount() == count
     # Its layers are hidden, as they were.
@@ -78,7 +78,7 @@ def test_project_moved_with_its_dataset_knows_where_it_is(captured, tmp_path):
     shutil.rmtree(captured.folder)
     captured.iface.addProject(str(moved / "project.qgz"))
     captured.wait_previewed()
-    assert captured.workflow.state().folder == str(moved / "mission")
+    assert captured.session.state().folder == str(moved / "mission")
     # Going on there finds every image.
     captured.click(captured.dock.capture)
     captured.wait(lambda: any("were there already" in text for text in captured.messages()))
@@ -98,7 +98,7 @@ def answers(monkeypatch):
 
 def choose_in_menu(desk, text):
     """Open the menu of missions with the mouse and choose an entry with it."""
-    menu = desk.workflow.missions.menu
+    menu = desk.session.missions.menu
     picked = []
 
     def pick():
@@ -116,9 +116,9 @@ def choose_in_menu(desk, text):
 
 
 def menu_texts(desk):
-    desk.workflow.missions.menu.aboutToShow.emit()
+    desk.session.missions.menu.aboutToShow.emit()
     return [
-        action.text().replace("&", "") for action in desk.workflow.missions.menu.actions() if action.text()
+        action.text().replace("&", "") for action in desk.session.missions.menu.actions() if action.text()
     ]
 
 
@@ -126,32 +126,32 @@ def capture_into(desk, folder):
     desk.form.folder.setFilePath(str(folder))
     desk.wait_planned()
     desk.click(desk.dock.capture)
-    desk.wait(lambda: not desk.workflow.runs.idle)
+    desk.wait(lambda: not desk.session.runs.idle)
     desk.wait_for_run()
 
 
 def test_project_holds_several_missions_and_opens_the_one_that_was_in_the_panel(desk, tmp_path):
     desk.enter_coarse_mission()
     capture_into(desk, tmp_path / "first")
-    first = desk.workflow.state()
+    first = desk.session.state()
     desk.form.agl.setValue(200.0)
     capture_into(desk, tmp_path / "second")
     desk.click(desk.dock.preview)
     desk.wait_previewed()
-    second = desk.workflow.state()
+    second = desk.session.state()
     assert QgsProject.instance().write(str(tmp_path / "project.qgz"))
     desk.iface.newProject(False)
     desk.form.agl.setValue(33.0)
     desk.iface.addProject(str(tmp_path / "project.qgz"))
     desk.wait_previewed()
-    assert desk.workflow.state() == second
+    assert desk.session.state() == second
     titles = {"TerrAInav: first", "TerrAInav: second"}
     assert titles <= set(menu_texts(desk))
-    checked = {a.text(): a.isChecked() for a in desk.workflow.missions.menu.actions() if a.isCheckable()}
+    checked = {a.text(): a.isChecked() for a in desk.session.missions.menu.actions() if a.isCheckable()}
     assert checked == {"TerrAInav: first": False, "TerrAInav: second": True}
     # Another one of the list, with the mouse: entries and preview are its own.
     choose_in_menu(desk, "TerrAInav: first")
-    assert desk.workflow.state() == first
+    assert desk.session.state() == first
     desk.wait_planned()
     desk.wait_previewed()
     groups = {group.name(): group for group in QgsProject.instance().layerTreeRoot().findGroups(True)}
@@ -164,23 +164,23 @@ def test_project_holds_several_missions_and_opens_the_one_that_was_in_the_panel(
 def test_mission_is_saved_as_a_file_and_opened_again(desk, tmp_path, answers):
     desk.enter_coarse_mission()
     desk.form.agl.setValue(150.0)
-    state, mission = desk.workflow.state(), desk.wait_planned().mission
+    state, mission = desk.session.state(), desk.wait_planned().mission
     answers["save"] = tmp_path / "survey"
     choose_in_menu(desk, "Save mission as file…")
     file = tmp_path / "survey.json"
     assert Mission.load(file) == mission
     choose_in_menu(desk, "New mission")
-    assert not desk.workflow.state().has_box
-    assert desk.workflow.state().folder != state.folder
+    assert not desk.session.state().has_box
+    assert desk.session.state().folder != state.folder
     answers["file"] = file
     choose_in_menu(desk, "Open mission file…")
     assert desk.wait_planned().mission == mission
-    assert Path(desk.workflow.state().folder).name == "survey"
+    assert Path(desk.session.state().folder).name == "survey"
     desk.wait_previewed()
     # And again from the recent ones.
     desk.form.agl.setValue(99.0)
     menu_texts(desk)
-    (recent,) = (a.menu() for a in desk.workflow.missions.menu.actions() if a.menu() is not None)
+    (recent,) = (a.menu() for a in desk.session.missions.menu.actions() if a.menu() is not None)
     assert recent.actions()[0].text() == str(file)
     recent.actions()[0].trigger()
     assert desk.wait_planned().mission == mission
@@ -197,7 +197,7 @@ def test_mission_is_saved_as_a_file_and_opened_again(desk, tmp_path, answers):
 )
 def test_broken_mission_file_is_one_line_and_changes_nothing(desk, tmp_path, answers, text):
     desk.enter_coarse_mission()
-    before = desk.workflow.state()
+    before = desk.session.state()
     answers["file"] = tmp_path / "broken.json"
     answers["file"].write_text(text)
     choose_in_menu(desk, "Open mission file…")
@@ -205,15 +205,15 @@ def test_broken_mission_file_is_one_line_and_changes_nothing(desk, tmp_path, ans
     assert len(ours) == 1
     assert "broken.json was not opened: " in ours[0]
     assert "\n" not in ours[0]
-    assert desk.workflow.state() == before
+    assert desk.session.state() == before
 
 
 def test_folder_that_is_no_dataset_is_one_line(desk, tmp_path, answers):
-    before = desk.workflow.state()
+    before = desk.session.state()
     answers["folder"] = tmp_path
     choose_in_menu(desk, "Open dataset folder…")
     assert any("so it is no dataset" in text for text in desk.messages())
-    assert desk.workflow.state() == before
+    assert desk.session.state() == before
     assert QgsProject.instance().mapLayers() == {}
 
 
@@ -233,22 +233,22 @@ def test_dataset_of_the_command_comes_with_mosaic_footprints_and_failures(desk, 
         with closing(open_source(server.url_template)) as source:
             result = capture(plan, source, folder)
     assert result.failed
-    desk.form.set_state(type(desk.workflow.state())(folder=str(desk.folder)))
+    desk.form.set_state(type(desk.session.state())(folder=str(desk.folder)))
     answers["folder"] = folder
     choose_in_menu(desk, "Open dataset folder…")
-    desk.wait(lambda: not desk.workflow.missions.busy)
+    desk.wait(lambda: not desk.session.missions.busy)
     assert desk.layer_names() == ["Failed images", "Captured images", "Satellite images"]
     assert desk.layer("Captured images").featureCount() == len(plan)
     assert desk.layer("Satellite images").isValid()
     assert {f["name"] for f in desk.layer("Failed images").getFeatures()} == {f.name for f in result.failed}
-    assert desk.workflow.state().folder == str(folder)
+    assert desk.session.state().folder == str(folder)
     assert desk.wait_planned().mission == planned.mission
     # Once more changes nothing: the layers are there.
     ids = {
         layer.id() for layer in QgsProject.instance().mapLayers().values() if layer.name() != "Failed images"
     }
     choose_in_menu(desk, "Open dataset folder…")
-    desk.wait(lambda: not desk.workflow.missions.busy)
+    desk.wait(lambda: not desk.session.missions.busy)
     assert ids <= set(QgsProject.instance().mapLayers())
 
 
@@ -261,12 +261,12 @@ def test_folders_may_have_any_name(desk, tmp_path, name):
     plan = desk.wait_planned().plan
     assert QgsProject.instance().write(str(tmp_path / "project.qgz"))
     desk.iface.newProject(False)
-    desk.form.set_state(type(desk.workflow.state())())
+    desk.form.set_state(type(desk.session.state())())
     desk.iface.addProject(str(tmp_path / "project.qgz"))
     desk.wait_planned()
-    assert desk.workflow.state().folder == str(folder)
+    assert desk.session.state().folder == str(folder)
     assert all(desk.layer(title).isValid() for title in ("Captured images", "Satellite images"))
-    viewing = desk.workflow.viewing
+    viewing = desk.session.viewing
     desk.wait_for_tasks()
     viewing.tool.clicked.emit(float(plan.lat_deg[3]), float(plan.lon_deg[3]))
     desk.wait(lambda: viewing.seen is not None and not viewing.busy)
@@ -292,7 +292,7 @@ def test_large_footprints_are_measured_before_the_main_thread_asks(desk, tmp_pat
     monkeypatch.setattr(QgsVectorLayer, "extent", extent)
     answers["folder"] = desk.folder
     choose_in_menu(desk, "Open dataset folder…")
-    desk.wait(lambda: not desk.workflow.missions.busy)
+    desk.wait(lambda: not desk.session.missions.busy)
     assert asked[0] is False
     if Qgis.QGIS_VERSION_INT < WITH_EXTENTS_OF_PROJECT:
         assert desk.layer("Captured images").readExtentFromXml()
@@ -303,9 +303,9 @@ def test_runs_that_are_over_keep_no_file_open(desk):
     """Twice into the same folder: the second run's layers are not needed."""
     desk.enter_coarse_mission()
     capture_into(desk, desk.folder)
-    runs = [desk.workflow.runs.runs[-1]]
+    runs = [desk.session.runs.runs[-1]]
     capture_into(desk, desk.folder)
-    runs.append(desk.workflow.runs.runs[-1])
+    runs.append(desk.session.runs.runs[-1])
     desk.wait_for_tasks()
     desk.iface.newProject(False)
     desk.canvas.stopRendering()
@@ -333,7 +333,7 @@ def test_mosaic_of_a_cleaned_dataset_is_made_anew(desk, tmp_path, answers):
     assert 0 < cleaned.moved < len(images)
     answers["folder"] = desk.folder
     choose_in_menu(desk, "Open dataset folder…")
-    desk.wait(lambda: not desk.workflow.missions.busy)
+    desk.wait(lambda: not desk.session.missions.busy)
     text = (desk.folder / "satellite.vrt").read_text(encoding="utf-8")
     named = set(re.findall(r"satellite/[^<]*\.tif", text))
     assert named == {f"satellite/{path.name}" for path in (desk.folder / "satellite").glob("*.tif")}
@@ -352,16 +352,16 @@ def test_failed_images_of_an_opened_mission_are_captured_from_the_menu(desk, tmp
         capture_into(desk, desk.folder)
         assert "Failed images" in desk.layer_names()
         assert QgsProject.instance().write(str(tmp_path / "project.qgz"))
-        for run in list(desk.workflow.runs.runs):
-            desk.workflow.runs.dismiss(run)
+        for run in list(desk.session.runs.runs):
+            desk.session.runs.dismiss(run)
         desk.iface.newProject(False)
-        desk.form.set_state(type(desk.workflow.state())())
+        desk.form.set_state(type(desk.session.state())())
         desk.iface.addProject(str(tmp_path / "project.qgz"))
         desk.wait_planned()
         assert "Failed images" in desk.layer_names()
         server.heal()
         assert choose_in_menu(desk, "Capture only the failed images")
-        desk.wait(lambda: not desk.workflow.runs.idle)
+        desk.wait(lambda: not desk.session.runs.idle)
         desk.wait_for_run()
     assert len(list((desk.folder / "satellite").glob("*.tif"))) == len(plan)
     assert "Failed images" not in desk.layer_names()
@@ -379,14 +379,14 @@ def test_unloading_in_the_middle_of_everything_leaves_nothing(unloaded, iface, q
         assert qgis.utils.startPlugin(PLUGIN)
         with TileServer(latency_s=0.2) as server:
             desk = Desk(plugins[PLUGIN], iface, qtbot, tmp_path / f"mission-{round_number}")
-            desk.workflow.show_dock(True)
-            desk.form.set_state(type(desk.workflow.state())(folder=str(desk.folder)))
+            desk.session.show_dock(True)
+            desk.form.set_state(type(desk.session.state())(folder=str(desk.folder)))
             desk.enter_coarse_mission()
             desk.use_template(server.url_template)
             desk.wait_planned()
             desk.click(desk.dock.preview)
             desk.wait_previewed()
-            desk.workflow.messages.warning("something to read", "details")
+            desk.session.messages.warning("something to read", "details")
             desk.click(desk.dock.capture)
             desk.wait(lambda desk=desk: any((desk.folder / "satellite").glob("*.tif")))
             desk.click(desk.form.draw_box)

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from osgeo import gdal
 from terrainav.core.imagery.catalogue import user_sources
-from terrainav.terrainav_plugin.dock.add_source_dialog import AddSourceDialog
-from terrainav.terrainav_plugin.dock.options_page import OptionsPage
+from terrainav.terrainav_plugin.panel.options_page import OptionsPage
+from terrainav.terrainav_plugin.panel.source_dialogs import AddSourceDialog
 from terrainav.terrainav_plugin.settings import Settings
 
 from tests.plugin.test_capture import capture, images

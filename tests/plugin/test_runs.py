@@ -10,7 +10,7 @@ from qgis.core import QgsApplication, QgsProject, QgsTask
 from qgis.PyQt.QtCore import QPoint, Qt
 from qgis.PyQt.QtTest import QTest
 from terrainav.core.mission.mission import Mission
-from terrainav.terrainav_plugin.runs.run import Stage
+from terrainav.terrainav_plugin.capture.run import Stage
 
 from tests.support.tileserver import TileServer
 
@@ -42,21 +42,21 @@ def press_capture(desk, folder=None):
     if folder is not None:
         desk.form.folder.setFilePath(str(folder))
         desk.wait_planned()
-    count = len(desk.workflow.runs.runs)
+    count = len(desk.session.runs.runs)
     desk.click(desk.dock.capture)
-    desk.wait(lambda: len(desk.workflow.runs.runs) > count)
-    return desk.workflow.runs.runs[-1]
+    desk.wait(lambda: len(desk.session.runs.runs) > count)
+    return desk.session.runs.runs[-1]
 
 
 def row_of(desk, run):
-    return desk.workflow.run_panel.row(run)
+    return desk.session.run_panel.row(run)
 
 
-def press(desk, run, deed):
+def press(desk, run, action):
     """Press a button of a run's row with the mouse."""
-    button = row_of(desk, run).buttons[deed]
+    button = row_of(desk, run).buttons[action]
     desk.dock.run_list.ensureWidgetVisible(button)
-    assert button.isVisible(), deed
+    assert button.isVisible(), action
     QTest.mouseClick(button, Qt.MouseButton.LeftButton)
 
 
@@ -72,7 +72,7 @@ def press(desk, run, deed):
     ],
 )
 def test_ends_are_told_in_words_that_fit_the_number(total, written, text):
-    from terrainav.terrainav_plugin.runs.words import done_text
+    from terrainav.terrainav_plugin.capture.run import done_text
 
     result = SimpleNamespace(total=total, written=written, skipped=total - written, seconds=2.0)
     assert done_text(result) == text
@@ -104,7 +104,7 @@ def test_missions_wait_in_line_and_are_captured_one_after_the_other(prepared, se
     assert groups == {"TerrAInav: flight-1", "TerrAInav: flight-3"}
     for run in runs:
         press(prepared, run, "dismiss")
-    assert prepared.workflow.runs.runs == []
+    assert prepared.session.runs.runs == []
     assert not prepared.dock.run_list.isVisible()
 
 
@@ -155,22 +155,22 @@ def test_same_folder_is_not_queued_twice(prepared, server):
     prepared.wait(lambda: "mission is being captured already." in prepared.messages())
     # As little as by a double click.
     assert prepared.buttons_in_message_bar() == {}
-    assert prepared.workflow.runs.runs == [run]
+    assert prepared.session.runs.runs == [run]
     prepared.form.agl.setValue(150.0)
     prepared.wait_planned()
     prepared.click(prepared.dock.capture)
     prepared.wait(lambda: any("holds another mission" in text for text in prepared.messages()))
-    assert prepared.workflow.runs.runs == [run]
+    assert prepared.session.runs.runs == [run]
     server.latency_s = 0.0
     prepared.click(prepared.buttons_in_message_bar()["Capture into mission-2"])
-    prepared.wait(lambda: len(prepared.workflow.runs.runs) == 2)
+    prepared.wait(lambda: len(prepared.session.runs.runs) == 2)
     prepared.wait_for_run()
     assert (prepared.folder.with_name("mission-2") / "mission.json").is_file()
 
 
 def test_what_was_pressed_is_captured_whatever_is_entered_later(prepared, server):
     server.latency_s = SLOW_S
-    mission = prepared.workflow.planned.mission
+    mission = prepared.session.planned.mission
     first = press_capture(prepared)
     second = press_capture(prepared, prepared.folder.with_name("second"))
     prepared.form.agl.setValue(300.0)
@@ -183,7 +183,7 @@ def test_what_was_pressed_is_captured_whatever_is_entered_later(prepared, server
 
 
 def test_failed_images_come_to_the_map_while_the_run_goes_on(prepared, server, screenshot):
-    planned = prepared.workflow.planned.plan
+    planned = prepared.session.planned.plan
     server.latency_s = SLOW_S
     x, y = int(planned.windows.left_px[0]) // 256, int(planned.windows.top_px[0]) // 256
     server.fail("404", (planned.zoom, x, y))
@@ -206,7 +206,7 @@ def test_failed_images_come_to_the_map_while_the_run_goes_on(prepared, server, s
     # Again from the row, in vain first: the layer stays.
     press(prepared, run, "capture_failed")
     prepared.wait_for_run()
-    again = prepared.workflow.runs.runs[-1]
+    again = prepared.session.runs.runs[-1]
     assert again is not run
     assert again.result.total == len(failed)
     assert "Failed images" in prepared.layer_names()
@@ -215,7 +215,7 @@ def test_failed_images_come_to_the_map_while_the_run_goes_on(prepared, server, s
     prepared.wait_for_run()
     assert "Failed images" not in prepared.layer_names()
     assert len(pictures(run.folder)) == len(planned)
-    assert [run.stage for run in prepared.workflow.runs.runs] == [Stage.DONE]
+    assert [run.stage for run in prepared.session.runs.runs] == [Stage.DONE]
 
 
 def test_run_goes_on_when_its_project_is_closed(prepared, server):
@@ -300,7 +300,7 @@ def test_cancelled_run_is_no_failure_shows_what_is_finished_and_is_resumed_from_
 
     press(prepared, run, "resume")
     prepared.wait_for_run()
-    (again,) = prepared.workflow.runs.runs
+    (again,) = prepared.session.runs.runs
     assert again.stage is Stage.DONE
     total = len(run.plan)
     assert again.result.written == total - kept
@@ -312,7 +312,7 @@ def test_cancelled_run_is_no_failure_shows_what_is_finished_and_is_resumed_from_
 
 def test_second_cancel_leaves_the_mosaic_out(prepared, server, statuses, monkeypatch):
     from terrainav.core.errors import Cancelled
-    from terrainav.terrainav_plugin.map import mosaic
+    from terrainav.terrainav_plugin.dataset import mosaic
 
     def endless(*arguments):
         progress = arguments[-1]
@@ -345,8 +345,8 @@ def test_run_taken_out_of_the_line_is_resumed(prepared, server):
     assert second.stage is Stage.STOPPED
     press(prepared, second, "resume")
     server.latency_s = 0.0
-    prepared.wait(lambda: prepared.workflow.runs.idle)
-    assert [run.stage for run in prepared.workflow.runs.runs] == [Stage.DONE, Stage.DONE]
+    prepared.wait(lambda: prepared.session.runs.idle)
+    assert [run.stage for run in prepared.session.runs.runs] == [Stage.DONE, Stage.DONE]
     assert len(pictures(second.folder)) == len(pictures(first.folder)) == len(first.plan)
 
 
@@ -357,13 +357,13 @@ def test_preview_is_pressed_while_it_is_to_be_seen(prepared):
     press_capture(prepared)
     prepared.wait_for_run()
     # The images are there in place of the plan.
-    assert not prepared.workflow.preview.visible
+    assert not prepared.session.preview.visible
     assert (dock.preview.isChecked(), action.isChecked()) == (False, False)
     # Ticked in the layer tree, it is up to date.
     tree = QgsProject.instance().layerTreeRoot()
     prepared.form.agl.setValue(90.0)
     prepared.wait_planned()
-    images = prepared.workflow.planned.summary.images
+    images = prepared.session.planned.summary.images
     tree.findLayer(prepared.layer("Planned images")).setItemVisibilityChecked(True)
     assert (dock.preview.isChecked(), action.isChecked()) == (True, True)
     prepared.wait(lambda: prepared.layer("Planned images").featureCount() == images)

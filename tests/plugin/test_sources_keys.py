@@ -15,8 +15,8 @@ from qgis.PyQt.QtGui import QColor, QImage
 from terrainav.core.imagery.catalogue import add, described, user_sources
 from terrainav.core.imagery.entry import CatalogueEntry
 from terrainav.terrainav_plugin.credentials import problem_with
-from terrainav.terrainav_plugin.dock.service_dialog import kept
-from terrainav.terrainav_plugin.layers.connections import (
+from terrainav.terrainav_plugin.panel.source_dialogs import kept
+from terrainav.terrainav_plugin.qgis_source.connections import (
     ServiceConnection,
     connection,
     connection_names,
@@ -143,8 +143,8 @@ def assert_kept_secret(desk, tmp_path, heard, secret):
     texts = [
         *heard,
         *desk.messages(),
-        desk.workflow.state().to_json(),
-        repr(desk.workflow.state()),
+        desk.session.state().to_json(),
+        repr(desk.session.state()),
         *(layer.source() for layer in project.mapLayers().values()),
         *(layer.htmlMetadata() for layer in project.mapLayers().values()),
         Path(QgsSettings().fileName()).read_text(encoding="utf-8"),
@@ -158,7 +158,7 @@ def assert_kept_secret(desk, tmp_path, heard, secret):
 def test_key_of_an_own_source_is_used_and_found_nowhere(desk, tmp_path, configured, heard):
     with TileServer() as server:
         add("keyed", described(server.url_template + "?token={key}", title="Keyed", requests_per_s=10_000.0))
-        desk.workflow.shelf.refresh()
+        desk.session.source_list.refresh()
         desk.choose(desk.form.source, "keyed")
         desk.enter_small_mission()
         assert desk.form.key.isVisibleTo(desk.dock)
@@ -171,9 +171,9 @@ def test_key_of_an_own_source_is_used_and_found_nowhere(desk, tmp_path, configur
         desk.form.key.setConfigId(authcfg)
         desk.wait(lambda: desk.message("key") == "")
         pictures = capture(desk)
-        assert len(pictures) == len(desk.workflow.planned.plan)
+        assert len(pictures) == len(desk.session.planned.plan)
         assert all(path.endswith("?token=" + quote(KEY, safe="")) for path in server.requests)
-        desk.workflow.show_on_map()
+        desk.session.show_on_map()
         assert any("would be written into the project" in text for text in desk.messages())
     assert Settings().authcfgs() == {"keyed": authcfg}
     assert_kept_secret(desk, tmp_path, heard, KEY)
@@ -196,7 +196,7 @@ def test_failures_name_no_key(desk, tmp_path, configured, heard):
 def test_http_authentication_of_an_own_source(desk, tmp_path, configured, tiles, heard):
     authcfg = configured(PASSWORD)
     add("closed", described(tiles.url + "/{z}/{x}/{y}.png", title="Closed", requests_per_s=10_000.0))
-    desk.workflow.shelf.refresh()
+    desk.session.source_list.refresh()
     desk.choose(desk.form.source, "closed")
     desk.enter_small_mission()
     desk.form.key.setConfigId(authcfg)
@@ -204,7 +204,7 @@ def test_http_authentication_of_an_own_source(desk, tmp_path, configured, tiles,
     assert tiles.seen
     assert {headers.get("authorization") for _, headers in tiles.seen} == {BASIC}
     # The layer names the configuration, and nothing of what is in it.
-    desk.workflow.show_on_map()
+    desk.session.show_on_map()
     sources = [layer.source() for layer in QgsProject.instance().mapLayers().values()]
     assert any(f"authcfg={authcfg}" in source for source in sources)
     assert_kept_secret(desk, tmp_path, heard, PASSWORD)
@@ -215,13 +215,13 @@ def test_xyz_connection_of_qgis_is_a_source(desk, tmp_path, configured, tiles, h
     authcfg = configured(PASSWORD)
     url = tiles.url + "/{z}/{x}/{y}.png"
     connect_xyz("My tiles", url=url, zmin=3, zmax=17, authcfg=authcfg, referer="https://ref.example/")
-    desk.workflow.shelf.refresh()
+    desk.session.source_list.refresh()
     desk.choose(desk.form.source, "qgis:xyz/My tiles")
     assert "yours to check" in desk.form.imagery.limits.text()
     assert "zoom 3 to 17" in desk.form.imagery.limits.text()
     assert not desk.form.key.isVisibleTo(desk.dock)
     desk.enter_small_mission()
-    assert desk.workflow.planned.plan.zoom == 17
+    assert desk.session.planned.plan.zoom == 17
     desk.form.source.showPopup()
     screenshot("source-chooser")
     desk.form.source.hidePopup()
@@ -239,12 +239,12 @@ def test_xyz_connection_of_qgis_is_a_source(desk, tmp_path, configured, tiles, h
 
 def test_key_in_a_connection_s_address_stays_there(desk, tmp_path, tiles, heard):
     connect_xyz("Keyed", url=tiles.url + "/{z}/{x}/{y}.png?apikey=" + PLAIN_KEY, zmin=0, zmax=17)
-    desk.workflow.shelf.refresh()
+    desk.session.source_list.refresh()
     desk.choose(desk.form.source, "qgis:xyz/Keyed")
     desk.enter_small_mission()
     assert capture(desk)
     assert all(path.endswith("?apikey=" + PLAIN_KEY) for path, _ in tiles.seen)
-    desk.workflow.show_on_map()
+    desk.session.show_on_map()
     assert any("would be written into the project" in text for text in desk.messages())
     # QGIS itself keeps it with the connection, where the user has put it.
     QgsSettings().remove(XYZ_SETTINGS)
@@ -253,13 +253,13 @@ def test_key_in_a_connection_s_address_stays_there(desk, tmp_path, tiles, heard)
 
 def test_connection_that_is_gone_is_said_at_the_field(desk):
     connect_xyz("Gone", url="http://127.0.0.1:9/{z}/{x}/{y}.png", zmin=0, zmax=17)
-    desk.workflow.shelf.refresh()
+    desk.session.source_list.refresh()
     desk.choose(desk.form.source, "qgis:xyz/Gone")
     desk.enter_small_mission()
     QgsSettings().remove(XYZ_SETTINGS)
-    desk.workflow.shelf.refresh()
+    desk.session.source_list.refresh()
     assert desk.form.source.currentText() == "Connection that is not there"
-    desk.workflow.capture()
+    desk.session.capture()
     desk.wait(lambda: "no such XYZ connection" in desk.message("source") + desk.message("key"))
 
 
@@ -297,7 +297,7 @@ def test_keys_are_taken_out_of_addresses(url, address, key):
 @pytest.mark.filterwarnings("ignore:'cgi' is deprecated")
 def test_layer_of_a_service_is_kept_as_an_own_source(desk, configured, screenshot):
     from qgis.PyQt.QtWidgets import QDialogButtonBox
-    from terrainav.terrainav_plugin.dock.service_dialog import ServiceDialog
+    from terrainav.terrainav_plugin.panel.source_dialogs import ServiceDialog
 
     authcfg = configured(PASSWORD)
     with Server() as server:
@@ -329,7 +329,7 @@ def test_layer_of_a_service_is_kept_as_an_own_source(desk, configured, screensho
     assert Settings().authcfgs() == {dialog.added: authcfg}
     dialog.deleteLater()
     # All that has to be known of it is kept: it is planned without the server.
-    desk.workflow.shelf.refresh()
+    desk.session.source_list.refresh()
     desk.choose(desk.form.source, entry.name)
     desk.enter_small_mission()
     assert desk.wait_planned().mission.source == entry.name
@@ -419,7 +419,7 @@ def test_broken_own_entry_hides_no_other(desk, tmp_path):
     add("mine", good)
     path = tmp_path / "config" / "sources.json"
     path.write_text(json.dumps({"bad": {}, "osm": good, **json.loads(path.read_text())}))
-    desk.workflow.shelf.refresh()
+    desk.session.source_list.refresh()
     titles = [desk.form.source.itemText(row) for row in range(desk.form.source.count())]
     assert titles.count("Mine") == 1
     names = [desk.form.source.itemData(row) for row in range(desk.form.source.count())]

@@ -89,12 +89,12 @@ def test_capture_button_captures(desk):
 
 def test_missing_package_is_one_line(plugin, iface, monkeypatch):
     """Nothing else happens, and nothing is raised."""
-    needed = {**plugin_module._NEEDED, "no_such_module_anywhere": "Imaginary"}
-    monkeypatch.setattr(plugin_module, "_NEEDED", needed)
-    monkeypatch.setattr(plugin, "_workflow", None)
+    needed = {**plugin_module.NEEDED, "no_such_module_anywhere": "Imaginary"}
+    monkeypatch.setattr(plugin_module, "NEEDED", needed)
+    monkeypatch.setattr(plugin, "_session", None)
     for name in BUTTONS:
         plugin.actions[name].trigger()
     texts = {item.text() for item in iface.messageBar().items()}
     assert texts == {"TerrAInav needs Python packages that this QGIS lacks: Imaginary."}
-    assert plugin._workflow is None
+    assert plugin._session is None
     assert not any(action.isChecked() for action in plugin.actions.values())

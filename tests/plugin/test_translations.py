@@ -28,7 +28,7 @@ from qgis.PyQt.QtWidgets import (
 )
 from terrainav.core.errors import InvalidInput
 from terrainav.terrainav_plugin import i18n
-from terrainav.terrainav_plugin.i18n import told, tr
+from terrainav.terrainav_plugin.i18n import tr, translate
 
 ROOT = Path(__file__).resolve().parents[2]
 #: Of a process: it starts in two seconds.
@@ -239,9 +239,8 @@ def test_menus_are_spanish(spanish_plugin, english):
 
 
 def test_dialogs_are_spanish(spanish_desk, english, qtbot):
-    from terrainav.terrainav_plugin.dock.add_source_dialog import AddSourceDialog
-    from terrainav.terrainav_plugin.dock.cache_dialog import CacheDialog
-    from terrainav.terrainav_plugin.dock.options_page import OptionsPage
+    from terrainav.terrainav_plugin.panel.options_page import CacheDialog, OptionsPage
+    from terrainav.terrainav_plugin.panel.source_dialogs import AddSourceDialog
 
     for dialog in (AddSourceDialog(None), CacheDialog(None), OptionsPage(None, lambda: None)):
         qtbot.addWidget(dialog)
@@ -257,7 +256,7 @@ def test_every_message_of_the_core_is_recognised(spanish, translations):
         def filled(template, values=values):
             return re.sub(r"\{(\d+)\}", lambda place: values[int(place[1])], template)
 
-        assert told(filled(text)) == filled(known[translations.CORE, text])
+        assert translate(filled(text)) == filled(known[translations.CORE, text])
 
 
 @pytest.mark.parametrize(
@@ -292,11 +291,11 @@ def test_every_message_of_the_core_is_recognised(spanish, translations):
     ],
 )
 def test_words_of_the_core(spanish, english_text, spanish_text):
-    assert told(english_text) == spanish_text
+    assert translate(english_text) == spanish_text
 
 
 def test_an_error_is_told_by_its_message(spanish):
-    assert told(InvalidInput("zoom -1: must be 0 or more", "zoom")) == "zoom -1: debe ser 0 o más"
+    assert translate(InvalidInput("zoom -1: must be 0 or more", "zoom")) == "zoom -1: debe ser 0 o más"
 
 
 def test_processing_fails_in_spanish(spanish):
@@ -364,7 +363,7 @@ def test_language_of_a_locale(monkeypatch, locale, code):
 def test_what_servers_say_is_taken_apart_in_no_time(spanish, piece):
     for text in (piece * (5000 // len(piece)), piece * (MEGABYTE // len(piece))):
         began = time.monotonic()
-        told(text)
+        translate(text)
         assert time.monotonic() - began < SLOW_S
 
 
@@ -399,15 +398,15 @@ def test_the_language_the_application_was_started_with_counts():
 
 def test_unloading_takes_spanish_away(spanish_plugin):
     assert tr("Area") == "Área"
-    assert told("wind turns the camera") == "el viento gira la cámara"
+    assert translate("wind turns the camera") == "el viento gira la cámara"
     spanish_plugin.unload()
     assert tr("Area") == "Area"
     assert QCoreApplication.translate("TerrAInav core", "every day") == "every day"
-    assert told("wind turns the camera") == "wind turns the camera"
+    assert translate("wind turns the camera") == "wind turns the camera"
     spanish_plugin.initGui()
 
 
 def test_english_costs_nothing(plugin):
-    assert told("zoom -1: must be 0 or more") == "zoom -1: must be 0 or more"
+    assert translate("zoom -1: must be 0 or more") == "zoom -1: must be 0 or more"
     assert plugin.actions["draw_box"].text() == "&Draw box"
     assert i18n._templates.cache_info().currsize == 0

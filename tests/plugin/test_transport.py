@@ -28,7 +28,7 @@ from terrainav.core.imagery.xyz import XYZSource
 from terrainav.core.mission.area import Box
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
-from terrainav.terrainav_plugin.capture_task import CaptureTask
+from terrainav.terrainav_plugin.capture.task import CaptureTask
 
 from tests.plugin.steps import PATIENCE_MS
 from tests.plugin.transports import (  # noqa: F401  (fixtures)

@@ -29,10 +29,10 @@ def server():
 @pytest.fixture
 def viewing(desk):
     """The plugin's part that shows images; its window is closed at the end."""
-    yield desk.workflow.viewing
-    desk.workflow.viewing.stop()
-    if desk.workflow.viewing.viewer is not None:
-        desk.workflow.viewing.viewer.hide()
+    yield desk.session.viewing
+    desk.session.viewing.stop()
+    if desk.session.viewing.viewer is not None:
+        desk.session.viewing.viewer.hide()
 
 
 @pytest.fixture
@@ -45,10 +45,10 @@ def captured(desk, server, viewing):
         change()
         planned = desk.wait_planned()
         seen = []
-        desk.workflow.running.connect(seen.append)
+        desk.session.runs.running.connect(seen.append)
         desk.click(desk.dock.capture)
         desk.wait(lambda: seen[-1:] == [False])
-        desk.workflow.running.disconnect(seen.append)
+        desk.session.runs.running.disconnect(seen.append)
         desk.look_at("EPSG:3857", (0, 0, 1, 1))
         desk.zoom_to(planned.mission.area.bounds)
         desk.plugin.actions["view_images"].trigger()
@@ -70,10 +70,10 @@ def pixel_of(desk, lat_deg, lon_deg) -> QPoint:
 
 def look_at(desk, plan, index):
     """Click the middle of a footprint and wait for its image."""
-    desk.workflow.viewing.seen = None
+    desk.session.viewing.seen = None
     desk.click_map(pixel_of(desk, plan.lat_deg[index], plan.lon_deg[index]))
-    desk.wait(lambda: desk.workflow.viewing.seen is not None and not desk.workflow.viewing.busy)
-    return desk.workflow.viewing.seen
+    desk.wait(lambda: desk.session.viewing.seen is not None and not desk.session.viewing.busy)
+    return desk.session.viewing.seen
 
 
 def pixels(image: QImage):
@@ -158,7 +158,7 @@ def test_several_images_under_one_click_are_listed(desk, captured, viewing):
 def test_camera_frames_show_what_has_no_ground_as_transparent(desk, captured, viewing, screenshot):
     def tilt():
         desk.enter_box("35.14", "-89.87", "35.1395", "-89.8695")
-        desk.form.set_state(replace(desk.workflow.state(), tilt_deg=75.0, yaw_deg=30.0))
+        desk.form.set_state(replace(desk.session.state(), tilt_deg=75.0, yaw_deg=30.0))
 
     plan = captured(tilt)
     assert plan.size_px is not None
@@ -231,7 +231,7 @@ def test_click_beside_all_footprints_and_removed_layers(desk, captured, viewing)
 
 
 def test_large_images_are_read_no_larger_than_they_are_shown(tmp_path):
-    from terrainav.terrainav_plugin.viewer.picture import read_picture
+    from terrainav.terrainav_plugin.dataset.picture import read_picture
 
     path = tmp_path / "large.tif"
     raster = gdal.GetDriverByName("GTiff").Create(str(path), 4000, 2000, 1)
@@ -244,7 +244,7 @@ def test_large_images_are_read_no_larger_than_they_are_shown(tmp_path):
 
 
 def test_broken_image_is_one_line(tmp_path):
-    from terrainav.terrainav_plugin.viewer.picture import read_picture
+    from terrainav.terrainav_plugin.dataset.picture import read_picture
 
     path = tmp_path / "broken.tif"
     path.write_bytes(b"no picture")

@@ -198,10 +198,10 @@ def main() -> int:
     """Make the panel, enter a mission as a person does, and read it back; returns the exit code."""
     application = QgsApplication(sys.argv[:1])
     stand_in()
-    from terrainav.terrainav_plugin.dock.camera_choices import camera_choices
-    from terrainav.terrainav_plugin.dock.dock import Dock
-    from terrainav.terrainav_plugin.dock.form_state import FormState
-    from terrainav.terrainav_plugin.dock.source_choices import source_choices
+    from terrainav.terrainav_plugin.form.state import FormState
+    from terrainav.terrainav_plugin.panel.camera import camera_choices
+    from terrainav.terrainav_plugin.panel.choices import source_choices
+    from terrainav.terrainav_plugin.panel.dock import Dock
 
     dock = Dock(source_choices(QgsProject.instance())[0], camera_choices()[0])
     dock.show()

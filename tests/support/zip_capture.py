@@ -38,15 +38,15 @@ def main(archive, folder):
     plugins = Path(QgsApplication.qgisSettingsDirPath()) / "python" / "plugins"
     if not Path(sys.modules["terrainav"].__file__).is_relative_to(plugins / "terrainav"):
         return f"the plugin came from {sys.modules['terrainav'].__file__}"
-    workflow = qgis.utils.plugins["terrainav"].workflow
-    from terrainav.terrainav_plugin.dock.form_state import FormState
+    session = qgis.utils.plugins["terrainav"].session
+    from terrainav.terrainav_plugin.form.state import FormState
 
-    workflow.show_dock(True)
-    workflow.dock.form.set_state(
+    session.show_dock(True)
+    session.dock.form.set_state(
         FormState(north="35.14", west="-89.87", south="35.137", east="-89.866", folder=folder)
     )
-    workflow.capture()
-    if not wait(lambda: (Path(folder) / "satellite" / "meta_data.csv").is_file() and workflow.runs.idle):
+    session.capture()
+    if not wait(lambda: (Path(folder) / "satellite" / "meta_data.csv").is_file() and session.runs.idle):
         return "no capture: " + "; ".join(item.text() for item in qgis.utils.iface.messageBar().items())
     names = [layer.name() for layer in QgsProject.instance().mapLayers().values()]
     if not any("Captured" in name for name in names):

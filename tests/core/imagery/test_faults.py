@@ -355,7 +355,7 @@ def test_a_closed_source_starts_nothing(server, source_of):
 KEY = "AIza-secret/+key with=odd&characters"
 
 
-def told(failure):
+def translate(failure):
     """All that a careless program may print of an exception: itself, its chain, the frames' lines."""
     seen, texts = failure, []
     while seen is not None:
@@ -378,7 +378,7 @@ def test_no_error_holds_the_key(server, source_of, kind, caplog):
     source = source_of(server, tries=1, timeouts=Timeouts(5.0, 0.3, 0.6), template=template, key=KEY)
     with pytest.raises(TerrAInavError) as raised:
         source.fetch("satellite", TILE)
-    everything = "\n".join([told(raised.value), repr(source), source.name, source.title, caplog.text])
+    everything = "\n".join([translate(raised.value), repr(source), source.name, source.title, caplog.text])
     for written in (KEY, quote(KEY), quote(KEY, safe=""), quote_plus(KEY)):
         assert written not in everything
     if kind != "no server":

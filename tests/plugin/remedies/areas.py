@@ -12,11 +12,10 @@ from qgis.core import (
 )
 from qgis.PyQt.QtWidgets import QApplication, QDialogButtonBox
 from terrainav.core.mission.area import Box
-from terrainav.terrainav_plugin.dock.area_dialogs import PolygonDialog
-from terrainav.terrainav_plugin.dock.area_text import area_of_text
-from terrainav.terrainav_plugin.map.area_layers import PointFields, points_of, polygon_of
-from terrainav.terrainav_plugin.map.area_reading import extent_of
-from terrainav.terrainav_plugin.map.box_geometry import canvas_rectangle
+from terrainav.terrainav_plugin.area.dialogs import PolygonDialog
+from terrainav.terrainav_plugin.area.layers import PointFields, extent_of, points_of, polygon_of
+from terrainav.terrainav_plugin.form.area import area_of_text
+from terrainav.terrainav_plugin.map.canvas import canvas_rectangle
 from terrainav.terrainav_plugin.processing.areas import _polygon
 
 from tests.plugin.steps import SMALL_BOX
@@ -47,14 +46,14 @@ def points(*shapes):
     )
 
 
-@remedy("map/area_layers.py", "no polygon is selected: select exactly one in its layer")
+@remedy("area/layers.py", "no polygon is selected: select exactly one in its layer")
 def _none_selected(case: Case) -> None:
     case.refused(area)
     case.follow("select exactly one in its layer", lambda: area(SQUARE))
 
 
 @remedy(
-    "map/area_layers.py",
+    "area/layers.py",
     "{count} polygons are selected, and an area is one: select only that one, or join them first (Vector > "
     "Geoprocessing Tools > Dissolve)",
 )
@@ -66,20 +65,20 @@ def _several(case: Case) -> None:
     case.follow("join them first (Vector > Geoprocessing Tools > Dissolve)", lambda: area(joined))
 
 
-@remedy("map/area_layers.py", "{feature} has no geometry: select one that has")
+@remedy("area/layers.py", "{feature} has no geometry: select one that has")
 def _empty(case: Case) -> None:
     case.refused(lambda: area("Polygon EMPTY"))
     case.follow("select one that has", lambda: area(SQUARE))
 
 
-@remedy("map/area_layers.py", "{feature} is no polygon: select one that is")
+@remedy("area/layers.py", "{feature} is no polygon: select one that is")
 def _no_polygon(case: Case) -> None:
     case.refused(lambda: area("Point (1 1)"))
     case.follow("select one that is", lambda: area(SQUARE))
 
 
 @remedy(
-    "map/area_layers.py",
+    "area/layers.py",
     "{feature} has {count} parts, and an area is one: take it apart first (Vector > Geometry Tools > Multipart to "
     "Singleparts) and select one of them",
 )
@@ -93,7 +92,7 @@ def _parts(case: Case) -> None:
 
 
 @remedy(
-    "map/area_layers.py",
+    "area/layers.py",
     "{feature} is no sound polygon, {what}: repair it first (Processing: Fix geometries)",
 )
 def _unsound(case: Case) -> None:
@@ -106,7 +105,7 @@ def _unsound(case: Case) -> None:
     case.follow("repair it first (Processing: Fix geometries)", lambda: area(*repaired))
 
 
-@remedy("map/area_layers.py", "{feature} goes around a pole: an area's edges must close without that; cut it")
+@remedy("area/layers.py", "{feature} goes around a pole: an area's edges must close without that; cut it")
 def _around_a_pole(case: Case) -> None:
     whole = "Polygon ((-900000 -900000, 900000 -900000, 900000 900000, -900000 900000, -900000 -900000))"
     case.refused(lambda: area(whole, crs="EPSG:3031"))
@@ -114,7 +113,7 @@ def _around_a_pole(case: Case) -> None:
     case.follow("cut it", lambda: area(half, crs="EPSG:3031"))
 
 
-@remedy("map/area_layers.py", "{feature} has an edge through a pole or across the edge of its map: cut it")
+@remedy("area/layers.py", "{feature} has an edge through a pole or across the edge of its map: cut it")
 def _through_a_pole(case: Case) -> None:
     # A cone that is unrolled: beyond its tip the map ends on both sides.
     cone = QgsCoordinateReferenceSystem("PROJ:+proj=lcc +lat_1=40 +lat_2=60 +lat_0=50 +lon_0=10 +datum=WGS84")
@@ -126,27 +125,27 @@ def _through_a_pole(case: Case) -> None:
     case.follow("cut it", lambda: polygon_of([feature(half)], cone, CONTEXT))
 
 
-@remedy("map/area_layers.py", "no point is there to be taken: select some, or take all of the layer")
+@remedy("area/layers.py", "no point is there to be taken: select some, or take all of the layer")
 def _no_points(case: Case) -> None:
     case.refused(points)
     case.follow("select some", lambda: points("Point (1 1)"))
     case.follow("take all of the layer", lambda: points("Point (1 1)", "Point (2 2)"))
 
 
-@remedy("map/area_layers.py", "{feature} has no geometry: give it a point, or leave it out")
+@remedy("area/layers.py", "{feature} has no geometry: give it a point, or leave it out")
 def _no_place(case: Case) -> None:
     case.refused(lambda: points("Point (1 1)", "Point EMPTY"))
     case.follow("give it a point", lambda: points("Point (1 1)", "Point (2 2)"))
     case.follow("leave it out", lambda: points("Point (1 1)"))
 
 
-@remedy("map/area_layers.py", "{feature} is no point: take a layer of points")
+@remedy("area/layers.py", "{feature} is no point: take a layer of points")
 def _no_point(case: Case) -> None:
     case.refused(lambda: points(SQUARE))
     case.follow("take a layer of points", lambda: points("Point (1 1)"))
 
 
-@remedy("map/area_reading.py", "layer “{name}” has no CRS: set it in the layer's properties")
+@remedy("area/layers.py", "layer “{name}” has no CRS: set it in the layer's properties")
 def _no_crs(case: Case) -> None:
     layer = QgsVectorLayer("Point", "mine", "memory")
     layer.dataProvider().addFeatures([feature("Point (1 1)"), feature("Point (2 2)")])
@@ -169,14 +168,14 @@ def _separate(case: Case) -> None:
     case.follow("run it as a batch", lambda: [_polygon([one]) for one in both])
 
 
-@remedy("dock/area_text.py", "give every point a yaw, or none")
+@remedy("form/area.py", "give every point a yaw, or none")
 def _yaws(case: Case) -> None:
     case.refused(lambda: area_of_text("35 10 120 5\n35 11 120", 120.0, "m"))
     case.follow("give every point a yaw", lambda: area_of_text("35 10 120 5\n35 11 120 6", 120.0, "m"))
     case.follow("none", lambda: area_of_text("35 10 120\n35 11 120", 120.0, "m"))
 
 
-@remedy("map/box_geometry.py", "this place cannot be shown in the project's CRS {crs}; choose another CRS")
+@remedy("map/canvas.py", "this place cannot be shown in the project's CRS {crs}; choose another CRS")
 def _no_such_place(case: Case) -> None:
     project, far = QgsProject.instance(), Box(1.0, 179.0, -1.0, -179.0)
     # The Earth as it is seen from far above Greenwich.
@@ -186,7 +185,7 @@ def _no_such_place(case: Case) -> None:
     case.follow("choose another CRS", lambda: not canvas_rectangle(far, mercator, project).isEmpty())
 
 
-@remedy("map/area_control.py", "the clipboard holds no text; copy coordinates first")
+@remedy("area/control.py", "the clipboard holds no text; copy coordinates first")
 def _nothing_copied(case: Case) -> None:
     desk = case.fixture("desk")
     QApplication.clipboard().clear()
@@ -196,7 +195,7 @@ def _nothing_copied(case: Case) -> None:
     def copy():
         QApplication.clipboard().setText("35.16_-89.90_35.157_-89.897")
         choose_way(desk, "paste")
-        return desk.workflow.state().has_box
+        return desk.session.state().has_box
 
     case.follow("copy coordinates first", copy)
 
@@ -220,7 +219,7 @@ def click_polygon(desk):
 
 
 @remedy(
-    "dock/area_dialogs.py",
+    "area/dialogs.py",
     "Nothing is selected in it: press “Select on the map”, then click one polygon.",
 )
 def _none_selected_in_layer(case: Case) -> None:
@@ -232,7 +231,7 @@ def _none_selected_in_layer(case: Case) -> None:
     case.follow("then click one polygon.", lambda: click_polygon(desk))
 
 
-@remedy("map/area_control.py", "Click one polygon of “{layer}” on the map.")
+@remedy("area/control.py", "Click one polygon of “{layer}” on the map.")
 def _waiting_for_a_click(case: Case) -> None:
     desk = case.fixture("desk")
     desk.click(asked_for_a_polygon(desk).select)
@@ -240,7 +239,7 @@ def _waiting_for_a_click(case: Case) -> None:
     case.follow("Click one polygon of “mine” on the map.", lambda: click_polygon(desk))
 
 
-@remedy("dock/area_dialogs.py", "The project has no layer of polygons: add one, or draw a box instead.")
+@remedy("area/dialogs.py", "The project has no layer of polygons: add one, or draw a box instead.")
 def _no_polygons(case: Case) -> None:
     desk = case.fixture("desk")
     choose_way(desk, "polygon")
@@ -262,17 +261,17 @@ def drawn(desk):
     desk.look_at("EPSG:4326", (-0.5, -1.0, 3.5, 2.0))
     desk.click(desk.form.area.draw_box)
     desk.drag(desk.at(0.4, 0.4), desk.at(0.6, 0.6))
-    return desk.workflow.state().has_box
+    return desk.session.state().has_box
 
 
-@remedy("workflow.py", "no area yet; draw a box or enter coordinates")
+@remedy("panel/planning.py", "no area yet; draw a box or enter coordinates")
 def _no_area(case: Case) -> None:
     desk = case.fixture("desk")
     desk.click(desk.dock.capture)
     case.says("\n".join(desk.messages()))
     case.follow("draw a box", lambda: drawn(desk) and desk.wait_planned() is not None)
-    desk.workflow.missions.begin_new()
-    assert not desk.workflow.state().has_box
+    desk.session.missions.begin_new()
+    assert not desk.session.state().has_box
 
     def enter():
         desk.enter_box(**SMALL_BOX)
@@ -281,7 +280,7 @@ def _no_area(case: Case) -> None:
     case.follow("enter coordinates", enter)
 
 
-@remedy("workflow.py", "show the imagery chosen below and draw a box")
+@remedy("session.py", "show the imagery chosen below and draw a box")
 def _empty_map(case: Case) -> None:
     case.fixture("small_pictures")
     desk = case.fixture("desk")
@@ -291,10 +290,10 @@ def _empty_map(case: Case) -> None:
     case.follow(
         "show the imagery chosen below", lambda: desk.wait(lambda: bool(QgsProject.instance().mapLayers()))
     )
-    desk.wait(lambda: desk.canvas.mapTool() is desk.workflow.box_tool)
+    desk.wait(lambda: desk.canvas.mapTool() is desk.session.box_tool)
 
     def draw():
         desk.drag(desk.at(0.4, 0.4), desk.at(0.6, 0.6))
-        return desk.workflow.state().has_box
+        return desk.session.state().has_box
 
     case.follow("and draw a box", draw)

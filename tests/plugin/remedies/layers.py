@@ -7,17 +7,21 @@ import pytest
 from qgis.core import QgsCoordinateReferenceSystem, QgsProject, QgsRasterLayer, QgsSettings, QgsVectorLayer
 from qgis.PyQt.QtWidgets import QDialogButtonBox
 from terrainav.core.imagery.catalogue import add, described, user_sources
-from terrainav.terrainav_plugin.dock.add_source_dialog import AddSourceDialog
-from terrainav.terrainav_plugin.dock.service_dialog import ServiceDialog
-from terrainav.terrainav_plugin.dock.source_choices import source_choices
-from terrainav.terrainav_plugin.layers.connections import SERVICE, connection
-from terrainav.terrainav_plugin.layers.snapshot import PROJECT_SOURCE, grid_of_layers, layers_of, source_name
+from terrainav.terrainav_plugin.panel.choices import source_choices
+from terrainav.terrainav_plugin.panel.source_dialogs import AddSourceDialog, ServiceDialog
+from terrainav.terrainav_plugin.qgis_source.connections import SERVICE_PREFIX, connection
+from terrainav.terrainav_plugin.qgis_source.snapshot import (
+    PROJECT_SOURCE,
+    grid_of_layers,
+    layers_of,
+    source_name,
+)
 from terrainav.terrainav_plugin.sources import tile_layer_uri
 
 from tests.plugin.remedies.areas import feature
 from tests.plugin.test_background import show
-from tests.plugin.test_layer_source import WINDOW, opened, picture, wmts_service
-from tests.plugin.test_sources_dialog import in_dialog
+from tests.plugin.test_qgis_source import WINDOW, opened, picture, wmts_service
+from tests.plugin.test_source_dialogs import in_dialog
 from tests.plugin.test_sources_keys import WMS_SETTINGS, XYZ_SETTINGS, connect_xyz
 from tests.plugin.transports import PASSWORD, Server
 from tests.support import rasters
@@ -32,7 +36,7 @@ def project():
     QgsProject.instance().clear()
 
 
-@remedy("layers/snapshot.py", "the map shows no layer: tick one in the Layers panel")
+@remedy("qgis_source/snapshot.py", "the map shows no layer: tick one in the Layers panel")
 def _nothing_ticked(case: Case) -> None:
     project = case.fixture("project")
     layer = memory_layer(project)
@@ -52,7 +56,8 @@ def memory_layer(project):
 
 
 @remedy(
-    "layers/snapshot.py", "source {name}: the project has no such layer (any more); choose another source"
+    "qgis_source/snapshot.py",
+    "source {name}: the project has no such layer (any more); choose another source",
 )
 def _no_such_layer(case: Case) -> None:
     project = case.fixture("project")
@@ -63,7 +68,7 @@ def _no_such_layer(case: Case) -> None:
     case.follow("choose another source", lambda: layers_of(source_name(there), project) == [there])
 
 
-@remedy("layers/snapshot.py", "layer {name}: shows nothing; repair its data source")
+@remedy("qgis_source/snapshot.py", "layer {name}: shows nothing; repair its data source")
 def _broken_layer(case: Case) -> None:
     project = case.fixture("project")
     path = case.tmp_path / "points.geojson"
@@ -76,7 +81,7 @@ def _broken_layer(case: Case) -> None:
     case.follow("repair its data source", lambda: layers_of(source_name(layer), project) == [layer])
 
 
-@remedy("layers/snapshot.py", "layer {name}: its place on the globe is not known; set its CRS")
+@remedy("qgis_source/snapshot.py", "layer {name}: its place on the globe is not known; set its CRS")
 def _unknown_place(case: Case) -> None:
     project = case.fixture("project")
     utm = (505_000.0, 2.0, 0.0, 5_317_000.0, 0.0, -2.0)
@@ -89,7 +94,7 @@ def _unknown_place(case: Case) -> None:
 
 
 @remedy(
-    "layers/tiles.py",
+    "qgis_source/tiles.py",
     "layer {name}: its service has tiles of {size} px; choose a layer with tiles of 256, 512 or 1024 px",
 )
 def _odd_tiles(case: Case) -> None:
@@ -123,7 +128,7 @@ def entry_of(name):
 
 
 @remedy(
-    "layers/connections.py",
+    "qgis_source/connections.py",
     "source {name}: QGIS has no such XYZ connection (any more); choose another source",
 )
 def _no_such_connection(case: Case) -> None:
@@ -134,7 +139,7 @@ def _no_such_connection(case: Case) -> None:
 
 
 @remedy(
-    "layers/connections.py",
+    "qgis_source/connections.py",
     "QGIS connection “{name}” holds a user name and password in plain text: give it an authentication configuration "
     "in QGIS's Browser panel",
 )
@@ -158,7 +163,7 @@ def authenticated(case, **told):
 
 
 @remedy(
-    "layers/connections.py",
+    "qgis_source/connections.py",
     "QGIS connection “{name}” holds keys in its address ({keys}), which would end up in files: take them out of it, "
     "and give it an authentication configuration in QGIS's Browser panel",
 )
@@ -176,7 +181,7 @@ def _several_keys(case: Case) -> None:
 
 
 @remedy(
-    "dock/source_choices.py",
+    "panel/choices.py",
     "A service of many layers: choose it, then one of them, which is kept with your own sources.",
 )
 def _service_of_layers(case: Case) -> None:
@@ -189,8 +194,8 @@ def _service_of_layers(case: Case) -> None:
         server.answers["/wms"] = (200, {"Content-Type": "text/xml"}, body)
         QgsSettings().setValue(f"{WMS_SETTINGS}/Survey/url", server.url + "/wms")
         choices, _ = source_choices(QgsProject.instance())
-        case.says(next(choice.limits for choice in choices if choice.name == SERVICE + "Survey"))
-        desk.workflow.shelf.refresh()
+        case.says(next(choice.limits for choice in choices if choice.name == SERVICE_PREFIX + "Survey"))
+        desk.session.source_list.refresh()
 
         def choose(dialog):
             desk.wait(lambda: not dialog.told.text().startswith("Asking"))
@@ -199,14 +204,12 @@ def _service_of_layers(case: Case) -> None:
             desk.click(dialog.buttons.button(QDialogButtonBox.StandardButton.Ok))
 
         wrong = in_dialog(desk, ServiceDialog, choose)
-        case.follow("choose it", lambda: desk.choose(desk.form.source, SERVICE + "Survey"))
+        case.follow("choose it", lambda: desk.choose(desk.form.source, SERVICE_PREFIX + "Survey"))
         assert not wrong, wrong
         case.follow("then one of them", lambda: bool(user_sources()))
     # The dialog closes when the layer is kept.
     (kept,) = user_sources()
-    case.follow(
-        "which is kept with your own sources.", lambda: desk.workflow.state().source_name == kept.name
-    )
+    case.follow("which is kept with your own sources.", lambda: desk.session.state().source_name == kept.name)
 
 
 # --- backgrounds
@@ -249,7 +252,7 @@ def _other_zooms(case: Case) -> None:
         case.follow("add its layer by QGIS's Browser", layer.isValid)
 
 
-@remedy("dock/add_source_dialog.py", "“{name}” is taken; choose another name")
+@remedy("panel/source_dialogs.py", "“{name}” is taken; choose another name")
 def _name_is_taken(case: Case) -> None:
     case.fixture("desk")
     dialog = AddSourceDialog()

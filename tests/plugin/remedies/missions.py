@@ -9,8 +9,8 @@ from terrainav.core.capture.runner import capture
 from terrainav.core.mission.area import Box
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
-from terrainav.terrainav_plugin.dataset.clean_task import CleanTask
-from terrainav.terrainav_plugin.map import mosaic
+from terrainav.terrainav_plugin.cleaning.tasks import CleanTask
+from terrainav.terrainav_plugin.dataset import mosaic
 from terrainav.terrainav_plugin.missions.plan_export import ExportTask
 
 from tests.plugin.remedies.panel import captured, single
@@ -40,7 +40,7 @@ def open_by_menu(case, desk, folder):
     """Open a dataset by the menu “Missions”."""
     case.monkeypatch.setattr(QFileDialog, "getExistingDirectory", lambda *_: str(folder))
     choose_in_menu(desk, "Open dataset folder…")
-    desk.wait(lambda: not desk.workflow.missions.busy)
+    desk.wait(lambda: not desk.session.missions.busy)
 
 
 @remedy(
@@ -55,7 +55,7 @@ def _no_dataset(case: Case) -> None:
 
     def choose():
         open_by_menu(case, desk, folder)
-        return desk.workflow.state().folder == str(folder) and "Satellite images" in desk.layer_names()
+        return desk.session.state().folder == str(folder) and "Satellite images" in desk.layer_names()
 
     case.follow("choose its folder", choose)
 
@@ -63,7 +63,7 @@ def _no_dataset(case: Case) -> None:
 @remedy("missions/plan_export.py", "{name} is still being written; try again when it is there.")
 def _still_being_written(case: Case) -> None:
     desk, path = case.fixture("desk"), case.tmp_path / "survey.kml"
-    exporting = desk.workflow.missions.plan_export
+    exporting = desk.session.missions.plan_export
     single(desk)
     case.monkeypatch.setattr(QFileDialog, "getSaveFileName", lambda *_: (str(path), ""))
     exporting._task = ExportTask(desk.wait_planned().plan, path)
@@ -77,13 +77,13 @@ def _still_being_written(case: Case) -> None:
 
     def again():
         choose_in_menu(desk, "Export plan…")
-        desk.wait(lambda: not desk.workflow.planner.busy and not exporting.busy)
+        desk.wait(lambda: not desk.session.planner.busy and not exporting.busy)
         return path.exists()
 
     case.follow("try again when it is there.", again)
 
 
-@remedy("map/mosaic.py", "file {}: cannot be replaced ({}); close what shows it")
+@remedy("dataset/mosaic.py", "file {}: cannot be replaced ({}); close what shows it")
 def _held_open(case: Case) -> None:
     """As on Windows, where a program has it open."""
     folder = case.tmp_path / "out"
@@ -106,20 +106,20 @@ def _held_open(case: Case) -> None:
 @pytest.fixture
 def looking(desk):
     """The plugin's part that shows images; its window is closed at the end."""
-    yield desk.workflow.viewing
-    desk.workflow.viewing.stop()
-    if desk.workflow.viewing.viewer is not None:
-        desk.workflow.viewing.viewer.hide()
+    yield desk.session.viewing
+    desk.session.viewing.stop()
+    if desk.session.viewing.viewer is not None:
+        desk.session.viewing.viewer.hide()
 
 
 def look(desk):
     """Press the button that shows images; whether its tool is there then."""
     desk.plugin.actions["view_images"].trigger()
-    return desk.canvas.mapTool() is desk.workflow.viewing.tool
+    return desk.canvas.mapTool() is desk.session.viewing.tool
 
 
 @remedy(
-    "viewer/viewing.py",
+    "results/viewing.py",
     "There are no captured images on the map yet: capture a mission, or open a dataset by “Missions”.",
 )
 def _nothing_to_look_at(case: Case) -> None:
@@ -129,7 +129,7 @@ def _nothing_to_look_at(case: Case) -> None:
     case.says("\n".join(desk.messages()))
     single(desk)
     case.follow("capture a mission", lambda: captured(desk) and shown(desk) and look(desk))
-    desk.workflow.viewing.stop()
+    desk.session.viewing.stop()
     QgsProject.instance().clear()
     assert not look(desk)
     dataset(folder)
@@ -166,14 +166,14 @@ def hint_of(viewing):
     return viewing.viewer.view.accessibleName()
 
 
-@remedy("viewer/viewer.py", "Click a captured footprint on the map.")
+@remedy("results/viewer.py", "Click a captured footprint on the map.")
 def _first_look(case: Case) -> None:
     _, viewing, click = looked_at(case)
     case.says(hint_of(viewing), only_here=False)
     case.follow("Click a captured footprint on the map.", click)
 
 
-@remedy("viewer/viewing.py", "Click a captured footprint on the map.")
+@remedy("results/viewing.py", "Click a captured footprint on the map.")
 def _image_has_gone(case: Case) -> None:
     desk, viewing, click = looked_at(case)
     assert click()
@@ -184,7 +184,7 @@ def _image_has_gone(case: Case) -> None:
     case.follow("Click a captured footprint on the map.", click)
 
 
-@remedy("viewer/viewing.py", "No image shows this place. Click a captured footprint on the map.")
+@remedy("results/viewing.py", "No image shows this place. Click a captured footprint on the map.")
 def _beside_all(case: Case) -> None:
     desk, viewing, click = looked_at(case)
     desk.click_map(desk.at(0.01, 0.01))
@@ -199,9 +199,9 @@ def _beside_all(case: Case) -> None:
 @pytest.fixture
 def cleaning(desk):
     """The plugin's part that cleans; its window is closed at the end."""
-    yield desk.workflow.cleaning
-    desk.wait(lambda: not desk.workflow.cleaning.busy)
-    desk.workflow.cleaning.panel.hide()
+    yield desk.session.cleaning
+    desk.wait(lambda: not desk.session.cleaning.busy)
+    desk.session.cleaning.panel.hide()
 
 
 def read(desk, cleaning):
@@ -209,7 +209,7 @@ def read(desk, cleaning):
     return cleaning.panel.entropies is not None
 
 
-@remedy("dataset/clean_panel.py", "Choose the folder of a dataset.")
+@remedy("cleaning/panel.py", "Choose the folder of a dataset.")
 def _no_folder(case: Case) -> None:
     desk, cleaning, folder = case.fixture("desk"), case.fixture("cleaning"), case.tmp_path / "out"
     dataset(folder)
@@ -221,7 +221,7 @@ def _no_folder(case: Case) -> None:
     case.follow("Choose the folder of a dataset.", lambda: read(desk, cleaning))
 
 
-@remedy("dataset/cleaning.py", "{name}: stopped. Press the button again to finish, or Undo to put all back.")
+@remedy("cleaning/cleaning.py", "{name}: stopped. Press the button again to finish, or Undo to put all back.")
 def _cleaning_stopped(case: Case) -> None:
     desk, cleaning, folder = case.fixture("desk"), case.fixture("cleaning"), case.tmp_path / "out"
     total = len(dataset(folder))
@@ -229,9 +229,9 @@ def _cleaning_stopped(case: Case) -> None:
     def there():
         return len(list(folder.glob("satellite/*.tif")))
 
-    def press(deed):
+    def press(action):
         read(desk, cleaning)
-        desk.click(cleaning.panel.buttons[deed])
+        desk.click(cleaning.panel.buttons[action])
         return read(desk, cleaning)
 
     def press_and_stop():

@@ -16,11 +16,11 @@ from terrainav.core.mission.estimate import ONLINE, estimate
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 from terrainav.terrainav_plugin.credentials import key_in, problem_with
-from terrainav.terrainav_plugin.dock import mission_form
-from terrainav.terrainav_plugin.dock.camera_choices import save_camera
-from terrainav.terrainav_plugin.dock.estimates import readout
-from terrainav.terrainav_plugin.dock.form_state import FormState
-from terrainav.terrainav_plugin.dock.options_page import folder_problem
+from terrainav.terrainav_plugin.form import mission_form
+from terrainav.terrainav_plugin.form.state import FormState
+from terrainav.terrainav_plugin.panel.camera import save_camera
+from terrainav.terrainav_plugin.panel.figures import readout
+from terrainav.terrainav_plugin.panel.options_page import folder_problem
 
 from tests.plugin.steps import SMALL_BOX
 from tests.plugin.transports import MASTER_PASSWORD
@@ -81,7 +81,7 @@ def _database_is_locked(case: Case) -> None:
 
     with TileServer() as server:
         add("keyed", described(server.url_template + "?token={key}"))
-        desk.workflow.shelf.refresh()
+        desk.session.source_list.refresh()
         single(desk)
         desk.choose(desk.form.source, "keyed")
         desk.form.key.setConfigId(authcfg)
@@ -129,7 +129,7 @@ FIELDS = Box(35.16, -89.90, 35.115, -89.823)
 
 
 @remedy(
-    "dock/estimates.py",
+    "panel/figures.py",
     "{count} requests, more than the {most} that the provider allows: take a smaller area, coarser pixels or another "
     "source",
 )
@@ -150,7 +150,7 @@ def _beyond_the_limit(case: Case) -> None:
 
 
 @remedy(
-    "dock/camera_choices.py",
+    "panel/camera.py",
     "The values entered make no camera: put right what is marked, and save then.",
 )
 def _no_camera(case: Case) -> None:
@@ -166,7 +166,7 @@ def _no_camera(case: Case) -> None:
     assert [preset.name for preset in user_cameras()] == ["mine"]
 
 
-@remedy("runs/before.py", "folder is empty: choose where the pictures go")
+@remedy("capture/questions.py", "folder is empty: choose where the pictures go")
 def _no_folder(case: Case) -> None:
     desk = case.fixture("desk")
     single(desk)
@@ -177,7 +177,7 @@ def _no_folder(case: Case) -> None:
     case.follow("choose where the pictures go", lambda: captured(desk))
 
 
-@remedy("workflow.py", "The entries have changed before their plan was there: press the button again.")
+@remedy("panel/planning.py", "The entries have changed before their plan was there: press the button again.")
 def _changed_meanwhile(case: Case) -> None:
     desk = case.fixture("desk")
     single(desk)
@@ -189,7 +189,7 @@ def _changed_meanwhile(case: Case) -> None:
     case.follow("press the button again.", lambda: captured(desk))
 
 
-@remedy("dock/figures.py", "Put right what is marked above.")
+@remedy("panel/figures.py", "Put right what is marked above.")
 def _marked(case: Case) -> None:
     desk = case.fixture("desk")
     desk.enter_box(**{**SMALL_BOX, "north": "99"})
@@ -204,7 +204,7 @@ def _marked(case: Case) -> None:
     case.follow("Put right what is marked above.", mend)
 
 
-@remedy("dock/options_page.py", "{folder}: {file} is a file; choose a folder")
+@remedy("panel/options_page.py", "{folder}: {file} is a file; choose a folder")
 def _file_in_place(case: Case) -> None:
     path = case.tmp_path / "file"
     path.write_text("")
@@ -212,7 +212,7 @@ def _file_in_place(case: Case) -> None:
     case.follow("choose a folder", lambda: not folder_problem(str(case.tmp_path / "folder")))
 
 
-@remedy("dock/options_page.py", "{folder}: cannot be written to; choose another")
+@remedy("panel/options_page.py", "{folder}: cannot be written to; choose another")
 def _not_writable(case: Case) -> None:
     locked = case.tmp_path / "locked"
     locked.mkdir()

@@ -1,0 +1,125 @@
+"""What happens between the entries of the area and the form that they are part of."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+
+from qgis.PyQt.QtCore import QObject, pyqtSignal
+
+from ...core.mission.area import Area
+from ..form.area import FormError, area_words, entered_area, unit_of, with_area, with_coordinates
+from ..form.state import FormState
+from ..form.text import looks_like_coordinates
+from ..i18n import tr
+from .entries import AreaEntries
+from .history import AreaHistory, UndoKeys, step_names
+
+
+class AreaEditing(QObject):
+    """Makes every change of the area one step that can be undone, and says what the area is.
+
+    Parameters
+    ----------
+    entries : AreaEntries
+    read, write : callable
+        State of the form, and its setter.
+
+    Signals
+    -------
+    typed()
+        An edge is no longer what it was; the form has changed.
+    coordinates_entered()
+        The area has been typed or pasted, in part or whole.
+    noted()
+        The form has changed, and with it perhaps the area.
+
+    Attributes
+    ----------
+    wrong : str
+        What is wrong with coordinates pasted into an edge; empty once the edge changes.
+    """
+
+    typed = pyqtSignal()
+    coordinates_entered = pyqtSignal()
+    noted = pyqtSignal()
+
+    def __init__(
+        self,
+        entries: AreaEntries,
+        read: Callable[[], FormState],
+        write: Callable[[FormState], None],
+        parent: QObject,
+    ) -> None:
+        super().__init__(parent)
+        self._entries, self._read, self._write = entries, read, write
+        self.wrong = ""
+        self.history = AreaHistory(read, write, self)
+        self.undo_keys = UndoKeys(self.history)
+        self._shape_lost = False
+        #: An area in a unit and its words, so that large shapes are looked at once.
+        self._worded: tuple[Area | None, tuple[float, str], str] = (None, (1.0, ""), "")
+        entries.connect_history(self.history)
+        entries.box_wanted.connect(self.make_box)
+        # Text fields take the keys before the panel does.
+        for widget in (parent, *entries.edges.values()):
+            widget.installEventFilter(self.undo_keys)
+        for name, edit in entries.edges.items():
+            edit.textChanged.connect(partial(self._take_typed, name))
+
+    def state(self) -> FormState:
+        """State of the form that the area is part of."""
+        return self._read()
+
+    def set_area(self, area: Area, step: str, agl_m: float | None = None, joined: bool = False) -> None:
+        """Enter an area as one step; ``joined`` makes one step of those of its name that follow each other.
+
+        Raises
+        ------
+        InvalidInput
+            An area with values outside their domain.
+        """
+        self._set(with_area(self._read(), area, agl_m), step, joined)
+
+    def set_coordinates(self, text: str) -> None:
+        """Enter coordinates in words; raises FormError for the field ``north``."""
+        self._set(with_coordinates(self._read(), text), tr("paste coordinates"))
+        self.coordinates_entered.emit()
+
+    def make_box(self) -> None:
+        """Enter the box around a polygon or points."""
+        area = entered_area(self._read())
+        if area is not None:
+            self.set_area(area.bounds, tr("make it a box"))
+
+    def note(self) -> None:
+        """Take up that the form has changed."""
+        self.history.note()
+        state = self._read()
+        area = entered_area(state)
+        unit = unit_of(state)
+        if (area, unit) != self._worded[:2]:
+            self._worded = area, unit, "" if area is None else area_words(area, *unit)
+        self._entries.show_words(self._worded[2], bool(self._entries.shape), self._shape_lost)
+        self.noted.emit()
+
+    def _set(self, state: FormState, step: str, joined: bool = False) -> None:
+        self._shape_lost = False
+        self.history.name(step, joined)
+        self._write(state)
+
+    def _take_typed(self, name: str, text: str) -> None:
+        """Spread coordinates pasted into one edge over all of them; an edge typed makes the area a box."""
+        self.wrong = ""
+        if looks_like_coordinates(text):
+            try:
+                self.set_coordinates(text)
+            except FormError as wrong:
+                self.wrong = wrong.messages["north"]
+            else:
+                return
+        self._shape_lost = self._shape_lost or bool(self._entries.shape)
+        self._entries.shape = ""
+        self.history.name(step_names()[name], joined=True)
+        self.typed.emit()
+        self.coordinates_entered.emit()

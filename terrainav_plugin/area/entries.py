@@ -1,0 +1,204 @@
+"""The entries of the area: four edges around a button, as on a map, and what the area is."""
+
+from __future__ import annotations
+
+import html
+
+from qgis.core import QgsApplication
+from qgis.gui import QgsCollapsibleGroupBoxBasic
+from qgis.PyQt.QtCore import Qt, pyqtSignal
+from qgis.PyQt.QtGui import QKeySequence
+from qgis.PyQt.QtWidgets import (
+    QGridLayout,
+    QHBoxLayout,
+    QLabel,
+    QLineEdit,
+    QPushButton,
+    QToolButton,
+    QWidget,
+)
+
+from ..form.state import BOX_FIELDS, FormState
+from ..i18n import tr
+from ..paths import icon
+from ..widgets import FieldMarks, row
+from .history import AreaHistory
+from .menu import AreaMenu
+
+#: Room for five digits and a sign.
+_EDGE_PX = 70
+#: Characters of a list of coordinates that is pasted: tens of thousands of lines. Qt's own limit cuts after a thousand.
+_LONGEST_PASTE = 1_000_000
+
+
+class AreaEntries(QgsCollapsibleGroupBoxBasic):
+    """Group of the area.
+
+    Signals
+    -------
+    box_wanted()
+        A box is wanted instead of the polygon or the points.
+
+    Attributes
+    ----------
+    edges : dict of str to QLineEdit
+    shape : str
+        Of a polygon or points, as `FormState` has it.
+    draw_box, edit : QPushButton
+    area_from : AreaMenu
+    undo, redo : QToolButton
+    """
+
+    box_wanted = pyqtSignal()
+
+    def __init__(self, marks: FieldMarks) -> None:
+        super().__init__(tr("Area"))
+        self.shape = ""
+        self.edges = {name: _edge(name) for name in BOX_FIELDS}
+        self.draw_box = QPushButton(icon("draw_box"), tr("Draw &box"))
+        self.draw_box.setObjectName("draw_box")
+        self.draw_box.setToolTip(tr("Press, drag and release on the map"))
+        self.area_from = AreaMenu()
+        self.edit = QPushButton(QgsApplication.getThemeIcon("/mActionMoveFeature.svg"), tr("Move"))
+        self.edit.setObjectName("edit_area")
+        self.edit.setCheckable(True)
+        self.edit.setToolTip(
+            tr(
+                "Move the area on the map: drag inside it, or drag the edges and corners of a box; arrow keys move it "
+                "by a pixel of the screen, with Shift by ten; Esc ends it. Corners of polygons are moved with QGIS's "
+                "own tools, in their layer."
+            )
+        )
+        self.undo = _tool_button("undo_area", "/mActionUndo.svg")
+        self.redo = _tool_button("redo_area", "/mActionRedo.svg")
+        self.words = QLabel()
+        self.words.setObjectName("area_words")
+        self.words.setWordWrap(True)
+        self.words.setTextFormat(Qt.TextFormat.RichText)
+        self.words.linkActivated.connect(self.box_wanted)
+        self._lay_out(marks)
+
+    def values(self) -> dict[str, str]:
+        """Return what is entered, by field."""
+        return {**{name: edit.text() for name, edit in self.edges.items()}, "shape": self.shape}
+
+    def set_state(self, state: FormState) -> None:
+        """Enter the fields of a state, telling nobody."""
+        self.show_edges(state)
+        self.shape = state.shape
+
+    def show_edges(self, state: FormState) -> None:
+        """Show edges, for one while they are dragged, telling nobody."""
+        for name, edit in self.edges.items():
+            edit.blockSignals(True)
+            edit.setText(getattr(state, name))
+            # Long numbers show their first digits.
+            edit.setCursorPosition(0)
+            edit.blockSignals(False)
+
+    def show_words(self, text: str, is_shape: bool, was_shape: bool = False) -> None:
+        """Say what the area is; empty for none.
+
+        Parameters
+        ----------
+        is_shape, was_shape : bool
+            Whether it is no box, and whether it was none before the last change.
+        """
+        words = html.escape(text)
+        if is_shape:
+            words += f' (<a href="box">{html.escape(tr("make it a box"))}</a>)'
+            tip = tr("The edges are those of the box around it. Typing one makes the area a box.")
+        else:
+            tip = tr("Size on the ground: width along its middle parallel, height along a meridian")
+            if was_shape and text:
+                words += ". " + html.escape(tr("The edge typed made it a box; undo brings the shape back."))
+        self.words.setText(words)
+        self.words.setToolTip(tip)
+        self.words.setVisible(bool(text))
+        self.area_from.offer_box(is_shape)
+        self.edit.setEnabled(bool(text))
+
+    def connect_history(self, history: AreaHistory) -> None:
+        """Let the buttons and the fields' keys undo and redo."""
+        stack = history.stack
+        # Methods of this group are disconnected with it; the stack outlives the buttons, and names its end too.
+        for button, act, can, named, name in (
+            (self.undo, stack.undo, stack.canUndoChanged, stack.undoTextChanged, self._name_undo),
+            (self.redo, stack.redo, stack.canRedoChanged, stack.redoTextChanged, self._name_redo),
+        ):
+            button.clicked.connect(act)
+            can.connect(button.setEnabled)
+            named.connect(name)
+            button.setEnabled(False)
+            name("")
+
+    def _name_undo(self, step: str) -> None:
+        tip = tr("Undo: {step} ({keys})").format(step=step, keys=_native("Ctrl+Z"))
+        self.undo.setToolTip(tip if step else tr("No change of the area to undo"))
+
+    def _name_redo(self, step: str) -> None:
+        tip = tr("Redo: {step} ({keys})").format(step=step, keys=_native("Ctrl+Shift+Z"))
+        self.redo.setToolTip(tip if step else tr("No change of the area to redo"))
+
+    def _lay_out(self, marks: FieldMarks) -> None:
+        letters = {"north": tr("N"), "west": tr("W"), "south": tr("S"), "east": tr("E")}
+        grid = QGridLayout(self)
+        grid.setHorizontalSpacing(6)
+        # As on a map: north above, south below, west left, east right.
+        places = {"north": (0, 1), "west": (1, 0), "east": (1, 2), "south": (2, 1)}
+        for name, (line, column) in places.items():
+            cell = QHBoxLayout()
+            label = QLabel(letters[name])
+            label.setBuddy(self.edges[name])
+            cell.addWidget(label)
+            cell.addWidget(self.edges[name], 1)
+            grid.addLayout(cell, line, column)
+        grid.addWidget(self.draw_box, 1, 1)
+        grid.addWidget(self.area_from, 0, 0)
+        grid.addWidget(row(self.undo, self.redo), 0, 2, Qt.AlignmentFlag.AlignRight)
+        grid.addWidget(self.edit, 2, 2)
+        grid.addWidget(self.words, 3, 0, 1, 3)
+        for line, (name, field) in enumerate({**self.edges, "shape": self.words}.items(), start=4):
+            grid.addWidget(marks.label(name, field), line, 0, 1, 3)
+        for column in range(3):
+            grid.setColumnStretch(column, 1)
+        order: list[QWidget] = [self.area_from, *self.edges.values(), self.draw_box, self.edit]
+        order += [self.undo, self.redo]
+        for before, after in zip(order, order[1:]):
+            QWidget.setTabOrder(before, after)
+
+
+def _native(keys: str) -> str:
+    """Keys as the platform writes them."""
+    return QKeySequence(keys).toString(QKeySequence.SequenceFormat.NativeText)
+
+
+def _tool_button(name: str, image: str) -> QToolButton:
+    button = QToolButton()
+    button.setObjectName(name)
+    button.setIcon(QgsApplication.getThemeIcon(image))
+    button.setAutoRaise(True)
+    button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
+    return button
+
+
+def _edge(name: str) -> QLineEdit:
+    tips = {
+        "north": tr("Northern edge: latitude in degrees, up to 90"),
+        "west": tr(
+            "Western edge: longitude in degrees; greater than the eastern one across the antimeridian"
+        ),
+        "south": tr("Southern edge: latitude in degrees, down to -90"),
+        "east": tr("Eastern edge: longitude in degrees"),
+    }
+    paste = tr(
+        "Coordinates pasted here fill all fields: north_west_south_east_agl, lat_lon_agl, or lines of "
+        "lat lon agl [yaw]. An edge typed makes a polygon or points a box."
+    )
+    edit = QLineEdit()
+    edit.setObjectName(name)
+    edit.setToolTip(f"{tips[name]}\n{paste}")
+    edit.setPlaceholderText(tr("degrees"))
+    edit.setMinimumWidth(_EDGE_PX)
+    edit.setMaxLength(_LONGEST_PASTE)
+    return edit

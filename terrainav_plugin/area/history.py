@@ -1,0 +1,147 @@
+"""Undo and redo of changes to the area."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+from qgis.PyQt.QtCore import QEvent, QObject, Qt
+from qgis.PyQt.QtGui import QKeyEvent, QKeySequence
+
+from ..compat import QUndoCommand, QUndoStack
+from ..form.state import BOX_FIELDS, FormState
+from ..i18n import tr
+
+#: Steps that can be taken back.
+_STEPS = 100
+#: Steps that are not to be joined with the one before.
+_ALONE = -1
+_AREA = (*BOX_FIELDS, "shape")
+#: What pasted coordinates may change beside the area.
+_HEIGHT = ("agl", "agl_unit", "height_by", "camera_gsd")
+
+
+def same_area(one: FormState, other: FormState) -> bool:
+    """Whether two states have the same area."""
+    return all(getattr(one, name) == getattr(other, name) for name in _AREA)
+
+
+class _Step(QUndoCommand):
+    """One change, which is already made when it is pushed."""
+
+    def __init__(
+        self, name: str, kind: int, before: FormState, after: FormState, history: AreaHistory
+    ) -> None:
+        super().__init__(name)
+        self._kind, self._before, self.after, self._history = kind, before, after, history
+        self._done = True
+
+    def id(self) -> int:
+        """Steps of one kind in a row are one."""
+        return self._kind
+
+    def mergeWith(self, other: QUndoCommand) -> bool:
+        """Take up the step after this one."""
+        self.after = other.after
+        return True
+
+    def undo(self) -> None:
+        """Go back."""
+        self._history.enter(self._before, self.after)
+
+    def redo(self) -> None:
+        """Go forward again."""
+        if self._done:
+            self._done = False
+            return
+        self._history.enter(self.after, self._before)
+
+
+class AreaHistory(QObject):
+    """Steps of the area in one form.
+
+    Parameters
+    ----------
+    read, write : callable
+        State of the form, and its setter.
+    """
+
+    def __init__(
+        self, read: Callable[[], FormState], write: Callable[[FormState], None], parent: QObject | None = None
+    ) -> None:
+        super().__init__(parent)
+        self.stack = QUndoStack(self)
+        self.stack.setUndoLimit(_STEPS)
+        self._read, self._write = read, write
+        self._last = read()
+        self._step: tuple[str, int] | None = None
+        self._kinds: dict[str, int] = {}
+        self._entering = False
+
+    def name(self, step: str, joined: bool = False) -> None:
+        """Name the change that comes next; ``joined`` makes one step of those that follow each other."""
+        kind = self._kinds.setdefault(step, len(self._kinds)) if joined else _ALONE
+        self._step = step, kind
+
+    def note(self) -> None:
+        """Take up what is entered now; an area that comes without a name is that of another mission."""
+        before, self._last = self._last, self._read()
+        step, self._step = self._step, None
+        if self._entering:
+            return
+        if step is None:
+            if not same_area(before, self._last):
+                self.stack.clear()
+            return
+        height = any(getattr(before, name) != getattr(self._last, name) for name in _HEIGHT)
+        if height or not same_area(before, self._last):
+            self.stack.push(_Step(*step, before, self._last, self))
+
+    def enter(self, wanted: FormState, present: FormState) -> None:
+        """Enter the area of a state, and the height where the step changed it."""
+        names = _AREA
+        if any(getattr(wanted, name) != getattr(present, name) for name in _HEIGHT):
+            names += _HEIGHT
+        self._entering = True
+        try:
+            self._write(replace(self._read(), **{name: getattr(wanted, name) for name in names}))
+        finally:
+            self._entering = False
+
+
+class UndoKeys(QObject):
+    """Gives the keys of undo and redo to a history, in the widgets it is installed on."""
+
+    def __init__(self, history: AreaHistory) -> None:
+        super().__init__(history)
+        self._stack = history.stack
+
+    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
+        """Undo or redo, before the window's own actions and the text field do."""
+        if event.type() in (QEvent.Type.ShortcutOverride, QEvent.Type.KeyPress):
+            act = self._act(event)
+            if act is not None:
+                event.accept()
+                if event.type() == QEvent.Type.KeyPress:
+                    act()
+                return True
+        return super().eventFilter(watched, event)
+
+    def _act(self, event: QKeyEvent) -> Callable[[], None] | None:
+        if event.matches(QKeySequence.StandardKey.Undo):
+            return self._stack.undo
+        with_control = event.modifiers() & Qt.KeyboardModifier.ControlModifier
+        both = with_control and event.modifiers() & Qt.KeyboardModifier.ShiftModifier
+        if event.matches(QKeySequence.StandardKey.Redo) or (both and event.key() == Qt.Key.Key_Z):
+            return self._stack.redo
+        return None
+
+
+def step_names() -> dict[str, str]:
+    """Names of the steps that typing makes, by field."""
+    return {
+        "north": tr("type the northern edge"),
+        "west": tr("type the western edge"),
+        "south": tr("type the southern edge"),
+        "east": tr("type the eastern edge"),
+    }

@@ -1,0 +1,386 @@
+"""Areas from the features of layers in any CRS, and from files, read on a thread."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Iterator
+from typing import NamedTuple
+
+from qgis.core import (
+    Qgis,
+    QgsAbstractGeometry,
+    QgsCoordinateReferenceSystem,
+    QgsCoordinateTransform,
+    QgsCoordinateTransformContext,
+    QgsCsException,
+    QgsFeature,
+    QgsFeatureRequest,
+    QgsGeometry,
+    QgsMapLayer,
+    QgsPointXY,
+    QgsProject,
+    QgsUnitTypes,
+    QgsVectorLayer,
+    QgsVectorLayerFeatureSource,
+)
+
+from ...core.errors import Cancelled, InvalidInput
+from ...core.geodesy.ellipsoid import WGS84
+from ...core.mission.area import Area, Box, Points, Polygon, Position
+from ...core.mission.coords import parse_coords
+from ..compat import POINT, POLYGON
+from ..i18n import number_text, tr
+from ..map.canvas import LON_LAT, box_of
+from ..tasks import Task
+
+#: Metres that an edge or a curve of a layer may be off on the ground, once it is straight between degrees: about a
+#: pixel of the sharpest imagery there is.
+EDGE_TOLERANCE_M = 0.1
+#: Between the places that are looked at an edge may be off by more than there; by less than twice that, as it bends
+#: one way where the places are this near.
+_LOOKED_AT_M = EDGE_TOLERANCE_M / 2.0
+_LOOKED_AT = (0.25, 0.5, 0.75)
+#: Halvings of one edge: what is not straight then has a pole or the map's edge in it.
+_DEEPEST = 24
+_M_PER_DEG = math.pi / 180.0 * WGS84.a_m
+#: Features between two looks at whether somebody has lost patience.
+_PAUSE = 256
+_MOST_YAW_DEG = 360.0
+#: What reads an area, and the height of its first point in metres where it has one; it may be cancelled.
+Reading = Callable[[Callable[[], bool]], "tuple[Area, float | None]"]
+
+
+class PointFields(NamedTuple):
+    """Where heights and yaws of points come from.
+
+    Parameters
+    ----------
+    agl_m : float
+        Height of all points, where ``agl_field`` is empty.
+    agl_field, yaw_field : str
+        Names of attributes; empty for none.
+    m_per_unit : float
+        Of the heights in that attribute.
+    """
+
+    agl_m: float
+    agl_field: str = ""
+    yaw_field: str = ""
+    m_per_unit: float = 1.0
+
+
+def polygon_of(
+    features: Iterable[QgsFeature],
+    crs: QgsCoordinateReferenceSystem,
+    context: QgsCoordinateTransformContext,
+) -> Polygon:
+    """Polygon of the one feature there is, on WGS84.
+
+    Edges that are straight in the layer's CRS get corners in between, so that what is straight between degrees is
+    within `EDGE_TOLERANCE_M` of them; curves become edges within the same tolerance.
+
+    Raises
+    ------
+    InvalidInput
+        No feature or several, several parts, no sound geometry, or one around a pole.
+    """
+    found = list(features)
+    if not found:
+        raise InvalidInput(tr("no polygon is selected: select exactly one in its layer"))
+    if len(found) > 1:
+        raise InvalidInput(
+            tr(
+                "{count} polygons are selected, and an area is one: select only that one, or join them first "
+                "(Vector > Geoprocessing Tools > Dissolve)"
+            ).format(count=len(found))
+        )
+    name = tr("feature {id}").format(id=found[0].id())
+    geometry = _straight(found[0].geometry(), crs)
+    if geometry.isEmpty():
+        raise InvalidInput(tr("{feature} has no geometry: select one that has").format(feature=name))
+    if geometry.type() != POLYGON:
+        raise InvalidInput(tr("{feature} is no polygon: select one that is").format(feature=name))
+    parts = geometry.asMultiPolygon() if geometry.isMultipart() else [geometry.asPolygon()]
+    if len(parts) > 1:
+        raise InvalidInput(
+            tr(
+                "{feature} has {count} parts, and an area is one: take it apart first (Vector > Geometry Tools > "
+                "Multipart to Singleparts) and select one of them"
+            ).format(feature=name, count=len(parts))
+        )
+    _refuse_invalid(geometry, name)
+    place = _Places(crs, context, name)
+    return Polygon(tuple(tuple(_ring(ring, place, name)) for ring in parts[0]))
+
+
+def points_of(
+    features: Iterable[QgsFeature],
+    crs: QgsCoordinateReferenceSystem,
+    context: QgsCoordinateTransformContext,
+    fields: PointFields,
+    cancelled: Callable[[], bool] = lambda: False,
+) -> Points:
+    """Points of all features, each part of one a point.
+
+    Raises
+    ------
+    InvalidInput
+        No feature, or one without a point, or with a height or yaw that is missing or outside its domain; its number
+        is named.
+    Cancelled
+        Once ``cancelled`` says so.
+    """
+    poses: list[tuple[float, float, float]] = []
+    yaws: list[float] = []
+    for number, feature in enumerate(features):
+        if number % _PAUSE == 0 and cancelled():
+            raise Cancelled
+        name = tr("feature {id}").format(id=feature.id())
+        agl, yaw = _agl_m(feature, fields, name), _yaw_deg(feature, fields, name)
+        place = _Places(crs, context, name)
+        for point in _points(feature.geometry(), name):
+            lon, lat = place(point)
+            poses.append((lat, lon, agl))
+            yaws += yaw
+    if not poses:
+        raise InvalidInput(tr("no point is there to be taken: select some, or take all of the layer"))
+    return Points(tuple(poses), tuple(yaws))
+
+
+class ReadTask(Task):
+    """Reads an area.
+
+    Attributes
+    ----------
+    found : tuple of (area, height above ground in metres or None), or None
+        Once it has ended.
+    step : str
+        Name of the change that it makes.
+    """
+
+    def __init__(self, step: str, read: Reading) -> None:
+        super().__init__(tr("Reading the area"))
+        self.step = step
+        self.found: tuple[Area, float | None] | None = None
+        self._read = read
+
+    def work(self) -> None:
+        """Read."""
+        self.found = self._read(self.isCanceled)
+
+
+def selected_polygon(layer: QgsVectorLayer, project: QgsProject) -> Reading:
+    """Reader of the selected polygon of a layer; of the only one, where nothing is selected."""
+    crs, context = _crs(layer), project.transformContext()
+    is_only = not layer.selectedFeatureCount() and layer.featureCount() == 1
+    # A snapshot: the layer itself belongs to the main thread.
+    source = QgsVectorLayerFeatureSource(layer)
+    request = QgsFeatureRequest() if is_only else _selected(layer)
+    return lambda _cancelled: (polygon_of(source.getFeatures(request), crs, context), None)
+
+
+def points(layer: QgsVectorLayer, only_selected: bool, fields: PointFields, project: QgsProject) -> Reading:
+    """Reader of the points of a layer."""
+    crs, context = _crs(layer), project.transformContext()
+    source = QgsVectorLayerFeatureSource(layer)
+    request = _selected(layer) if only_selected else QgsFeatureRequest()
+
+    def read(cancelled: Callable[[], bool]) -> tuple[Area, float | None]:
+        found = points_of(source.getFeatures(request), crs, context, fields, cancelled)
+        return found, found.poses[0][2]
+
+    return read
+
+
+def text_file(path: str, agl_unit: str) -> Reading:
+    """Reader of a file of points."""
+    return lambda _cancelled: parse_coords(path, agl_unit=agl_unit)
+
+
+def extent_of(layer: QgsMapLayer, project: QgsProject) -> Box:
+    """Box around a layer.
+
+    Raises
+    ------
+    InvalidInput
+        An empty layer, or one without a CRS.
+    """
+    extent = layer.extent()
+    if extent.isNull() or not extent.isFinite():
+        raise InvalidInput(tr("layer “{name}” is empty: it has no extent").format(name=layer.name()))
+    return box_of(extent, _crs(layer), project)
+
+
+class _Places:
+    """Longitude and latitude of points of a layer."""
+
+    def __init__(
+        self, crs: QgsCoordinateReferenceSystem, context: QgsCoordinateTransformContext, feature: str
+    ) -> None:
+        self._transform = QgsCoordinateTransform(crs, QgsCoordinateReferenceSystem(LON_LAT), context)
+        self._crs, self._feature = crs.authid() or crs.description(), feature
+
+    def __call__(self, point: QgsPointXY) -> Position:
+        """Degrees; raises InvalidInput where the CRS has no such place."""
+        try:
+            there = self._transform.transform(point)
+        except QgsCsException as wrong:
+            raise self._outside(point) from wrong
+        if not (math.isfinite(there.x()) and abs(there.y()) <= 90.0):
+            raise self._outside(point)
+        return there.x(), there.y()
+
+    def _outside(self, point: QgsPointXY) -> InvalidInput:
+        return InvalidInput(
+            tr("{feature}: {x}, {y} is outside the domain of {crs}").format(
+                feature=self._feature,
+                x=number_text(point.x(), "g"),
+                y=number_text(point.y(), "g"),
+                crs=self._crs,
+            )
+        )
+
+
+def _straight(geometry: QgsGeometry, crs: QgsCoordinateReferenceSystem) -> QgsGeometry:
+    """Geometry without curves."""
+    shape = geometry.constGet()
+    if shape is None or not shape.hasCurvedSegments():
+        return geometry
+    m_per_unit = (
+        _M_PER_DEG
+        if crs.isGeographic()
+        else QgsUnitTypes.fromUnitToUnitFactor(crs.mapUnits(), QgsUnitTypes.DistanceUnit.DistanceMeters)
+    )
+    kind = QgsAbstractGeometry.SegmentationToleranceType.MaximumDifference
+    return QgsGeometry(shape.segmentize(_LOOKED_AT_M / m_per_unit, kind))
+
+
+def _refuse_invalid(geometry: QgsGeometry, name: str) -> None:
+    errors = geometry.validateGeometry(Qgis.GeometryValidationEngine.Geos)
+    if errors:
+        where = errors[0]
+        what = where.what()
+        if where.hasWhere():
+            what += f" ({number_text(where.where().x(), 'g')}, {number_text(where.where().y(), 'g')})"
+        raise InvalidInput(
+            tr("{feature} is no sound polygon, {what}: repair it first (Processing: Fix geometries)").format(
+                feature=name, what=what
+            )
+        )
+
+
+def _ring(ring: list[QgsPointXY], place: _Places, name: str) -> Iterator[Position]:
+    """Corners of a ring in continuous degrees, not closed."""
+    lon, lat = first = place(ring[0])
+    yield first
+    for start, end in zip(ring, ring[1:]):
+        for corner_lon, corner_lat in _edge(start, end, place, name):
+            lon, lat = _near(corner_lon, lon), corner_lat
+            if not (end == ring[-1] and (abs(lon - first[0]), lat) == (0.0, first[1])):
+                yield lon, lat
+    if abs(lon - first[0]) > 180.0:
+        raise InvalidInput(
+            tr("{feature} goes around a pole: an area's edges must close without that; cut it").format(
+                feature=name
+            )
+        )
+
+
+def _edge(start: QgsPointXY, end: QgsPointXY, place: _Places, name: str) -> Iterator[Position]:
+    """Corners after ``start`` up to ``end``, as many as keep the edge where it is."""
+    # A stack instead of recursion: pieces still to be walked, the nearest last.
+    pieces = [(start, place(start), end, place(end), 0)]
+    while pieces:
+        one, here, other, there, depth = pieces.pop()
+        if _is_straight(one, here, other, there, place):
+            yield there
+            continue
+        if depth == _DEEPEST:
+            raise InvalidInput(
+                tr("{feature} has an edge through a pole or across the edge of its map: cut it").format(
+                    feature=name
+                )
+            )
+        middle = QgsPointXY((one.x() + other.x()) / 2.0, (one.y() + other.y()) / 2.0)
+        between = place(middle)
+        pieces += [(middle, between, other, there, depth + 1), (one, here, middle, between, depth + 1)]
+
+
+def _is_straight(one: QgsPointXY, here: Position, other: QgsPointXY, there: Position, place: _Places) -> bool:
+    dlon, dlat = _near(there[0], here[0]) - here[0], there[1] - here[1]
+    for share in _LOOKED_AT:
+        lon, lat = place(
+            QgsPointXY(one.x() + share * (other.x() - one.x()), one.y() + share * (other.y() - one.y()))
+        )
+        wanted = here[0] + share * dlon
+        east = (_near(lon, wanted) - wanted) * math.cos(math.radians(lat))
+        north = lat - (here[1] + share * dlat)
+        if math.hypot(east, north) * _M_PER_DEG > _LOOKED_AT_M:
+            return False
+    return True
+
+
+def _near(lon_deg: float, other_deg: float) -> float:
+    """Longitude on the turn that is nearest to another."""
+    return lon_deg - 360.0 * round((lon_deg - other_deg) / 360.0)
+
+
+def _points(geometry: QgsGeometry, name: str) -> list[QgsPointXY]:
+    if geometry.isEmpty():
+        raise InvalidInput(
+            tr("{feature} has no geometry: give it a point, or leave it out").format(feature=name)
+        )
+    if geometry.type() != POINT:
+        raise InvalidInput(tr("{feature} is no point: take a layer of points").format(feature=name))
+    return geometry.asMultiPoint() if geometry.isMultipart() else [geometry.asPoint()]
+
+
+def _agl_m(feature: QgsFeature, fields: PointFields, name: str) -> float:
+    if not fields.agl_field:
+        return fields.agl_m
+    what = tr("{feature}: height in “{field}”").format(feature=name, field=fields.agl_field)
+    agl = _number(feature, fields.agl_field, what) * fields.m_per_unit
+    if not agl > 0.0:
+        raise InvalidInput(
+            tr("{what} is {value} m: must be above 0").format(what=what, value=number_text(agl, "g"))
+        )
+    return agl
+
+
+def _yaw_deg(feature: QgsFeature, fields: PointFields, name: str) -> list[float]:
+    if not fields.yaw_field:
+        return []
+    what = tr("{feature}: yaw in “{field}”").format(feature=name, field=fields.yaw_field)
+    yaw = _number(feature, fields.yaw_field, what)
+    if abs(yaw) > _MOST_YAW_DEG:
+        raise InvalidInput(
+            tr("{what} is {value}°: must be from -360 to 360").format(what=what, value=number_text(yaw, "g"))
+        )
+    return [yaw]
+
+
+def _number(feature: QgsFeature, field: str, what: str) -> float:
+    """Number in an attribute, also one written as text."""
+    value = feature.attribute(field)
+    # PyQt 5 gives NULL as a QVariant that says so, PyQt 6 as None.
+    if value is None or (hasattr(value, "isNull") and value.isNull()):
+        raise InvalidInput(tr("{what} is empty (NULL): must be a number").format(what=what))
+    try:
+        number = float(value) if not isinstance(value, bool) else math.nan
+    except (TypeError, ValueError):
+        number = math.nan
+    if not math.isfinite(number):
+        raise InvalidInput(tr("{what} is “{value}”: must be a number").format(what=what, value=value))
+    return number
+
+
+def _crs(layer: QgsMapLayer) -> QgsCoordinateReferenceSystem:
+    if not layer.crs().isValid():
+        raise InvalidInput(
+            tr("layer “{name}” has no CRS: set it in the layer's properties").format(name=layer.name())
+        )
+    return layer.crs()
+
+
+def _selected(layer: QgsVectorLayer) -> QgsFeatureRequest:
+    return QgsFeatureRequest().setFilterFids(layer.selectedFeatureIds())

@@ -1,0 +1,124 @@
+"""The menu of what an area may be taken from."""
+
+from __future__ import annotations
+
+from qgis.core import QgsApplication
+from qgis.PyQt.QtCore import pyqtSignal
+from qgis.PyQt.QtWidgets import (
+    QMenu,
+    QPushButton,
+)
+
+from ..compat import QAction
+from ..i18n import tr
+from ..paths import icon
+
+
+class Way:
+    """Ways to an area, by the names of the menu's entries."""
+
+    DRAW, SINGLE = "draw", "single"
+    CANVAS, LAYER, POLYGON, POINTS = "canvas", "layer", "polygon", "points"
+    FILE, PASTE, TO_BOX = "file", "paste", "box"
+
+
+class AreaMenu(QPushButton):
+    """A button with that menu.
+
+    Signals
+    -------
+    chosen(str)
+        A `Way`.
+    """
+
+    chosen = pyqtSignal(str)
+
+    def __init__(self) -> None:
+        super().__init__(tr("Area &from"))
+        self.setObjectName("area_from")
+        self.setToolTip(tr("Other ways to an area: the map, a layer, a file, the clipboard, a click"))
+        menu = QMenu(self)
+        menu.setObjectName("area_menu")
+        menu.setToolTipsVisible(True)
+        self.actions_by_name: dict[str, QAction] = {}
+        for group in self._entries():
+            for name, image, text, tip in group:
+                action = menu.addAction(
+                    icon(image[1:]) if image[0] == "=" else QgsApplication.getThemeIcon(image), text
+                )
+                action.setObjectName(f"area_{name}")
+                action.setToolTip(tip)
+                action.triggered.connect(lambda _=False, name=name: self.chosen.emit(name))
+                self.actions_by_name[name] = action
+            menu.addSeparator()
+        self.setMenu(menu)
+
+    def offer_box(self, possible: bool) -> None:
+        """Offer the way back to a box only where there is something else."""
+        self.actions_by_name[Way.TO_BOX].setEnabled(possible)
+
+    @staticmethod
+    def _entries() -> tuple[tuple[tuple[str, str, str, str], ...], ...]:
+        """Name, icon, text and tooltip of each entry, in groups."""
+        return (
+            (
+                (Way.DRAW, "=draw_box", tr("&Draw box"), tr("Press, drag and release on the map")),
+                (
+                    Way.CANVAS,
+                    "/mActionZoomFullExtent.svg",
+                    tr("&Map canvas extent"),
+                    tr("The box of what the map shows now"),
+                ),
+                (
+                    Way.SINGLE,
+                    "=test_shot",
+                    tr("&Single capture here…"),
+                    tr("Click a point on the map: the mission is one picture, straight above it"),
+                ),
+            ),
+            (
+                (
+                    Way.LAYER,
+                    "/mActionZoomToLayer.svg",
+                    tr("Extent of a &layer…"),
+                    tr("The box around a layer"),
+                ),
+                (
+                    Way.POLYGON,
+                    "/mIconPolygonLayer.svg",
+                    tr("Selected pol&ygon…"),
+                    tr("One selected polygon, with its holes; pictures that do not touch it are left out"),
+                ),
+                (
+                    Way.POINTS,
+                    "/mIconPointLayer.svg",
+                    tr("P&oints of a layer…"),
+                    tr("One picture above each point, with heights (AGL) and yaws from fields"),
+                ),
+            ),
+            (
+                (
+                    Way.FILE,
+                    "/mActionFileOpen.svg",
+                    tr("&Text file of points…"),
+                    tr("Lines of “lat lon agl [yaw]”, in degrees and the unit chosen for the height"),
+                ),
+                (
+                    Way.PASTE,
+                    "/mActionEditPaste.svg",
+                    tr("&Paste coordinates"),
+                    tr(
+                        "From the clipboard: north_west_south_east_agl, lat_lon_agl, or lines of lat lon agl [yaw]; "
+                        "heights in the unit chosen"
+                    ),
+                ),
+            ),
+            (
+                (
+                    Way.TO_BOX,
+                    "=draw_box",
+                    tr("Make it a &box"),
+                    tr("The box around the polygon or the points, instead of them"),
+                ),
+            ),
+        )

@@ -1,0 +1,324 @@
+"""An area on a canvas of any CRS: its outline, its handles, and what becomes of it when dragged. No widgets."""
+
+from __future__ import annotations
+
+import math
+import statistics
+from collections.abc import Iterator
+from dataclasses import replace
+
+from qgis.core import (
+    Qgis,
+    QgsCoordinateReferenceSystem,
+    QgsCoordinateTransform,
+    QgsCsException,
+    QgsGeometry,
+    QgsMapToPixel,
+    QgsPointXY,
+    QgsProject,
+    QgsRectangle,
+)
+
+from ...core.errors import InvalidInput
+from ...core.geodesy.mercator import MAX_LAT_DEG
+from ...core.mission.area import Area, Box, Points, Polygon
+from ..map.canvas import lon_lat_of, to_lon_lat
+
+#: Steps each side is drawn in; sides may be curves on the canvas.
+_STEPS = 48
+#: A polygon's edges are drawn in as many steps as keep its outline at no more than this many.
+_MOST_STEPS = 4_000
+#: Points drawn, evenly picked: more cannot be told apart, and take long to paint.
+MOST_POINTS = 2_000
+#: A step this many times longer than the others leads across the map's edge.
+_JUMP = 20.0
+#: Outlines are cut this far from the map's edge, a tenth of a millimetre on the ground.
+_CUT_DEG = 1e-9
+_BISECTIONS = 50
+#: At a pole itself many maps have no place; this near to it, a decimetre, they have.
+_BESIDE_POLE_DEG = 90.0 - 1e-6
+_EDGES = ("north", "west", "south", "east")
+#: What a pointer may be at: a corner's two edges, or one.
+GRIPS = (
+    *(frozenset((vertical, side)) for vertical in ("north", "south") for side in ("west", "east")),
+    *(frozenset((edge,)) for edge in _EDGES),
+)
+#: Edges come no nearer to each other: a decimetre on the ground, which the fields' seven decimals still show.
+LEAST_SPAN_DEG = 1e-6
+_POLE_DEG = 90.0
+_TURN_DEG = 360.0
+
+
+class Outline:
+    """An area on a canvas.
+
+    Parameters
+    ----------
+    near_lon_deg : float
+        Longitude of the canvas's middle: where the CRS has degrees, the area is drawn on that turn.
+
+    Attributes
+    ----------
+    shape : QgsGeometry
+        Polygons or points in the canvas's CRS; empty where the CRS has no such place.
+    handles : dict of frozenset of edges to QgsPointXY
+        Of a box's corners and sides.
+    sides : dict of edge to list of (QgsPointXY, QgsPointXY)
+        Of a box: the segments that each side is drawn in.
+    """
+
+    def __init__(
+        self,
+        area: Area,
+        crs: QgsCoordinateReferenceSystem,
+        project: QgsProject,
+        near_lon_deg: float,
+    ) -> None:
+        self._transform = to_lon_lat(crs, project)
+        middle = middle_of(area)[0]
+        self._turn_deg = 360.0 * round((near_lon_deg - middle) / 360.0) if crs.isGeographic() else 0.0
+        self.handles: dict[frozenset[str], QgsPointXY] = {}
+        self.sides: dict[str, list[tuple[QgsPointXY, QgsPointXY]]] = {}
+        if isinstance(area, Points):
+            every = max(1, math.ceil(len(area.poses) / MOST_POINTS))
+            west = area.bounds.west_deg
+            # Continuous with the area's west edge, as a box's longitudes are.
+            placed = (self.project(west + (lon - west) % 360.0, lat) for lat, lon, _ in area.poses[::every])
+            self.shape = QgsGeometry.fromMultiPointXY([point for point in placed if point is not None])
+            return
+        self._cut_deg = None if crs.isGeographic() else self._find_cut(area)
+        self.shape = self._projected(_degrees(area))
+        if isinstance(area, Box):
+            self._place_handles(area)
+
+    def project(self, lon_deg: float, lat_deg: float) -> QgsPointXY | None:
+        """Place in the canvas's CRS; None where it has none."""
+        lat = min(max(lat_deg, -_BESIDE_POLE_DEG), _BESIDE_POLE_DEG)
+        return _placed(self._transform, QgsPointXY(lon_deg + self._turn_deg, lat))
+
+    def _find_cut(self, area: Area) -> float | None:
+        """Longitude inside an area at which the map is cut open; None for none."""
+        box = area.bounds
+        west, span = box.west_deg, box.span_deg
+        lat = (box.north_deg + box.south_deg) / 2.0
+        lons = [west + span * step / _STEPS for step in range(_STEPS + 1)]
+        places = [self.project(lon, lat) for lon in lons]
+        steps = [
+            (one.distance(other), start, end)
+            for one, other, start, end in zip(places, places[1:], lons, lons[1:])
+            if one is not None and other is not None
+        ]
+        if not steps:
+            return None
+        longest, start, end = max(steps)
+        if longest <= _JUMP * statistics.median(length for length, _, _ in steps):
+            return None
+        first = self.project(start, lat)
+        for _ in range(_BISECTIONS):
+            middle = (start + end) / 2.0
+            place = self.project(middle, lat)
+            if place is None or place.distance(first) > longest / 2.0:
+                end = middle
+            else:
+                start = middle
+        return (start + end) / 2.0
+
+    def _projected(self, degrees: QgsGeometry) -> QgsGeometry:
+        pieces = [degrees]
+        if self._cut_deg is not None:
+            box = degrees.boundingBox()
+            south, north = box.yMinimum() - 1.0, box.yMaximum() + 1.0
+            halves = (
+                QgsRectangle(box.xMinimum() - 1.0, south, self._cut_deg - _CUT_DEG, north),
+                QgsRectangle(self._cut_deg + _CUT_DEG, south, box.xMaximum() + 1.0, north),
+            )
+            pieces = [degrees.intersection(QgsGeometry.fromRect(half)) for half in halves]
+        parts = []
+        for piece in pieces:
+            corners = max(sum(1 for _ in piece.vertices()), 1)
+            fine = piece.densifyByCount(max(min(_STEPS, _MOST_STEPS // corners), 0))
+            for part in _polygons(fine):
+                rings = [self._ring(ring) for ring in part]
+                if rings and len(rings[0]) >= 3:
+                    parts.append([ring for ring in rings if len(ring) >= 3])
+        return QgsGeometry.fromMultiPolygonXY(parts) if parts else QgsGeometry()
+
+    def _ring(self, ring: list[QgsPointXY]) -> list[QgsPointXY]:
+        placed = (self.project(corner.x(), corner.y()) for corner in ring)
+        return [point for point in placed if point is not None]
+
+    def _place_handles(self, box: Box) -> None:
+        lons = {"west": box.west_deg, "east": box.continuous_east_deg}
+        lats = {"north": box.north_deg, "south": box.south_deg}
+        middle_lon, middle_lat = sum(lons.values()) / 2.0, sum(lats.values()) / 2.0
+        for grip in GRIPS:
+            lon = next((lons[edge] for edge in grip if edge in lons), middle_lon)
+            lat = next((lats[edge] for edge in grip if edge in lats), middle_lat)
+            place = self.project(lon, lat)
+            if place is not None:
+                self.handles[grip] = place
+        for edge in _EDGES:
+            if edge in lats:
+                walk = [(lon, lats[edge]) for lon in _steps(lons["west"], lons["east"])]
+            else:
+                walk = [(lons[edge], lat) for lat in _steps(lats["south"], lats["north"])]
+            self.sides[edge] = list(self._segments(walk))
+
+    def _segments(self, walk: list[tuple[float, float]]) -> Iterator[tuple[QgsPointXY, QgsPointXY]]:
+        for (lon0, lat0), (lon1, lat1) in zip(walk, walk[1:]):
+            if self._cut_deg is not None and lon0 < self._cut_deg < lon1:
+                continue
+            start, end = self.project(lon0, lat0), self.project(lon1, lat1)
+            if start is not None and end is not None:
+                yield start, end
+
+
+def grip_at(
+    outline: Outline, to_pixel: QgsMapToPixel, x_px: float, y_px: float, reach_px: float
+) -> frozenset[str]:
+    """Edges of a box that a pointer is at: two at a corner, one at a side, none elsewhere.
+
+    Corners go before sides. Of a box that is small on the screen only its rim counts, so that it can be moved.
+    """
+    handles = {grip: to_pixel.transform(place) for grip, place in outline.handles.items()}
+    xs, ys = [p.x() for p in handles.values()], [p.y() for p in handles.values()]
+    if not xs:
+        return frozenset()
+    reach = min(reach_px, max(1.0, min(max(xs) - min(xs), max(ys) - min(ys)) / 4.0))
+    at = QgsPointXY(x_px, y_px)
+    corners = [(place.distance(at), sorted(grip)) for grip, place in handles.items() if len(grip) == 2]
+    distance, corner = min(corners, default=(math.inf, []))
+    if distance <= reach:
+        return frozenset(corner)
+    found = min(
+        (
+            (_distance(at, to_pixel.transform(start), to_pixel.transform(end)), edge)
+            for edge, segments in outline.sides.items()
+            for start, end in segments
+        ),
+        default=(math.inf, ""),
+    )
+    return frozenset((found[1],)) if found[0] <= reach else frozenset()
+
+
+def place_at(
+    point: QgsPointXY, crs: QgsCoordinateReferenceSystem, project: QgsProject
+) -> tuple[float, float] | None:
+    """Longitude and latitude of a point on the canvas; None where the CRS has none."""
+    try:
+        return lon_lat_of(point, crs, project)
+    except (InvalidInput, QgsCsException):
+        return None
+
+
+def contains(area: Area, lon_deg: float, lat_deg: float) -> bool:
+    """Whether a place is in a box or polygon, or in the box around points."""
+    box = area.bounds
+    lon = box.west_deg + (lon_deg - box.west_deg) % 360.0
+    if not (box.south_deg <= lat_deg <= box.north_deg and lon <= box.west_deg + box.span_deg):
+        return False
+    return not isinstance(area, Polygon) or _degrees(area).contains(QgsPointXY(lon, lat_deg))
+
+
+def wrapped(lon_deg: float) -> float:
+    """Longitude in [-180, 180)."""
+    return lon_deg if -180.0 <= lon_deg < 180.0 else (lon_deg + 180.0) % _TURN_DEG - 180.0
+
+
+def continuous_box(north_deg: float, west_deg: float, south_deg: float, east_deg: float) -> Box:
+    """Box of edges whose longitudes run on across the antimeridian."""
+    if east_deg - west_deg >= _TURN_DEG:
+        return Box(north_deg, -180.0, south_deg, 180.0)
+    turn = _TURN_DEG * math.floor((west_deg + 180.0) / _TURN_DEG)
+    west, east = west_deg - turn, east_deg - turn
+    return Box(north_deg, west, south_deg, east - _TURN_DEG if east > 180.0 else east)
+
+
+def moved(area: Area, dlat_deg: float, dlon_deg: float) -> Area:
+    """Area moved by degrees: across the antimeridian freely, but no edge of it past where pictures end.
+
+    Those end at Web Mercator's latitudes; an area beyond them already goes as far as the pole.
+    """
+    bounds = area.bounds
+    limit = _limit(max(abs(bounds.north_deg), abs(bounds.south_deg)))
+    dlat = min(max(dlat_deg, -limit - bounds.south_deg), limit - bounds.north_deg)
+    if isinstance(area, Box):
+        north, south = min(area.north_deg + dlat, limit), max(area.south_deg + dlat, -limit)
+        return continuous_box(north, area.west_deg + dlon_deg, south, area.continuous_east_deg + dlon_deg)
+    if isinstance(area, Polygon):
+        return Polygon(
+            tuple(tuple((lon + dlon_deg, _kept(lat + dlat)) for lon, lat in ring) for ring in area.rings)
+        )
+    return replace(
+        area, poses=tuple((_kept(lat + dlat), wrapped(lon + dlon_deg), agl) for lat, lon, agl in area.poses)
+    )
+
+
+def stretched(box: Box, edges: frozenset[str], dlat_deg: float, dlon_deg: float) -> Box:
+    """Box with some of its edges (north, west, south, east) moved by degrees, none past the opposite one."""
+    north, south = box.north_deg, box.south_deg
+    west, east = box.west_deg, box.continuous_east_deg
+    if "north" in edges:
+        north = min(max(north + dlat_deg, south + LEAST_SPAN_DEG), _limit(abs(north)))
+    if "south" in edges:
+        south = max(min(south + dlat_deg, north - LEAST_SPAN_DEG), -_limit(abs(south)))
+    if "west" in edges:
+        west = max(min(west + dlon_deg, east - LEAST_SPAN_DEG), east - _TURN_DEG)
+    if "east" in edges:
+        east = min(max(east + dlon_deg, west + LEAST_SPAN_DEG), west + _TURN_DEG)
+    return continuous_box(north, west, south, east)
+
+
+def middle_of(area: Area) -> tuple[float, float]:
+    """Longitude and latitude of the middle of an area's box."""
+    box = area.bounds
+    return wrapped(box.west_deg + box.span_deg / 2.0), (box.north_deg + box.south_deg) / 2.0
+
+
+def _degrees(area: Box | Polygon) -> QgsGeometry:
+    """Area as a geometry of continuous longitudes and latitudes."""
+    if isinstance(area, Box):
+        return QgsGeometry.fromRect(
+            QgsRectangle(area.west_deg, area.south_deg, area.continuous_east_deg, area.north_deg)
+        )
+    return QgsGeometry.fromPolygonXY(
+        [[QgsPointXY(*corner) for corner in (*ring, ring[0])] for ring in area.rings]
+    )
+
+
+def _polygons(geometry: QgsGeometry) -> list[list[list[QgsPointXY]]]:
+    if geometry.isEmpty():
+        return []
+    return geometry.asMultiPolygon() if geometry.isMultipart() else [geometry.asPolygon()]
+
+
+def _placed(transform: QgsCoordinateTransform, lon_lat: QgsPointXY) -> QgsPointXY | None:
+    try:
+        place = transform.transform(lon_lat, Qgis.TransformDirection.Reverse)
+    except QgsCsException:
+        return None
+    return place if math.isfinite(place.x()) and math.isfinite(place.y()) else None
+
+
+def _steps(start: float, end: float) -> list[float]:
+    return [start + (end - start) * step / _STEPS for step in range(_STEPS)] + [end]
+
+
+def _distance(at: QgsPointXY, start: QgsPointXY, end: QgsPointXY) -> float:
+    """Pixels from a place to a segment."""
+    dx, dy = end.x() - start.x(), end.y() - start.y()
+    length2 = dx * dx + dy * dy
+    along = 0.0
+    if length2 > 0.0:
+        along = ((at.x() - start.x()) * dx + (at.y() - start.y()) * dy) / length2
+    along = min(max(along, 0.0), 1.0)
+    return math.hypot(at.x() - start.x() - along * dx, at.y() - start.y() - along * dy)
+
+
+def _kept(lat_deg: float) -> float:
+    """Latitude that a sum's last digit has not carried past a pole."""
+    return min(max(lat_deg, -_POLE_DEG), _POLE_DEG)
+
+
+def _limit(lat_deg: float) -> float:
+    return MAX_LAT_DEG if lat_deg <= MAX_LAT_DEG else _POLE_DEG

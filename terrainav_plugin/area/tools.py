@@ -1,0 +1,398 @@
+"""The map's tools for areas: drawing a box, choosing a point, moving an area and the edges of a box."""
+
+from __future__ import annotations
+
+import math
+
+from qgis.core import QgsCsException, QgsGeometry, QgsPointXY, QgsProject, QgsRectangle
+from qgis.gui import QgsMapCanvas, QgsMapMouseEvent, QgsRubberBand
+from qgis.PyQt.QtCore import QEvent, QObject, QPoint, Qt, pyqtSignal
+from qgis.PyQt.QtGui import QKeyEvent
+from qgis.PyQt.QtWidgets import QApplication
+
+from ...core.errors import TerrAInavError
+from ...core.mission.area import Area, Box, Points
+from ..compat import POLYGON
+from ..form.area import readout, size_text
+from ..i18n import tr, translate
+from ..map.canvas import TemporaryTool, box_of, lon_lat_of
+from .bands import AreaBands, PointerText, area_band
+from .outline import Outline, contains, grip_at, middle_of, moved, place_at, stretched
+
+#: Screen pixels within which the pointer is at an edge, a corner or a point: a fingertip of a mouse's precision.
+_REACH_PX = 8.0
+#: Screen pixels that an arrow key moves the area by, and with Shift.
+_STEP_PX, _FAR_STEP_PX = 1, 10
+_ARROWS = {
+    Qt.Key.Key_Left: (-1, 0),
+    Qt.Key.Key_Right: (1, 0),
+    Qt.Key.Key_Up: (0, -1),
+    Qt.Key.Key_Down: (0, 1),
+}
+#: Cursors for the directions that a grip is dragged in, by eighths of a turn from east.
+_CURSORS = (
+    Qt.CursorShape.SizeHorCursor,
+    Qt.CursorShape.SizeBDiagCursor,
+    Qt.CursorShape.SizeVerCursor,
+    Qt.CursorShape.SizeFDiagCursor,
+)
+
+
+class BoxTool(TemporaryTool):
+    """Draws a box on the canvas and tells its longitudes and latitudes, whatever the project's CRS.
+
+    Signals
+    -------
+    drawn(object)
+        The `Box`, once the mouse is released.
+    refused(str)
+        Why a rectangle makes no box.
+    """
+
+    drawn = pyqtSignal(object)
+    refused = pyqtSignal(str)
+
+    def __init__(self, canvas: QgsMapCanvas) -> None:
+        super().__init__(canvas)
+        self._band: QgsRubberBand | None = None
+        self._readout = PointerText(canvas)
+        self._pressed_at: QPoint | None = None
+        self._start: QgsPointXY | None = None
+        self._given_up = False
+
+    def canvasPressEvent(self, event: QgsMapMouseEvent) -> None:
+        """Start a box."""
+        if event.button() == Qt.MouseButton.LeftButton:
+            self._pressed_at = event.pos()
+            # In map units, so that zooming with the wheel meanwhile moves the corner with the map.
+            self._start = self.toMapCoordinates(event.pos())
+
+    def canvasMoveEvent(self, event: QgsMapMouseEvent) -> None:
+        """Stretch the box."""
+        if self._pressed_at is not None:
+            self._show(self._rectangle(event.pos()))
+            self._say_size(event.pos())
+
+    def canvasReleaseEvent(self, event: QgsMapMouseEvent) -> None:
+        """Finish the box; a click without a drag draws none."""
+        if event.button() != Qt.MouseButton.LeftButton:
+            return
+        if self._pressed_at is None:
+            if self._given_up:
+                self.stop()
+            return
+        moved = (event.pos() - self._pressed_at).manhattanLength()
+        rectangle = self._rectangle(event.pos())
+        if moved < QApplication.startDragDistance() or rectangle.width() == 0 or rectangle.height() == 0:
+            self._clear()
+            return
+        try:
+            box = self._box(event.pos())
+        except (TerrAInavError, QgsCsException) as wrong:
+            self.refused.emit(translate(wrong))
+            return
+        finally:
+            self._clear()
+        self.stop()
+        self.drawn.emit(box)
+
+    def give_up(self) -> None:
+        """Drop the box; the tool stays until the mouse button is up, which another tool would take for its own."""
+        if self._pressed_at is None:
+            self.stop()
+        else:
+            self._clear()
+            self._given_up = True
+
+    def deactivate(self) -> None:
+        """Leave no half-drawn box."""
+        self._clear()
+        self._given_up = False
+        super().deactivate()
+
+    def _rectangle(self, released_at: QPoint) -> QgsRectangle:
+        return QgsRectangle(self._start, self.toMapCoordinates(released_at))
+
+    def _show(self, rectangle: QgsRectangle) -> None:
+        if self._band is None:
+            self._band = area_band(self.canvas())
+        self._band.reset(POLYGON)
+        west, south, east, north = (
+            rectangle.xMinimum(),
+            rectangle.yMinimum(),
+            rectangle.xMaximum(),
+            rectangle.yMaximum(),
+        )
+        for x, y in ((west, south), (east, south), (east, north)):
+            self._band.addPoint(QgsPointXY(x, y), False)
+        self._band.addPoint(QgsPointXY(west, north), True)
+
+    def _say_size(self, at: QPoint) -> None:
+        """Say beside the pointer how large the box would be; nothing where there is none."""
+        try:
+            text = size_text(self._box(at))
+        except (TerrAInavError, QgsCsException):
+            text = ""
+        self._readout.say(text, at)
+
+    def _box(self, at: QPoint) -> Box:
+        return box_of(
+            self._rectangle(at), self.canvas().mapSettings().destinationCrs(), QgsProject.instance()
+        )
+
+    def _clear(self) -> None:
+        self._readout.clear()
+        self._pressed_at = self._start = None
+        if self._band is not None:
+            self.canvas().scene().removeItem(self._band)
+            self._band = None
+
+
+class PointTool(TemporaryTool):
+    """Tells the longitude and latitude of a click, whatever the project's CRS.
+
+    Signals
+    -------
+    clicked(float, float)
+        Latitude and longitude in degrees.
+    refused(str)
+        Why the place cannot be used.
+    """
+
+    clicked = pyqtSignal(float, float)
+    refused = pyqtSignal(str)
+
+    def canvasReleaseEvent(self, event: QgsMapMouseEvent) -> None:
+        """Take the place."""
+        if event.button() != Qt.MouseButton.LeftButton:
+            return
+        crs = self.canvas().mapSettings().destinationCrs()
+        try:
+            lon, lat = lon_lat_of(self.toMapCoordinates(event.pos()), crs, QgsProject.instance())
+        except (TerrAInavError, QgsCsException) as wrong:
+            self.refused.emit(translate(wrong))
+            return
+        self.stop()
+        self.clicked.emit(lat, lon)
+
+
+class AreaTool(TemporaryTool):
+    """Shows the area over the map while it is on; dragging moves it, or the edges of a box.
+
+    Dragging beside it moves the map, as in other tools.
+
+    Signals
+    -------
+    dragging(object)
+        The area as it is while the button is down, and as it was once Esc has put it back.
+    changed(object, str, bool)
+        The area, what was done to it, and whether that goes on a step of the same name.
+    """
+
+    dragging = pyqtSignal(object)
+    changed = pyqtSignal(object, str, bool)
+
+    def __init__(self, canvas: QgsMapCanvas, undo_keys: QObject) -> None:
+        super().__init__(canvas)
+        self._undo_keys = undo_keys
+        self._area: Area | None = None
+        self._dragged: Area | None = None
+        self._outline: Outline | None = None
+        self._grip: frozenset[str] = frozenset()
+        self._from: tuple[float, float] | None = None
+        self._pressed_at: QPoint | None = None
+        self._panned_from: QgsPointXY | None = None
+        self._bands, self._readout = AreaBands(canvas), PointerText(canvas)
+
+    def set_area(self, area: Area | None) -> None:
+        """Take another area; without one there is nothing to move."""
+        self._area = area
+        if not self.isActive():
+            return
+        if area is None:
+            self.stop()
+        elif self._dragged is None:
+            self._draw()
+
+    # --- taking over and giving back
+
+    def activate(self) -> None:
+        """Show the area."""
+        super().activate()
+        canvas = self.canvas()
+        canvas.installEventFilter(self._undo_keys)
+        canvas.destinationCrsChanged.connect(self._draw)
+        # Degrees are drawn on the turn that is in view.
+        canvas.extentsChanged.connect(self._draw)
+        self.setCursor(Qt.CursorShape.ArrowCursor)
+        self._draw()
+
+    def deactivate(self) -> None:
+        """Take it away; what is being dragged goes back."""
+        canvas = self.canvas()
+        canvas.extentsChanged.disconnect(self._draw)
+        canvas.destinationCrsChanged.disconnect(self._draw)
+        canvas.removeEventFilter(self._undo_keys)
+        self._put_back()
+        self._panned_from = None
+        self._bands.clear()
+        self._readout.clear()
+        self._outline = None
+        super().deactivate()
+
+    def give_up(self) -> None:
+        """Put back what is being dragged, or leave the tool."""
+        if not self._put_back():
+            self.stop()
+
+    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
+        """Move the area by arrow keys, which would move the map."""
+        pressed = event.type() == QEvent.Type.KeyPress and self._area is not None
+        if pressed and isinstance(event, QKeyEvent) and event.key() in _ARROWS:
+            if self._dragged is None:
+                self._step(event)
+            return True
+        return super().eventFilter(watched, event)
+
+    # --- the mouse
+
+    def canvasPressEvent(self, event: QgsMapMouseEvent) -> None:
+        """Take hold of the area, or of the map beside it."""
+        if event.button() != Qt.MouseButton.LeftButton or self._area is None:
+            return
+        self._grip = self._grip_at(event.pos())
+        if not self._grip and not self._is_at_area(event.pos()):
+            self._panned_from = self.toMapCoordinates(event.pos())
+            return
+        self._from = self._place(event.pos())
+        if self._from is not None:
+            self._pressed_at, self._dragged = event.pos(), self._area
+
+    def canvasMoveEvent(self, event: QgsMapMouseEvent) -> None:
+        """Move what is held; otherwise show what would be."""
+        if self._panned_from is not None:
+            self._pan_to(event.pos())
+        elif self._dragged is None:
+            self._show_cursor(event.pos())
+        elif event.pos() != self._pressed_at:
+            self._pressed_at = None
+            self._drag_to(event.pos())
+
+    def canvasReleaseEvent(self, event: QgsMapMouseEvent) -> None:
+        """Let go."""
+        if event.button() != Qt.MouseButton.LeftButton:
+            return
+        if self._panned_from is not None:
+            self._panned_from = None
+            return
+        if self._dragged is None:
+            return
+        moved_area, self._dragged, self._from = self._dragged, None, None
+        self._readout.clear()
+        if moved_area is not self._area:
+            named = self._grip and isinstance(moved_area, Box)
+            self.changed.emit(moved_area, tr("drag an edge") if named else tr("move the area"), False)
+
+    # --- inside
+
+    def _drag_to(self, at: QPoint) -> None:
+        place = self._place(at)
+        if place is None or self._area is None or self._from is None:
+            return
+        dlon = place[0] - self._from[0]
+        dlon -= 360.0 * round(dlon / 360.0)
+        dlat = place[1] - self._from[1]
+        if self._grip and isinstance(self._area, Box):
+            self._dragged = stretched(self._area, self._grip, dlat, dlon)
+        else:
+            self._dragged = moved(self._area, dlat, dlon)
+        self._draw()
+        self._readout.say(readout(self._dragged), at)
+        self.dragging.emit(self._dragged)
+
+    def _put_back(self) -> bool:
+        """Put back what is being dragged; whether anything was."""
+        if self._dragged is None:
+            return False
+        self._dragged = self._from = None
+        self._readout.clear()
+        self._draw()
+        self.dragging.emit(self._area)
+        return True
+
+    def _step(self, event: QKeyEvent) -> None:
+        far = event.modifiers() & Qt.KeyboardModifier.ShiftModifier
+        pixels = _FAR_STEP_PX if far else _STEP_PX
+        across, down = (pixels * way for way in _ARROWS[event.key()])
+        lon, lat = middle_of(self._area)
+        middle = None if self._outline is None else self._outline.project(lon, lat)
+        if middle is None:
+            return
+        aside = self.toMapCoordinates(QPoint(across, down)) - self.toMapCoordinates(QPoint(0, 0))
+        crs = self.canvas().mapSettings().destinationCrs()
+        there = place_at(middle + aside, crs, QgsProject.instance())
+        if there is not None:
+            dlon = there[0] - lon
+            area = moved(self._area, there[1] - lat, dlon - 360.0 * round(dlon / 360.0))
+            self.changed.emit(area, tr("move by arrow keys"), True)
+
+    def _place(self, at: QPoint) -> tuple[float, float] | None:
+        crs = self.canvas().mapSettings().destinationCrs()
+        return place_at(self.toMapCoordinates(at), crs, QgsProject.instance())
+
+    def _draw(self) -> None:
+        area = self._area if self._dragged is None else self._dragged
+        if area is None or not self.isActive():
+            return
+        canvas = self.canvas()
+        crs = canvas.mapSettings().destinationCrs()
+        near = canvas.extent().center().x() if crs.isGeographic() else 0.0
+        self._outline = Outline(area, crs, QgsProject.instance(), near)
+        self._bands.show(self._outline, with_handles=isinstance(area, Box))
+
+    def _grip_at(self, at: QPoint) -> frozenset[str]:
+        if self._outline is None:
+            return frozenset()
+        return grip_at(self._outline, self.canvas().getCoordinateTransform(), at.x(), at.y(), _REACH_PX)
+
+    def _is_at_area(self, at: QPoint) -> bool:
+        place = self._place(at)
+        if place is not None and self._area is not None and contains(self._area, *place):
+            return True
+        return self._is_at_point(at)
+
+    def _is_at_point(self, at: QPoint) -> bool:
+        if self._outline is None or not isinstance(self._area, Points) or self._outline.shape.isEmpty():
+            return False
+        reach = _REACH_PX * self.canvas().mapUnitsPerPixel()
+        return self._outline.shape.distance(QgsGeometry.fromPointXY(self.toMapCoordinates(at))) <= reach
+
+    def _show_cursor(self, at: QPoint) -> None:
+        grip = self._grip_at(at)
+        if grip:
+            self.setCursor(self._cursor_of(grip))
+        elif self._is_at_area(at):
+            self.setCursor(Qt.CursorShape.SizeAllCursor)
+        else:
+            self.setCursor(Qt.CursorShape.ArrowCursor)
+
+    def _cursor_of(self, grip: frozenset[str]) -> Qt.CursorShape:
+        """Arrows along the way from the box's middle to a handle, as it is seen."""
+        if self._area is None or self._outline is None or grip not in self._outline.handles:
+            return Qt.CursorShape.SizeAllCursor
+        middle = self._outline.project(*middle_of(self._area))
+        if middle is None:
+            return Qt.CursorShape.SizeAllCursor
+        to_pixel = self.canvas().getCoordinateTransform()
+        here, there = to_pixel.transform(middle), to_pixel.transform(self._outline.handles[grip])
+        # A pixel's y runs down.
+        angle = math.atan2(here.y() - there.y(), there.x() - here.x())
+        if len(grip) == 1:
+            return _CURSORS[2 * round(angle / (math.pi / 2.0)) % 4]
+        return _CURSORS[(2 * math.floor(angle / (math.pi / 2.0)) + 1) % 4]
+
+    def _pan_to(self, at: QPoint) -> None:
+        """Bring the place that was taken hold of to the pointer."""
+        canvas = self.canvas()
+        canvas.setCenter(canvas.center() + (self._panned_from - self.toMapCoordinates(at)))
+        canvas.refresh()

@@ -1,0 +1,178 @@
+"""What follows a run: its results on the map, and a message that says how it ended."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+from typing import TYPE_CHECKING
+
+from qgis.core import QgsVectorLayer
+from qgis.PyQt.QtCore import QObject, pyqtSignal
+
+from ...core.errors import TerrAInavError
+from ..dataset.placing import load_test_shot, place_mosaics, show_failed, show_results
+from ..i18n import number_text, tr, translate
+from ..paths import open_in_system
+from .run import Run, Stage, done_text, with_kept
+
+if TYPE_CHECKING:
+    from ..dataset.placing import OpenProject
+    from ..map.mission_group import MissionGroup
+    from ..messages import Messages
+
+#: Tiles of a run that messages of their own name; all are in the journal.
+_NAMED_REPEATS = 3
+
+
+class Endings(QObject):
+    """Brings runs to the map and to the message bar, and offers what can be done about them.
+
+    Parameters
+    ----------
+    messages : Messages
+    open_project : OpenProject
+    group : callable
+        Group of the mission in the panel, which test shots come into.
+
+    Signals
+    -------
+    shown(object)
+        The folder of a run whose images are all on the map.
+    test_shot_shown(object)
+        The layer of a test shot.
+    resume_wanted(object), failed_wanted(object)
+        A run that is to go on, or whose failed images are to be captured again.
+    missing_wanted(object, str, int)
+        A run, the SHA-256 of a tile that is to count as missing, and how many of its images show the tile.
+    """
+
+    shown = pyqtSignal(object)
+    test_shot_shown = pyqtSignal(object)
+    resume_wanted = pyqtSignal(object)
+    failed_wanted = pyqtSignal(object)
+    missing_wanted = pyqtSignal(object, str, int)
+
+    def __init__(
+        self,
+        messages: Messages,
+        open_project: OpenProject,
+        group: Callable[[], MissionGroup],
+        parent: QObject,
+    ) -> None:
+        super().__init__(parent)
+        self._messages, self._open_project, self._group = messages, open_project, group
+        self._begun_in: dict[Run, int] = {}
+
+    def close(self) -> None:
+        """End for good."""
+        self._begun_in.clear()
+
+    def remember(self, run: Run) -> None:
+        """Note which project a run belongs to."""
+        self._begun_in[run] = self._open_project.number
+
+    def show_failed(self, run: Run, layer: QgsVectorLayer | None) -> None:
+        """Show what has failed so far."""
+        if self._is_open(run) and not run.test_shot:
+            group = self._open_project.group_of(run.folder)
+            show_failed(group, layer)
+            if layer is not None:
+                group.remember_mission(run.mission.to_json())
+
+    def tell(self, run: Run) -> None:
+        """Show what a run has made, and say how it ended."""
+        is_open = self._is_open(run)
+        self._begun_in.pop(run, None)
+        if run.test_shot:
+            if run.task.picture is not None and is_open:
+                self._show(lambda: self._load_test_shot(run))
+                return
+        elif run.task.opened is not None and is_open and (run.result.written or run.result.skipped):
+            self._show(lambda: self._load_results(run))
+        else:
+            self._show(lambda: place_mosaics(self._open_project.project, run.task.mosaics))
+        # Layers that are not shown go away here: they keep their files open, and a run stays listed for long.
+        run.task.opened = None
+        # What comes last lies on top: failures before all, else what the user may want to look into.
+        if run.task.failed or (run.result is not None and run.result.failed):
+            self._tell_repeated(run)
+            self._say(run, is_open)
+        else:
+            self._say(run, is_open)
+            self._tell_repeated(run)
+
+    def _is_open(self, run: Run) -> bool:
+        return self._open_project.shows(self._begun_in.get(run), run.folder)
+
+    def _show(self, load: Callable[[], None]) -> None:
+        try:
+            load()
+        except TerrAInavError as wrong:
+            self._messages.error(translate(wrong))
+
+    def _load_results(self, run: Run) -> None:
+        # Images that have failed may be gone: those of tiles that count as missing by now.
+        changed = run.result is None or bool(run.result.written or run.result.failed)
+        show_results(self._open_project.group_of(run.folder), run.task.opened, changed=changed)
+        # The pictures themselves are there now; plans on top would only hide them. Those of the rest are still wanted.
+        if run.stage is not Stage.STOPPED:
+            self.shown.emit(run.folder)
+
+    def _load_test_shot(self, run: Run) -> None:
+        lat, lon, _ = run.mission.area.poses[0]
+        title = tr("Test shot {lat:.5f} {lon:.5f}").format(lat=lat, lon=lon)
+        self.test_shot_shown.emit(load_test_shot(self._group(), run.task.picture, title))
+
+    def _say(self, run: Run, is_open: bool) -> None:
+        result, name = run.result, run.name
+        if run.task.error:
+            self._messages.failed(with_kept(translate(run.task.error), result), run.task.trace)
+        elif run.stage is Stage.STOPPED and result is None:
+            self._messages.info(tr("{name}: stopped before the first image.").format(name=name))
+        elif run.stage is Stage.STOPPED:
+            self._messages.info(
+                tr("{name}: stopped with {there} of {total} images.").format(
+                    name=name,
+                    there=number_text(result.written + result.skipped),
+                    total=number_text(result.total),
+                ),
+                (tr("Resume"), lambda: self.resume_wanted.emit(run)),
+            )
+        elif run.task.failed or result.failed:
+            self._tell_failed(run)
+        else:
+            text = done_text(result)
+            if run.plan.size_px is not None:
+                text += " " + tr("Camera frames make no mosaic: “View images” shows them one by one.")
+            if not is_open:
+                text += " " + tr("Its project is closed: open the dataset by “Missions” to see it.")
+            open_folder = (tr("Open folder"), lambda: open_in_system(run.folder))
+            self._messages.success(f"{name}: {text}", open_folder)
+
+    def _tell_failed(self, run: Run) -> None:
+        failed = run.result.failed
+        reason = translate(failed[0].reason) if failed else tr("in an earlier run")
+        text = tr("{name}: {failed} of {total} images could not be made ({reason}).").format(
+            name=run.name,
+            failed=number_text(run.task.failed or len(failed)),
+            total=number_text(len(run.plan) * len(run.mission.map_types)),
+            reason=reason,
+        )
+        lines = (f"{failure.map_type}/{failure.name}: {translate(failure.reason)}" for failure in failed)
+        again = (tr("Capture only the failed ones"), lambda: self.failed_wanted.emit(run))
+        self._messages.warning(text, "\n".join(lines), again)
+
+    def _tell_repeated(self, run: Run) -> None:
+        """Name tiles that came for places far apart, and offer to do without them."""
+        for repeat in run.result.repeated[:_NAMED_REPEATS] if run.result is not None else ():
+            images = len(repeat.images)
+            text = tr("{name}: the same tile came for {places} places and is in {images} images.").format(
+                name=run.name, places=number_text(repeat.places), images=number_text(images)
+            )
+            details = tr(
+                "Its SHA-256 begins with {digest}; {image} shows it. It may be water or snow. If it shows no imagery, "
+                "“Treat as missing” removes the images with it and asks for its places again; the options list what is "
+                "treated so."
+            ).format(digest=repeat.sha256, image=next(iter(repeat.images), ""))
+            missing = partial(self.missing_wanted.emit, run, repeat.sha256, images)
+            self._messages.warning(text, details, (tr("Treat as missing"), missing))

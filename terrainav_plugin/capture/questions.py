@@ -1,0 +1,122 @@
+"""What is asked before a run: is there a folder, is it free, is there a key, do the source's terms allow it."""
+
+from __future__ import annotations
+
+import html
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from qgis.PyQt.QtGui import QTextDocument
+from qgis.PyQt.QtWidgets import QMessageBox, QWidget
+
+from ...core.errors import TerrAInavError
+from ..i18n import tr, translate
+from ..paths import next_folder, place_of
+from ..sources import credentials_problem, terms_problem
+
+if TYPE_CHECKING:
+    from ...core.mission.mission import Mission
+    from ..messages import Messages
+    from .run import Run
+
+
+class Questions:
+    """Asks and tells; what keeps a run from being made is said where it can be mended.
+
+    Parameters
+    ----------
+    messages : Messages
+    window : QWidget
+        That dialogs belong to.
+    mark : callable
+        Shows messages at the entries that they are about.
+    capture_into : callable
+        Captures what is entered into another folder.
+    """
+
+    def __init__(
+        self,
+        messages: Messages,
+        window: QWidget,
+        mark: Callable[[dict[str, str]], None],
+        capture_into: Callable[[Path], None],
+    ) -> None:
+        self._messages, self._window = messages, window
+        self._mark, self._capture_into = mark, capture_into
+
+    def folder_is_given(self, text: str) -> bool:
+        """Whether there is a folder to write to; says so at the field where there is none."""
+        if text.strip():
+            return True
+        message = tr("folder is empty: choose where the pictures go")
+        self._mark({"folder": message})
+        self._messages.refused(message, tr("Nothing to capture yet."))
+        return False
+
+    def key_is_there(self, source: str) -> bool:
+        """Whether the key or the authentication of a source can be used; says so at the field where it cannot."""
+        try:
+            problem = credentials_problem(source)
+        except TerrAInavError as wrong:
+            problem = translate(wrong)
+        if problem:
+            self._mark({"key": problem})
+            self._messages.refused(problem, tr("Nothing to capture yet."))
+        return not problem
+
+    def belongs_to_another(self, mission: Mission, folder: Path) -> bool:
+        """Whether the folder holds another mission; offers one beside it."""
+        from ...core.capture.folder import is_of
+        from ...core.dataset.folder import MISSION_FILE
+
+        mark = folder / MISSION_FILE
+        try:
+            if not mark.is_file() or is_of(mark.read_bytes(), mission):
+                return False
+        except OSError:
+            # The run itself says what is wrong with the folder.
+            return False
+        other = next_folder(folder)
+        self._messages.warning(
+            tr("{folder} holds another mission; nothing was changed there.").format(folder=folder),
+            action=(tr("Capture into {name}").format(name=other.name), lambda: self._capture_into(other)),
+        )
+        return True
+
+    def is_queued(self, mission: Mission, folder: Path, others: list[Run]) -> bool:
+        """Whether one of the runs that are not over captures into the folder already; says so."""
+        found = next((run for run in others if place_of(run.folder) == place_of(folder)), None)
+        if found is None:
+            return False
+        if found.mission == mission:
+            self._messages.info(tr("{name} is being captured already.").format(name=folder.name))
+            return True
+        other = next_folder(folder)
+        self._messages.warning(
+            tr("{folder} is being captured already; a second mission needs a folder of its own.").format(
+                folder=folder
+            ),
+            action=(tr("Capture into {name}").format(name=other.name), lambda: self._capture_into(other)),
+        )
+        return True
+
+    def terms_allow(self, mission: Mission, requests: int) -> bool:
+        """Whether the source's terms allow a run; asks the user where agreeing to them is enough."""
+        problem = terms_problem(mission, requests)
+        if problem is None:
+            return True
+        text, can_agree = problem
+        window, title = self._window, tr("TerrAInav: terms of the source")
+        if not can_agree:
+            # The message bar shows its first lines only.
+            plain = QTextDocument()
+            plain.setHtml(text)
+            label = tr("Terms and alternatives")
+            self._messages.warning(
+                plain.toPlainText(), action=(label, lambda: QMessageBox.warning(window, title, text))
+            )
+            return False
+        asked = tr("Do you agree to these terms, and are you allowed to download?")
+        answer = QMessageBox.question(window, title, f"{text}<p>{html.escape(asked)}</p>")
+        return answer == QMessageBox.StandardButton.Yes

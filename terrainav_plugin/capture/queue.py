@@ -1,0 +1,239 @@
+"""The queue of captures: one works, the others wait for it; those that are over stay until they are dismissed."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from qgis.core import QgsProcessingUtils
+from qgis.PyQt.QtCore import QObject, pyqtSignal
+from qgis.PyQt.QtWidgets import QWidget
+
+from ...core.errors import TerrAInavError
+from ..form import mission_form
+from ..form.mission_form import FormError
+from ..i18n import tr, translate
+from ..settings import Settings
+from ..sources import grid_of, key_of
+from .endings import Endings
+from .questions import Questions
+from .run import Run
+
+if TYPE_CHECKING:
+    from ...core.mission.plan import Plan
+    from ..dataset.placing import OpenProject
+    from ..form.state import FormState
+    from ..map.mission_group import MissionGroup
+    from ..messages import Messages
+    from ..planner import Planned
+    from .task import CaptureTask
+
+
+class Runs(QObject):
+    """Captures in the order they were asked for.
+
+    One that is paused keeps its place, and the others wait behind it.
+
+    Parameters
+    ----------
+    messages : Messages
+    window : QWidget
+        That dialogs belong to.
+    open_project : OpenProject
+    group : callable
+        Group of the mission in the panel, which test shots come into.
+
+    Signals
+    -------
+    listed(object)
+        A run has come into the list.
+    dismissed(object)
+        A run has left the list.
+    moved()
+        The queue has moved on.
+    running(bool)
+        A run has begun while none was under way, or the last one has ended.
+    refused(object)
+        What is wrong with entries, by their fields.
+    other_folder_wanted(object)
+        What is entered is to be captured into another folder.
+    results_shown(object), test_shot_shown(object)
+        As `Endings` has them.
+    """
+
+    listed = pyqtSignal(object)
+    dismissed = pyqtSignal(object)
+    moved = pyqtSignal()
+    running = pyqtSignal(bool)
+    refused = pyqtSignal(object)
+    other_folder_wanted = pyqtSignal(object)
+    results_shown = pyqtSignal(object)
+    test_shot_shown = pyqtSignal(object)
+
+    def __init__(
+        self,
+        messages: Messages,
+        window: QWidget,
+        open_project: OpenProject,
+        group: Callable[[], MissionGroup],
+    ) -> None:
+        super().__init__()
+        self._messages = messages
+        self.questions = Questions(messages, window, self.refused.emit, self.other_folder_wanted.emit)
+        self.runs: list[Run] = []
+        self._endings = Endings(messages, open_project, group, self)
+        self._endings.shown.connect(self.results_shown)
+        self._endings.test_shot_shown.connect(self.test_shot_shown)
+        self._endings.resume_wanted.connect(self.resume)
+        self._endings.failed_wanted.connect(self.capture_failed)
+        self._endings.missing_wanted.connect(self.treat_as_missing)
+        self._was_idle = True
+        self._closed = False
+
+    @property
+    def waiting(self) -> list[Run]:
+        """Those that are not over, in their order; the first of them is at work."""
+        return [run for run in self.runs if not run.over]
+
+    @property
+    def idle(self) -> bool:
+        """Whether nothing is to be done."""
+        return not self.waiting
+
+    @property
+    def task(self) -> CaptureTask | None:
+        """Task of the run at work; None when idle."""
+        return next((run.task for run in self.waiting), None)
+
+    @property
+    def folders(self) -> list[Path]:
+        """Folders of the datasets that are captured or have been, in the order they were asked for."""
+        return [run.folder for run in self.runs if not run.test_shot]
+
+    def can_start(self, state: FormState) -> bool:
+        """Whether there is a folder to capture what is entered into, and the key that its source needs; says so."""
+        return self.questions.folder_is_given(state.folder) and self.questions.key_is_there(state.source_name)
+
+    def start(self, planned: Planned, folder: Path, only_failed: bool = False) -> None:
+        """Put the capture of a plan into the queue, after what has to be asked has been asked."""
+        if self.questions.belongs_to_another(planned.mission, folder):
+            return
+        self._enqueue(planned.plan, folder, only_failed, self._requests(planned.plan))
+
+    def capture_failed(self, run: Run) -> None:
+        """Capture the images again that have failed in a run that is over, and nothing else."""
+        self._capture_again(run, run.task.failed, only_failed=True)
+
+    def treat_as_missing(self, run: Run, digest: str, images: int) -> None:
+        """Have a tile count as missing from now on, and capture the images of a run again that show it."""
+        Settings().treat_as_missing(digest)
+        self._capture_again(run, run.task.failed + images, only_failed=False)
+
+    def _capture_again(self, run: Run, images: int, *, only_failed: bool) -> None:
+        share = min(images / max(len(run.plan) * len(run.mission.map_types), 1), 1.0)
+        if not self.questions.key_is_there(run.mission.source):
+            return
+        requests = math.ceil(share * self._requests(run.plan))
+        if self._enqueue(run.plan, run.folder, only_failed, requests):
+            self.dismiss(run)
+
+    def resume(self, run: Run) -> None:
+        """Let a run that is paused go on, or put one that has ended early into the queue again."""
+        if not run.over:
+            run.pause(False)
+        elif self.questions.key_is_there(run.mission.source):
+            self._enqueue(run.plan, run.folder, run.only_failed, self._requests(run.plan))
+
+    def start_test_shot(self, state: FormState, lat_deg: float, lon_deg: float) -> None:
+        """Capture one picture above a point, with camera, height and source as entered."""
+        from ...core.mission.plan import plan
+
+        if not self.idle:
+            return
+        try:
+            mission = mission_form.test_shot(state, lat_deg, lon_deg)
+            steps = plan(mission, grid_of(mission))
+        except FormError as wrong:
+            self.refused.emit(wrong.messages)
+            self._messages.refused(translate(wrong), tr("No test shot."))
+            return
+        except TerrAInavError as wrong:
+            self._messages.refused(translate(wrong), tr("No test shot."))
+            return
+        questions = self.questions
+        if questions.key_is_there(mission.source) and questions.terms_allow(mission, steps.requests):
+            # QGIS removes its temporary folder when it ends.
+            folder = Path(QgsProcessingUtils.generateTempFilename("test-shot"))
+            self._add(Run(steps, folder, key_of(mission.source), test_shot=True))
+
+    def dismiss(self, run: Run) -> None:
+        """Take a run that is over off the list."""
+        if run in self.runs and run.over:
+            self.runs.remove(run)
+            self.dismissed.emit(run)
+            run.deleteLater()
+
+    def cancel(self) -> None:
+        """Stop all that is under way or waiting; what is finished is kept."""
+        for run in reversed(self.waiting):
+            run.cancel()
+
+    def close(self) -> None:
+        """Stop everything and wait for its end, without a word."""
+        self._closed = True
+        self._endings.close()
+        for run in reversed(self.runs):
+            run.close()
+        self.runs.clear()
+
+    @staticmethod
+    def _requests(plan: Plan) -> int:
+        return plan.requests * len(plan.mission.map_types)
+
+    def _enqueue(self, plan: Plan, folder: Path, only_failed: bool, requests: int) -> bool:
+        mission = plan.mission
+        if self.questions.is_queued(mission, folder, self.waiting) or not self.questions.terms_allow(
+            mission, requests
+        ):
+            return False
+        try:
+            # A copy: what a plan keeps of its views belongs to whoever captures it.
+            run = Run(replace(plan), folder, key_of(mission.source), only_failed=only_failed)
+        except TerrAInavError as wrong:
+            self._messages.warning(tr("Nothing captured: {reason}").format(reason=translate(wrong)))
+            return False
+        self._add(run)
+        return True
+
+    def _add(self, run: Run) -> None:
+        if self._closed:
+            # Unloaded while it was asked for the terms.
+            run.close()
+            return
+        self._endings.remember(run)
+        run.failed_changed.connect(self._endings.show_failed)
+        run.ended.connect(self._ended)
+        # What was made of the same folder before is told by the new run.
+        for old in [old for old in self.runs if old.over and old.folder == run.folder]:
+            self.dismiss(old)
+        self.runs.append(run)
+        self.listed.emit(run)
+        self._move_on()
+
+    def _ended(self, run: Run) -> None:
+        self._endings.tell(run)
+        if run.test_shot:
+            self.dismiss(run)
+        self._move_on()
+
+    def _move_on(self) -> None:
+        waiting = self.waiting
+        if waiting and not waiting[0].under_way:
+            waiting[0].begin()
+        self.moved.emit()
+        if self._was_idle != self.idle:
+            self._was_idle = self.idle
+            self.running.emit(not self.idle)

@@ -1,0 +1,295 @@
+"""One capture, from the queue to its end, and what is said of it. Knows no widget."""
+
+from __future__ import annotations
+
+import enum
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from qgis.PyQt.QtCore import QObject, pyqtSignal
+
+from ..i18n import number_text, tr, translate
+from ..units import duration_text
+from .task import CaptureTask
+
+if TYPE_CHECKING:
+    from ...core.capture.runner import CaptureResult, Progress
+    from ...core.mission.mission import Mission
+    from ...core.mission.plan import Plan
+
+#: A rate is shown once so many pictures are there: the first ones wait for connections.
+_LEAST_FOR_RATE = 10
+#: From this rate on decimals say nothing.
+_WHOLE_RATE = 10.0
+
+
+class Stage(enum.Enum):
+    """Where a run is."""
+
+    WAITING = "waiting"
+    RUNNING = "running"
+    PAUSED = "paused"
+    STOPPING = "stopping"
+    DONE = "done"
+    INCOMPLETE = "incomplete"
+    STOPPED = "stopped"
+    BROKEN = "broken"
+
+
+#: Stages of a run that still has something to do.
+_UNDER_WAY = (Stage.RUNNING, Stage.PAUSED, Stage.STOPPING)
+
+
+class Run(QObject):
+    """A capture of a plan as it was when it was asked for; what is entered later does not touch it.
+
+    Parameters
+    ----------
+    plan : Plan
+    folder : Path
+    key : str or None
+        API key.
+    test_shot, only_failed : bool
+        As for a `CaptureTask`.
+
+    Signals
+    -------
+    changed()
+        Stage or figures are others now.
+    failed_changed(object, object)
+        The run, and what has failed of its dataset by now as a layer; None for nothing.
+    ended(object)
+        The run itself, whatever became of it.
+
+    Raises
+    ------
+    TerrAInavError
+        Where the source cannot be used.
+    """
+
+    changed = pyqtSignal()
+    failed_changed = pyqtSignal(object, object)
+    ended = pyqtSignal(object)
+
+    def __init__(
+        self,
+        plan: Plan,
+        folder: Path,
+        key: str | None,
+        *,
+        test_shot: bool = False,
+        only_failed: bool = False,
+    ) -> None:
+        super().__init__()
+        self.plan = plan
+        self.folder = folder
+        self.test_shot = test_shot
+        self.only_failed = only_failed
+        self.stage = Stage.WAITING
+        self.progress: Progress | None = None
+        self.percent = 0.0
+        self.task = CaptureTask(plan, folder, key, test_shot, only_failed)
+
+    @property
+    def mission(self) -> Mission:
+        """What is captured."""
+        return self.plan.mission
+
+    @property
+    def name(self) -> str:
+        """What users call it: the last part of its folder's path, the whole of one that has no parts."""
+        return self.folder.name or str(self.folder)
+
+    @property
+    def result(self) -> CaptureResult | None:
+        """What the run has done, once it has."""
+        return self.task.result
+
+    @property
+    def over(self) -> bool:
+        """Whether it has come to its end."""
+        return self.stage is not Stage.WAITING and not self.under_way
+
+    @property
+    def under_way(self) -> bool:
+        """Whether it has begun and not ended."""
+        return self.stage in _UNDER_WAY
+
+    @property
+    def can_pause(self) -> bool:
+        """Whether there is something to hold: while a mosaic is made there is not."""
+        return self.stage is Stage.PAUSED or (self.stage is Stage.RUNNING and not self.all_made)
+
+    @property
+    def all_made(self) -> bool:
+        """Whether every picture is there or has failed."""
+        progress = self.progress
+        return (
+            progress is not None and progress.done + progress.failed + progress.skipped >= progress.total > 0
+        )
+
+    def begin(self) -> None:
+        """Hand it to QGIS's task manager: its turn has come."""
+        self.task.progressed.connect(self._progressed)
+        self.task.progressChanged.connect(self._moved_on)
+        self.task.failed_changed.connect(lambda layer: self.failed_changed.emit(self, layer))
+        self._become(Stage.RUNNING)
+        self.task.begin(self._ended)
+
+    def pause(self, paused: bool) -> None:
+        """Hold it in its place, or let it go on."""
+        if self.stage in (Stage.RUNNING, Stage.PAUSED):
+            self.task.paused = paused
+            self._become(Stage.PAUSED if paused else Stage.RUNNING)
+
+    def cancel(self) -> None:
+        """Stop it; what is finished is kept and shown. The second time, or with every picture there, stop that, too."""
+        if self.stage is Stage.WAITING:
+            self.task.discard()
+            self._become(Stage.STOPPED)
+            self.ended.emit(self)
+        elif self.under_way:
+            end = self.task.cancel if self.stage is Stage.STOPPING or self.all_made else self.task.stop
+            # Before the task is told: that may be the end of it at once.
+            self._become(Stage.STOPPING)
+            end()
+
+    def close(self) -> None:
+        """Stop it and wait for its end, without a word."""
+        if self.stage is Stage.WAITING:
+            self.task.discard()
+        elif self.under_way:
+            for signal in (
+                self.task.progressed,
+                self.task.progressChanged,
+                self.task.failed_changed,
+                self.task.ended,
+            ):
+                signal.disconnect()
+            self.task.cancel()
+            self.task.waitForFinished()
+        self.stage = Stage.STOPPED
+
+    def _progressed(self, progress: Progress) -> None:
+        self.progress = progress
+        self.changed.emit()
+
+    def _moved_on(self, percent: float) -> None:
+        self.percent = percent
+        self.changed.emit()
+
+    def _ended(self, task: CaptureTask) -> None:
+        result = task.result
+        if task.error:
+            stage = Stage.BROKEN
+        elif result is None or result.cancelled or task.stopped:
+            stage = Stage.STOPPED
+        else:
+            stage = Stage.INCOMPLETE if task.failed or result.failed else Stage.DONE
+            self.percent = 100.0
+        self._become(stage)
+        self.ended.emit(self)
+
+    def _become(self, stage: Stage) -> None:
+        self.stage = stage
+        self.changed.emit()
+
+
+def title_of(run: Run) -> str:
+    """Name that a run goes by."""
+    if run.test_shot:
+        return tr("Test shot")
+    if run.only_failed:
+        return tr("{name}: failed images").format(name=run.name)
+    return run.name
+
+
+def row_text(run: Run, place: int = 0) -> str:
+    """How far a run is, in a line.
+
+    Parameters
+    ----------
+    place : int
+        Runs before it in the queue.
+    """
+    if run.stage is Stage.WAITING:
+        return (
+            tr("Waiting: next in line")
+            if place <= 1
+            else tr("Waiting: {place} before it").format(place=place)
+        )
+    if run.stage is Stage.STOPPING:
+        return tr("Stopping…") if run.result is None else tr("Stopped; making the mosaic…")
+    if run.over:
+        return _end_text(run)
+    if run.progress is None:
+        return tr("Paused") if run.stage is Stage.PAUSED else tr("Starting…")
+    if run.stage is Stage.PAUSED:
+        return tr("Paused: {counts}").format(counts=_counts(run.progress))
+    return _counts(run.progress) + _pace(run.progress, making_mosaic=run.plan.size_px is None)
+
+
+def done_text(result: CaptureResult) -> str:
+    """What a run that came to its end has done."""
+    if not result.total:
+        return tr("No image was missing.")
+    if not result.written:
+        if result.total == 1:
+            return tr("The image was there already.")
+        return tr("All {total} images were there already.").format(total=number_text(result.total))
+    time = duration_text(result.seconds)
+    if result.skipped:
+        return tr("All {total} images are there: {written} captured now in {time}, {skipped} before.").format(
+            total=number_text(result.total),
+            written=number_text(result.written),
+            time=time,
+            skipped=number_text(result.skipped),
+        )
+    if result.written == 1:
+        return tr("One image captured in {time}.").format(time=time)
+    return tr("{written} images captured in {time}.").format(written=number_text(result.written), time=time)
+
+
+def with_kept(error: str, result: CaptureResult | None) -> str:
+    """Error of a run, and that its images are there all the same."""
+    return error if result is None else tr("{error} (the images are written)").format(error=error)
+
+
+def _counts(progress: Progress) -> str:
+    done = progress.done + progress.skipped
+    text = tr("{done} of {total} images").format(done=number_text(done), total=number_text(progress.total))
+    if progress.failed:
+        text += tr(", {failed} failed").format(failed=number_text(progress.failed))
+    return text
+
+
+def _pace(progress: Progress, making_mosaic: bool) -> str:
+    """Rate and remaining time, of the time that the run has worked: pauses do not count."""
+    done = progress.done + progress.failed
+    left = progress.total - progress.skipped - done
+    if not left:
+        return tr("; making the mosaic…") if making_mosaic else ""
+    if done < _LEAST_FOR_RATE or progress.active_s <= 0.0:
+        return ""
+    rate = done / progress.active_s
+    shown = number_text(rate, ".0f") if rate >= _WHOLE_RATE else number_text(rate, ".1f")
+    return tr(", {rate} a second, {time} left").format(rate=shown, time=duration_text(left / rate))
+
+
+def _end_text(run: Run) -> str:
+    result = run.result
+    if run.task.error:
+        return with_kept(translate(run.task.error), result)
+    if result is None:
+        return tr("Stopped before the first image")
+    there = number_text(result.written + result.skipped)
+    if result.cancelled:
+        return tr("Stopped with {there} of {total} images").format(
+            there=there, total=number_text(result.total)
+        )
+    if run.task.failed:
+        total = len(run.plan) * len(run.mission.map_types)
+        return tr("Missing: {failed} of {total} images").format(
+            failed=number_text(run.task.failed), total=number_text(total)
+        )
+    return done_text(result)

@@ -1,0 +1,220 @@
+"""A capture as a QGIS task, and what makes its pictures fit for the map."""
+
+from __future__ import annotations
+
+import time
+from contextlib import closing
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from qgis.PyQt.QtCore import pyqtSignal
+
+from ...core.errors import OutputError
+from ..i18n import tr
+from ..settings import Settings
+from ..sources import open_for_capture, snapshot_for, transport_for
+from ..tasks import Task
+
+if TYPE_CHECKING:
+    from ...core.capture.runner import CaptureResult, Progress
+    from ...core.mission.plan import Plan
+    from ..dataset.layers import FailedImages, OpenedResults
+    from ..dataset.mosaic import Mosaic
+
+#: Share of the progress that capturing is; the mosaic takes the rest.
+_CAPTURE_SHARE = 0.9
+#: Shortest time between two looks at what has failed so far, and how much longer than such a look takes.
+_FAILED_LOOK_S = 3.0
+_FAILED_LOOK_SHARE = 20.0
+
+
+class CaptureTask(Task):
+    """Captures a plan into a folder; makes a mosaic of map frames, and lays a test shot on the map.
+
+    Everything it needs is handed over when it is made, on the main thread, and stays as it is then; `run` uses plain
+    values only.
+
+    Parameters
+    ----------
+    plan : Plan
+    folder : Path
+        Goes on where an earlier run of the same mission was stopped.
+    key : str or None
+        API key.
+    test_shot : bool
+        Whether it is a single picture, to be looked at.
+    only_failed : bool
+        Whether those that an earlier run has noted as failed are captured, and nothing else.
+
+    Signals
+    -------
+    progressed(object)
+        `Progress`, about ten times a second.
+    failed_changed(object)
+        What has failed of the dataset by now, in any run, as a layer for the main thread; None for nothing. Every few
+        seconds at most.
+
+    Attributes
+    ----------
+    paused : bool
+        Set on the main thread; while it is True nothing is asked for and no picture is begun.
+    result : CaptureResult or None
+    mosaics : list of Mosaic
+    opened : OpenedResults or None
+        Layers of the results, for the main thread.
+    failed : int
+        Images of the dataset that are still missing because they failed.
+    picture : Path or None
+        Of a test shot: what shows it on the map.
+    """
+
+    progressed = pyqtSignal(object)
+    failed_changed = pyqtSignal(object)
+
+    def __init__(
+        self,
+        plan: Plan,
+        folder: Path,
+        key: str | None = None,
+        test_shot: bool = False,
+        only_failed: bool = False,
+    ) -> None:
+        super().__init__(tr("Capturing {name}").format(name=folder.name))
+        self.plan = plan
+        self.folder = folder
+        self.paused = False
+        self.result: CaptureResult | None = None
+        self.mosaics: list[Mosaic] = []
+        self.opened: OpenedResults | None = None
+        self.failed = 0
+        self.picture: Path | None = None
+        self._key = key
+        self._test_shot, self._only_failed = test_shot, only_failed
+        self._snapshot = snapshot_for(plan.mission)
+        self._with_mosaic = not test_shot and plan.size_px is None
+        self._connections = Settings().connections
+        self._transport = transport_for(plan.mission.source)
+        self._stopping = False
+        self._failures: FailedImages | None = None
+        self._there = self._failed_seen = 0
+        self._next_look_s = 0.0
+
+    @property
+    def stopped(self) -> bool:
+        """Whether the user ended it."""
+        return self._stopping or self.isCanceled()
+
+    def stop(self) -> None:
+        """Capture no more; what is finished is made fit for the map, unless the task is cancelled, too."""
+        self._stopping = True
+
+    def work(self) -> None:
+        """Capture."""
+        try:
+            self._capture()
+        finally:
+            # Of a source that serves nothing, a message says enough.
+            if self.result is not None or self._there:
+                self._look_at_failed()
+        if self._shows_results:
+            self._open_results()
+
+    def discard(self) -> None:
+        """End a task that was never begun."""
+        self._transport.close()
+
+    def finished(self, result: bool) -> None:
+        """Tell; on the main thread."""
+        # A task that is cancelled before its turn does not run.
+        self._transport.close()
+        super().finished(result)
+
+    def _capture(self) -> None:
+        from ...core.capture.runner import capture
+        from ..dataset.layers import FailedImages
+
+        if not self._test_shot:
+            self._failures = FailedImages(self.folder)
+            self._next_look_s = time.monotonic() + _FAILED_LOOK_S
+        with closing(self._transport) as transport:
+            source = open_for_capture(
+                self.plan.mission, self._key, transport=transport, snapshot=self._snapshot
+            )
+            with closing(source):
+                self.result = capture(
+                    self.plan,
+                    source,
+                    self.folder,
+                    connections=self._connections,
+                    resume=True,
+                    only_failed=self._only_failed,
+                    progress=self._report,
+                    cancelled=lambda: self.stopped,
+                    paused=lambda: self.paused,
+                )
+        if self._with_mosaic and self._shows_results:
+            self._make_mosaics()
+        elif self._test_shot and self.result.written:
+            self._place_picture()
+
+    @property
+    def _shows_results(self) -> bool:
+        """Whether there is something for the map, and somebody waits for it."""
+        result = self.result
+        if result is None or self._test_shot or self.isCanceled():
+            return False
+        return not result.cancelled or result.written + result.skipped > 0
+
+    def _make_mosaics(self) -> None:
+        from ..dataset.mosaic import MOST_PICTURES, build_mosaics
+
+        if len(self.plan) <= MOST_PICTURES:
+            self.mosaics = build_mosaics(self.plan, self.folder, self._mosaic_progress)
+
+    def _open_results(self) -> None:
+        from ..dataset.layers import open_results
+
+        self.opened = open_results(self.folder, self.plan.mission, self.mosaics)
+
+    def _place_picture(self) -> None:
+        mission = self.plan.mission
+        folder = self.folder / mission.map_types[0]
+        picture = folder / f"{self.plan.names[0]}.{mission.image_format}"
+        if self.plan.size_px is not None:
+            from ..dataset.rectify import lay_on_map
+
+            on_map = folder / "on-map.tif"
+            lay_on_map(self.plan, picture, on_map)
+            picture = on_map
+        self.picture = picture
+
+    def _report(self, progress: Progress) -> None:
+        done = progress.done + progress.failed + progress.skipped
+        share = _CAPTURE_SHARE if self._with_mosaic else 1.0
+        self.setProgress(100.0 * share * done / max(progress.total, 1))
+        self._there = progress.done + progress.skipped
+        self.progressed.emit(progress)
+        if progress.failed > self._failed_seen and time.monotonic() >= self._next_look_s:
+            self._failed_seen = progress.failed
+            self._look_at_failed()
+
+    def _look_at_failed(self) -> None:
+        """Bring what is known of failed images up to date, and tell where it has changed."""
+        if self._failures is None:
+            return
+        from ..dataset.layers import open_failed
+
+        began_s = time.monotonic()
+        try:
+            if self._failures.update():
+                self.failed_changed.emit(open_failed(self.folder))
+        except OutputError:
+            # A folder that cannot be written is told of by the capture itself.
+            return
+        ended_s = time.monotonic()
+        self._next_look_s = ended_s + max(_FAILED_LOOK_S, _FAILED_LOOK_SHARE * (ended_s - began_s))
+        self.failed = len(self._failures)
+
+    def _mosaic_progress(self, share: float) -> bool:
+        self.setProgress(100.0 * (_CAPTURE_SHARE + (1.0 - _CAPTURE_SHARE) * share))
+        return not self.isCanceled()

@@ -1,0 +1,423 @@
+"""The two charts of the paper, with a threshold that is moved by mouse and keyboard. Drawn by Qt alone."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from qgis.PyQt.QtCore import QPointF, QRectF, QSize, Qt, pyqtSignal
+from qgis.PyQt.QtGui import QColor, QKeyEvent, QMouseEvent, QPainter, QPaintEvent, QPalette, QPen
+from qgis.PyQt.QtWidgets import QSizePolicy, QWidget
+
+from ..i18n import number_text, tr
+
+Floats = NDArray[np.float64]
+#: Range of entropies of 256 grey levels, in bits.
+LOWEST, HIGHEST = 0.0, 8.0
+#: Digits after the point that a threshold has.
+DECIMALS = 2
+#: What an arrow key moves the threshold by, with Shift, and a page key; bits.
+_STEP, _SHIFT_STEP, _PAGE_STEP = 0.01, 0.1, 0.5
+_USUAL_PX, _LEAST_PX = (420, 190), (240, 140)
+_TICK_PX, _GAP_PX = 4, 3
+_HANDLE_PX = 5.0
+#: Share of the text's colour that lines of the grid have.
+_FAINT = 0.16
+#: Ticks of an axis of counts, about.
+_TICKS = 5
+#: Width of a bin of the histogram: a tenth of a bit.
+_BINS = 80
+#: Head room above the highest bin.
+_ROOM = 1.08
+#: Least height of a bin that is not empty: a few images among thousands are what is looked for.
+_LEAST_BAR_PX = 2.0
+_BETWEEN_PX = 1.0
+#: To be told apart with any colour vision, on light and dark windows and over imagery.
+KEPT = QColor(42, 134, 220)
+REJECTED = QColor(230, 40, 150)
+
+
+class Frame(NamedTuple):
+    """Where a chart's plot is, in px."""
+
+    left: float
+    top: float
+    right: float
+    bottom: float
+
+    @property
+    def rect(self) -> QRectF:
+        """As a rectangle."""
+        return QRectF(self.left, self.top, self.right - self.left, self.bottom - self.top)
+
+
+class Chart(QWidget):
+    """What both charts share: axes, the threshold's line, and how it is moved.
+
+    Signals
+    -------
+    threshold_moved(float)
+        Bits, by the user.
+
+    Attributes
+    ----------
+    look : QWidget
+        Whose colours it has: themes of QGIS are style sheets, which leave plain widgets out.
+    """
+
+    threshold_moved = pyqtSignal(float)
+    #: Whether the threshold is a place on the horizontal axis.
+    ACROSS = True
+
+    def __init__(self, name: str) -> None:
+        super().__init__()
+        self.setObjectName(name)
+        self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Expanding)
+        self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
+        self.setMouseTracking(True)
+        self.setToolTip(
+            tr(
+                "Drag the line: images with less entropy (bits) are rejected.\nArrow keys move it by {step}, with "
+                "Shift by {shift}, Page keys by {page} bits."
+            ).format(step=_STEP, shift=_SHIFT_STEP, page=_PAGE_STEP)
+        )
+        self.look: QWidget = self
+        self.bits: Floats = np.zeros(0)
+        self.threshold = LOWEST
+        self.suggested: float | None = None
+        self._hint = ""
+        self._held = False
+
+    def show_bits(self, bits: Floats, suggested: float | None) -> None:
+        """Show entropies (n,) in the order of the flight, NaN for images that are not there."""
+        self.bits, self.suggested, self._hint = bits, suggested, ""
+        self.prepare()
+        self.update()
+
+    def show_hint(self, text: str) -> None:
+        """Show a text in place of entropies."""
+        self.bits, self.suggested, self._hint = np.zeros(0), None, text
+        self.prepare()
+        self.update()
+
+    def show_threshold(self, threshold: float) -> None:
+        """Put the line at a threshold, in bits."""
+        self.threshold = threshold
+        self.setAccessibleName(tr("Threshold {bits} bits").format(bits=f"{threshold:.{DECIMALS}f}"))
+        self.update()
+
+    def place_of(self, bits: float, frame: Frame | None = None) -> float:
+        """Where an entropy is along the axis of the threshold, in px; ``frame`` is that of now where it is known."""
+        frame = frame or self.frame()
+        share = (bits - LOWEST) / (HIGHEST - LOWEST)
+        if self.ACROSS:
+            return frame.left + share * (frame.right - frame.left)
+        return frame.bottom - share * (frame.bottom - frame.top)
+
+    def bits_at(self, x: float, y: float) -> float:
+        """Entropy at a place of the chart, in range and rounded as thresholds are."""
+        frame = self.frame()
+        share = (
+            (x - frame.left) / (frame.right - frame.left)
+            if self.ACROSS
+            else (frame.bottom - y) / (frame.bottom - frame.top)
+        )
+        return round(min(max(LOWEST + share * (HIGHEST - LOWEST), LOWEST), HIGHEST), DECIMALS)
+
+    def frame(self) -> Frame:
+        """Where the plot is now."""
+        metrics = self.fontMetrics()
+        left = max(metrics.horizontalAdvance(text) for _, text in self.left_ticks()) + _TICK_PX + 2 * _GAP_PX
+        below = 2 * metrics.height() + _TICK_PX + 2 * _GAP_PX
+        above = metrics.height() + 2 * _GAP_PX + _HANDLE_PX
+        right = self.width() - metrics.horizontalAdvance("00") - _GAP_PX
+        return Frame(
+            left + metrics.height(), above, max(right, left + 1), max(self.height() - below, above + 1)
+        )
+
+    def sizeHint(self) -> QSize:
+        """Room to see the shape of a distribution."""
+        return QSize(*_USUAL_PX)
+
+    def minimumSizeHint(self) -> QSize:
+        """Room for axes and a line."""
+        return QSize(*_LEAST_PX)
+
+    # --- what the two charts differ in
+
+    def prepare(self) -> None:
+        """Work out what is drawn again and again."""
+
+    def left_ticks(self) -> list[tuple[float, str]]:
+        """Values and texts of the vertical axis; its range begins at 0."""
+        raise NotImplementedError
+
+    def bottom_ticks(self) -> list[tuple[float, str]]:
+        """Values and texts of the horizontal axis."""
+        raise NotImplementedError
+
+    def titles(self) -> tuple[str, str]:
+        """What the horizontal and the vertical axis show, with unit."""
+        raise NotImplementedError
+
+    def ranges(self) -> tuple[float, float]:
+        """Ends of the horizontal and the vertical axis, which begin at 0."""
+        raise NotImplementedError
+
+    def paint_data(self, painter: QPainter, frame: Frame) -> None:
+        """Draw the entropies."""
+        raise NotImplementedError
+
+    # --- mouse and keyboard
+
+    def mousePressEvent(self, event: QMouseEvent) -> None:
+        """Take the line."""
+        if event.button() == Qt.MouseButton.LeftButton:
+            self._held = True
+            self._move_to(event)
+
+    def mouseMoveEvent(self, event: QMouseEvent) -> None:
+        """Drag the line."""
+        if not len(self.bits):
+            self.unsetCursor()
+            return
+        self.setCursor(Qt.CursorShape.SplitHCursor if self.ACROSS else Qt.CursorShape.SplitVCursor)
+        if self._held:
+            self._move_to(event)
+
+    def mouseReleaseEvent(self, event: QMouseEvent) -> None:
+        """Let the line go."""
+        if event.button() == Qt.MouseButton.LeftButton:
+            self._held = False
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        """Move the line by keys."""
+        step = _SHIFT_STEP if event.modifiers() & Qt.KeyboardModifier.ShiftModifier else _STEP
+        moved = {
+            Qt.Key.Key_Left: self.threshold - step,
+            Qt.Key.Key_Down: self.threshold - step,
+            Qt.Key.Key_Right: self.threshold + step,
+            Qt.Key.Key_Up: self.threshold + step,
+            Qt.Key.Key_PageDown: self.threshold - _PAGE_STEP,
+            Qt.Key.Key_PageUp: self.threshold + _PAGE_STEP,
+            Qt.Key.Key_Home: LOWEST,
+            Qt.Key.Key_End: HIGHEST,
+        }.get(event.key())
+        if moved is None or not len(self.bits):
+            super().keyPressEvent(event)
+            return
+        self._move(round(min(max(moved, LOWEST), HIGHEST), DECIMALS))
+
+    def _move_to(self, event: QMouseEvent) -> None:
+        if len(self.bits):
+            self._move(self.bits_at(event.pos().x(), event.pos().y()))
+
+    def _move(self, threshold: float) -> None:
+        if threshold != self.threshold:
+            self.show_threshold(threshold)
+            self.threshold_moved.emit(threshold)
+
+    # --- drawing
+
+    def paintEvent(self, event: QPaintEvent) -> None:  # noqa: ARG002  Qt passes it
+        """Paint."""
+        painter = QPainter(self)
+        if not len(self.bits):
+            flags = int(Qt.AlignmentFlag.AlignCenter) | int(Qt.TextFlag.TextWordWrap)
+            # Also of a chart that is not enabled: it may say what is wrong.
+            painter.setPen(
+                self.look.palette().color(QPalette.ColorGroup.Active, QPalette.ColorRole.WindowText)
+            )
+            painter.drawText(self.rect().adjusted(_GAP_PX, _GAP_PX, -_GAP_PX, -_GAP_PX), flags, self._hint)
+            return
+        frame = self.frame()
+        painter.fillRect(frame.rect, self.look.palette().base())
+        self._paint_axes(painter, frame)
+        self.paint_data(painter, frame)
+        self._paint_line(painter, frame)
+        if self.hasFocus():
+            painter.setPen(QPen(self.look.palette().highlight().color(), 1.0))
+            painter.drawRect(frame.rect)
+
+    def _text_colour(self) -> QColor:
+        return self.look.palette().windowText().color()
+
+    def _paint_axes(self, painter: QPainter, frame: Frame) -> None:
+        metrics, text = self.fontMetrics(), self._text_colour()
+        faint = QColor(text)
+        faint.setAlphaF(_FAINT)
+        width, height = self.ranges()
+        up_px, across_px = (frame.bottom - frame.top) / height, (frame.right - frame.left) / width
+        for value, label in _apart(self.left_ticks(), up_px, metrics.height()):
+            y = frame.bottom - value * up_px
+            painter.setPen(faint)
+            painter.drawLine(QPointF(frame.left - _TICK_PX, y), QPointF(frame.right, y))
+            painter.setPen(text)
+            x = frame.left - _TICK_PX - _GAP_PX - metrics.horizontalAdvance(label)
+            painter.drawText(QPointF(x, y + metrics.ascent() / 2.0 - 1.0), label)
+        below = self.bottom_ticks()
+        widest = max(metrics.horizontalAdvance(label) for _, label in below) + 2 * _GAP_PX
+        for value, label in _apart(below, across_px, widest):
+            x = frame.left + value * across_px
+            painter.setPen(faint)
+            painter.drawLine(QPointF(x, frame.bottom), QPointF(x, frame.bottom + _TICK_PX))
+            painter.setPen(text)
+            at = QPointF(
+                x - metrics.horizontalAdvance(label) / 2.0, frame.bottom + _TICK_PX + metrics.ascent()
+            )
+            painter.drawText(at, label)
+        across, up = self.titles()
+        middle = (frame.left + frame.right - metrics.horizontalAdvance(across)) / 2.0
+        painter.drawText(QPointF(middle, self.height() - _GAP_PX - metrics.descent()), across)
+        painter.save()
+        painter.translate(
+            metrics.ascent() + 1.0, (frame.top + frame.bottom + metrics.horizontalAdvance(up)) / 2.0
+        )
+        painter.rotate(-90.0)
+        painter.drawText(QPointF(0.0, 0.0), up)
+        painter.restore()
+
+    def _paint_line(self, painter: QPainter, frame: Frame) -> None:
+        """Draw the threshold with its handle and its value, and what is suggested as a dotted line."""
+        text = self._text_colour()
+        if self.suggested is not None:
+            painter.setPen(QPen(text, 1.0, Qt.PenStyle.DotLine))
+            painter.drawLine(*self._ends(self.suggested, frame))
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        painter.setPen(QPen(text, 2.0))
+        start, end = self._ends(self.threshold, frame)
+        painter.drawLine(start, end)
+        painter.setBrush(text)
+        painter.drawEllipse(start if self.ACROSS else end, _HANDLE_PX, _HANDLE_PX)
+        label = tr("{bits} bits").format(bits=f"{self.threshold:.{DECIMALS}f}")
+        metrics = self.fontMetrics()
+        wide = metrics.horizontalAdvance(label)
+        if self.ACROSS:
+            x = min(max(start.x() - wide / 2.0, 0.0), self.width() - wide)
+            at = QPointF(x, frame.top - _HANDLE_PX - _GAP_PX - metrics.descent())
+        else:
+            at = QPointF(frame.right - wide, max(start.y() - _HANDLE_PX - _GAP_PX, float(metrics.ascent())))
+        painter.drawText(at, label)
+
+    def _ends(self, bits: float, frame: Frame) -> tuple[QPointF, QPointF]:
+        """Ends of the line at an entropy."""
+        at = self.place_of(bits, frame)
+        if self.ACROSS:
+            return QPointF(at, frame.top), QPointF(at, frame.bottom)
+        return QPointF(frame.left, at), QPointF(frame.right, at)
+
+
+def bits_ticks() -> list[tuple[float, str]]:
+    """Ticks of an axis of entropies: whole bits."""
+    return [(float(bits), str(bits)) for bits in range(int(LOWEST), int(HIGHEST) + 1)]
+
+
+def count_ticks(end: float) -> list[tuple[float, str]]:
+    """Ticks of an axis of counts from 0 to ``end``: one, two or five times a power of ten apart."""
+    rough = max(end / _TICKS, 1.0)
+    power = 10.0 ** math.floor(math.log10(rough))
+    step = next(power * factor for factor in (1.0, 2.0, 5.0, 10.0) if power * factor >= rough)
+    return [(value, number_text(value, ",.0f")) for value in np.arange(0.0, end + step / 1e6, step).tolist()]
+
+
+class Histogram(Chart):
+    """How many images have which entropy."""
+
+    ACROSS = True
+
+    def __init__(self) -> None:
+        super().__init__("histogram")
+        self.prepare()
+
+    def prepare(self) -> None:
+        """Count."""
+        there = self.bits[~np.isnan(self.bits)]
+        self.counts, self._edges = np.histogram(there, _BINS, (LOWEST, HIGHEST))
+
+    def left_ticks(self) -> list[tuple[float, str]]:
+        """Counts."""
+        return count_ticks(self.ranges()[1])
+
+    def bottom_ticks(self) -> list[tuple[float, str]]:
+        """Bits."""
+        return bits_ticks()
+
+    def titles(self) -> tuple[str, str]:
+        """Of the axes."""
+        return tr("Entropy (bits)"), tr("Images")
+
+    def ranges(self) -> tuple[float, float]:
+        """Of the axes."""
+        return HIGHEST, max(float(self.counts.max()), 1.0) * _ROOM
+
+    def paint_data(self, painter: QPainter, frame: Frame) -> None:
+        """Draw bins, in two colours on either side of the threshold."""
+        line = self.place_of(self.threshold, frame)
+        scale = (frame.bottom - frame.top) / self.ranges()[1]
+        for low, high, count in zip(self._edges[:-1], self._edges[1:], self.counts.tolist()):
+            if not count:
+                continue
+            left, right = self.place_of(low, frame), self.place_of(high, frame)
+            tall = max(count * scale, _LEAST_BAR_PX)
+            right -= min(_BETWEEN_PX, (right - left) / 4.0)
+            middle = min(max(line, left), right)
+            for start, end, colour in ((left, middle, REJECTED), (middle, right, KEPT)):
+                if end > start:
+                    painter.fillRect(QRectF(start, frame.bottom - tall, end - start, tall), colour)
+
+
+class Bars(Chart):
+    """The entropy of each image, in the order of the flight; where images outnumber pixels, the range of several."""
+
+    ACROSS = False
+
+    def __init__(self) -> None:
+        super().__init__("bars")
+
+    def left_ticks(self) -> list[tuple[float, str]]:
+        """Bits."""
+        return bits_ticks()
+
+    def bottom_ticks(self) -> list[tuple[float, str]]:
+        """Numbers of images."""
+        return count_ticks(float(max(len(self.bits), 1)))
+
+    def titles(self) -> tuple[str, str]:
+        """Of the axes."""
+        return tr("Image, in the order of the flight"), tr("Entropy (bits)")
+
+    def ranges(self) -> tuple[float, float]:
+        """Of the axes."""
+        return float(max(len(self.bits), 1)), HIGHEST
+
+    def paint_data(self, painter: QPainter, frame: Frame) -> None:
+        """Draw a bar for each image, or each column of pixels."""
+        count = len(self.bits)
+        columns = min(count, max(int(frame.right - frame.left), 1))
+        starts = np.arange(columns) * count // columns
+        # The kept part stands behind the rejected one, which is always seen.
+        highest = np.fmax.reduceat(self.bits, starts)
+        lowest = np.fmin.reduceat(self.bits, starts)
+        wide = (frame.right - frame.left) / columns
+        between = _BETWEEN_PX if wide >= 4.0 * _BETWEEN_PX else 0.0
+        for column, (low, high) in enumerate(zip(lowest.tolist(), highest.tolist())):
+            left = frame.left + column * wide
+            if high >= self.threshold:
+                self._bar(painter, frame, left, wide - between, high, rejected=False)
+            if low < self.threshold:
+                self._bar(painter, frame, left, wide - between, low, rejected=True)
+
+    def _bar(
+        self, painter: QPainter, frame: Frame, left: float, wide: float, bits: float, *, rejected: bool
+    ) -> None:
+        top = min(self.place_of(bits, frame), frame.bottom - _LEAST_BAR_PX)
+        painter.fillRect(QRectF(left, top, wide, frame.bottom - top), REJECTED if rejected else KEPT)
+
+
+def _apart(ticks: list[tuple[float, str]], unit_px: float, least_px: float) -> list[tuple[float, str]]:
+    """Every so many of some even ticks that begin at 0, as stand ``least_px`` apart or more."""
+    if len(ticks) < 2:
+        return ticks
+    return ticks[:: max(math.ceil(least_px / max(ticks[1][0] * unit_px, 1.0)), 1)]

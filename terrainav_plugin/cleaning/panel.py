@@ -1,0 +1,474 @@
+"""The window in which a dataset is cleaned: shows what it is given, and asks for the rest."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
+
+from qgis.core import QgsApplication
+from qgis.gui import QgsDockWidget, QgsFileWidget
+from qgis.PyQt.QtCore import QSignalBlocker, QSize, Qt, pyqtSignal
+from qgis.PyQt.QtGui import QColor, QIcon, QPainter, QPaintEvent, QPixmap
+from qgis.PyQt.QtWidgets import (
+    QCheckBox,
+    QComboBox,
+    QDoubleSpinBox,
+    QFormLayout,
+    QFrame,
+    QGridLayout,
+    QHBoxLayout,
+    QLabel,
+    QProgressBar,
+    QScrollArea,
+    QTabWidget,
+    QToolButton,
+    QVBoxLayout,
+    QWidget,
+)
+
+from ...core.dataset.folder import DEFAULT_ENTROPY
+from ..dataset.picture import Picture, read_picture
+from ..i18n import number_text, tr
+from ..plain import shown_plain
+from ..widgets import push_button, wrapped_label
+from .charts import DECIMALS, HIGHEST, KEPT, LOWEST, REJECTED, Bars, Histogram
+from .entropies import Entropies, Example
+from .tasks import MARK, MOVE, UNDO
+
+_STEP_BITS = 0.05
+_BAR_HEIGHT_PX = 6
+#: Pictures on either side.
+COUNT = 4
+_ICON_PX = (72, 54)
+_LINE_PX = 3
+
+
+class CleanPanel(QgsDockWidget):
+    """Shows what a threshold would do to a dataset.
+
+    Signals
+    -------
+    folder_chosen(str)
+    map_type_chosen(str)
+    threshold_changed(float)
+        Bits, by whatever the user has moved.
+    on_map_toggled(bool)
+    action_wanted(str)
+        One of `MARK`, `MOVE` and `UNDO`.
+    pictures_wanted(), stop_wanted()
+    """
+
+    folder_chosen = pyqtSignal(str)
+    map_type_chosen = pyqtSignal(str)
+    threshold_changed = pyqtSignal(float)
+    on_map_toggled = pyqtSignal(bool)
+    action_wanted = pyqtSignal(str)
+    pictures_wanted = pyqtSignal()
+    stop_wanted = pyqtSignal()
+
+    def __init__(self) -> None:
+        super().__init__(tr("TerrAInav: clean dataset"))
+        self.setObjectName("terrainav_clean")
+        self.entropies: Entropies | None = None
+        self._busy = self._footprints = False
+        self._lost_focus: QWidget | None = None
+        self._make_entries()
+        self.charts = (Histogram(), Bars())
+        self.tabs = QTabWidget()
+        self.tabs.setObjectName("charts")
+        self.tabs.addTab(self.charts[0], tr("Histo&gram"))
+        self.tabs.addTab(self.charts[1], tr("&Image by image"))
+        for chart in self.charts:
+            chart.look = self.tabs
+            chart.threshold_moved.connect(self.threshold.setValue)
+            chart.show_threshold(self.threshold.value())
+        self.counts = wrapped_label("counts")
+        self.notes = wrapped_label("notes")
+        self.strip = ExampleStrip()
+        self._make_buttons()
+        # Put beside other panels it may be low, and must not make them wider.
+        scroll = QScrollArea()
+        scroll.setFrameShape(QFrame.Shape.NoFrame)
+        scroll.setWidgetResizable(True)
+        scroll.setWidget(self._contents())
+        self.setWidget(scroll)
+        self.show_hint()
+
+    # --- what is shown
+
+    def show_folder(self, folder: str) -> None:
+        """Name a folder without a word."""
+        with QSignalBlocker(self.folder):
+            self.folder.setFilePath(folder)
+
+    def show_hint(self, text: str = "") -> None:
+        """Show a text in place of entropies; that a folder is wanted where there is none."""
+        text = text or tr("Choose the folder of a dataset.")
+        self.entropies = None
+        for chart in self.charts:
+            chart.show_hint(text)
+        self.counts.setText("")
+        self.notes.setText("")
+        self.strip.clear()
+        with QSignalBlocker(self.map_type):
+            self.map_type.clear()
+        self.bar.setVisible(self._busy)
+        self._enable()
+
+    def show_reading(self, percent: float) -> None:
+        """Show how far reading is; where it takes no time it does not say so."""
+        self.bar.show()
+        self.bar.setValue(int(percent))
+
+    def show_entropies(self, found: Mapping[str, Entropies], map_type: str, footprints: bool) -> None:
+        """Show a map type of a dataset, and offer the others.
+
+        Parameters
+        ----------
+        footprints : bool
+            Whether there are any to be shown on the map.
+        """
+        self.bar.setVisible(self._busy)
+        self._footprints = footprints
+        self.on_map.setToolTip(
+            tr("Cross out the images on the map that would be rejected") if footprints else no_footprints()
+        )
+        with QSignalBlocker(self.map_type):
+            self.map_type.clear()
+            for name in found:
+                self.map_type.addItem(title_of(name), name)
+            self.map_type.setCurrentIndex(list(found).index(map_type))
+        self.entropies = found[map_type]
+        for chart in self.charts:
+            chart.show_bits(self.entropies.bits, self.entropies.suggested)
+        self._show_counts()
+        self._enable()
+
+    def show_busy(self, busy: bool, percent: float = 0.0) -> None:
+        """Show that something is being done, and how far it is."""
+        self._busy = busy
+        self.bar.setVisible(busy)
+        self.stop.setVisible(busy)
+        self.bar.setValue(int(percent))
+        self._enable()
+
+    def _threshold_set(self, bits: float) -> None:
+        for chart in self.charts:
+            chart.show_threshold(bits)
+        self._show_counts()
+        self.threshold_changed.emit(bits)
+
+    def _show_counts(self) -> None:
+        found = self.entropies
+        if found is None:
+            return
+        rejected, count = found.rejected(self.threshold.value()), len(found)
+        self.counts.setText(
+            tr("<b>{kept}</b> of {count} images kept, <b>{rejected}</b> rejected ({percent} %)").format(
+                kept=number_text(count - rejected),
+                count=number_text(count),
+                rejected=number_text(rejected),
+                percent=number_text(100.0 * rejected / max(count, 1), ".1f"),
+            )
+        )
+        notes = []
+        if found.by_roadmap:
+            notes.append(
+                tr("The roadmap decides for all of them.")
+                if found.by_roadmap == len(found)
+                else tr("The roadmap decides for {count} of them.").format(
+                    count=number_text(found.by_roadmap)
+                )
+            )
+        if found.failed:
+            notes.append(tr("{count} images could not be made.").format(count=number_text(found.failed)))
+        if found.marked or found.moved:
+            notes.append(
+                tr("Cleaned before: {marked} images marked, {moved} files moved away.").format(
+                    marked=number_text(found.marked), moved=number_text(found.moved)
+                )
+            )
+        self.notes.setText(" ".join(notes) or tr("Not cleaned yet."))
+
+    def _enable(self) -> None:
+        """Let be pressed what can be done now."""
+        focus = self.focusWidget()
+        there = self.entropies is not None and not self._busy
+        some = there and len(self.entropies) > 0
+        for widget in (self.map_type, self.threshold, *self.charts, self.tabs, self.save):
+            widget.setEnabled(some)
+        self.on_map.setEnabled(some and self._footprints)
+        self.suggest.setEnabled(some and self.entropies.suggested is not None)
+        self.folder.setEnabled(not self._busy)
+        self.buttons[MARK].setEnabled(some)
+        self.buttons[MOVE].setEnabled(some)
+        self.buttons[UNDO].setEnabled(there)
+        self._keep_focus(focus)
+
+    def _keep_focus(self, before: QWidget | None) -> None:
+        """Give the focus back, when it can be had again, to what has lost it by being disabled for a while."""
+        if before is not None and self._lost_focus is None and not before.isEnabled():
+            self._lost_focus = before
+        elif self._lost_focus is not None and self._lost_focus.isEnabled():
+            self._lost_focus.setFocus()
+            self._lost_focus = None
+
+    def _folder_entered(self, folder: str) -> None:
+        # The focus stays where it is typed.
+        self._lost_focus = None
+        self.folder_chosen.emit(folder)
+
+    def _suggest(self) -> None:
+        if self.entropies is not None and self.entropies.suggested is not None:
+            self.threshold.setValue(self.entropies.suggested)
+
+    # --- how it is made
+
+    def _make_entries(self) -> None:
+        self.folder = QgsFileWidget()
+        self.folder.setObjectName("clean_folder")
+        self.folder.setStorageMode(QgsFileWidget.StorageMode.GetDirectory)
+        self.folder.setDialogTitle(tr("TerrAInav: dataset to be cleaned"))
+        self.folder.setToolTip(tr("Of a capture, or of images with a meta_data.csv beside them"))
+        self.folder.fileChanged.connect(self._folder_entered)
+        self.map_type = QComboBox()
+        self.map_type.setObjectName("clean_map_type")
+        self.map_type.setToolTip(
+            tr("Map type that is shown; cleaning is of all map types, each with this threshold")
+        )
+        self.map_type.activated.connect(
+            lambda index: self.map_type_chosen.emit(self.map_type.itemData(index))
+        )
+        self.threshold = QDoubleSpinBox()
+        self.threshold.setObjectName("threshold")
+        self.threshold.setRange(LOWEST, HIGHEST)
+        self.threshold.setDecimals(DECIMALS)
+        self.threshold.setSingleStep(_STEP_BITS)
+        self.threshold.setSuffix(tr(" bits"))
+        self.threshold.setValue(DEFAULT_ENTROPY)
+        self.threshold.setToolTip(
+            tr("Images with less entropy are rejected: 0 bits is a single grey, 8 bits the most there can be")
+        )
+        self.threshold.valueChanged.connect(self._threshold_set)
+        self.suggest = push_button(
+            "suggest",
+            tr("S&uggest"),
+            tr(
+                "Threshold in bits that parts the entropies in two groups best, by Otsu's method: the dotted line"
+            ),
+        )
+        self.suggest.clicked.connect(lambda _checked: self._suggest())
+        self.on_map = QCheckBox(tr("On the map"))
+        self.on_map.setObjectName("on_map")
+        self.on_map.setChecked(True)
+        self.on_map.toggled.connect(self.on_map_toggled)
+
+    def _make_buttons(self) -> None:
+        self.buttons = {
+            MARK: push_button(
+                MARK, tr("Mar&k"), tr("Note in the dataset's table which images are rejected, and why")
+            ),
+            MOVE: push_button(
+                MOVE,
+                tr("Move &away"),
+                tr("Mark rejected images, and move their files to a folder “rejected” beside the others"),
+            ),
+            UNDO: push_button(
+                UNDO, tr("U&ndo"), tr("Take all marks away, and put all files back in their place")
+            ),
+        }
+        for action, button in self.buttons.items():
+            button.clicked.connect(lambda _=False, action=action: self.action_wanted.emit(action))
+        self.save = push_button(
+            "save_pictures",
+            tr("Save pictures…"),
+            tr("Write both charts of every map type as PNG; needs the Python package matplotlib"),
+        )
+        self.save.clicked.connect(lambda _checked: self.pictures_wanted.emit())
+        self.bar = QProgressBar()
+        self.bar.setObjectName("clean_progress")
+        self.bar.setTextVisible(False)
+        self.bar.setFixedHeight(_BAR_HEIGHT_PX)
+        self.stop = push_button(
+            "stop", tr("Stop"), tr("Stop; what is done so far can be finished, or undone")
+        )
+        self.stop.setIcon(QgsApplication.getThemeIcon("/mTaskCancel.svg"))
+        self.stop.clicked.connect(lambda _checked: self.stop_wanted.emit())
+        self.bar.hide()
+        self.stop.hide()
+
+    def _contents(self) -> QWidget:
+        form = QFormLayout()
+        form.setFieldGrowthPolicy(QFormLayout.FieldGrowthPolicy.AllNonFixedFieldsGrow)
+        _add_row(form, tr("Dataset &folder"), self.folder)
+        _add_row(form, tr("Map t&ype"), self.map_type)
+        line = QHBoxLayout()
+        label = QLabel(tr("&Threshold"))
+        label.setBuddy(self.threshold)
+        for widget in (label, self.threshold, self.suggest):
+            line.addWidget(widget)
+        line.addStretch(1)
+        line.addWidget(self.on_map)
+        actions = QHBoxLayout()
+        actions.addWidget(self.save)
+        actions.addStretch(1)
+        for widget in (self.stop, self.buttons[UNDO], self.buttons[MARK], self.buttons[MOVE]):
+            actions.addWidget(widget)
+        contents = QWidget()
+        layout = QVBoxLayout(contents)
+        layout.setContentsMargins(6, 6, 6, 6)
+        layout.addLayout(form)
+        layout.addWidget(self.tabs, 1)
+        layout.addLayout(line)
+        layout.addWidget(self.counts)
+        layout.addWidget(self.notes)
+        layout.addWidget(self.strip)
+        layout.addWidget(self.bar)
+        layout.addLayout(actions)
+        return contents
+
+
+class ExampleStrip(QWidget):
+    """Shows images, those nearest to the threshold in the middle.
+
+    Signals
+    -------
+    chosen(int)
+        Row of the table.
+    """
+
+    chosen = pyqtSignal(int)
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.setObjectName("examples")
+        self.below, self.above = _buttons("below"), _buttons("above")
+        self._rows: dict[QToolButton, int] = {}
+        layout = QGridLayout(self)
+        layout.setContentsMargins(0, 0, 0, 0)
+        layout.setVerticalSpacing(2)
+        sides = (
+            # The nearest of the rejected ones comes last, beside the nearest of the kept ones.
+            (tr("Just below: rejected"), REJECTED, self.below[::-1]),
+            (tr("Just above: kept"), KEPT, self.above),
+        )
+        for column, (title, colour, buttons) in enumerate(sides):
+            heading = QLabel(title)
+            heading.setAlignment(Qt.AlignmentFlag.AlignCenter)
+            layout.addWidget(heading, 0, column)
+            layout.addWidget(_Line(colour), 1, column)
+            row = QHBoxLayout()
+            row.setSpacing(2)
+            for button in buttons:
+                row.addWidget(button)
+                button.clicked.connect(lambda _=False, button=button: self._choose(button))
+            layout.addLayout(row, 2, column)
+        self.clear()
+
+    def clear(self) -> None:
+        """Show none."""
+        self.show_examples([], [])
+
+    def show_examples(self, below: Sequence[Shown], above: Sequence[Shown]) -> None:
+        """Show images, the nearest to the threshold first."""
+        self._rows.clear()
+        for buttons, shown in ((self.below, below), (self.above, above)):
+            for button, one in zip(buttons, [*shown, *[None] * (len(buttons) - len(shown))]):
+                self._show(button, one)
+
+    def _show(self, button: QToolButton, shown: Shown | None) -> None:
+        button.setEnabled(shown is not None)
+        if shown is None:
+            button.setIcon(QIcon())
+            button.setText("")
+            button.setToolTip("")
+            button.setAccessibleName("")
+            return
+        example, picture = shown
+        button.setIcon(_icon(picture, self.devicePixelRatioF()))
+        button.setText(number_text(example.entropy, ".3f"))
+        tip = tr("{name}\n{bits} bits; press to show it on the map").format(
+            name=example.path.name, bits=number_text(example.entropy, ".3f")
+        )
+        button.setToolTip(shown_plain(f"{tip}\n{picture.problem}" if picture.problem else tip))
+        button.setAccessibleName(tip)
+        self._rows[button] = example.index
+
+    def _choose(self, button: QToolButton) -> None:
+        if button in self._rows:
+            self.chosen.emit(self._rows[button])
+
+
+class Shown(NamedTuple):
+    """An example with its picture."""
+
+    example: Example
+    picture: Picture
+
+
+def read_examples(
+    examples: tuple[Sequence[Example], Sequence[Example]], ratio: float
+) -> tuple[list[Shown], list[Shown]]:
+    """Read pictures for a screen that has ``ratio`` pixels for each of Qt's; on any thread."""
+    longest_px = round(max(_ICON_PX) * ratio)
+    below, above = ([Shown(one, read_picture(one.path, longest_px)) for one in side] for side in examples)
+    return below, above
+
+
+def no_footprints() -> str:
+    """Why a dataset is not shown on the map."""
+    return tr("This dataset has no footprints: it cannot be shown on the map.")
+
+
+def title_of(map_type: str) -> str:
+    """What a map type is called: its folder's name where it is none of the usual ones."""
+    return {"satellite": tr("Satellite"), "roadmap": tr("Roadmap"), "terrain": tr("Terrain")}.get(
+        map_type, map_type
+    )
+
+
+def _add_row(form: QFormLayout, title: str, widget: QWidget) -> None:
+    label = QLabel(title)
+    label.setBuddy(widget)
+    form.addRow(label, widget)
+
+
+class _Line(QWidget):
+    """A line in the colour that a side has in the charts."""
+
+    def __init__(self, colour: QColor) -> None:
+        super().__init__()
+        self._colour = colour
+        self.setFixedHeight(_LINE_PX)
+
+    def paintEvent(self, event: QPaintEvent) -> None:  # noqa: ARG002  Qt passes it
+        QPainter(self).fillRect(self.rect(), self._colour)
+
+
+def _buttons(side: str) -> list[QToolButton]:
+    buttons = []
+    for number in range(COUNT):
+        button = QToolButton()
+        button.setObjectName(f"{side}_{number}")
+        button.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextUnderIcon)
+        button.setIconSize(QSize(*_ICON_PX))
+        button.setAutoRaise(True)
+        button.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
+        buttons.append(button)
+    return buttons
+
+
+def _icon(picture: Picture, ratio: float) -> QIcon:
+    size = QSize(*_ICON_PX) * ratio
+    if picture.image is None:
+        pixmap = QPixmap(size)
+        pixmap.fill(QColor(0, 0, 0, 0))
+    else:
+        # Filled, its edges cut: pictures of many shapes make an even row.
+        whole = picture.image.scaled(
+            size, Qt.AspectRatioMode.KeepAspectRatioByExpanding, Qt.TransformationMode.SmoothTransformation
+        )
+        left, top = (whole.width() - size.width()) // 2, (whole.height() - size.height()) // 2
+        pixmap = QPixmap.fromImage(whole.copy(left, top, size.width(), size.height()))
+    pixmap.setDevicePixelRatio(ratio)
+    return QIcon(pixmap)

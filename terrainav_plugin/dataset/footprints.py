@@ -1,0 +1,314 @@
+"""The footprints of a dataset, found by place and by number. On any thread; no file stays open.
+
+QGIS itself reads a GeoJSON file of this size from its beginning for every question: seconds for a hundred thousand.
+Ours has a footprint a line, so that it is read once and then only where a footprint is. And a parser of JSON keeps
+Python's lock while it reads: the application would falter for seconds, although the file is read on another thread.
+Bounds are therefore read by numpy, on whole arrays, which goes on without the lock.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from itertools import chain
+from pathlib import Path
+from typing import Any, BinaryIO
+
+import numpy as np
+from numpy.typing import NDArray
+from pyproj import CRS, Transformer
+from pyproj.exceptions import ProjError
+
+from ...core.dataset.folder import FOOTPRINTS_FILE
+from ...core.errors import Cancelled, InvalidInput
+from ...core.safe_json import parse_json
+from ..i18n import tr
+
+#: Read in one go: enough for arrays to be worth it, little memory.
+_BLOCK_BYTES = 1 << 20
+#: How the lines of footprints begin.
+_FEATURE = b'{"type": "Feature",'
+#: Footprints after which it is asked whether to go on.
+_LOOK = 500
+Bounds = tuple[float, float, float, float]
+Floats = NDArray[np.float64]
+Bytes = NDArray[np.uint8]
+Numbers = NDArray[np.int64]
+_LINE_END, _BRACKET, _MINUS, _DOT, _ZERO = (ord(sign) for sign in "\n[-.0")
+#: Characters of the longest number that is read digit by digit: a sign, 17 significant digits, a dot, leading zeros.
+_WIDTH = 24
+_TEN = 10
+#: Longest mantissa that a double and its power of ten hold without overflow of the whole number it is read as.
+_DIGITS = 18
+_NUMBER = re.compile(rb"-?[0-9.]+(?:[eE][-+]?[0-9]+)?")
+
+
+class FootprintFile:
+    """Where the footprints of a dataset are, in its file and on the ground.
+
+    Parameters
+    ----------
+    folder : Path
+        Of the dataset.
+    cancelled : callable
+        Asked again and again while the file is read.
+
+    Raises
+    ------
+    InvalidInput
+        Where the file cannot be read or is none of ours.
+    Cancelled
+        When ``cancelled`` said so.
+    """
+
+    def __init__(self, folder: Path, cancelled: Callable[[], bool] = lambda: False) -> None:
+        self.path = folder / FOOTPRINTS_FILE
+        self.stamp = stamp_of(self.path)
+        offsets, bounds = [np.zeros(0, np.int64)], [np.zeros((0, 4))]
+        try:
+            with self.path.open("rb") as file:
+                for offset, block in _blocks(file):
+                    if cancelled():
+                        raise Cancelled(tr("footprints: stopped"))
+                    starts, found = _features(block)
+                    offsets.append(starts + offset)
+                    bounds.append(found)
+        except OSError as wrong:
+            raise _unreadable(self.path, wrong.strerror) from wrong
+        self._offsets, self._bounds = np.concatenate(offsets), np.concatenate(bounds)
+        if not len(self) or np.isnan(self._bounds).any():
+            raise _unreadable(self.path, tr("it is none of a capture"))
+
+    def __len__(self) -> int:
+        return len(self._offsets)
+
+    def near(self, lat_deg: float, lon_deg: float) -> list[int]:
+        """Numbers of the footprints in whose bounds a place is."""
+        west, south, east, north = self._bounds.T
+        inside = (west <= lon_deg) & (lon_deg <= east) & (south <= lat_deg) & (lat_deg <= north)
+        return [int(number) for number in np.flatnonzero(inside)]
+
+    def read(self, number: int) -> dict[str, Any]:
+        """Feature of a number, as GeoJSON says it; raises InvalidInput where it cannot be read."""
+        try:
+            with self.path.open("rb") as file:
+                file.seek(int(self._offsets[number]))
+                return feature_of(file.readline())
+        except OSError as wrong:
+            raise _unreadable(self.path, wrong.strerror) from wrong
+        except (ValueError, IndexError) as wrong:
+            raise _unreadable(self.path, tr("it has changed")) from wrong
+
+
+@dataclass(frozen=True, eq=False)
+class Outlines:
+    """Outlines of the footprints of a dataset, as rings of places one after the other.
+
+    Parameters
+    ----------
+    stems : tuple of str
+        Names of the images, without ending.
+    x, y : array (n,)
+        Of all rings: degrees of longitude and latitude, or what they have been projected to.
+    starts : array (r + 1,)
+        Where each ring begins.
+    owners : array (r,)
+        Number of the image that a ring is of.
+    """
+
+    stems: tuple[str, ...]
+    x: Floats
+    y: Floats
+    starts: Numbers
+    owners: Numbers
+
+    def projected(self, wkt: str) -> Outlines:
+        """Outlines in another CRS, by its WKT; places that have none in it are infinite.
+
+        Raises
+        ------
+        InvalidInput
+            A CRS that cannot be projected to.
+        """
+        try:
+            transformer = Transformer.from_crs("EPSG:4326", CRS.from_wkt(wkt), always_xy=True)
+            x, y = transformer.transform(self.x, self.y)
+        except ProjError as wrong:
+            raise InvalidInput(
+                tr("the map's CRS cannot be drawn in ({reason})").format(reason=wrong)
+            ) from wrong
+        return Outlines(self.stems, np.asarray(x), np.asarray(y), self.starts, self.owners)
+
+    def bounds_of(self, stem: str) -> Bounds | None:
+        """West, south, east and north of an image; None where it has no outline here."""
+        if stem not in self.stems:
+            return None
+        rings = np.flatnonzero(self.owners == self.stems.index(stem))
+        if not len(rings):
+            return None
+        places = slice(int(self.starts[rings[0]]), int(self.starts[rings[-1] + 1]))
+        x, y = self.x[places], self.y[places]
+        if not (np.isfinite(x).all() and np.isfinite(y).all()):
+            return None
+        return float(x.min()), float(y.min()), float(x.max()), float(y.max())
+
+
+def read_outlines(folder: Path, cancelled: Callable[[], bool] = lambda: False) -> Outlines:
+    """Outlines of the footprints that a capture has left; none where there is no such file.
+
+    Raises
+    ------
+    InvalidInput
+        A file that cannot be read.
+    Cancelled
+        When ``cancelled`` said so.
+    """
+    path = folder / FOOTPRINTS_FILE
+    stems: list[str] = []
+    x: list[float] = []
+    y: list[float] = []
+    starts, owners = [0], []
+    try:
+        # Images from elsewhere have none.
+        for feature in map(feature_of, feature_lines(path) if path.is_file() else ()):
+            if len(stems) % _LOOK == 0 and cancelled():
+                raise Cancelled(tr("footprints: stopped"))
+            for ring in chain.from_iterable(rings_of(feature)):
+                x += [at[0] for at in ring]
+                y += [at[1] for at in ring]
+                starts.append(len(x))
+                owners.append(len(stems))
+            stems.append(str(feature["properties"]["name"]))
+    except (OSError, ValueError, KeyError, TypeError, IndexError) as wrong:
+        raise InvalidInput(
+            tr("footprints {path}: cannot be read ({reason})").format(path=path, reason=wrong)
+        ) from wrong
+    return Outlines(
+        tuple(stems),
+        np.array(x, np.float64),
+        np.array(y, np.float64),
+        np.array(starts, np.int64),
+        np.array(owners, np.int64),
+    )
+
+
+def stamp_of(path: Path) -> tuple[int, int]:
+    """What changes with a file: its time and length; zeros where it is not there."""
+    try:
+        found = path.stat()
+    except OSError:
+        return 0, 0
+    return found.st_mtime_ns, found.st_size
+
+
+def rings_of(feature: dict[str, Any]) -> list[list[list[list[float]]]]:
+    """Polygons of a feature, each a list of closed rings of longitudes and latitudes."""
+    geometry = feature["geometry"]
+    coordinates = geometry["coordinates"]
+    # Several rings of ours are parts on either side of the antimeridian.
+    return coordinates if geometry["type"] == "MultiPolygon" else [coordinates]
+
+
+def feature_lines(path: Path) -> Iterator[bytes]:
+    """Lines of the features of a file."""
+    # A thread that reads little at a time gives Python's lock away and takes it back before another one wakes: the main
+    # one would wait for most of a second.
+    with path.open("rb", buffering=_BLOCK_BYTES) as file:
+        yield from (line for line in file if line.startswith(_FEATURE))
+
+
+def feature_of(line: bytes) -> dict[str, Any]:
+    """Feature of a line; raises InvalidInput where the line is none."""
+    feature = parse_json(line.rstrip().rstrip(b","))
+    return feature if isinstance(feature, dict) else {}
+
+
+def lines_and_bounds(text: Bytes) -> tuple[Numbers, Floats]:
+    """Where each line begins, (n,), and the bounds of its positions, (n, 4); NaN for a line that has none.
+
+    Bounds are west, south, east and north, right to the last place but one of a double.
+
+    Parameters
+    ----------
+    text : array of bytes
+        Whole lines in which a bracket before a number begins a position, as Python's `json` writes them.
+    """
+    starts = np.concatenate([[0], np.flatnonzero(text[:-1] == _LINE_END) + 1])
+    padded = np.concatenate([text, np.zeros(_WIDTH, np.uint8)])
+    lon_at = np.flatnonzero((text == _BRACKET) & _begins_number(padded[1 : len(text) + 1])) + 1
+    bounds = np.full((len(starts), 4), np.nan)
+    if not len(lon_at):
+        return starts, bounds
+    lon, length = _numbers(padded, lon_at)
+    lat, _ = _numbers(padded, lon_at + length + len(", "))
+    first = np.searchsorted(lon_at, starts)
+    filled = np.flatnonzero(first < np.append(first[1:], len(lon_at)))
+    for column, values in enumerate((lon, lat)):
+        bounds[filled, column] = np.minimum.reduceat(values, first[filled])
+        bounds[filled, column + 2] = np.maximum.reduceat(values, first[filled])
+    return starts, bounds
+
+
+def _blocks(file: BinaryIO) -> Iterator[tuple[int, Bytes]]:
+    """Blocks of whole lines, and where each begins in the file."""
+    offset, rest = 0, b""
+    while chunk := file.read(_BLOCK_BYTES):
+        whole, end, new_rest = chunk.rpartition(b"\n")
+        if end:
+            text = rest + whole + end
+            yield offset, np.frombuffer(text, np.uint8)
+            offset, rest = offset + len(text), new_rest
+        else:
+            rest += chunk
+    if rest:
+        yield offset, np.frombuffer(rest + b"\n", np.uint8)
+
+
+def _features(block: Bytes) -> tuple[Numbers, Floats]:
+    """Where the lines of features begin in a block, and their bounds."""
+    starts, bounds = lines_and_bounds(block)
+    beginning = np.frombuffer(_FEATURE, np.uint8)
+    at = np.minimum(starts[:, np.newaxis] + np.arange(len(beginning)), len(block) - 1)
+    ours = (block[at] == beginning).all(axis=1)
+    return starts[ours], bounds[ours]
+
+
+def _unreadable(path: Path, reason: object) -> InvalidInput:
+    return InvalidInput(tr("footprints {path}: cannot be read ({reason})").format(path=path, reason=reason))
+
+
+def _begins_number(signs: Bytes) -> NDArray[np.bool_]:
+    return (signs - np.uint8(_ZERO) < _TEN) | (signs == _MINUS)
+
+
+def _numbers(padded: Bytes, at: Numbers) -> tuple[Floats, Numbers]:
+    """Numbers that begin at some places, and how many characters each has."""
+    negative = padded[at] == _MINUS
+    alive = np.ones(len(at), np.bool_)
+    fraction = np.zeros(len(at), np.bool_)
+    mantissa, digits, places, length = (np.zeros(len(at), np.int64) for _ in range(4))
+    length += negative
+    alive_at = at + negative
+    for offset in range(_WIDTH - 1):
+        sign = padded[np.minimum(alive_at + offset, len(padded) - 1)]
+        digit = (sign - np.uint8(_ZERO)).astype(np.int64)
+        is_digit, is_dot = alive & (digit < _TEN), alive & (sign == _DOT)
+        alive = is_digit | is_dot
+        if not alive.any():
+            break
+        # Digits beyond those that a whole number holds do not count.
+        taken = is_digit & (digits < _DIGITS)
+        mantissa = np.where(taken, mantissa * _TEN + digit, mantissa)
+        digits += taken & (mantissa > 0)
+        places += taken & fraction
+        fraction |= is_dot
+        length += alive
+    values = np.where(negative, -mantissa, mantissa) / np.power(10.0, places)
+    for odd in np.flatnonzero(
+        np.isin(padded[np.minimum(at + length, len(padded) - 1)], (ord("e"), ord("E")))
+    ):
+        found = _NUMBER.match(padded[at[odd] : at[odd] + 2 * _WIDTH].tobytes())
+        if found is not None:
+            values[odd], length[odd] = float(found[0]), len(found[0])
+    return values, length

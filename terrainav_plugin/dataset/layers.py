@@ -1,0 +1,211 @@
+"""Layers of a dataset, opened away from the main thread, and what has failed of it."""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from qgis.core import (
+    QgsApplication,
+    QgsBilinearRasterResampler,
+    QgsCoordinateReferenceSystem,
+    QgsMapLayer,
+    QgsRasterLayer,
+    QgsVectorLayer,
+)
+from qgis.PyQt.QtCore import QThread
+
+from ...core.capture.journal import FAILED, Outcome
+from ...core.dataset.folder import FOOTPRINTS_FILE, JOURNAL_FILE
+from ...core.errors import InvalidInput, OutputError
+from ...core.files import write_whole
+from ..i18n import tr, translate
+from ..tasks import CRS_IDS
+from .footprints import feature_lines, feature_of
+from .mosaic import Mosaic
+
+if TYPE_CHECKING:
+    from ...core.mission.mission import Mission
+
+#: Beside the dataset's own footprints, while there is something in it.
+FAILED_FILE = "failed.geojson"
+#: Bytes of a file read in one go: a thread that reads little at a time holds up all others.
+_CHUNK_BYTES = 1 << 20
+_FAILED_MARK = f'"{FAILED}"'.encode()
+_NAME = re.compile(rb'"name": "([^"]*)"')
+
+
+class OpenedResults(NamedTuple):
+    """Layers of a dataset that are in no project yet; they belong to the main thread.
+
+    A mosaic that is still to be put in its place has none.
+    """
+
+    folder: Path
+    mission: Mission
+    footprints: QgsVectorLayer
+    mosaics: list[tuple[Mosaic, QgsRasterLayer | None]]
+
+
+def open_results(folder: Path, mission: Mission, mosaics: list[Mosaic]) -> OpenedResults:
+    """Open the footprints of a dataset and its mosaics, on any thread.
+
+    Raises
+    ------
+    OutputError
+        Where QGIS cannot open one of them.
+    """
+    footprints = open_footprints(folder / FOOTPRINTS_FILE, tr("Captured images"))
+    # Of a mission they stay where they are: a project that is opened need not read them for their extent. Newer QGIS
+    # (3.40) leaves that to the project's own setting, which is the user's.
+    footprints.setReadExtentFromXml(True)
+    footprints = _for_main_thread(footprints)
+    opened = [
+        None if mosaic.is_made else _for_main_thread(open_raster(mosaic.path, mosaic.title))
+        for mosaic in mosaics
+    ]
+    return OpenedResults(folder, mission, footprints, list(zip(mosaics, opened)))
+
+
+def open_footprints(path: Path, title: str) -> QgsVectorLayer:
+    """Open a file of footprints as a layer; raises OutputError."""
+    layer = QgsVectorLayer(str(path), title, "ogr")
+    if not layer.isValid():
+        raise OutputError(f"footprints {path}: QGIS cannot open them")
+    # QGIS asks for it on the main thread as soon as the layer is there, and then reads the whole file; it keeps it.
+    layer.extent()
+    return layer
+
+
+def open_raster(path: Path, title: str) -> QgsRasterLayer:
+    """Open a picture as a layer; raises OutputError."""
+    layer = QgsRasterLayer(str(path), title, "gdal")
+    if not layer.isValid():
+        raise OutputError(f"picture {path}: QGIS cannot open it")
+    # Smooth where several pixels of the picture share one of the screen; pixels stay pixels when enlarged.
+    layer.resampleFilter().setZoomedOutResampler(QgsBilinearRasterResampler())
+    return layer
+
+
+def open_failed(folder: Path) -> QgsVectorLayer | None:
+    """Open what has failed of a dataset, on any thread; None where nothing has."""
+    path = folder / FAILED_FILE
+    return _for_main_thread(open_footprints(path, tr("Failed images"))) if path.is_file() else None
+
+
+class FailedImages:
+    """The failed captures of a folder, followed along its journal while that grows.
+
+    Files only, so that it works on any thread, beside a run in this or another process.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder
+        self._read_bytes = 0
+        self._reasons: dict[tuple[str, str], str] = {}
+        self._footprints: dict[str, dict[str, Any] | None] = {}
+        self._written: dict[tuple[str, str], str] | None = None
+
+    @property
+    def path(self) -> Path:
+        """Where they are written."""
+        return self._folder / FAILED_FILE
+
+    def __len__(self) -> int:
+        return len(self._reasons)
+
+    def update(self) -> bool:
+        """Write what the journal says now; whether that is something new.
+
+        Where nothing has failed there is no file.
+
+        Raises
+        ------
+        OutputError
+            Where the journal or the footprints cannot be read, or the file not be written or removed.
+        """
+        try:
+            self._follow_journal()
+            if self._reasons == self._written:
+                return False
+            self._find_footprints()
+            if not self._reasons:
+                self.path.unlink(missing_ok=True)
+        except OSError as wrong:
+            raise OutputError(
+                f"failed images of {self._folder}: cannot be written ({wrong.strerror})"
+            ) from wrong
+        if self._reasons:
+            write_whole(self.path, self._lines())
+        self._written = dict(self._reasons)
+        return True
+
+    def _follow_journal(self) -> None:
+        path = self._folder / JOURNAL_FILE
+        if not path.is_file():
+            return
+        with path.open("rb") as file:
+            file.seek(self._read_bytes)
+            rest = b""
+            while chunk := file.read(_CHUNK_BYTES):
+                # What follows the last line's end is still being written.
+                whole, _, rest = (rest + chunk).rpartition(b"\n")
+                self._note(whole)
+                self._read_bytes = file.tell() - len(rest)
+
+    def _note(self, lines: bytes) -> None:
+        # Most journals are long and know no failure; reading their lines would hold up all other threads.
+        if not self._reasons and _FAILED_MARK not in lines:
+            return
+        for line in lines.split(b"\n"):
+            outcome = Outcome.from_line(line)
+            if outcome is None:
+                continue
+            if outcome.status == FAILED:
+                self._reasons[outcome.map_type, outcome.name] = outcome.reason
+            else:
+                self._reasons.pop((outcome.map_type, outcome.name), None)
+
+    def _find_footprints(self) -> None:
+        """Take the footprints of those that are new from the dataset's, a line each."""
+        wanted = {name for _, name in self._reasons} - set(self._footprints)
+        if not wanted:
+            return
+        for line in feature_lines(self._folder / FOOTPRINTS_FILE):
+            found = _NAME.search(line)
+            name = found[1].decode("utf-8", "replace") if found else ""
+            if name in wanted:
+                self._footprints[name] = _footprint(line)
+
+    def _lines(self) -> list[bytes]:
+        features = []
+        for (map_type, name), reason in self._reasons.items():
+            footprint = self._footprints.get(name)
+            if footprint is None:
+                continue
+            more = {"map_type": map_type, "reason": translate(reason)}
+            feature = {**footprint, "properties": {**footprint["properties"], **more}}
+            features.append(json.dumps(feature, ensure_ascii=False).encode("utf-8"))
+        return [b'{"type": "FeatureCollection", "features": [\n', b",\n".join(features), b"\n]}\n"]
+
+
+def _for_main_thread(layer: QgsMapLayer) -> QgsMapLayer:
+    main = QgsApplication.instance().thread()
+    if QThread.currentThread() != main:
+        # The same CRS, but as the main thread has read it (see `tasks`); one that is equal would not be taken.
+        held = QgsCoordinateReferenceSystem(layer.crs().authid())
+        layer.setCrs(QgsCoordinateReferenceSystem(next(other for other in CRS_IDS if other != held.authid())))
+        layer.setCrs(held)
+        layer.moveToThread(main)
+    return layer
+
+
+def _footprint(line: bytes) -> dict[str, Any] | None:
+    """Feature of a line, or None where the file is not as a capture leaves it."""
+    try:
+        feature = feature_of(line)
+    except InvalidInput:
+        return None
+    return feature if isinstance(feature.get("properties"), dict) else None

@@ -1,0 +1,471 @@
+"""One raster over all images of a run: a GDAL virtual raster, its overviews made straight from the images.
+
+Runs in the background.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager, suppress
+from itertools import islice
+from pathlib import Path
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+from osgeo import gdal
+
+from ...core.capture.georeference import WEB_MERCATOR_WKT
+from ...core.capture.metadata import xml_text
+from ...core.dataset.folder import JOURNAL_FILE, NAME, TABLE_FILE
+from ...core.errors import Cancelled, OutputError
+from ...core.files import partial_file, write_whole
+from ..i18n import tr
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from ...core.mission.mission import Mission
+    from ...core.mission.plan import Plan
+
+    Numbers = NDArray[np.int64]
+    Floats = NDArray[np.float64]
+    Sums = NDArray[np.uint32]
+
+#: A virtual raster names every picture in every band; beyond this many, QGIS would read its text for minutes.
+MOST_PICTURES = 100_000
+#: Ending of the overviews' file, after the mosaic's own name, and of both files until they are put in place.
+_OVERVIEWS, _MADE = ".ovr", ".new"
+#: Ending of what GDAL notes of a file: statistics of pixels that may be others by now.
+_NOTES = ".aux.xml"
+_SOURCE = re.compile(rb"<SourceFilename[^<>]*>([^<]+)</SourceFilename>")
+_COLOURS = {1: ("Gray",), 3: ("Red", "Green", "Blue")}
+Progress = Callable[[float], bool]
+#: Pixels of the mosaic along a side of one of its first overview. Finer ones cost disk and gain little: a screen
+#: at half size still needs a few dozen pictures only.
+FACTOR = 4
+#: Overviews go on until the mosaic fits about a thumbnail.
+_LAST_PX = 256
+#: Lossless and quick: level 1 packs aerial imagery within a few percent of the default.
+_OPTIONS = ("COMPRESS=DEFLATE", "PREDICTOR=2", "ZLEVEL=1", "TILED=YES", "BIGTIFF=IF_SAFER")
+#: Share of the work that the first overview is; the rest is made from it.
+_FIRST_SHARE = 0.9
+#: Pictures decoded ahead of need, for each thread.
+_AHEAD = 4
+
+
+class Placed(NamedTuple):
+    """Pictures in the pixels of their mosaic; arrays (n,), ordered from north to south.
+
+    ``width_px, height_px`` are the pixels a picture takes there; its file has others where pictures are resized.
+    """
+
+    paths: list[Path]
+    left_px: Floats
+    top_px: Floats
+    width_px: Numbers
+    height_px: Numbers
+
+
+class Mosaic(NamedTuple):
+    """A virtual raster over a run's pictures, and its overviews.
+
+    It is made beside the one that is there and put in its place afterwards: no file is written while a layer may
+    have it open. GDAL writes a virtual raster as it closes it, with the statistics that QGIS has taken of it, and so
+    brings the one back that a layer was opened from; and Windows replaces no file that is open.
+
+    Parameters
+    ----------
+    is_made : bool
+        Whether it lies beside its place, to be put there.
+    """
+
+    map_type: str
+    path: Path
+    title: str
+    is_made: bool = False
+
+    def put_in_place(self) -> Mosaic:
+        """Have what was made replace what was there; returns the mosaic that is there now.
+
+        Raises
+        ------
+        OutputError
+            Where it cannot, for instance because a program on Windows has it open.
+        """
+        overviews = _with(self.path, _OVERVIEWS)
+        with _replacing(self.path):
+            _with(overviews, _NOTES).unlink(missing_ok=True)
+            if _made(overviews).is_file():
+                os.replace(_made(overviews), overviews)
+            else:
+                overviews.unlink(missing_ok=True)
+            os.replace(_made(self.path), self.path)
+        return self._replace(is_made=False)
+
+    @contextmanager
+    def kept(self) -> Iterator[None]:
+        """Keep it as it is, whatever is written in its place meanwhile; raises OutputError."""
+        with _replacing(self.path):
+            os.replace(self.path, _made(self.path))
+            try:
+                yield
+            finally:
+                os.replace(_made(self.path), self.path)
+
+
+def build_mosaics(plan: Plan, folder: Path, progress: Progress) -> list[Mosaic]:
+    """Write a virtual raster for every map type of a run, of the pictures that are there.
+
+    Where there is one already, the new one lies beside it until it is put in its place. A mission across the
+    antimeridian has two for each, because the map ends there.
+
+    Parameters
+    ----------
+    folder : Path
+        The dataset's folder.
+    progress : callable
+        Takes the share done, 0 to 1; an answer of False stops.
+
+    Raises
+    ------
+    Cancelled
+        When ``progress`` said so.
+    OutputError
+        Where something cannot be read or written.
+    """
+    wanted = list(_mosaics(plan, folder))
+    made = []
+    total = sum(len(placed.paths) for _, placed in wanted) or 1
+    done = 0
+    for mosaic, placed in wanted:
+        before, share = done / total, len(placed.paths) / total
+        build_mosaic(plan, mosaic.path, placed, lambda part, at=before, of=share: progress(at + part * of))
+        done += len(placed.paths)
+        # Nothing can have a file open that is not there.
+        made.append(mosaic if mosaic.path.exists() else mosaic.put_in_place())
+    return made
+
+
+def build_mosaic(plan: Plan, target: Path, placed: Placed, progress: Progress) -> None:
+    """Write one virtual raster and its overviews, beside their place.
+
+    Pictures are named relative to the raster, so that a folder can be moved; ground without a picture is
+    transparent; where pictures overlap, the one farther south-east shows.
+    """
+    origin = float(placed.left_px.min()), float(placed.top_px.min())
+    inside = placed._replace(left_px=placed.left_px - origin[0], top_px=placed.top_px - origin[1])
+    size = (
+        int(np.ceil((inside.left_px + inside.width_px).max())),
+        int(np.ceil((inside.top_px + inside.height_px).max())),
+    )
+    channels = plan.mission.img_size[2] if plan.mission.img_size else 3
+    made, overviews = _made(target), _made(_with(target, _OVERVIEWS))
+    try:
+        build_overviews(inside, size, channels, overviews, progress)
+        text = _virtual_raster(plan, inside, origin, size, channels, target.parent)
+        write_whole(made, (line.encode() for line in text))
+    except BaseException:
+        for path in (made, overviews):
+            with suppress(OSError):
+                path.unlink(missing_ok=True)
+        raise
+
+
+def mosaics_there(folder: Path, mission: Mission) -> list[Mosaic] | None:
+    """Mosaics of a dataset as an earlier run has left them; None where they do not show its pictures as they are."""
+    found: list[Mosaic] = []
+    try:
+        journal_s = (folder / JOURNAL_FILE).stat().st_mtime
+        for map_type in mission.map_types:
+            # Cleaning moves images away or back, and writes their table.
+            table = folder / map_type / TABLE_FILE
+            newest_s = max(journal_s, table.stat().st_mtime if table.is_file() else 0.0)
+            paths = [folder / f"{map_type}.vrt"]
+            parts = [folder / f"{map_type}_{number}.vrt" for number in (1, 2)]
+            paths = paths if paths[0].is_file() else [path for path in parts if path.is_file()]
+            shown = {name for path in paths for name in _shown_in(path)}
+            if not paths or shown != _pictures(folder / map_type, mission.image_format):
+                return None
+            if any(_made_s(path) < newest_s for path in paths):
+                return None
+            numbers = (0,) if len(paths) == 1 else (1, 2)
+            found += [Mosaic(map_type, path, _title(map_type, at)) for path, at in zip(paths, numbers)]
+    except OSError:
+        return None
+    return found
+
+
+def build_overviews(
+    placed: Placed,
+    size: tuple[int, int],
+    channels: int,
+    target: Path,
+    progress: Callable[[float], bool],
+) -> None:
+    """Write the file that GDAL takes for a raster's overviews, whole or not at all.
+
+    Every overview pixel is the mean of all picture pixels in it, and opaque where there is one.
+
+    Parameters
+    ----------
+    placed : Placed
+        Pictures in the pixels of the mosaic.
+    size : tuple
+        Width and height of the mosaic in px.
+    channels : int
+        1 or 3, of the pictures.
+    target : Path
+        Where to; what is there is gone afterwards, also where the mosaic is so small that it needs none.
+    progress : callable
+        Takes the share done, 0 to 1; an answer of False stops.
+
+    Raises
+    ------
+    Cancelled, OutputError
+    """
+    width, height = (-(-side // FACTOR) for side in size)
+    if max(size) <= _LAST_PX:
+        target.unlink(missing_ok=True)
+        return
+    try:
+        with partial_file(target) as partial:
+            raster = gdal.GetDriverByName("GTiff").Create(
+                str(partial), width, height, channels + 1, gdal.GDT_Byte, [*_OPTIONS, _photometric(channels)]
+            )
+            if raster is None:
+                raise _failed(target)
+            raster.GetRasterBand(channels + 1).SetColorInterpretation(gdal.GCI_AlphaBand)
+            _fill(raster, placed, (width, height), channels, progress)
+            _reduce(raster, (width, height), progress)
+            if raster.FlushCache() not in (None, gdal.CE_None):
+                raise _failed(target)
+            del raster
+    except OSError as wrong:
+        raise OutputError(f"mosaic {target}: cannot be written ({wrong.strerror})") from wrong
+
+
+def _mosaics(plan: Plan, folder: Path) -> Iterator[tuple[Mosaic, Placed]]:
+    world = plan.grid.world_px(plan.zoom)
+    turn = np.floor(np.asarray(plan.windows.left_px, np.float64) / world)
+    turns = np.unique(turn)
+    order = np.lexsort((plan.windows.left_px, plan.windows.top_px))
+    for map_type in plan.mission.map_types:
+        for number, this in enumerate(turns):
+            paths = {
+                int(index): folder / map_type / f"{plan.names[index]}.{plan.mission.image_format}"
+                for index in order[turn[order] == this]
+            }
+            there = {index: path for index, path in paths.items() if path.is_file()}
+            if not there:
+                continue
+            suffix = "" if len(turns) == 1 else f"_{number + 1}"
+            title = _title(map_type, 0 if len(turns) == 1 else number + 1)
+            yield (
+                Mosaic(map_type, folder / f"{map_type}{suffix}.vrt", title, is_made=True),
+                _placed(plan, there, float(this) * world),
+            )
+
+
+def _placed(plan: Plan, pictures: dict[int, Path], turn_px: float) -> Placed:
+    index = np.fromiter(pictures, np.int64, len(pictures))
+    left, top, width, height = (np.asarray(values)[index] for values in plan.windows)
+    return Placed(list(pictures.values()), left - turn_px, np.asarray(top, np.float64), width, height)
+
+
+def _with(path: Path, ending: str) -> Path:
+    return path.with_name(path.name + ending)
+
+
+def _made(path: Path) -> Path:
+    return _with(path, _MADE)
+
+
+@contextmanager
+def _replacing(path: Path) -> Iterator[None]:
+    try:
+        yield
+    except OSError as wrong:
+        raise OutputError(
+            f"file {path}: cannot be replaced ({wrong.strerror}); close what shows it"
+        ) from wrong
+
+
+def _virtual_raster(
+    plan: Plan,
+    placed: Placed,
+    origin: tuple[float, float],
+    size: tuple[int, int],
+    channels: int,
+    folder: Path,
+) -> Iterator[str]:
+    """Text of the raster, after GDAL's VRT format (gdal.org/drivers/raster/vrt.html)."""
+    west, _, _, north = (float(edge) for edge in plan.grid.edges_m(*origin, *size, plan.zoom))
+    resolution = plan.grid.resolution_m_per_px(plan.zoom)
+    yield f'<VRTDataset rasterXSize="{size[0]}" rasterYSize="{size[1]}">\n'
+    yield f"<SRS>{xml_text(WEB_MERCATOR_WKT)}</SRS>\n"
+    yield f"<GeoTransform>{west!r}, {resolution!r}, 0.0, {north!r}, 0.0, {-resolution!r}</GeoTransform>\n"
+    sources = list(_sources(plan, placed, folder))
+    for band, colour in enumerate(_COLOURS[channels], 1):
+        yield f'<VRTRasterBand dataType="Byte" band="{band}"><ColorInterp>{colour}</ColorInterp>\n'
+        for name, properties, places in sources:
+            yield (
+                f"<SimpleSource>{name}<SourceBand>{band}</SourceBand>{properties}{places}</SimpleSource>\n"
+            )
+        yield "</VRTRasterBand>\n"
+    yield f'<VRTRasterBand dataType="Byte" band="{channels + 1}"><ColorInterp>Alpha</ColorInterp>\n'
+    for name, properties, places in sources:
+        yield (
+            f"<ComplexSource>{name}<SourceBand>1</SourceBand>{properties}{places}"
+            "<ScaleOffset>255</ScaleOffset><ScaleRatio>0</ScaleRatio></ComplexSource>\n"
+        )
+    yield "</VRTRasterBand>\n</VRTDataset>\n"
+
+
+def _sources(plan: Plan, placed: Placed, folder: Path) -> Iterator[tuple[str, str, str]]:
+    """Name, properties and place of every picture; knowing the size, GDAL need not open the files beforehand."""
+    columns = (placed.left_px, placed.top_px, placed.width_px, placed.height_px)
+    for path, left, top, width, height in zip(placed.paths, *(values.tolist() for values in columns)):
+        own_width, own_height = plan.mission.img_size[:2] if plan.mission.img_size else (width, height)
+        name = xml_text(path.relative_to(folder).as_posix())
+        properties = f'RasterXSize="{own_width}" RasterYSize="{own_height}" DataType="Byte"'
+        source = f'xOff="0" yOff="0" xSize="{own_width}" ySize="{own_height}"'
+        place = f'xOff="{left!r}" yOff="{top!r}" xSize="{width}" ySize="{height}"'
+        yield (
+            f'<SourceFilename relativeToVRT="1">{name}</SourceFilename>',
+            f'<SourceProperties {properties} BlockXSize="{own_width}" BlockYSize="1"/>',
+            f"<SrcRect {source}/><DstRect {place}/>",
+        )
+
+
+def _shown_in(mosaic: Path) -> set[str]:
+    """Files' names of the pictures that a virtual raster shows, of its last band."""
+    text = mosaic.read_bytes()
+    band = text[text.rfind(b"<VRTRasterBand") :]
+    return {Path(os.fsdecode(name)).name for name in _SOURCE.findall(band)}
+
+
+def _pictures(folder: Path, image_format: str) -> set[str]:
+    with os.scandir(folder) as there:
+        paths = [Path(entry.name) for entry in there]
+    return {path.name for path in paths if path.suffix == f".{image_format}" and NAME.fullmatch(path.stem)}
+
+
+def _made_s(mosaic: Path) -> float:
+    """When a mosaic was made: its overviews tell, as GDAL itself may have written the virtual raster since."""
+    overviews = _with(mosaic, _OVERVIEWS)
+    return (overviews if overviews.is_file() else mosaic).stat().st_mtime
+
+
+def _title(map_type: str, number: int = 0) -> str:
+    """Name of a mosaic's layer; of a part of it where there is a ``number``."""
+    titles = {
+        "satellite": tr("Satellite images"),
+        "roadmap": tr("Roadmap images"),
+        "terrain": tr("Terrain images"),
+    }
+    title = titles[map_type]
+    return tr("{title}, part {number}").format(title=title, number=number) if number else title
+
+
+def _photometric(channels: int) -> str:
+    return "PHOTOMETRIC=RGB" if channels == 3 else "PHOTOMETRIC=MINISBLACK"
+
+
+def _fill(
+    raster: gdal.Dataset,
+    placed: Placed,
+    size: tuple[int, int],
+    channels: int,
+    progress: Callable[[float], bool],
+) -> None:
+    """Add up the pictures from north to south, and write rows that no later picture reaches."""
+    band_top = 0
+    sums = np.zeros((0, size[0], channels + 1), np.uint32)
+    tops = (placed.top_px // FACTOR).astype(np.int64)
+    for index, (left, top, part) in enumerate(_reduced(placed, channels)):
+        if not progress(_FIRST_SHARE * index / len(placed.paths)):
+            raise Cancelled("mosaic: stopped")
+        settled = int(tops[index]) - band_top
+        # Whole blocks of the file at a time; a picture's rounding may start it a row before its neighbours.
+        if settled > 256:
+            _write(raster, sums[: settled - 1], band_top)
+            sums, band_top = sums[settled - 1 :], band_top + settled - 1
+        bottom = top + part.shape[0] - band_top
+        if bottom > len(sums):
+            sums = np.concatenate([sums, np.zeros((bottom - len(sums), *sums.shape[1:]), np.uint32)])
+        sums[top - band_top : bottom, left : left + part.shape[1]] += part
+    _write(raster, sums, band_top)
+
+
+def _reduced(placed: Placed, channels: int) -> Iterator[tuple[int, int, Sums]]:
+    """Left, top, and the sums and counts of the overview's pixels for each picture, in order."""
+    count = os.cpu_count() or 1
+    columns = (placed.left_px, placed.top_px, placed.width_px, placed.height_px)
+    jobs = zip(placed.paths, *(values.astype(np.int64).tolist() for values in columns))
+    with ThreadPoolExecutor(count, thread_name_prefix="terrainav-overview") as pool:
+        waiting = [pool.submit(_reduce_picture, channels, *job) for job in islice(jobs, count * _AHEAD)]
+        try:
+            while waiting:
+                yield waiting.pop(0).result()
+                waiting += [pool.submit(_reduce_picture, channels, *job) for job in islice(jobs, 1)]
+        finally:
+            for future in waiting:
+                future.cancel()
+
+
+def _reduce_picture(
+    channels: int, path: Path, left: int, top: int, width: int, height: int
+) -> tuple[int, int, Sums]:
+    picture = gdal.Open(str(path))
+    pixels = picture.ReadAsArray(buf_xsize=width, buf_ysize=height) if picture is not None else None
+    if pixels is None:
+        raise _failed(path)
+    # Lines of the picture as (column, channel), the last channel counting the pixels.
+    # Sixteen bits hold the sum of an overview pixel of one picture: FACTOR² * 255.
+    lines = np.empty((height, width, channels + 1), np.uint16)
+    lines[..., :channels] = np.moveaxis(pixels.reshape(-1, height, width)[:channels], 0, -1)
+    lines[..., channels] = 1
+    rows = np.add.reduceat(lines, _starts(top, height), axis=0, dtype=np.uint16)
+    return left // FACTOR, top // FACTOR, np.add.reduceat(rows, _starts(left, width), axis=1, dtype=np.uint16)
+
+
+def _starts(first: int, length: int) -> NDArray[np.int64]:
+    """Where along a picture's side the overview's pixels begin."""
+    return np.r_[0, np.arange(FACTOR - first % FACTOR, length, FACTOR)]
+
+
+def _write(raster: gdal.Dataset, sums: Sums, top: int) -> None:
+    sums = sums[: raster.RasterYSize - top]
+    if not len(sums):
+        return
+    counts = sums[..., -1:]
+    pixels = ((sums[..., :-1] + counts // 2) // np.maximum(counts, 1)).astype(np.uint8)
+    alpha = np.where(counts > 0, np.uint8(255), np.uint8(0))
+    bands = np.moveaxis(np.concatenate([pixels, alpha], axis=-1), -1, 0)
+    if raster.WriteArray(np.ascontiguousarray(bands), 0, top) != gdal.CE_None:
+        raise _failed(Path(raster.GetDescription()))
+
+
+def _reduce(raster: gdal.Dataset, size: tuple[int, int], progress: Callable[[float], bool]) -> None:
+    """Halve the first overview again and again, inside the same file."""
+    factors, factor = [], 2
+    while max(size) * FACTOR // factor > _LAST_PX * FACTOR:
+        factors.append(factor)
+        factor *= 2
+
+    def step(share: float, _text: str, _data: object) -> int:
+        return int(progress(_FIRST_SHARE + (1.0 - _FIRST_SHARE) * share))
+
+    raster.FlushCache()
+    if factors and raster.BuildOverviews("AVERAGE", factors, callback=step) != gdal.CE_None:
+        if not progress(1.0):
+            raise Cancelled("mosaic: stopped")
+        raise _failed(Path(raster.GetDescription()))
+
+
+def _failed(path: Path) -> OutputError:
+    reason = " ".join(gdal.GetLastErrorMsg().split())
+    return OutputError(f"mosaic {path}: cannot be made ({reason or 'no reason given'})")

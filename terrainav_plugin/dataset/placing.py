@@ -1,0 +1,207 @@
+"""Results in their mission's group: a mosaic of map frames for each map type, the footprints, and what has failed."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from contextlib import nullcontext
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from qgis.core import (
+    QgsAction,
+    QgsApplication,
+    QgsDataProvider,
+    QgsMapLayer,
+    QgsProject,
+    QgsRasterLayer,
+    QgsVectorLayer,
+)
+from qgis.PyQt.QtCore import QThread
+
+from ..compat import field
+from ..i18n import tr
+from ..map.mission_group import CAPTURED, FAILED, MissionGroup, file_of
+from ..paths import place_of, style
+from ..plain import escaped_field
+from .layers import OpenedResults, open_raster
+from .mosaic import Mosaic
+
+if TYPE_CHECKING:
+    from ...core.mission.mission import Mission
+
+#: Formats that map tips can show.
+_SHOWN_IN_TIPS = ("jpg", "png")
+_TIP_PX = 320
+
+
+class OpenProject:
+    """Which of a session's projects is open: the one that work was begun in, or one after it.
+
+    Work goes on when its project is closed. Its results are shown only where that project is still open, or another is
+    that has a group for the same folder.
+    """
+
+    def __init__(self, project: QgsProject) -> None:
+        self.project = project
+        #: How many have been closed before it.
+        self.number = 0
+        project.cleared.connect(self._closed)
+
+    def close(self) -> None:
+        """End for good."""
+        self.project.cleared.disconnect(self._closed)
+
+    def group_of(self, folder: Path) -> MissionGroup:
+        """Group of the mission that is captured into a folder."""
+        return MissionGroup(self.project, folder)
+
+    def shows(self, number: int | None, folder: Path) -> bool:
+        """Whether results of a folder are shown that were begun in the project of a number."""
+        return number == self.number or self.group_of(folder).find() is not None
+
+    def _closed(self) -> None:
+        self.number += 1
+
+
+def show_results(group: MissionGroup, opened: OpenedResults, changed: bool = True) -> list[QgsMapLayer]:
+    """Add a run's layers to its mission's group; those that are there already show their files anew.
+
+    Parameters
+    ----------
+    changed : bool
+        Whether pictures have been written since the group's layers were opened.
+    """
+    footprints = _show_footprints(group, opened)
+    mosaics = [_show_mosaic(group, mosaic, layer, changed) for mosaic, layer in opened.mosaics]
+    group.remember_mission(opened.mission.to_json())
+    return [footprints, *mosaics]
+
+
+def show_failed(group: MissionGroup, layer: QgsVectorLayer | None) -> None:
+    """Show the images that have failed, in place of those that had before; none, where nothing has."""
+    if layer is None:
+        group.remove(FAILED)
+        return
+    layer.loadNamedStyle(style("failed"))
+    name, map_type, reason = (escaped_field(one) for one in ("name", "map_type", "reason"))
+    layer.setMapTipTemplate(f"<b>{name}</b> ({map_type})<br/>{reason}")
+    layer.setDisplayExpression('"name" || \': \' || "reason"')
+    old = group.layer(FAILED)
+    if old is None:
+        group.add(layer, FAILED, 0).setExpanded(False)
+    else:
+        group.replace(old, layer, FAILED)
+
+
+def load_test_shot(group: MissionGroup, picture: Path, title: str) -> QgsRasterLayer:
+    """Add the picture of a test shot to the group; raises OutputError where QGIS cannot open it."""
+    layer = open_raster(picture, title)
+    group.add(layer, "test-shot", 0).setExpanded(False)
+    return layer
+
+
+def place_mosaics(project: QgsProject, mosaics: Iterable[Mosaic]) -> None:
+    """Put those mosaics in their places that have been made beside them, as `show_results` does; raises OutputError."""
+    for mosaic in mosaics:
+        if mosaic.is_made:
+            _place(project, mosaic)
+
+
+def _place(project: QgsProject, mosaic: Mosaic) -> None:
+    """Put a mosaic that has been made in its place; layers that show it let go of it, and then read it anew.
+
+    A model of Processing asks for it on a thread of its own, where no layer may be touched.
+
+    Raises
+    ------
+    OutputError
+        Where the file cannot be replaced; layers go on showing what was there.
+    """
+    place = place_of(mosaic.path)
+    on_main_thread = QThread.currentThread() == QgsApplication.instance().thread()
+    holding = [
+        layer
+        for layer in (project.mapLayers().values() if on_main_thread else ())
+        if isinstance(layer, QgsRasterLayer) and place_of(file_of(layer)) == place
+    ]
+    sources = [layer.source() for layer in holding]
+    try:
+        with nullcontext() if mosaic.is_made else mosaic.kept():
+            for layer in holding:
+                _set_source(layer, "")
+        if mosaic.is_made:
+            mosaic.put_in_place()
+    finally:
+        for layer, source in zip(holding, sources):
+            _set_source(layer, source)
+            layer.triggerRepaint()
+
+
+def _set_source(layer: QgsRasterLayer, source: str) -> None:
+    """Have a layer show another file, or none; its style and name stay."""
+    layer.setDataSource(source, layer.name(), "gdal", QgsDataProvider.ProviderOptions())
+
+
+def _show_mosaic(
+    group: MissionGroup, mosaic: Mosaic, opened: QgsRasterLayer | None, changed: bool
+) -> QgsMapLayer:
+    role = f"mosaic/{mosaic.path.name}"
+    layer = group.layer(role)
+    if mosaic.is_made or (layer is not None and (changed or not layer.isValid())):
+        _place(group.project, mosaic)
+    if layer is None:
+        layer = opened or open_raster(mosaic.path, mosaic.title)
+        group.add(layer, role, -1).setExpanded(False)
+    return layer
+
+
+def _show_footprints(group: MissionGroup, opened: OpenedResults) -> QgsMapLayer:
+    """Footprints of a mission do not change from one run to the next: a layer that shows them goes on doing so."""
+    layer = group.layer(CAPTURED)
+    if layer is not None and layer.isValid():
+        layer.triggerRepaint()
+        return layer
+    opened.footprints.loadNamedStyle(style("captured"))
+    _name_pictures(opened.footprints, opened.mission)
+    if layer is not None:
+        group.replace(layer, opened.footprints, CAPTURED)
+    else:
+        group.add(opened.footprints, CAPTURED, _above_rasters(group)).setExpanded(False)
+    return opened.footprints
+
+
+def _name_pictures(layer: QgsVectorLayer, mission: Mission) -> None:
+    """Give footprints the paths of their pictures: as attributes, in map tips, and to be opened.
+
+    Paths follow the layer: a folder can be moved together with its project.
+    """
+    tips = []
+    for map_type in mission.map_types:
+        path = f"file_path(decode_uri(@layer_id, 'path')) || '/{map_type}/' || \"name\" || '.{mission.image_format}'"
+        name = f"{map_type}_file"
+        layer.addExpressionField(path, field(name, "text"))
+        layer.actions().addAction(
+            QgsAction(
+                QgsAction.ActionType.OpenUrl,
+                tr("Open the picture ({map_type})").format(map_type=map_type),
+                f'[% "{name}" %]',
+                False,
+            )
+        )
+        tip = escaped_field(name)
+        if mission.image_format in _SHOWN_IN_TIPS:
+            tip = f'<img src="file:///{tip}" width="{_TIP_PX}"/><br/>{tip}'
+        tips.append(f"<p>{tip}</p>")
+    pose = '[% round("yaw_deg", 2) %]°, [% round("tilt_deg", 2) %]°, [% round("roll_deg", 2) %]°'
+    attitude = tr("yaw, tilt, roll: {angles}").format(angles=pose)
+    layer.setMapTipTemplate(f"<b>{escaped_field('name')}</b><br/>{attitude}{''.join(tips)}")
+
+
+def _above_rasters(group: MissionGroup) -> int:
+    """Place below the mission's other vector layers and above its first raster."""
+    found = group.find()
+    children = found.children() if found is not None else []
+    for index, node in enumerate(children):
+        if isinstance(getattr(node, "layer", lambda: None)(), QgsRasterLayer):
+            return index
+    return len(children)

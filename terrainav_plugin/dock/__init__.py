@@ -1,1 +1,0 @@
-"""The panel: what is typed, chosen and shown there."""

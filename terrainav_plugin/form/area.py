@@ -1,0 +1,297 @@
+"""The area that is entered: read, written, and described in words. Knows no widget."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, fields, replace
+from functools import lru_cache
+
+import numpy as np
+
+from ...core.errors import InvalidInput, TerrAInavError
+from ...core.geodesy.ellipsoid import WGS84
+from ...core.mission.area import Area, Box, Points, Polygon
+from ...core.mission.coords import parse_coords
+from ...core.mission.mission import SCHEMA, Mission
+from ...core.safe_json import parse_json
+from ..i18n import localized, number_text, tr, translate
+from ..units import M_PER_FT, METRES, area_text, length_text
+from .state import BOX_FIELDS, FormState
+from .text import SEPARATORS, degrees_text, exact_degrees_text, parse_number
+
+#: Heights this near to each other are the same: spin boxes show four decimals, of a foot at least.
+SAME_HEIGHT_M = 1e-4
+#: Shapes kept read: the one entered, and those that undo goes through.
+_KEPT = 8
+#: Of a corner, of a point with its height and yaw, and of two corners.
+_POINT, _POSE, _POSE_AND_YAW, _CORNERS = 2, 3, 4, 4
+#: Latitudes at which a meridian's curvature is looked at, for its length to the four digits that are shown.
+_LATITUDES = 17
+
+
+class FormError(Exception):
+    """Entries that make no mission: a message for every field that is wrong."""
+
+    def __init__(self, messages: dict[str, str]) -> None:
+        super().__init__("; ".join(messages.values()))
+        self.messages = messages
+
+
+def with_box(state: FormState, box: Box, text: Callable[[float], str] = degrees_text) -> FormState:
+    """State with the edges of ``box``."""
+    return replace(state, shape="", **_edges(box, text))
+
+
+def with_area(state: FormState, area: Area, agl_m: float | None = None) -> FormState:
+    """State with another area, and with its height above ground in metres where it has one."""
+    if agl_m is not None and agl_m != state.agl_m:
+        agl = agl_m / M_PER_FT if state.agl_unit == "ft" else agl_m
+        state = replace(state, agl=agl, height_by="agl", camera_gsd=0.0)
+    if isinstance(area, Box):
+        return with_box(state, area)
+    state = with_box(state, area.bounds, exact_degrees_text)
+    return replace(state, shape=shape_text(area, state.agl_m))
+
+
+def with_coordinates(state: FormState, text: str) -> FormState:
+    """State with pasted coordinates, heights in the state's unit; `area_of_text` says what is understood.
+
+    Raises
+    ------
+    FormError
+        For the field ``north``, with what is wrong.
+    """
+    try:
+        return with_area(state, *area_of_text(text, state.agl, state.agl_unit))
+    except TerrAInavError as wrong:
+        raise FormError({"north": translate(wrong)}) from wrong
+
+
+def entered_shape(state: FormState) -> Polygon | Points | None:
+    """Polygon or points that are entered, at the height that is; None where the area is a box.
+
+    Raises
+    ------
+    InvalidInput
+        Where the state's text of them cannot be read.
+    """
+    if not state.shape:
+        return None
+    bounds = shape_of(state.shape).bounds
+    # Edges that are not those around it have been entered since, and make the area a box.
+    edges = _edges(bounds, exact_degrees_text)
+    if any(getattr(state, name) != text for name, text in edges.items()):
+        return None
+    return area_at(state.shape, state.agl_m)
+
+
+def entered_area(state: FormState) -> Area | None:
+    """Area that is entered; None where there is none, or no sound one."""
+    try:
+        shape = entered_shape(state)
+        if shape is not None:
+            return shape
+        return Box(*(parse_number(getattr(state, name)) for name in BOX_FIELDS))
+    except (TerrAInavError, ValueError):
+        return None
+
+
+def unit_of(state: FormState) -> tuple[float, str]:
+    """Metres in the unit of heights, and its name."""
+    return (M_PER_FT, tr("ft")) if state.agl_unit == "ft" else (1.0, tr("m"))
+
+
+@dataclass(frozen=True)
+class Shape:
+    """A polygon or points, read.
+
+    Parameters
+    ----------
+    area : Polygon or Points
+    bounds : Box
+        The smallest box around it, which the edges' fields show.
+    agl_m : float
+        Height that was entered when points were taken; another one since then is that of all points.
+    """
+
+    area: Polygon | Points
+    bounds: Box
+    agl_m: float
+
+    def at(self, agl_m: float) -> Polygon | Points:
+        """Area when a height is entered: all points have it unless it is the one they were taken with."""
+        if not isinstance(self.area, Points) or abs(agl_m - self.agl_m) <= SAME_HEIGHT_M or agl_m <= 0.0:
+            return self.area
+        return replace(self.area, poses=tuple((lat, lon, agl_m) for lat, lon, _ in self.area.poses))
+
+
+def shape_text(area: Area, agl_m: float) -> str:
+    """Text of a polygon or of points, taken while a height is entered; empty for a box."""
+    if isinstance(area, Box):
+        return ""
+    # As a mission's file has it; without the copy of every corner that `Mission.to_dict` makes.
+    data = {field.name: getattr(area, field.name) for field in fields(area)}
+    return json.dumps({"type": type(area).__name__.lower(), **data, "agl_m": agl_m})
+
+
+@lru_cache(_KEPT)
+def shape_of(text: str) -> Shape:
+    """Shape of a text; raises InvalidInput where it holds none."""
+    try:
+        data = parse_json(text)
+        agl_m = float(data.pop("agl_m", 1.0))
+    except (ValueError, TypeError, AttributeError) as wrong:
+        raise InvalidInput(tr("the area's shape cannot be read: {error}").format(error=wrong)) from wrong
+    area = Mission.from_dict({"schema": SCHEMA, "area": data, "agl_m": 1.0}).area
+    if isinstance(area, Box):
+        raise InvalidInput(tr("the area's shape is a box: must be a polygon or points"))
+    return Shape(area, area.bounds, agl_m)
+
+
+@lru_cache(_KEPT)
+def area_at(text: str, agl_m: float) -> Polygon | Points:
+    """Area of a text when a height is entered; raises InvalidInput where it holds none."""
+    return shape_of(text).at(agl_m)
+
+
+def area_of_text(text: str, agl: float, agl_unit: str) -> tuple[Area, float | None]:
+    """Area of pasted text.
+
+    Parameters
+    ----------
+    text : str
+        ``north_west_south_east_agl`` or ``lat_lon_agl``, or several lines of ``lat lon agl [yaw]``. Commas,
+        semicolons and spaces do as well as underscores, and the height may be left out of one line.
+    agl : float
+        Height where the text has none.
+    agl_unit : str
+        m or ft, of all heights.
+
+    Returns
+    -------
+    area : Box or Points
+    agl_m : float or None
+        Height in the text, metres; of the first point where there are several; None where it has none.
+
+    Raises
+    ------
+    InvalidInput
+        Names what cannot be read, with its line.
+    """
+    lines = [
+        (number, _without_separators(line))
+        for number, line in enumerate(text.splitlines(), 1)
+        if line.strip() and not line.lstrip().startswith("#")
+    ]
+    if len(lines) > 1:
+        return _points(lines, agl, agl_unit)
+    line = lines[0][1] if lines else ""
+    parts = SEPARATORS.split(line)
+    given = len(parts) not in (_POINT, _CORNERS)
+    area, agl_m = parse_coords(line if given else "_".join([*parts, repr(agl)]), agl_unit=agl_unit)
+    return area, agl_m if given else None
+
+
+def size_m(box: Box) -> tuple[float, float]:
+    """Width along the middle parallel and height along a meridian, in metres on the ground."""
+    middle = np.radians((box.north_deg + box.south_deg) / 2.0)
+    radius = float(WGS84.normal_radius_m(np.degrees(middle)))
+    width = radius * math.cos(float(middle)) * math.radians(box.span_deg)
+    radii = WGS84.meridional_radius_m(np.linspace(box.south_deg, box.north_deg, _LATITUDES))
+    return width, float(radii.mean()) * math.radians(box.north_deg - box.south_deg)
+
+
+def size_text(box: Box) -> str:
+    """Width, height and ground of a box."""
+    width, height = (length_text(length, METRES) for length in size_m(box))
+    return f"{width} × {height}, {area_text(box.area_m2(), METRES)}"
+
+
+def area_words(area: Area, m_per_unit: float = 1.0, unit: str = "m") -> str:
+    """What an area is, in a line.
+
+    Parameters
+    ----------
+    m_per_unit, unit
+        Of the heights of points.
+    """
+    if isinstance(area, Box):
+        return tr("Box, {size}").format(size=size_text(area))
+    if isinstance(area, Polygon):
+        return _polygon_words(area)
+    heights = [agl / m_per_unit for _, _, agl in area.poses]
+    words = [
+        tr("Single capture") if len(heights) == 1 else tr("{n} points").format(n=number_text(len(heights)))
+    ]
+    low, high = (
+        localized(f"{height:,.1f}".rstrip("0").rstrip(".")) for height in (min(heights), max(heights))
+    )
+    words.append((low if low == high else f"{low}–{high}") + f" {unit} AGL")
+    if area.yaws_deg:
+        if len(heights) == 1:
+            words.append(tr("yaw {yaw}°").format(yaw=number_text(area.yaws_deg[0], "g")))
+        else:
+            words.append(tr("each with its yaw"))
+    return ", ".join(words)
+
+
+def readout(area: Area) -> str:
+    """What is said at the cursor while an area is drawn or moved."""
+    if isinstance(area, Points):
+        return tr("{n} points").format(n=len(area.poses)) if len(area.poses) > 1 else tr("Single capture")
+    return size_text(area) if isinstance(area, Box) else area_text(area.area_m2(), METRES)
+
+
+def _edges(box: Box, text: Callable[[float], str]) -> dict[str, str]:
+    degrees = (box.north_deg, box.west_deg, box.south_deg, box.east_deg)
+    return dict(zip(BOX_FIELDS, map(text, degrees)))
+
+
+def _without_separators(line: str) -> str:
+    """Line without what separates at its ends; a pattern for its end would take time that grows with its square."""
+    first, after = (found.end() if found else 0 for found in map(SEPARATORS.match, (line, line[::-1])))
+    return line[first : len(line) - after]
+
+
+def _points(lines: list[tuple[int, str]], agl: float, agl_unit: str) -> tuple[Points, float | None]:
+    """Points of several lines, all with a yaw or all without."""
+    poses: list[tuple[float, float, float]] = []
+    yaws: list[float] = []
+    given = False
+    for number, line in lines:
+        parts = SEPARATORS.split(line)
+        where = tr("line {number}:").format(number=number)
+        try:
+            if len(parts) not in (_POINT, _POSE, _POSE_AND_YAW):
+                found = tr("“{line}” has {count} numbers; several lines must be of lat lon agl [yaw]")
+                raise InvalidInput(found.format(line=line, count=len(parts)))
+            given = given or len(parts) >= _POSE
+            first = parts[:_POSE] if len(parts) >= _POSE else [*parts, repr(agl)]
+            point, _ = parse_coords("_".join(first), agl_unit=agl_unit)
+            poses += point.poses
+            if len(parts) == _POSE_AND_YAW:
+                yaws += Points(point.poses, (_number(parts[3]),)).yaws_deg
+        except InvalidInput as wrong:
+            raise InvalidInput(f"{where} {wrong}") from wrong
+        if yaws and len(yaws) != len(poses):
+            raise InvalidInput(f"{where} " + tr("give every point a yaw, or none"))
+    return Points(tuple(poses), tuple(yaws)), poses[0][2] if given else None
+
+
+def _number(text: str) -> float:
+    try:
+        return float(text.replace("\u2212", "-"))
+    except ValueError as wrong:
+        raise InvalidInput(tr("yaw “{text}”: must be a number of degrees").format(text=text)) from wrong
+
+
+def _polygon_words(polygon: Polygon) -> str:
+    corners = sum(len(ring) for ring in polygon.rings)
+    words = [tr("Polygon"), tr("{n} corners").format(n=number_text(corners))]
+    holes = len(polygon.rings) - 1
+    if holes:
+        words.append(tr("1 hole") if holes == 1 else tr("{n} holes").format(n=holes))
+    words.append(area_text(polygon.area_m2(), METRES))
+    return ", ".join(words)

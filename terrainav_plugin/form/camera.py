@@ -1,0 +1,188 @@
+"""The camera that is entered, in other terms: fields of view, lens and sensor, ground sample distance."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from ..units import M_PER_FT
+from .state import DIAGONAL, HORIZONTAL, SENSOR, VERTICAL, FormState, in_metres
+from .text import aspect_text, parse_aspect
+
+if TYPE_CHECKING:
+    from ...core.geodesy.camera import Camera
+
+#: Width of the sensor that a lens is stated for while no other is known: full frame, as photographers compare lenses.
+FULL_FRAME_MM = 36.0
+#: Metres in the unit of a height, and in that of a ground sample distance, by what lengths are shown in.
+HEIGHT_M = {"m": 1.0, "ft": M_PER_FT}
+GSD_M = {"m": 0.01, "ft": M_PER_FT / 12.0}
+#: Entries that the field of view follows from, by what the camera is given by.
+_TYPED = {
+    DIAGONAL: (),
+    HORIZONTAL: ("fov_typed_deg",),
+    VERTICAL: ("fov_typed_deg",),
+    SENSOR: ("focal_length_mm", "sensor_width_mm", "sensor_height_mm"),
+}
+_NOTHING_TYPED = {
+    "fov_typed_deg": 0.0,
+    "focal_length_mm": 0.0,
+    "sensor_width_mm": 0.0,
+    "sensor_height_mm": 0.0,
+}
+_SENSOR_SIZE = ("sensor_width_mm", "sensor_height_mm")
+#: Entries that a ground sample distance depends on, beside the height.
+_CAMERA = {"fov_deg", "aspect", *_NOTHING_TYPED}
+
+
+def camera_of(state: FormState) -> Camera | None:
+    """Camera that a state describes; None where its entries make none."""
+    from ...core.errors import InvalidInput
+    from ...core.geodesy.camera import Camera
+
+    try:
+        return Camera(state.fov_deg, parse_aspect(state.aspect))
+    except (ValueError, InvalidInput):
+        return None
+
+
+def camera_as_typed(state: FormState, aspect_ratio: float) -> Camera:
+    """Camera by the numbers that a state shows.
+
+    Raises
+    ------
+    InvalidInput
+        Where one of them is outside its domain.
+    """
+    from ...core.geodesy.camera import Camera
+
+    if state.fov_mode == HORIZONTAL:
+        return Camera.from_horizontal_fov(state.fov_typed_deg, aspect_ratio)
+    if state.fov_mode == VERTICAL:
+        return Camera.from_vertical_fov(state.fov_typed_deg, aspect_ratio)
+    if state.fov_mode == SENSOR:
+        size_mm = (state.sensor_width_mm, state.sensor_height_mm)
+        return Camera.from_sensor(size_mm, state.focal_length_mm, aspect_ratio)
+    return Camera(state.fov_deg, aspect_ratio)
+
+
+def given_by(state: FormState, mode: str, sensor_mm: tuple[float, float] | None = None) -> FormState:
+    """State of the same camera given by ``mode``, for which its numbers are worked out.
+
+    Parameters
+    ----------
+    sensor_mm : (width, height) or None
+        Of the camera, where that is known; otherwise full frame is taken.
+    """
+    plain = replace(state, fov_mode=mode, **_NOTHING_TYPED)
+    camera = camera_of(state)
+    if camera is None or mode == DIAGONAL:
+        return plain
+    if mode == HORIZONTAL:
+        return replace(plain, fov_typed_deg=camera.horizontal_fov_deg)
+    if mode == VERTICAL:
+        return replace(plain, fov_typed_deg=camera.vertical_fov_deg)
+    width_mm, height_mm = sensor_mm or (FULL_FRAME_MM, FULL_FRAME_MM / camera.aspect_ratio)
+    # By the diagonal, as cameras are made from their data sheets.
+    half_mm = math.hypot(width_mm, height_mm) / 2.0
+    focal_length_mm = half_mm / math.hypot(*camera.half_tangents)
+    return replace(
+        plain, focal_length_mm=focal_length_mm, sensor_width_mm=width_mm, sensor_height_mm=height_mm
+    )
+
+
+def shown_gsd(state: FormState) -> float:
+    """Ground sample distance of the camera in the state's unit; 0 where its entries make no camera.
+
+    It is that of a picture whose longer side has ``image_px`` pixels, straight down, at its middle.
+    """
+    if state.height_by == "gsd":
+        return state.camera_gsd
+    camera = camera_of(state)
+    if camera is None or not state.agl_m > 0.0 or state.image_px < 1:
+        return 0.0
+    return in_unit(camera.gsd_m_per_px(state.agl_m, state.image_px), GSD_M[state.agl_unit])
+
+
+def settled(before: FormState, now: FormState, field: str) -> FormState:
+    """State after a person has changed one entry, with what follows from it.
+
+    What was typed stays as it was typed: a height or a ground sample distance, a field of view or a lens.
+
+    Parameters
+    ----------
+    before, now : FormState
+        Before and after the change, of nothing but ``field``.
+    """
+    if field == "fov_mode":
+        return given_by(_with_those_of(before, now, _CAMERA), now.fov_mode)
+    if field == "agl_unit":
+        return in_length_unit(_with_those_of(before, now, ("agl", "camera_gsd", field)), now.agl_unit)
+    if field in _SENSOR_SIZE:
+        now = _with_shape_of_sensor(now)
+    if field in _CAMERA:
+        now = _with_diagonal(now)
+    if field in _CAMERA or field in ("image_px", "camera_gsd", "agl"):
+        now = with_height(now)
+    return now
+
+
+def in_length_unit(state: FormState, unit: str) -> FormState:
+    """State of the same height, shown in another unit."""
+    gsd = in_unit(in_metres(state.camera_gsd, GSD_M[state.agl_unit]), GSD_M[unit])
+    return replace(state, agl=in_unit(state.agl_m, HEIGHT_M[unit]), camera_gsd=gsd, agl_unit=unit)
+
+
+def with_height(state: FormState) -> FormState:
+    """State with the height that its ground sample distance asks for, where the height follows from that."""
+    if state.height_by != "gsd":
+        return state if state.camera_gsd == 0.0 else replace(state, camera_gsd=0.0)
+    camera = camera_of(state)
+    if camera is None or not state.camera_gsd > 0.0 or state.image_px < 1:
+        return state
+    agl_m = camera.agl_m(state.camera_gsd * GSD_M[state.agl_unit], state.image_px)
+    return replace(state, agl=in_unit(agl_m, HEIGHT_M[state.agl_unit]))
+
+
+def in_unit(value: float, unit: float) -> float:
+    """How many units some metres are: the shortest number that `in_metres` turns back into them, if there is one."""
+    if unit == 1.0:
+        return value
+    quotient = value / unit
+    short = (float(f"{quotient:.{digits}g}") for digits in (6, 9, 12, 15, 16))
+    return next((count for count in short if in_metres(count, unit) == value), quotient)
+
+
+def _with_those_of(before: FormState, now: FormState, names: Iterable[str]) -> FormState:
+    """State after a change with some of the fields as they were before it."""
+    return replace(now, **{name: getattr(before, name) for name in names})
+
+
+def _with_diagonal(state: FormState) -> FormState:
+    """State whose diagonal field of view is that of the numbers typed; as it was, where those make no camera."""
+    from ...core.errors import InvalidInput
+
+    if not _TYPED[state.fov_mode]:
+        return state
+    try:
+        return replace(state, fov_deg=camera_as_typed(state, parse_aspect(state.aspect)).fov_deg)
+    except (ValueError, InvalidInput):
+        return state
+
+
+def _with_shape_of_sensor(state: FormState) -> FormState:
+    """State with the aspect ratio of its sensor, unless that differs by no more than data sheets round away."""
+    from ...core.geodesy.camera import SQUARE_PIXELS
+
+    width_mm, height_mm = state.sensor_width_mm, state.sensor_height_mm
+    if not (width_mm > 0.0 and height_mm > 0.0):
+        return state
+    ratio = width_mm / height_mm
+    try:
+        same = abs(ratio / parse_aspect(state.aspect) - 1.0) <= SQUARE_PIXELS
+    except (ValueError, ZeroDivisionError):
+        same = False
+    # Data sheets have some digits of a sensor: 13.2 by 8.8 mm is 3:2.
+    return state if same else replace(state, aspect=aspect_text(float(f"{ratio:.12g}")))

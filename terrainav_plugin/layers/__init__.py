@@ -1,1 +1,0 @@
-"""Layers of the project as a source of imagery, drawn by QGIS."""

@@ -1,0 +1,197 @@
+"""The map canvas: longitudes and latitudes on it in any CRS, and tools that give way to the tool before them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+from qgis.core import (
+    Qgis,
+    QgsCoordinateReferenceSystem,
+    QgsCoordinateTransform,
+    QgsCsException,
+    QgsPointXY,
+    QgsProject,
+    QgsRectangle,
+)
+from qgis.gui import QgsMapCanvas, QgsMapTool
+from qgis.PyQt.QtCore import QEvent, QObject, Qt
+from qgis.PyQt.QtGui import QKeyEvent
+
+from ...core.errors import InvalidInput
+from ...core.mission.area import Box
+from ..i18n import tr
+
+LON_LAT = "EPSG:4326"
+#: Points a side is walked along: a parallel's bulge between two of them is under 1/16000 of the side's own.
+_POINTS_A_SIDE = 64
+
+
+def to_lon_lat(crs: QgsCoordinateReferenceSystem, project: QgsProject) -> QgsCoordinateTransform:
+    """Return the transformation from a CRS to longitude and latitude on WGS84."""
+    return QgsCoordinateTransform(crs, QgsCoordinateReferenceSystem(LON_LAT), project.transformContext())
+
+
+def lon_lat_of(
+    point: QgsPointXY, crs: QgsCoordinateReferenceSystem, project: QgsProject
+) -> tuple[float, float]:
+    """Longitude in [-180, 180) and latitude in degrees of a point on the canvas.
+
+    Raises
+    ------
+    InvalidInput
+        Where the project's CRS has no such place.
+    """
+    lon, lat = _transformed(point, to_lon_lat(crs, project))
+    return _wrap(lon), lat
+
+
+def box_of(rectangle: QgsRectangle, crs: QgsCoordinateReferenceSystem, project: QgsProject) -> Box:
+    """Smallest box around a rectangle of the canvas.
+
+    The rectangle's outline is walked, since its corners alone miss the bulge of its sides; longitudes are
+    followed across the antimeridian, where the box's west then exceeds its east.
+
+    Raises
+    ------
+    InvalidInput
+        Where the rectangle leaves the domain of the project's CRS.
+    """
+    transform = to_lon_lat(crs, project)
+    outline = [_transformed(point, transform) for point in _outline(rectangle)]
+    return box_of_outline(outline, lambda: _transformed(rectangle.center(), transform)[1])
+
+
+def box_of_outline(outline: list[tuple[float, float]], centre_lat_deg: Callable[[], float]) -> Box:
+    """Smallest box around a closed outline of (longitude, latitude), whose steps are under half a turn.
+
+    An outline that goes around the Earth holds a pole: the one on the side of its centre.
+    """
+    lons = [outline[0][0]]
+    for lon, _ in outline[1:]:
+        lons.append(lon - 360.0 * round((lon - lons[-1]) / 360.0))
+    lats = [lat for _, lat in outline]
+    north, south, west, east = max(lats), min(lats), min(lons), max(lons)
+    closing = lons[0] - 360.0 * round((lons[0] - lons[-1]) / 360.0)
+    if abs(closing - lons[0]) > 180.0:
+        if centre_lat_deg() > 0.0:
+            north = 90.0
+        else:
+            south = -90.0
+        return Box(north, -180.0, south, 180.0)
+    if east - west >= 360.0:
+        return Box(north, -180.0, south, 180.0)
+    turn = 360.0 * math.floor((west + 180.0) / 360.0)
+    west, east = west - turn, east - turn
+    return Box(north, west, south, east - 360.0 if east > 180.0 else east)
+
+
+def canvas_rectangle(box: Box, crs: QgsCoordinateReferenceSystem, project: QgsProject) -> QgsRectangle:
+    """Rectangle of the canvas around a box; raises InvalidInput where the CRS has no such place."""
+    transform = to_lon_lat(crs, project)
+    rectangle = QgsRectangle(box.west_deg, box.south_deg, box.continuous_east_deg, box.north_deg)
+    try:
+        return transform.transformBoundingBox(rectangle, Qgis.TransformDirection.Reverse)
+    except QgsCsException as wrong:
+        raise InvalidInput(
+            tr("this place cannot be shown in the project's CRS {crs}; choose another CRS").format(
+                crs=_named(crs)
+            )
+        ) from wrong
+
+
+def show_extent(canvas: QgsMapCanvas, rectangle: QgsRectangle, scale: float) -> None:
+    """Move the map to a rectangle of its CRS; what is seen is ``scale`` times as wide and high."""
+    rectangle.scale(scale)
+    canvas.setExtent(rectangle)
+    canvas.refresh()
+
+
+class TemporaryTool(QgsMapTool):
+    """A map tool that gives the canvas back to the tool before it."""
+
+    def __init__(self, canvas: QgsMapCanvas) -> None:
+        super().__init__(canvas)
+        self.setCursor(Qt.CursorShape.CrossCursor)
+        self._previous: QgsMapTool | None = None
+
+    def start(self) -> None:
+        """Take over the canvas."""
+        canvas = self.canvas()
+        if canvas.mapTool() is not self:
+            self._previous = canvas.mapTool()
+            canvas.setMapTool(self)
+        # Keys go to the canvas, so that Esc arrives wherever the tool was chosen.
+        canvas.setFocus()
+
+    def stop(self) -> None:
+        """Give the canvas back."""
+        canvas, previous = self.canvas(), self._previous
+        self._previous = None
+        if canvas.mapTool() is self:
+            canvas.unsetMapTool(self)
+            if previous is not None:
+                canvas.setMapTool(previous)
+
+    def give_up(self) -> None:
+        """Leave the tool, on Esc."""
+        self.stop()
+
+    def activate(self) -> None:
+        """Take over the canvas's keys as well."""
+        super().activate()
+        # The canvas itself hands no key on while a mouse button is down.
+        self.canvas().installEventFilter(self)
+
+    def deactivate(self) -> None:
+        """Give the keys back."""
+        self.canvas().removeEventFilter(self)
+        super().deactivate()
+
+    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
+        """Give up on Esc."""
+        pressed = event.type() == QEvent.Type.KeyPress
+        if pressed and isinstance(event, QKeyEvent) and event.key() == Qt.Key.Key_Escape:
+            self.give_up()
+            return True
+        return super().eventFilter(watched, event)
+
+
+def _outline(rectangle: QgsRectangle) -> list[QgsPointXY]:
+    steps = [step / _POINTS_A_SIDE for step in range(_POINTS_A_SIDE)]
+    west, south, east, north = (
+        rectangle.xMinimum(),
+        rectangle.yMinimum(),
+        rectangle.xMaximum(),
+        rectangle.yMaximum(),
+    )
+    corners = [(west, south), (east, south), (east, north), (west, north)]
+    # Corners are taken as they are: interpolating would lose their last digit.
+    return [
+        QgsPointXY(x0, y0) if step == 0.0 else QgsPointXY(x0 + step * (x1 - x0), y0 + step * (y1 - y0))
+        for (x0, y0), (x1, y1) in zip(corners, corners[1:] + corners[:1])
+        for step in steps
+    ]
+
+
+def _transformed(point: QgsPointXY, transform: QgsCoordinateTransform) -> tuple[float, float]:
+    try:
+        there = transform.transform(point)
+    except QgsCsException as wrong:
+        raise _outside(transform) from wrong
+    if not (math.isfinite(there.x()) and math.isfinite(there.y())) or abs(there.y()) > 90.0:
+        raise _outside(transform)
+    return there.x(), there.y()
+
+
+def _outside(transform: QgsCoordinateTransform) -> InvalidInput:
+    crs = _named(transform.sourceCrs())
+    return InvalidInput(tr("this place is outside the domain of the project's CRS {crs}").format(crs=crs))
+
+
+def _named(crs: QgsCoordinateReferenceSystem) -> str:
+    return crs.authid() or crs.description() or tr("(custom)")
+
+
+def _wrap(lon_deg: float) -> float:
+    return lon_deg if -180.0 <= lon_deg < 180.0 else (lon_deg + 180.0) % 360.0 - 180.0

@@ -1,0 +1,127 @@
+"""What a reply of Qt's says, as a response or an error of a transport, in words of our own."""
+
+from __future__ import annotations
+
+from typing import Any, Callable
+
+from qgis.PyQt.QtCore import QUrl
+from qgis.PyQt.QtNetwork import QNetworkReply, QNetworkRequest
+
+from ...core.imagery.http.transport import Response, TransportError, check_length, too_long, unpacked
+from ...core.limits import MAX_HEADERS
+
+#: Statuses whose Content-Length is that of the body they stand for, and none of a reply that failed.
+_BODILESS = (None, 204, 304)
+_Error = QNetworkReply.NetworkError
+#: Answers with a status that says what is wrong: to be judged by those who asked.
+_OF_STATUS = frozenset(
+    [
+        _Error.NoError,
+        _Error.ContentAccessDenied,
+        _Error.ContentOperationNotPermittedError,
+        _Error.ContentNotFoundError,
+        _Error.AuthenticationRequiredError,
+        _Error.ContentReSendError,
+        _Error.ContentConflictError,
+        _Error.ContentGoneError,
+        _Error.UnknownContentError,
+        _Error.InternalServerError,
+        _Error.OperationNotImplementedError,
+        _Error.ServiceUnavailableError,
+        _Error.UnknownServerError,
+        _Error.ProxyAuthenticationRequiredError,
+        # What Qt makes of 400 and 418.
+        _Error.ProtocolInvalidOperationError,
+    ]
+)
+_PROXY = frozenset(
+    [
+        _Error.ProxyConnectionRefusedError,
+        _Error.ProxyConnectionClosedError,
+        _Error.ProxyNotFoundError,
+        _Error.ProxyTimeoutError,
+        _Error.UnknownProxyError,
+    ]
+)
+_AWAY = frozenset(
+    [
+        _Error.ConnectionRefusedError,
+        _Error.HostNotFoundError,
+        _Error.TimeoutError,
+        _Error.TemporaryNetworkFailureError,
+        _Error.NetworkSessionFailedError,
+        _Error.UnknownNetworkError,
+    ]
+)
+_NOT_A_URL = frozenset([_Error.ProtocolUnknownError, _Error.ProtocolInvalidOperationError])
+
+
+def answer_of(
+    reply: QNetworkReply, url: str, max_body_bytes: int, has_proxy: Callable[[QUrl], bool]
+) -> Response:
+    """Read a reply that has finished.
+
+    Parameters
+    ----------
+    reply : QNetworkReply
+    url : str
+        What was asked.
+    max_body_bytes : int
+    has_proxy : callable
+        Whether a URL is asked through one.
+
+    Raises
+    ------
+    TransportError
+        It is not whole.
+    """
+    error = reply.error()
+    status = reply.attribute(QNetworkRequest.Attribute.HttpStatusCodeAttribute)
+    body = bytes(reply.readAll())
+    if len(body) > max_body_bytes:
+        raise too_long(max_body_bytes)
+    headers = {
+        bytes(name).decode("latin-1").lower(): bytes(value).decode("latin-1")
+        for name, value in reply.rawHeaderPairs()
+    }
+    if status not in _BODILESS:
+        check_length(len(body), headers)
+    if status is None or not is_of_status(error):
+        asked = QUrl(url)
+        raise problem(error, asked.host(), answered=status is not None, proxy=has_proxy(asked))
+    return Response(int(status), headers, unpacked(body, headers, max_body_bytes))
+
+
+def has_too_many_headers(reply: QNetworkReply) -> bool:
+    """Whether an answer has more header lines than any server means to send."""
+    return len(reply.rawHeaderList()) > MAX_HEADERS
+
+
+def is_of_status(error: Any) -> bool:
+    """Whether an error says no more than the status of an answer that came whole."""
+    return error in _OF_STATUS
+
+
+def problem(error: Any, host: str, *, answered: bool, proxy: bool) -> TransportError:
+    """Error of a transport.
+
+    Parameters
+    ----------
+    error : QNetworkReply.NetworkError
+    host : str
+    answered : bool
+        Whether an answer had begun.
+    proxy : bool
+        Whether the host is asked through one.
+    """
+    if error == _Error.SslHandshakeFailedError:
+        return TransportError(f"no trusted connection to {host} (TLS)", again=False, away=True)
+    if error == _Error.ProxyAuthenticationRequiredError:
+        return TransportError("the proxy asks for a user name and password", again=False, away=True)
+    if error in _NOT_A_URL:
+        return TransportError("the URL is not valid", again=False)
+    if error in _PROXY or (error in _AWAY and proxy and not answered):
+        return TransportError("the proxy does not answer", away=True)
+    if error in _AWAY and not answered:
+        return TransportError(f"no connection to {host}", away=True, late=error == _Error.TimeoutError)
+    return TransportError(f"connection to {host} broke off")

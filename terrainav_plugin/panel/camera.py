@@ -1,0 +1,309 @@
+"""The entries of the camera: by name, by field of view in the terms a person has it, and the size of images."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from fractions import Fraction
+from typing import TYPE_CHECKING, Any
+
+from qgis.core import QgsApplication
+from qgis.PyQt.QtCore import Qt, pyqtSignal
+from qgis.PyQt.QtWidgets import QInputDialog, QLineEdit, QMenu, QToolButton
+
+from ...core.errors import InvalidInput, OutputError
+from ..form.camera import camera_of, given_by, with_height
+from ..form.state import DIAGONAL, HORIZONTAL, SENSOR, VERTICAL, FormState
+from ..form.text import aspect_text, parse_aspect
+from ..i18n import number_text, tr, translate
+from ..plain import shown_plain
+from ..widgets import FieldMarks, combo, row, spin
+from .choices import CameraChoice
+from .entries import Entries
+
+if TYPE_CHECKING:
+    from ...core.mission.cameras import CameraPreset
+
+#: What the spin boxes let through; what is right is said in words.
+_DEGREES, _MM, _SIZE_PX = 360.0, 1e6, 1_000_000
+#: Decimals to which a field of view and that of a preset are the same camera.
+_SAME_DECIMALS = 6
+#: Room for "Focal length".
+_MODE_LETTERS = 10
+_SENSOR = ("sensor_width_mm", "sensor_height_mm")
+#: Largest number that the parts of an aspect ratio are written with; beyond, it is written as it is.
+_MOST_IN_RATIO = 10_000
+
+
+class CameraEntries(Entries):
+    """Group of the camera.
+
+    Signals
+    -------
+    chosen(object)
+        A preset, as a `CameraChoice`.
+    """
+
+    chosen = pyqtSignal(object)
+
+    def __init__(self, marks: FieldMarks, cameras: Sequence[CameraChoice]) -> None:
+        super().__init__("camera_group", tr("Camera"), marks)
+        self._cameras = list(cameras)
+        self._state = FormState()
+        self._trouble = ""
+        self._add_chooser()
+        self._add_field_of_view()
+        self.aspect = QLineEdit()
+        self.aspect.setObjectName("aspect")
+        self.aspect.setToolTip(tr("Picture width to height, without unit: 4:3, 4000x3000 or 1.333"))
+        self.add("aspect", tr("Aspect ra&tio"), self.aspect)
+        tip = tr(
+            "Pixels (px) along the longer side of the camera's image: the source's pixels are taken that come nearest "
+            "to the camera's. Cameras by name bring their own."
+        )
+        self.add("image_px", tr("Image's lo&nger side"), spin("image_px", 0, _SIZE_PX, 0, " px", tip))
+        self._fill_chooser()
+
+    def values(self) -> dict[str, Any]:
+        """Return what is entered; of field of view, lens and sensor only what the camera is given by."""
+        values = super().values()
+        mode = values["fov_mode"]
+        hidden = [name for name in ("fov_typed_deg", "focal_length_mm", *_SENSOR) if not _counts(name, mode)]
+        values.update(dict.fromkeys(hidden, 0.0))
+        if mode != DIAGONAL:
+            # What was typed says it.
+            del values["fov_deg"]
+        return values
+
+    def enter(self, state: FormState) -> None:
+        """Enter the fields of a state."""
+        self._state = state
+        super().enter(state)
+        self.fov.setVisible(state.fov_mode == DIAGONAL)
+        self.fov_typed.setVisible(state.fov_mode in (HORIZONTAL, VERTICAL))
+        for field in self._lens:
+            self.show_row(field, state.fov_mode == SENSOR)
+        self._name_camera(state)
+
+    def show_marked(self, messages: dict[str, str]) -> None:
+        """Open where something is said about an entry; say what was wrong with saving or removing a camera."""
+        if self._trouble:
+            messages.setdefault("camera", self._trouble)
+        super().show_marked(messages)
+
+    # --- making
+
+    def _add_chooser(self) -> None:
+        self.camera = combo("camera", (), _chooser_tip())
+        self.more = QToolButton()
+        self.more.setObjectName("more_cameras")
+        self.more.setIcon(QgsApplication.getThemeIcon("/symbologyAdd.svg"))
+        self.more.setToolTip(tr("Save the values entered as a camera of your own, or remove one"))
+        self.more.setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
+        menu = QMenu(self.more)
+        self.save = menu.addAction(tr("Save these values as…"), self._save)
+        self.remove = menu.addAction(tr("Remove this camera"), self._remove)
+        self.more.setMenu(menu)
+        self._form.addRow(
+            tr("C&amera"), self._marks.field("camera", self.camera, row(self.camera, self.more, stretch=0))
+        )
+        self.camera.activated.connect(self._choose)
+
+    def _add_field_of_view(self) -> None:
+        modes = (
+            (DIAGONAL, tr("Diagonal")),
+            (HORIZONTAL, tr("Horizontal")),
+            (VERTICAL, tr("Vertical")),
+            (SENSOR, tr("Focal length")),
+        )
+        tip = tr(
+            "What the field of view is given by: degrees across the picture's diagonal, width or height, or focal "
+            "length and sensor in mm. Choosing another shows the same camera in its numbers."
+        )
+        self.fov_mode = combo("fov_mode", modes, tip)
+        self.fov_mode.setMinimumContentsLength(_MODE_LETTERS)
+        tip = tr("Field of view across the picture's diagonal, in degrees")
+        self.fov = spin("fov_deg", 0.0, _DEGREES, 6, " °", tip)
+        tip = tr("Field of view across the picture's width or height, as chosen beside, in degrees")
+        self.fov_typed = spin("fov_typed_deg", 0.0, _DEGREES, 6, " °", tip)
+        for name, widget in (
+            ("fov_mode", self.fov_mode),
+            ("fov_deg", self.fov),
+            ("fov_typed_deg", self.fov_typed),
+        ):
+            self.take(name, widget)
+        shown = row(self.fov_mode, self.fov, self.fov_typed, stretch=(1, 2))
+        field = self._marks.field("fov_deg", self.fov, shown)
+        self._form.addRow(tr("F&ield of view"), self._marks.field("fov_typed_deg", self.fov_typed, field))
+        tip = tr("Focal length of the lens in millimetres: the real one, not that for full frame")
+        name = "focal_length_mm"
+        focal = self.add(name, tr("Focal length"), spin(name, 0.0, _MM, 6, " mm", tip))
+        tips = (tr("Width of the sensor in millimetres"), tr("Height of the sensor in millimetres"))
+        sizes = {name: spin(name, 0.0, _MM, 6, " mm", tip) for name, tip in zip(_SENSOR, tips)}
+        self._lens = (focal, self.add_two(tr("Sensor"), *_SENSOR, sizes, "×"))
+
+    # --- presets and own cameras
+
+    def with_camera(self, state: FormState, choice: CameraChoice) -> FormState:
+        """State with a preset's values, in whichever terms the state has."""
+        plain = replace(
+            state,
+            fov_deg=choice.fov_deg,
+            aspect=aspect_text(choice.aspect_ratio),
+            image_px=choice.image_px or FormState().image_px,
+        )
+        return with_height(given_by(plain, state.fov_mode, choice.sensor_mm))
+
+    def _fill_chooser(self) -> None:
+        self.camera.clear()
+        for choice in self._cameras:
+            self.camera.addItem(choice.name, choice)
+            self.camera.setItemData(
+                self.camera.count() - 1, shown_plain(choice.tip), Qt.ItemDataRole.ToolTipRole
+            )
+        self.camera.addItem(tr("Own values"), None)
+        self._name_camera(self._state)
+
+    def _choose(self) -> None:
+        choice = self.camera.currentData()
+        self._trouble = ""
+        if choice is not None:
+            self.chosen.emit(choice)
+
+    def _name_camera(self, state: FormState) -> None:
+        """Name the camera whose values are entered; of several that share them, the one that is named stays."""
+        current = self.camera.currentData()
+        if current is None or not _is(current, state):
+            found = next((at for at, choice in enumerate(self._cameras) if _is(choice, state)), None)
+            self.camera.setCurrentIndex(len(self._cameras) if found is None else found)
+            current = self.camera.currentData()
+        self.camera.setToolTip(
+            shown_plain(current.tip) if current is not None and current.tip else _chooser_tip()
+        )
+        self.remove.setEnabled(current is not None and current.user)
+
+    def _save(self) -> None:
+        name, given = QInputDialog.getText(
+            self, tr("Save camera"), tr("Name of the camera with the values entered:")
+        )
+        if given:
+            self._change(lambda: save_camera(name, self._state), name.strip())
+
+    def _remove(self) -> None:
+        name = self.camera.currentText()
+        self._change(lambda: forget_camera(name), "")
+
+    def _change(self, act: Any, named: str) -> None:
+        """Change the user's own cameras, and offer those there are then; say what is wrong at the chooser."""
+        self._trouble = ""
+        try:
+            act()
+        except (InvalidInput, OutputError) as wrong:
+            self._trouble = translate(wrong)
+        else:
+            self._cameras, self._trouble = camera_choices()
+            self._fill_chooser()
+            if named:
+                self.camera.setCurrentIndex(max(self.camera.findText(named), 0))
+                self._name_camera(self._state)
+        self.edited.emit("camera")
+
+
+def camera_choices() -> tuple[list[CameraChoice], str]:
+    """Entries of the camera chooser, the paper's camera first; and what is wrong with the user's own cameras."""
+    from ...core.mission.cameras import camera_shelf, shipped_cameras
+
+    own: tuple[CameraPreset, ...] = ()
+    try:
+        own, problems = camera_shelf()
+        wrong = "; ".join(map(translate, problems.values()))
+    except InvalidInput as unreadable:
+        wrong = translate(unreadable)
+    return [_choice(preset) for preset in (*shipped_cameras(), *own)], wrong
+
+
+def save_camera(name: str, state: FormState) -> None:
+    """Keep the camera that is entered under a name.
+
+    Raises
+    ------
+    InvalidInput
+        No name, one that is taken, or entries that make no camera.
+    OutputError
+        The file of own cameras cannot be written.
+    """
+    from ...core.mission.cameras import add_camera
+
+    camera = camera_of(state)
+    if camera is None:
+        raise InvalidInput(tr("The values entered make no camera: put right what is marked, and save then."))
+    fraction = Fraction(camera.aspect_ratio).limit_denominator(_MOST_IN_RATIO)
+    exact = fraction.numerator / fraction.denominator == camera.aspect_ratio
+    ratio = [fraction.numerator, fraction.denominator] if exact else [camera.aspect_ratio, 1]
+    facts: dict[str, Any] = {"fov_deg": camera.fov_deg}
+    if state.fov_mode == SENSOR:
+        size_mm = [state.sensor_width_mm, state.sensor_height_mm]
+        facts = {"sensor_mm": size_mm, "focal_length_mm": state.focal_length_mm}
+    add_camera(name.strip(), {**facts, "aspect_ratio": ratio, "image_px": state.image_px})
+
+
+def forget_camera(name: str) -> None:
+    """Remove one of the user's own cameras; raises InvalidInput or OutputError."""
+    from ...core.mission.cameras import remove_camera
+
+    remove_camera(name)
+
+
+def _chooser_tip() -> str:
+    return tr("Fills in field of view (degrees), aspect ratio and the image's longer side (px)")
+
+
+def _counts(name: str, mode: str) -> bool:
+    return mode in ((HORIZONTAL, VERTICAL) if name == "fov_typed_deg" else (SENSOR,))
+
+
+def _is(choice: CameraChoice, state: FormState) -> bool:
+    """Whether a state has the values of a preset."""
+    try:
+        ratio = parse_aspect(state.aspect)
+    except ValueError:
+        return False
+    return (
+        round(choice.fov_deg, _SAME_DECIMALS) == round(state.fov_deg, _SAME_DECIMALS)
+        and ratio == choice.aspect_ratio
+        and choice.image_px in (None, state.image_px)
+    )
+
+
+def _choice(preset: CameraPreset) -> CameraChoice:
+    camera = preset.camera
+    lines = [
+        tr("{name}: {degrees}° across the diagonal").format(
+            name=preset.name, degrees=number_text(camera.fov_deg, ".1f")
+        )
+    ]
+    if preset.width_px is not None and preset.height_px is not None:
+        lines.append(
+            tr("The real camera's pictures: {width} × {height} px").format(
+                width=preset.width_px, height=preset.height_px
+            )
+        )
+    if preset.sensor_mm is not None:
+        lines.append(
+            tr("Sensor {width} × {height} mm, focal length {focal} mm").format(
+                width=number_text(preset.sensor_mm[0], "g"),
+                height=number_text(preset.sensor_mm[1], "g"),
+                focal=number_text(preset.focal_length_mm, "g"),
+            )
+        )
+    if preset.source:
+        lines.append(tr("Source: {source}").format(source=preset.source))
+    return CameraChoice(
+        preset.name,
+        camera.fov_deg,
+        camera.aspect_ratio,
+        preset.sensor_mm,
+        preset.image_px,
+        "\n".join(lines),
+        preset.user,
+    )

@@ -1,0 +1,206 @@
+"""What the panel offers to choose from: cameras by name, and sources from wherever there are some."""
+
+from __future__ import annotations
+
+import html
+from pathlib import Path
+from typing import TYPE_CHECKING, NamedTuple
+
+from qgis.core import QgsProject
+
+from ...core.errors import InvalidInput, TerrAInavError
+from ..i18n import number_text, tr, translate
+from ..qgis_source.connections import (
+    SERVICE_PREFIX,
+    XYZ,
+    connection,
+    connection_names,
+    is_connection,
+    service_names,
+)
+from ..qgis_source.snapshot import is_of_qgis, layer_choices
+
+if TYPE_CHECKING:
+    from ...core.imagery.entry import CatalogueEntry
+
+#: Groups of the source chooser, in their order.
+CATALOGUE, REGIONAL, OWN, CONNECTION, SERVICE, PROJECT, FILE, OTHER = range(8)
+
+
+class SourceChoice(NamedTuple):
+    """An entry of the source chooser.
+
+    Parameters
+    ----------
+    name, title : str
+    map_types : tuple of str
+        Empty where the source has one kind of picture.
+    needs_key : bool
+    group : int
+        Where it comes from: one of the groups above.
+    limits : str
+        What its provider allows, as HTML.
+    dates : str
+        Dates it can be had of, in words; empty where there is but one.
+    default_date : str
+    may_authenticate : bool
+        Whether an authentication configuration can be chosen for its requests.
+    """
+
+    name: str
+    title: str
+    map_types: tuple[str, ...] = ()
+    needs_key: bool = False
+    group: int = CATALOGUE
+    limits: str = ""
+    dates: str = ""
+    default_date: str = ""
+    may_authenticate: bool = False
+
+
+class CameraChoice(NamedTuple):
+    """An entry of the camera chooser.
+
+    Parameters
+    ----------
+    name : str
+    fov_deg : float
+        Diagonal field of view.
+    aspect_ratio : float
+    sensor_mm : (width, height) or None
+        Where it is known.
+    image_px : int or None
+        Pixels along the longer side of its image, where they are known.
+    tip : str
+        What is known of the camera, and from where.
+    user : bool
+        Whether it is one that the user has saved.
+    """
+
+    name: str
+    fov_deg: float
+    aspect_ratio: float
+    sensor_mm: tuple[float, float] | None = None
+    image_px: int | None = None
+    tip: str = ""
+    user: bool = False
+
+
+def source_choices(project: QgsProject) -> tuple[list[SourceChoice], str]:
+    """Entries of the source chooser, the embedded world first; and what is wrong with the user's own sources."""
+    from ...core.imagery.catalogue import shelf
+    from ...core.imagery.entry import shipped
+
+    wrong = ""
+    entries = list(shipped())
+    try:
+        own, problems = shelf()
+        entries += own
+        wrong = "; ".join(problems.values())
+    except InvalidInput as unreadable:
+        wrong = str(unreadable)
+    choices = [_of_entry(entry) for entry in entries]
+    choices += [_of_connection(name) for name in connection_names()]
+    asked = tr("A service of many layers: choose it, then one of them, which is kept with your own sources.")
+    choices += [
+        SourceChoice(SERVICE_PREFIX + name, tr("{name}…").format(name=name), group=SERVICE, limits=asked)
+        for name in service_names()
+    ]
+    drawn = tr("Drawn by QGIS as the map shows it, and read from where the layer's data are.")
+    choices += [
+        SourceChoice(name, title, group=PROJECT, limits=html.escape(drawn))
+        for name, title in layer_choices(project)
+    ]
+    return sorted(choices, key=lambda choice: choice.group), wrong
+
+
+def unlisted(name: str) -> SourceChoice | None:
+    """Entry for a source that the chooser does not list: a file, or a layer that is not there (any more)."""
+    from ...core.imagery.opening import is_file
+
+    if is_connection(name):
+        title = tr("Connection that is not there")
+        return SourceChoice(name, title, group=CONNECTION, limits=html.escape(name[len(XYZ) :]))
+    if is_of_qgis(name):
+        return SourceChoice(name, tr("Layer that is not there"), group=PROJECT)
+    if is_file(name):
+        return SourceChoice(name, Path(name).name, group=FILE, limits=html.escape(name))
+    return None
+
+
+def template_limits(template: str) -> str:
+    """What the provider of a URL template allows, as HTML; empty where the template is not right (yet)."""
+    from ...core.imagery.opening import kind_of, named_source
+
+    try:
+        return limits_html(named_source(template).entry) if kind_of(template) == "template" else ""
+    except TerrAInavError:
+        return ""
+
+
+def limits_html(entry: CatalogueEntry) -> str:
+    """What a source's provider allows, in a few lines."""
+    if entry.kind == "world":
+        return html.escape(tr("Computed on this computer, for any place; no limits."))
+    policy = entry.policy
+    if policy.bulk_allowed == "yes" or policy.max_tiles is None:
+        bulk = tr("any number of requests")
+    elif policy.bulk_allowed == "ask":
+        bulk = tr("more than {count} requests after agreeing to the terms").format(
+            count=number_text(policy.max_tiles)
+        )
+    else:
+        bulk = tr("at most {count} requests").format(count=number_text(policy.max_tiles))
+    words = [bulk, tr("zoom {least} to {most}").format(least=entry.min_zoom, most=entry.max_zoom)]
+    if entry.native_zoom < entry.max_zoom:
+        words[-1] += tr(" (own detail to {native})").format(native=entry.native_zoom)
+    if policy.max_connections is not None:
+        words.append(tr("{count} connections").format(count=policy.max_connections))
+    if policy.requests_per_s is not None:
+        words.append(tr("{rate} requests a second").format(rate=number_text(policy.requests_per_s, "g")))
+    words.append(tr("kept in the cache") if policy.cache_allowed else tr("not kept in the cache"))
+    words[0] = words[0][:1].upper() + words[0][1:]
+    text = html.escape("; ".join(words))
+    if entry.user and not (policy.licence or policy.terms or policy.terms_url):
+        return f"{text}.<br/>{html.escape(tr('Its terms are not known here: they are yours to check.'))}"
+    licence = html.escape(policy.licence or tr("Licence not stated"))
+    if policy.terms_url:
+        terms = f'<a href="{html.escape(policy.terms_url)}">{html.escape(tr("terms"))}</a>'
+        licence = f"{licence} ({terms})"
+    return f"{text}.<br/>{licence}"
+
+
+def _of_entry(entry: CatalogueEntry) -> SourceChoice:
+    dates = entry.dates
+    return SourceChoice(
+        entry.name,
+        entry.title,
+        tuple(entry.map_types),
+        entry.key_env is not None,
+        _group(entry),
+        limits_html(entry),
+        "" if dates is None else _without_options(dates.text()),
+        "" if dates is None else dates.default,
+        entry.user,
+    )
+
+
+def _group(entry: CatalogueEntry) -> int:
+    if entry.user:
+        return OWN
+    from ...core.imagery.entry import WORLD_DEG
+
+    return CATALOGUE if entry.bounds_deg == WORLD_DEG else REGIONAL
+
+
+def _of_connection(name: str) -> SourceChoice:
+    try:
+        limits = limits_html(connection(XYZ + name).entry())
+    except InvalidInput as wrong:
+        limits = html.escape(translate(wrong))
+    return SourceChoice(XYZ + name, name, group=CONNECTION, limits=limits)
+
+
+def _without_options(text: str) -> str:
+    """Words of the core without the names of its command's options."""
+    return text.replace(" (--date)", "")

@@ -1,0 +1,131 @@
+"""Groups of entries that are fields of the dock's state."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any, NamedTuple
+
+from qgis.gui import QgsCollapsibleGroupBoxBasic, QgsFileWidget
+from qgis.PyQt.QtCore import pyqtSignal
+from qgis.PyQt.QtWidgets import QCheckBox, QComboBox, QLabel, QLineEdit, QWidget
+
+from ..form.state import FormState
+from ..widgets import FieldMarks, NumberBox, choose, form_layout, row
+
+
+class _Access(NamedTuple):
+    """How a widget's value is read, entered and listened to."""
+
+    read: Callable[[], Any]
+    enter: Callable[[Any], None]
+    changed: Any
+
+
+class Entries(QgsCollapsibleGroupBoxBasic):
+    """A group of labelled entries, each a field of `FormState`.
+
+    Signals
+    -------
+    edited(str)
+        An entry has changed, named by its field.
+
+    Attributes
+    ----------
+    entries : dict of str to QWidget
+    """
+
+    edited = pyqtSignal(str)
+
+    def __init__(self, name: str, title: str, marks: FieldMarks) -> None:
+        super().__init__(title)
+        self.setObjectName(name)
+        self.entries: dict[str, QWidget] = {}
+        self._access: dict[str, _Access] = {}
+        self._marks = marks
+        self._form = form_layout(self)
+
+    def values(self) -> dict[str, Any]:
+        """Return what is entered, by field."""
+        return {name: access.read() for name, access in self._access.items()}
+
+    def enter(self, state: FormState) -> None:
+        """Enter the fields of a state; entries that hold theirs already are left alone, also in mid-typing."""
+        for name, access in self._access.items():
+            value = getattr(state, name)
+            if access.read() != value:
+                access.enter(value)
+
+    def show_marked(self, messages: dict[str, str]) -> None:
+        """Open where something is said about an entry."""
+        if any(name in messages for name in self.entries):
+            self.unfold()
+
+    def unfold(self) -> None:
+        """Open without that being remembered as the user's wish."""
+        if self.isCollapsed():
+            self.blockSignals(True)
+            self.setCollapsed(False)
+            self.blockSignals(False)
+
+    def take(self, name: str, widget: QWidget) -> None:
+        """Make a widget the entry of a field."""
+        access = _access(widget)
+        self.entries[name] = widget
+        self._access[name] = access
+        access.changed.connect(lambda *_: self.edited.emit(name))
+
+    def add(self, name: str, label: str, widget: QWidget, shown: QWidget | None = None) -> QWidget:
+        """Add the entry of a field with its label, inside ``shown`` if that is given; return the row's field."""
+        self.take(name, widget)
+        field = self._marks.field(name, widget, shown)
+        self._form.addRow(label, field)
+        return field
+
+    def add_two(
+        self, label: str, first: str, second: str, widgets: Mapping[str, QWidget], between: str = ""
+    ) -> QWidget:
+        """Add the entries of two fields in one row, with a sign between them; return the row's field."""
+        pair = (widgets[first], widgets[second])
+        signs = [QLabel(between)] if between else []
+        numbers = [index for index in (0, 1) if isinstance(pair[index], NumberBox)]
+        shown = row(pair[0], *signs, pair[1], stretch=[index * (1 + len(signs)) for index in numbers])
+        for name, widget in zip((first, second), pair):
+            self.take(name, widget)
+        field = self._marks.field(second, pair[1], self._marks.field(first, pair[0], shown))
+        self._form.addRow(label, field)
+        return field
+
+    def show_row(self, field: QWidget, shown: bool) -> None:
+        """Show or hide a row, by what `add` returned."""
+        for part in (field, self._form.labelForField(field)):
+            if part is not None:
+                part.setVisible(shown)
+
+
+class Section(Entries):
+    """A group that most missions leave as it is: folded until an entry is not the usual one."""
+
+    def __init__(self, name: str, title: str, marks: FieldMarks) -> None:
+        super().__init__(name, title, marks)
+        self.setCollapsed(True)
+
+    def enter(self, state: FormState) -> None:
+        """Enter the fields of a state; opens where that changes one to what is not usual."""
+        before, usual = self.values(), FormState()
+        super().enter(state)
+        if any(value not in (before[name], getattr(usual, name)) for name, value in self.values().items()):
+            self.unfold()
+
+
+def _access(widget: QWidget) -> _Access:
+    if isinstance(widget, QComboBox):
+        return _Access(widget.currentData, lambda value: choose(widget, value), widget.currentIndexChanged)
+    if isinstance(widget, QCheckBox):
+        return _Access(widget.isChecked, widget.setChecked, widget.toggled)
+    if isinstance(widget, NumberBox):
+        return _Access(widget.number, widget.enter, widget.valueChanged)
+    if isinstance(widget, QgsFileWidget):
+        return _Access(widget.filePath, widget.setFilePath, widget.fileChanged)
+    if isinstance(widget, QLineEdit):
+        return _Access(lambda: widget.text().strip(), widget.setText, widget.textChanged)
+    raise TypeError(f"{type(widget).__name__}: not a widget that entries know")

@@ -1,0 +1,396 @@
+"""The figures of a plan in the user's words: what matters first, the rest behind a fold."""
+
+from __future__ import annotations
+
+import html
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from qgis.core import QgsSettings
+from qgis.PyQt.QtCore import QSize, Qt, pyqtSignal
+from qgis.PyQt.QtGui import QResizeEvent
+from qgis.PyQt.QtWidgets import QFrame, QLabel, QScrollArea, QSizePolicy, QToolButton, QVBoxLayout, QWidget
+
+from ...core.mission.estimate import percent, size_text
+from ...core.mission.methods import bound_text
+from ..form.refusals import in_words_of_the_panel
+from ..i18n import localized, number_text, tr, translate
+from ..units import METRES, area_text, duration_text, gsd_text, length_text
+
+if TYPE_CHECKING:
+    from ...core.imagery.policy import Policy
+    from ...core.mission.estimate import Summary
+    from ...core.mission.methods import Accuracy
+    from ...core.mission.mission import Mission
+    from ...core.mission.plan import Plan
+
+#: Lines of text that are always to be seen.
+_LEAST_LINES = 6
+_FOLDED_KEY = "TerrAInav/folded/details"
+_ENLARGE = "enlarge"
+#: A source whose pixels are coarser than the camera's by no more than this share is as fine as the camera.
+_COARSER = 1.02
+
+
+class Figures(QScrollArea):
+    """Labels below each other, as high as their text where there is room for it.
+
+    Signals
+    -------
+    enlarging_wanted()
+        Pictures are to have enlarged pixels.
+
+    Attributes
+    ----------
+    warnings, estimates, details, problem : QLabel
+    fold : QToolButton
+        Shows and hides the details.
+    """
+
+    enlarging_wanted = pyqtSignal()
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.problem, self.warnings = _label("problem"), _label("warnings")
+        self.estimates, self.details = _label("estimates"), _label("details")
+        for label in (self.problem, self.warnings):
+            label.setProperty("terrainavMark", "true")
+        self.problem.setTextFormat(Qt.TextFormat.PlainText)
+        self.warnings.linkActivated.connect(self.enlarging_wanted)
+        self.fold = QToolButton()
+        self.fold.setObjectName("fold_details")
+        self.fold.setText(tr("Details"))
+        self.fold.setToolTip(tr("Picture size, methods with their error bounds, and what is left out"))
+        self.fold.setCheckable(True)
+        self.fold.setAutoRaise(True)
+        self.fold.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextBesideIcon)
+        self.fold.toggled.connect(self._fold)
+        contents = QWidget()
+        layout = QVBoxLayout(contents)
+        layout.setContentsMargins(0, 0, 0, 0)
+        layout.setSpacing(2)
+        for part in (self.problem, self.warnings, self.estimates, self.fold, self.details):
+            layout.addWidget(part)
+        self.setWidget(contents)
+        self.setWidgetResizable(True)
+        for background in (contents, self.viewport()):
+            background.setAutoFillBackground(False)
+        self.setFrameShape(QFrame.Shape.NoFrame)
+        self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+        self.setSizePolicy(QSizePolicy.Policy.Preferred, QSizePolicy.Policy.Maximum)
+        self.setFocusPolicy(Qt.FocusPolicy.NoFocus)
+        self.fold.setChecked(not QgsSettings().value(_FOLDED_KEY, True, type=bool))
+        self._fold(self.fold.isChecked())
+        self.show_text("")
+
+    def show_readout(self, readout: Readout) -> None:
+        """Show the figures of a plan."""
+        warnings = [html.escape(text) for text in readout.warnings]
+        if readout.offers_enlarging:
+            offer = tr("The source has no finer pixels of its own here.")
+            link = tr("Allow enlarged pixels")
+            warnings.append(f'{html.escape(offer)} <a href="{_ENLARGE}">{html.escape(link)}</a>')
+        self._show(
+            warnings="<br>".join(warnings), estimates=readout.figures_html(), details=readout.details_html()
+        )
+        self.details.setToolTip(readout.why)
+
+    def show_text(self, text: str) -> None:
+        """Show a text in place of figures."""
+        self._show(estimates=html.escape(text))
+
+    def show_problem(self, text: str) -> None:
+        """Show why there are no figures; an empty text where fields say so themselves."""
+        self._show(problem=text, warnings="" if text else tr("Put right what is marked above."))
+
+    def sizeHint(self) -> QSize:
+        """All of the text at this width."""
+        return QSize(super().sizeHint().width(), self._text_height())
+
+    def minimumSizeHint(self) -> QSize:
+        """Some lines, or all of the text where it has fewer."""
+        least = _LEAST_LINES * self.fontMetrics().lineSpacing()
+        return QSize(super().minimumSizeHint().width(), min(least, self._text_height()))
+
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        """Ask for another height where the text breaks otherwise."""
+        super().resizeEvent(event)
+        if event.oldSize().width() != event.size().width():
+            self.updateGeometry()
+
+    def _show(self, problem: str = "", warnings: str = "", estimates: str = "", details: str = "") -> None:
+        for label, text in (
+            (self.problem, problem),
+            (self.warnings, warnings),
+            (self.estimates, estimates),
+            (self.details, details),
+        ):
+            label.setText(text)
+            label.setVisible(bool(text))
+        self.fold.setVisible(bool(details))
+        self.details.setVisible(bool(details) and self.fold.isChecked())
+        self.updateGeometry()
+
+    def _fold(self, shown: bool) -> None:
+        self.fold.setArrowType(Qt.ArrowType.DownArrow if shown else Qt.ArrowType.RightArrow)
+        self.details.setVisible(shown and bool(self.details.text()))
+        QgsSettings().setValue(_FOLDED_KEY, not shown)
+        self.updateGeometry()
+
+    def _text_height(self) -> int:
+        layout = self.widget().layout()
+        return layout.totalHeightForWidth(max(self.viewport().width(), layout.minimumSize().width()))
+
+
+@dataclass(frozen=True)
+class Readout:
+    """What a plan comes to, by how much it matters.
+
+    Parameters
+    ----------
+    warnings : tuple of str
+        What is to be thought about first.
+    figures, details : tuple of (label, value)
+        What everybody asks, and the rest.
+    why : str
+        Why the methods were chosen, as HTML.
+    offers_enlarging : bool
+        Whether pictures could have more pixels if the mission allowed enlarged ones.
+    """
+
+    warnings: tuple[str, ...]
+    figures: tuple[tuple[str, str], ...]
+    details: tuple[tuple[str, str], ...]
+    why: str = ""
+    offers_enlarging: bool = False
+
+    def figures_html(self) -> str:
+        """What everybody asks, as a table for a label."""
+        return _table(self.figures)
+
+    def details_html(self) -> str:
+        """The rest, as a table for a label."""
+        return _table(self.details)
+
+
+def readout(
+    plan: Plan, summary: Summary, unit: str = "m", cost: str = "", policy: Policy | None = None
+) -> Readout:
+    """Figures of a plan.
+
+    Parameters
+    ----------
+    unit : str
+        m or ft, of lengths and areas.
+    cost : str
+        What the methods were timed at; empty while that is not known.
+    policy : Policy or None
+        Of the source's provider, where it has one.
+    """
+    mission, grid, own_m = plan.mission, plan.grid, plan.source_gsd_m_per_px
+    coarser = own_m > _COARSER * summary.requested_gsd_m_per_px
+    enlargeable = grid.max_zoom > grid.native_zoom and not mission.upsample
+    return Readout(
+        tuple(in_words_of_the_panel(text) for text in summary.warnings),
+        (*_figures(mission, summary, unit, own_m if coarser else None), *_limit(plan, policy)),
+        tuple(_details(summary, cost)),
+        _why_html(plan.accuracy),
+        coarser and enlargeable and mission.zoom is None and mission.gsd_m_per_px is None,
+    )
+
+
+def _label(name: str) -> QLabel:
+    label = QLabel()
+    label.setObjectName(name)
+    label.setWordWrap(True)
+    label.setTextFormat(Qt.TextFormat.RichText)
+    label.setTextInteractionFlags(
+        Qt.TextInteractionFlag.TextSelectableByMouse
+        | Qt.TextInteractionFlag.LinksAccessibleByMouse
+        | Qt.TextInteractionFlag.LinksAccessibleByKeyboard
+    )
+    return label
+
+
+def _figures(mission: Mission, summary: Summary, unit: str, coarser_m: float | None) -> list[tuple[str, str]]:
+    lines = [(tr("Images"), _images(summary))]
+    if summary.covered_share is not None:
+        lines.append((tr("Coverage"), _coverage(summary, unit)))
+    if summary.imagery_share is not None and summary.imagery_share < 1.0:
+        share = tr("the source has imagery of {share} of the area")
+        lines.append((tr("Imagery"), share.format(share=percent(summary.imagery_share, exact=False))))
+    if mission.overlap_along > 0.0 or mission.overlap_across > 0.0:
+        lines += _overlap(summary)
+    lines.append((tr("Ground per px"), _gsd(summary, unit, coarser_m)))
+    flight = tr("{distance}, {duration}").format(
+        distance=length_text(summary.flight_distance_m, unit), duration=duration_text(summary.flight_s)
+    )
+    lines += [
+        (tr("Flight"), flight),
+        (tr("Download"), _download(summary)),
+        (tr("Time"), tr("about {duration}").format(duration=duration_text(summary.seconds))),
+    ]
+    return lines
+
+
+def _limit(plan: Plan, policy: Policy | None) -> list[tuple[str, str]]:
+    """What the plan asks of the provider beside what the provider allows; nothing where there is no limit."""
+    if policy is None or policy.max_tiles is None or policy.bulk_allowed == "yes":
+        return []
+    requests = plan.requests * len(plan.mission.map_types)
+    if not policy.stops(requests):
+        text = tr("{count} of the {most} requests that the provider allows")
+    elif policy.bulk_allowed == "ask":
+        text = tr(
+            "{count} requests, more than the {most} that pass freely: Capture asks you to agree to the terms"
+        )
+    else:
+        text = tr(
+            "{count} requests, more than the {most} that the provider allows: take a smaller area, coarser pixels or "
+            "another source"
+        )
+    return [(tr("Limit"), text.format(count=number_text(requests), most=number_text(policy.max_tiles)))]
+
+
+def _details(summary: Summary, cost: str) -> list[tuple[str, str]]:
+    return [
+        (tr("Picture"), _picture(summary)),
+        *_overlap(summary),
+        (tr("Tiles"), _tiles(summary)),
+        (tr("On disk"), localized(size_text(summary.output_bytes))),
+        *_accuracy_lines(summary.accuracy),
+        (tr("Cost"), localized(translate(cost)) or tr("being timed…")),
+    ]
+
+
+def _accuracy_lines(accuracy: Accuracy) -> list[tuple[str, str]]:
+    """What was chosen, with its bounds."""
+    methods = "; ".join(
+        tr("{stage}: {name}, ≤ {px} px").format(
+            stage=translate(choice.method.stage),
+            name=choice.method.name,
+            px=localized(bound_text(choice.method.bound_px)),
+        )
+        for choice in accuracy.choices
+    )
+    terrain = translate(accuracy.terrain_text()).partition(": ")[2]
+    return [
+        (tr("Methods"), _unbroken(methods)),
+        (
+            tr("Error"),
+            tr("≤ {bound} px of a budget of {budget} px").format(
+                bound=localized(bound_text(accuracy.bound_px)), budget=number_text(accuracy.budget_px, "g")
+            )
+            + ("" if accuracy.bound_px <= accuracy.budget_px else tr(", which is exceeded")),
+        ),
+        (tr("Left out"), ", ".join(translate(what) for what, _ in accuracy.left_out) or translate("nothing")),
+        (tr("Terrain"), _unbroken(terrain)),
+    ]
+
+
+def _unbroken(text: str) -> str:
+    """Text whose signs stay with their numbers, and numbers with their units."""
+    return text.replace("≤ ", "≤\N{NO-BREAK SPACE}").replace(" px", "\N{NO-BREAK SPACE}px")
+
+
+def _why_html(accuracy: Accuracy) -> str:
+    """Why the methods were chosen, as a table for a tooltip."""
+    lines = []
+    for choice in accuracy.choices:
+        method, rejected = choice.method, choice.rejected
+        text = tr("{name}, ≤ {px} px, {metres} on the ground").format(
+            name=method.name, px=localized(bound_text(method.bound_px)), metres=_ground_text(method.bound_m)
+        )
+        if rejected is not None:
+            text += tr("; not {name}: {reason}").format(name=rejected.name, reason=translate(choice.reason))
+        lines.append((translate(method.stage).capitalize(), text))
+    lines += [
+        (tr("No {what}").format(what=translate(what)), translate(why)) for what, why in accuracy.left_out
+    ]
+    lines.append((tr("Condition number"), localized(translate(dict(accuracy.lines())["condition number"]))))
+    return _table(lines)
+
+
+def _ground_text(bound_m: float) -> str:
+    return (
+        f"≤ {length_text(bound_m, METRES)}" if math.isfinite(bound_m) else tr("without limit at the horizon")
+    )
+
+
+def _table(lines: Iterable[tuple[str, str]]) -> str:
+    rows = (
+        f'<tr><td style="padding-right:10px">{html.escape(label)}</td><td><b>{html.escape(value)}</b></td></tr>'
+        for label, value in lines
+    )
+    return f'<table cellspacing="1">{"".join(rows)}</table>'
+
+
+def _images(summary: Summary) -> str:
+    text = tr("{images} in {rows} rows").format(
+        images=number_text(summary.images), rows=number_text(summary.rows)
+    )
+    types = len(summary.map_types)
+    return text if types == 1 else tr("{text}, for each of {count} map types").format(text=text, count=types)
+
+
+def _picture(summary: Summary) -> str:
+    return tr("{width} × {height} px at zoom {zoom}").format(
+        width=number_text(summary.width_px), height=number_text(summary.height_px), zoom=summary.zoom
+    )
+
+
+def _gsd(summary: Summary, unit: str, coarser_m: float | None) -> str:
+    """Ground sample distances; with a hint where the source's own pixels, ``coarser_m``, are the coarser ones."""
+    requested, delivered = (
+        gsd_text(value_m, unit)
+        for value_m in (summary.requested_gsd_m_per_px, summary.delivered_gsd_m_per_px)
+    )
+    text = tr("requested {requested}, delivered {delivered}").format(requested=requested, delivered=delivered)
+    if coarser_m is None:
+        return text
+    hint = tr("the source's own pixels are {source}: the picture has no more detail than that")
+    return f"{text} ({hint.format(source=gsd_text(coarser_m, unit))})"
+
+
+def _coverage(summary: Summary, unit: str) -> str:
+    if summary.complete:
+        text = (
+            tr("100 % of {area}, but for missing imagery") if summary.lacks_imagery else tr("100 % of {area}")
+        )
+        return text.format(area=area_text(summary.area_m2, unit))
+    # Rounded down: what is not complete never reads 100.
+    share = int(summary.covered_share * 1e4) / 1e2
+    return tr("{share} % of {area}; {uncovered} left out").format(
+        share=number_text(share, ".2f"),
+        area=area_text(summary.area_m2, unit),
+        uncovered=area_text(summary.uncovered_m2, unit),
+    )
+
+
+def _overlap(summary: Summary) -> list[tuple[str, str]]:
+    """The overlap that is reached; nothing for points."""
+    parts = []
+    for text, least in (
+        (tr("front {share}"), summary.least_overlap_along),
+        (tr("side {share}"), summary.least_overlap_across),
+    ):
+        if least is not None:
+            parts.append(text.format(share=number_text(100.0 * least, ".1f") + " %"))
+    return [(tr("Overlap"), tr("at least {shares}").format(shares=", ".join(parts)))] if parts else []
+
+
+def _tiles(summary: Summary) -> str:
+    """Tiles of all map types together."""
+    return tr("{count}, each fetched once").format(
+        count=number_text(summary.unique_tiles * len(summary.map_types))
+    )
+
+
+def _download(summary: Summary) -> str:
+    count = number_text(summary.unique_tiles * len(summary.map_types))
+    if not summary.download_bytes:
+        return tr("nothing ({count} tiles from this computer)").format(count=count)
+    size = localized(size_text(summary.download_bytes))
+    return tr("about {size} in {count} tiles").format(size=size, count=count)

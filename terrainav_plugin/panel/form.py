@@ -1,0 +1,276 @@
+"""The entries of the panel: area, camera, flight, imagery, output, and what most missions leave as it is."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
+from typing import Any
+
+from qgis.core import QgsSettings
+from qgis.gui import QgsCollapsibleGroupBoxBasic
+from qgis.PyQt.QtCore import QObject, Qt, pyqtSignal
+from qgis.PyQt.QtWidgets import QGridLayout, QLayout, QLayoutItem, QVBoxLayout, QWidget
+
+from ..area.editing import AreaEditing
+from ..area.entries import AreaEntries
+from ..form.camera import settled
+from ..form.mission_form import beyond_text
+from ..form.state import FormState, with_unchanged
+from ..settings import Settings
+from ..tasks import single_shot
+from ..widgets import STYLE_SHEET, FieldMarks
+from .camera import CameraEntries
+from .choices import CameraChoice, SourceChoice
+from .imagery import ImageryEntries
+from .sections import (
+    AccuracySection,
+    AttitudeSection,
+    FlightEntries,
+    OutputEntries,
+    PixelsSection,
+    WindSection,
+)
+
+_KEY = "TerrAInav/folded/{name}"
+#: Pause in typing after which entries are written down: QGIS writes its whole file of settings each time.
+_PAUSE_MS = 1000
+
+
+class DockForm(QWidget):
+    """Entries that together make a mission.
+
+    Signals
+    -------
+    changed()
+        After every change, typed or set.
+    draw_box_clicked(), show_on_map_clicked()
+    """
+
+    changed = pyqtSignal()
+    draw_box_clicked = pyqtSignal()
+    show_on_map_clicked = pyqtSignal()
+
+    def __init__(self, sources: Sequence[SourceChoice], cameras: Sequence[CameraChoice]) -> None:
+        super().__init__()
+        self.marks = FieldMarks()
+        self._setting = False
+        self._given = self._shown = FormState()
+        self.setStyleSheet(STYLE_SHEET)
+        self._make_groups(sources, cameras)
+        layout = QVBoxLayout(self)
+        layout.setContentsMargins(6, 6, 6, 6)
+        for box in self.boxes:
+            layout.addWidget(box)
+        layout.addStretch(1)
+        self._folds = Folds(self.boxes)
+        self._show(FormState())
+        self.area_editing = AreaEditing(self.area, self.state, self.set_state, self)
+        self._connect()
+        set_tab_order(layout)
+
+    # --- the entries as a value
+
+    def state(self) -> FormState:
+        """Return what is entered."""
+        return with_unchanged(self._read(), self._shown, self._given)
+
+    def _read(self) -> FormState:
+        """Return what the widgets say; what they do not show stays as it was given."""
+        imagery = self.imagery
+        read: dict[str, Any] = {
+            **self.area.values(),
+            "source": imagery.source.currentData(),
+            "template": imagery.template.text(),
+            "date": imagery.date.text().strip(),
+            "map_types": imagery.ticked(),
+            "hidden": self.marks.hidden(),
+        }
+        for group in self.groups:
+            read.update(group.values())
+        return replace(self._given, **read)
+
+    def set_state(self, state: FormState) -> None:
+        """Enter a state; `changed` comes once, at the end."""
+        self.area_editing.wrong = ""
+        self._show(state)
+        self._folds.restore()
+        self.changed.emit()
+
+    def _show(self, state: FormState) -> None:
+        """Enter a state, and tell nobody."""
+        self._setting = True
+        try:
+            self.area.set_state(state)
+            self.imagery.choose_source(state.source)
+            self.imagery.enter_map_types(state.map_types)
+            self.imagery.template.setText(state.template)
+            self.imagery.date.setText(state.date)
+            self._enter(state)
+        finally:
+            self._setting = False
+
+    def _enter(self, state: FormState) -> None:
+        """Enter a state into the groups of entries; those that show theirs already are left alone."""
+        setting, self._setting = self._setting, True
+        try:
+            for group in self.groups:
+                group.enter(state)
+        finally:
+            self._setting = setting
+        self._given = state
+        self._shown = self._read()
+
+    def show_messages(self, messages: dict[str, str]) -> None:
+        """Mark fields; what was wrong with pasted coordinates stays until the field changes."""
+        messages = dict(messages)
+        if self.area_editing.wrong:
+            messages["north"] = self.area_editing.wrong
+        for group in self.groups:
+            group.show_marked(messages)
+        self.marks.show(messages)
+
+    def show_key(self, authcfg: str) -> None:
+        """Show which authentication configuration holds the key of the chosen source."""
+        if self.key.configId() != authcfg:
+            self.key.blockSignals(True)
+            self.key.setConfigId(authcfg)
+            self.key.blockSignals(False)
+
+    def allow_enlarged_pixels(self) -> None:
+        """Tick what lets pictures have finer pixels than the source, and show where."""
+        self.pixels.setCollapsed(False)
+        self.pixels.upsample.setChecked(True)
+
+    # --- groups
+
+    def _make_groups(self, sources: Sequence[SourceChoice], cameras: Sequence[CameraChoice]) -> None:
+        area = self.area = AreaEntries(self.marks)
+        area.setObjectName("area_group")
+        self.edges, self.draw_box = area.edges, area.draw_box
+        imagery = self.imagery = ImageryEntries(self.marks, sources)
+        imagery.setObjectName("imagery_group")
+        self.source, self.template, self.date = imagery.source, imagery.template, imagery.date
+        self.key, self.map_types, self.show_on_map = imagery.key, imagery.map_types, imagery.show_on_map
+        camera = self.camera_group = CameraEntries(self.marks, cameras)
+        self.camera, self.fov, self.aspect = camera.camera, camera.fov, camera.aspect
+        flight = self.flight = FlightEntries(self.marks)
+        self.agl, self.agl_unit, self.camera_gsd = flight.agl, flight.agl_unit, flight.camera_gsd
+        self.overlap_along, self.overlap_across = flight.overlap_along, flight.overlap_across
+        self.layout_choice = flight.layout_choice
+        output = self.output = OutputEntries(self.marks)
+        self.folder, self.image_format = output.folder, output.image_format
+        self.attitude, self.pixels = AttitudeSection(self.marks), PixelsSection(self.marks)
+        self.wind, self.accuracy = WindSection(self.marks), AccuracySection(self.marks)
+        self.sections = (self.attitude, self.pixels, self.wind, self.accuracy)
+        #: Those whose entries are fields of the state by name.
+        self.groups = (camera, flight, output, *self.sections)
+        #: All, in the order they are shown in.
+        self.boxes = (area, camera, flight, imagery, output, *self.sections)
+
+    # --- reactions
+
+    def _connect(self) -> None:
+        self.draw_box.clicked.connect(self.draw_box_clicked)
+        self.imagery.show_on_map_clicked.connect(self.show_on_map_clicked)
+        self.area_editing.typed.connect(self.changed)
+        self.changed.connect(self.area_editing.note)
+        self.imagery.changed.connect(self._changed)
+        for group in self.groups:
+            group.edited.connect(self._edited)
+        self.camera_group.chosen.connect(self._take_camera)
+        self.changed.connect(lambda: self.accuracy.show_more(beyond_text(self.state())))
+        self.accuracy.reset_clicked.connect(lambda: self.set_state(replace(self.state(), more="")))
+
+    def _changed(self) -> None:
+        if not self._setting:
+            self.changed.emit()
+
+    def _edited(self, field: str) -> None:
+        """Let other entries follow one that a person has changed."""
+        if not self._setting:
+            self._enter(settled(self._given, self.state(), field))
+            self.changed.emit()
+
+    def _take_camera(self, choice: CameraChoice) -> None:
+        self._enter(self.camera_group.with_camera(self.state(), choice))
+        self.changed.emit()
+
+
+class Folds:
+    """Remembers what is folded and unfolded by hand, by the names of the groups."""
+
+    def __init__(self, boxes: Sequence[QgsCollapsibleGroupBoxBasic]) -> None:
+        self._boxes = boxes
+        self._restored = False
+        for box in boxes:
+            box.collapsedStateChanged.connect(
+                lambda folded, box=box: QgsSettings().setValue(_KEY.format(name=box.objectName()), folded)
+            )
+
+    def restore(self) -> None:
+        """Fold as it was when the last session ended; once, as soon as the entries are those of that session."""
+        if self._restored:
+            return
+        self._restored = True
+        settings = QgsSettings()
+        for box in self._boxes:
+            key = _KEY.format(name=box.objectName())
+            if settings.contains(key):
+                box.setCollapsed(settings.value(key, box.isCollapsed(), type=bool))
+
+
+def set_tab_order(layout: QLayout) -> None:
+    """Let the Tab key follow the rows of a layout, and of those inside it."""
+    widgets = list(_in_order(layout))
+    for before, after in zip(widgets, widgets[1:]):
+        QWidget.setTabOrder(before, after)
+
+
+class FormMemory(QObject):
+    """Writes entries to the settings once typing has paused.
+
+    Parameters
+    ----------
+    read : callable
+        State of the form.
+    """
+
+    def __init__(self, settings: Settings, read: Callable[[], FormState], parent: QObject) -> None:
+        super().__init__(parent)
+        self._settings, self._read = settings, read
+        self._pause = single_shot(self.write, self, _PAUSE_MS)
+
+    @property
+    def pending(self) -> bool:
+        """Whether there is something to be written down."""
+        return self._pause.isActive()
+
+    def note(self) -> None:
+        """Take up that the form has changed."""
+        self._pause.start()
+
+    def write(self) -> None:
+        """Write down what is entered now."""
+        self._pause.stop()
+        self._settings.form = self._read().to_json()
+
+
+def _in_order(layout: QLayout) -> Iterator[QWidget]:
+    """Widgets that take the keyboard, line by line."""
+    for item in _items(layout):
+        widget, inner = item.widget(), item.layout()
+        if widget is not None:
+            if widget.focusProxy() is None and widget.focusPolicy() & Qt.FocusPolicy.TabFocus:
+                yield widget
+            inner = widget.layout()
+        if inner is not None:
+            yield from _in_order(inner)
+
+
+def _items(layout: QLayout) -> list[QLayoutItem]:
+    """Items of a layout; those of a grid by line and column."""
+    numbers = range(layout.count())
+    if isinstance(layout, QGridLayout):
+        places = sorted((layout.getItemPosition(number)[:2], number) for number in numbers)
+        numbers = [number for _, number in places]
+    return [layout.itemAt(number) for number in numbers]

@@ -1,0 +1,402 @@
+"""The entries of the imagery: source, its limits, date, key and map types."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from functools import partial
+
+from qgis.core import QgsApplication
+from qgis.gui import QgsAuthConfigSelect, QgsCollapsibleGroupBoxBasic
+from qgis.PyQt.QtCore import QStringListModel, Qt, pyqtSignal
+from qgis.PyQt.QtGui import QFont, QStandardItemModel
+from qgis.PyQt.QtWidgets import (
+    QCheckBox,
+    QComboBox,
+    QCompleter,
+    QFileDialog,
+    QLabel,
+    QLineEdit,
+    QMenu,
+    QStyle,
+    QToolButton,
+    QWidget,
+)
+
+from ..form.state import URL_TEMPLATE
+from ..i18n import tr
+from ..paths import icon
+from ..plain import shown_plain
+from ..qgis_source.connections import SERVICE_PREFIX
+from ..widgets import Chooser, FieldMarks, form_layout, row
+from .choices import (
+    CATALOGUE,
+    CONNECTION,
+    FILE,
+    OTHER,
+    OWN,
+    PROJECT,
+    REGIONAL,
+    SERVICE,
+    SourceChoice,
+    template_limits,
+    unlisted,
+)
+
+#: Room for "Synthetic (offline)", the widest title most people see.
+_TITLE_LETTERS = 16
+#: Entries that are seen without scrolling.
+_ROWS = 24
+
+
+class ImageryEntries(QgsCollapsibleGroupBoxBasic):
+    """Group of the imagery.
+
+    Signals
+    -------
+    changed()
+        After a change by the user.
+    show_on_map_clicked(), add_source_clicked(), remove_source_clicked(), cache_clicked()
+    service_chosen(str)
+        A service was chosen, of which a layer is to be chosen.
+
+    Attributes
+    ----------
+    source : SourceCombo
+    template, date : QLineEdit
+    key : QgsAuthConfigSelect
+    map_types : dict of str to QCheckBox
+    limits : QLabel
+        What the provider of the chosen source allows.
+    """
+
+    changed = pyqtSignal()
+    show_on_map_clicked = pyqtSignal()
+    add_source_clicked = pyqtSignal()
+    remove_source_clicked = pyqtSignal()
+    cache_clicked = pyqtSignal()
+    service_chosen = pyqtSignal(str)
+
+    def __init__(self, marks: FieldMarks, choices: Sequence[SourceChoice]) -> None:
+        super().__init__(tr("Imagery"))
+        self._marks = marks
+        self._choices: dict[str, SourceChoice] = {}
+        self._last = ""
+        #: Map types that were ticked by hand, also those that the chosen source has not.
+        self._wanted: set[str] = set()
+        self._form = form_layout(self)
+        self._add_source()
+        self._add_details()
+        self._add_map_types()
+        self.set_choices(choices)
+        self.source.currentIndexChanged.connect(self._source_chosen)
+        for signal in (self.template.textChanged, self.date.textChanged):
+            signal.connect(self.changed)
+        for name, check in self.map_types.items():
+            check.toggled.connect(partial(self._map_type_ticked, name))
+
+    def choice(self) -> SourceChoice | None:
+        """Return what is chosen; None for a URL template."""
+        return self._choices.get(self.source.currentData())
+
+    def title(self) -> str:
+        """Return what the chosen source is called."""
+        choice = self.choice()
+        return choice.title if choice is not None else tr("URL template")
+
+    def set_choices(self, choices: Sequence[SourceChoice]) -> None:
+        """Offer other sources; the one that is chosen stays, even where it is no longer among them."""
+        chosen = self.source.currentData()
+        self._choices = {choice.name: choice for choice in choices}
+        self.source.blockSignals(True)
+        self.source.fill(choices, [(URL_TEMPLATE, tr("URL template…"))])
+        if chosen is not None:
+            self.choose_source(chosen)
+        self.source.blockSignals(False)
+        self._last = self.source.currentData()
+        self.show_details()
+
+    def choose_source(self, name: str) -> None:
+        """Choose a source; one that is not listed is added where that makes sense, otherwise the first is taken."""
+        choice = unlisted(name) if self.source.findData(name) < 0 else None
+        if choice is not None:
+            self._choices[name] = choice
+            self.source.add(name, choice.title)
+        self.source.choose(name)
+
+    def ticked(self) -> tuple[str, ...]:
+        """Return the map types that are ticked, of those that the source has."""
+        boxes = self.map_types.items()
+        return tuple(name for name, check in boxes if check.isChecked() and check.isEnabled())
+
+    def enter_map_types(self, names: Sequence[str]) -> None:
+        """Tick map types, telling nobody; one that is ticked for its source's sake stays no wish of the user's."""
+        if set(names) != set(self.ticked()):
+            self._wanted = set(names)
+        self._tick(names)
+
+    def show_details(self) -> None:
+        """Show the entries that the chosen source has, and what its provider allows."""
+        choice = self.choice()
+        own_url = self.source.currentData() == URL_TEMPLATE
+        self._form_row(self._template_label, self._template_field, own_url)
+        self._show_key_row(choice, own_url)
+        self._form_row(self._date_label, self._date_field, self._is_dated(choice))
+        if choice is not None and choice.dates:
+            self.date.setPlaceholderText(choice.default_date or tr("date"))
+            self.date.setToolTip(shown_plain(tr("Date of the imagery: {dates}").format(dates=choice.dates)))
+        else:
+            self.date.setPlaceholderText(tr("date"))
+            self.date.setToolTip(tr("Date of the imagery, as the server takes it"))
+        self.limits.setText(choice.limits if choice is not None else template_limits(self.template.text()))
+        self.limits.setVisible(bool(self.limits.text()))
+        self._remove.setEnabled(choice is not None and choice.group == OWN)
+        offered = choice.map_types if choice is not None else ()
+        for map_type, check in self.map_types.items():
+            # A source with one kind of picture writes it under whichever name is ticked.
+            check.setEnabled(not offered or map_type in offered)
+
+    def _show_key_row(self, choice: SourceChoice | None, own_url: bool) -> None:
+        """Offer an authentication configuration, for the key in an address or for the requests."""
+        is_key = "{key}" in self.template.text() if own_url else choice is not None and choice.needs_key
+        shown = is_key or own_url or (choice is not None and choice.may_authenticate)
+        self._key_label.setText(tr("API key") if is_key else tr("Authentication"))
+        self.key.setToolTip(
+            tr("API key, kept in QGIS's authentication database as the password of a configuration")
+            if is_key
+            else tr(
+                "How QGIS authenticates requests to this source; a configuration of its authentication database"
+            )
+        )
+        self._form_row(self._key_label, self._key_field, shown)
+
+    def _is_dated(self, choice: SourceChoice | None) -> bool:
+        """Whether there may be a date to choose; a service says so only once it is asked."""
+        from ...core.imagery.opening import is_service
+
+        if choice is not None:
+            return bool(choice.dates) or "{date}" in choice.name
+        address = self.template.text().strip()
+        return "{date}" in address or is_service(address)
+
+    def _form_row(self, label: QLabel, field: QWidget, shown: bool) -> None:
+        label.setVisible(shown)
+        field.setVisible(shown)
+
+    def _add_source(self) -> None:
+        self.source = SourceCombo()
+        self.source.setToolTip(tr("Where the pictures come from; type a part of its name to find it"))
+        self.source.setMinimumContentsLength(_TITLE_LETTERS)
+        self.show_on_map = QToolButton()
+        self.show_on_map.setObjectName("show_on_map")
+        self.show_on_map.setIcon(icon("show_on_map"))
+        self.show_on_map.setText(tr("Show on map"))
+        self.show_on_map.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextBesideIcon)
+        self.show_on_map.setToolTip(tr("Add this source to the map as background and zoom to the area"))
+        self.show_on_map.clicked.connect(self.show_on_map_clicked)
+        self.more = QToolButton()
+        self.more.setObjectName("more_sources")
+        self.more.setIcon(QgsApplication.getThemeIcon("/symbologyAdd.svg"))
+        self.more.setToolTip(tr("Add a source by URL, open a file, and more"))
+        self.more.setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
+        menu = QMenu(self.more)
+        menu.addAction(tr("Add source by URL…"), self.add_source_clicked.emit)
+        menu.addAction(tr("Open raster or MBTiles file…"), self._browse)
+        self._remove = menu.addAction(tr("Remove this source"), self.remove_source_clicked.emit)
+        menu.addSeparator()
+        menu.addAction(tr("Cache…"), self.cache_clicked.emit)
+        self.more.setMenu(menu)
+        line = row(self.source, self.more, self.show_on_map, stretch=0)
+        self._form.addRow(tr("Source"), self._marks.field("source", self.source, line))
+
+    def _add_details(self) -> None:
+        self.template = QLineEdit()
+        self.template.setObjectName("template")
+        self.template.setPlaceholderText("https://…/{z}/{x}/{y}.png")
+        self.template.setToolTip(
+            tr("Address of the tiles with {z}, {x} and {y} or {-y}; also {s}, {q}, {r}, {map_type}, {date}")
+        )
+        self.template.textChanged.connect(self.show_details)
+        self._template_label, self._template_field = QLabel(tr("URL")), self.template
+        self._form.addRow(self._template_label, self.template)
+        self.limits = QLabel()
+        self.limits.setObjectName("limits")
+        self.limits.setWordWrap(True)
+        self.limits.setTextFormat(Qt.TextFormat.RichText)
+        self.limits.setTextInteractionFlags(Qt.TextInteractionFlag.TextBrowserInteraction)
+        self.limits.setOpenExternalLinks(True)
+        self._form.addRow(self.limits)
+        self.date = QLineEdit()
+        self.date.setObjectName("date")
+        self._date_label, self._date_field = QLabel(tr("Date")), self._marks.field("date", self.date)
+        self._form.addRow(self._date_label, self._date_field)
+        self.key = QgsAuthConfigSelect()
+        self.key.setObjectName("key")
+        self.key.setToolTip(
+            tr("API key, kept in QGIS's authentication database as the password of a configuration")
+        )
+        self._key_label = QLabel(tr("API key"))
+        self._key_field = self._marks.field("key", self.key.findChild(QComboBox) or self.key, self.key)
+        self._form.addRow(self._key_label, self._key_field)
+
+    def _add_map_types(self) -> None:
+        self.map_types = {
+            "satellite": QCheckBox(tr("Satellite")),
+            "roadmap": QCheckBox(tr("Roadmap")),
+            "terrain": QCheckBox(tr("Terrain")),
+        }
+        for name, check in self.map_types.items():
+            check.setObjectName(f"map_type_{name}")
+        checks = row(*self.map_types.values())
+        self._form.addRow(tr("Map types"), self._marks.field("map_types", checks))
+
+    def _source_chosen(self) -> None:
+        chosen = self.source.currentData()
+        if isinstance(chosen, str) and chosen.startswith(SERVICE_PREFIX):
+            # Of a service a layer has to be chosen first; until then things stay as they are.
+            self.source.blockSignals(True)
+            self.choose_source(self._last)
+            self.source.blockSignals(False)
+            self.service_chosen.emit(chosen[len(SERVICE_PREFIX) :])
+            return
+        self._last = chosen
+        self.show_details()
+        self._tick_offered()
+        self.changed.emit()
+
+    def _tick_offered(self) -> None:
+        """Tick what was ticked by hand of what the source has, or the one map type that it has."""
+        choice = self.choice()
+        offered = set(choice.map_types if choice is not None else ()) or set(self.map_types)
+        self._tick(offered if len(offered) == 1 else self._wanted & offered)
+
+    def _tick(self, names: Iterable[str]) -> None:
+        for name, check in self.map_types.items():
+            check.blockSignals(True)
+            check.setChecked(name in names)
+            check.blockSignals(False)
+
+    def _map_type_ticked(self, name: str, on: bool) -> None:
+        (self._wanted.add if on else self._wanted.discard)(name)
+        self.changed.emit()
+
+    def _browse(self) -> None:
+        path, _ = QFileDialog.getOpenFileName(
+            self,
+            tr("Raster or MBTiles file"),
+            "",
+            tr("Rasters and tiles ({endings});;All files (*)").format(
+                endings="*.tif *.tiff *.vrt *.jp2 *.img *.png *.jpg *.mbtiles"
+            ),
+        )
+        if path:
+            self.choose_source(path)
+
+
+class SourceCombo(Chooser):
+    """Chooser of a source: headings above groups; what is typed finds titles that have it anywhere in them.
+
+    Signals
+    -------
+    about_to_open()
+        The list is going to be shown; this is the time to bring it up to date.
+    """
+
+    about_to_open = pyqtSignal()
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.setObjectName("source")
+        self.setEditable(True)
+        self.setInsertPolicy(QComboBox.InsertPolicy.NoInsert)
+        self.setMaxVisibleItems(_ROWS)
+        self.setSizeAdjustPolicy(QComboBox.SizeAdjustPolicy.AdjustToMinimumContentsLengthWithIcon)
+        self._titles = QStringListModel(self)
+        completer = QCompleter(self._titles, self)
+        completer.setFilterMode(Qt.MatchFlag.MatchContains)
+        completer.setCaseSensitivity(Qt.CaseSensitivity.CaseInsensitive)
+        completer.setMaxVisibleItems(_ROWS)
+        self.setCompleter(completer)
+        completer.activated[str].connect(self._take)
+        self.lineEdit().editingFinished.connect(self._take_typed)
+        self.currentIndexChanged.connect(self._show_start)
+
+    def fill(self, choices: Sequence[SourceChoice], others: Sequence[tuple[str, str]]) -> None:
+        """Offer choices, and (value, title) pairs below them; the first choice is chosen."""
+        self.clear()
+        group = None
+        for choice in choices:
+            if choice.group != group:
+                group = choice.group
+                self._add_heading(group)
+            self.add(choice.name, choice.title)
+        self._add_heading(OTHER)
+        for value, title in others:
+            self.add(value, title)
+        self.setCurrentIndex(self._first())
+
+    def add(self, value: str, title: str) -> None:
+        """Add an entry at the end."""
+        self.addItem(title, value)
+        row = self.count() - 1
+        self.setItemData(row, shown_plain(title), Qt.ItemDataRole.ToolTipRole)
+        self._titles.setStringList([self.itemText(at) for at in range(self.count()) if self._can_choose(at)])
+
+    def choose(self, value: str) -> None:
+        """Choose an entry; the first one where there is none of this value."""
+        index = self.findData(value)
+        self.setCurrentIndex(index if index >= 0 else self._first())
+
+    def showPopup(self) -> None:
+        """Show the list, as it is now."""
+        self.about_to_open.emit()
+        # The panel is narrow; titles are read whole all the same.
+        bar = self.style().pixelMetric(QStyle.PixelMetric.PM_ScrollBarExtent)
+        self.view().setMinimumWidth(self.view().sizeHintForColumn(0) + bar)
+        super().showPopup()
+
+    def _add_heading(self, group: int) -> None:
+        titles = {
+            CATALOGUE: tr("Catalogue: worldwide"),
+            REGIONAL: tr("Catalogue: one country"),
+            OWN: tr("Your own sources"),
+            CONNECTION: tr("QGIS connections: XYZ tiles"),
+            SERVICE: tr("QGIS connections: WMS and WMTS"),
+            PROJECT: tr("This project"),
+            FILE: tr("Files"),
+            OTHER: tr("Other"),
+        }
+        self.addItem(titles[group])
+        model = self.model()
+        if isinstance(model, QStandardItemModel):
+            item = model.item(self.count() - 1)
+            item.setFlags(Qt.ItemFlag.NoItemFlags)
+            font = QFont(self.font())
+            font.setBold(True)
+            item.setFont(font)
+
+    def _can_choose(self, row: int) -> bool:
+        return self.itemData(row) is not None
+
+    def _first(self) -> int:
+        return next((row for row in range(self.count()) if self._can_choose(row)), -1)
+
+    def _take(self, title: str) -> None:
+        rows = [row for row in range(self.count()) if self._can_choose(row) and self.itemText(row) == title]
+        if rows and self.currentIndex() not in rows:
+            self.setCurrentIndex(rows[0])
+
+    def _take_typed(self) -> None:
+        """Choose what has been typed, where it says which; otherwise show again what is chosen."""
+        typed = self.currentText().strip().casefold()
+        own = self.itemText(self.currentIndex())
+        if typed and typed != own.casefold():
+            titles = [self.itemText(row) for row in range(self.count()) if self._can_choose(row)]
+            same = [title for title in titles if title.casefold() == typed]
+            found = same or [title for title in titles if typed in title.casefold()]
+            if len(set(found)) == 1:
+                self._take(found[0])
+        self.setEditText(self.itemText(self.currentIndex()))
+
+    def _show_start(self) -> None:
+        # A title longer than the field is read from its beginning.
+        self.lineEdit().setCursorPosition(0)

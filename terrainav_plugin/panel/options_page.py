@@ -1,0 +1,417 @@
+"""The plugin's settings, among QGIS's own."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from pathlib import Path
+
+from qgis.gui import QgsAuthConfigSelect, QgsFileWidget, QgsOptionsPageWidget, QgsSpinBox
+from qgis.PyQt.QtCore import Qt
+from qgis.PyQt.QtWidgets import (
+    QAbstractItemView,
+    QComboBox,
+    QDialog,
+    QDialogButtonBox,
+    QFormLayout,
+    QFrame,
+    QGroupBox,
+    QHeaderView,
+    QLabel,
+    QLineEdit,
+    QPushButton,
+    QScrollArea,
+    QTableWidget,
+    QTableWidgetItem,
+    QVBoxLayout,
+    QWidget,
+)
+
+from ...core.errors import InvalidInput, TerrAInavError
+from ...core.mission.estimate import size_text
+from ..help import add_help_button
+from ..i18n import localized, number_text, tr, translate
+from ..messages import log
+from ..plain import plain_label, shown_plain
+from ..settings import Settings
+from ..widgets import STYLE_SHEET, FieldMarks, choose, combo, row
+
+#: Rows that are seen without scrolling.
+_ROWS = 6
+_ROOM_PX = (620, 320)
+
+
+class OptionsPage(QgsOptionsPageWidget):
+    """Shows the settings, marks those that cannot be kept, and keeps the others when QGIS's options are accepted.
+
+    Parameters
+    ----------
+    parent : QWidget or None
+    applied : callable
+        Called after settings were kept.
+
+    Attributes
+    ----------
+    folders : dict of str to QgsFileWidget
+        By the names of their settings.
+    """
+
+    def __init__(self, parent: QWidget | None, applied: Callable[[], None]) -> None:
+        super().__init__(parent)
+        self.setStyleSheet(STYLE_SHEET)
+        self._settings, self._applied = Settings(), applied
+        self.marks = FieldMarks()
+        self.folders: dict[str, QgsFileWidget] = {}
+        self._lay_out()
+        self.show_settings()
+        for widget in self.folders.values():
+            widget.fileChanged.connect(self._check)
+        self.placeholders.textChanged.connect(self._check)
+
+    def show_settings(self) -> None:
+        """Show what is set."""
+        settings = self._settings
+        for name, widget in self.folders.items():
+            widget.setFilePath(getattr(settings, name))
+        self.connections.setValue(settings.connections)
+        self.cache_limit.setValue(settings.cache_limit_mb)
+        self.placeholders.setText(" ".join(settings.missing_tiles))
+        choose(self.units, settings.units)
+        self.keys.fill()
+        self._check()
+
+    def show_defaults(self) -> None:
+        """Show what would be set after a new installation; keys stay as they are."""
+        for widget in self.folders.values():
+            widget.setFilePath("")
+        self.connections.setValue(Settings.connections.default)
+        self.cache_limit.setValue(Settings.cache_limit_mb.default)
+        self.placeholders.clear()
+        choose(self.units, "m")
+
+    def apply(self) -> None:
+        """Keep what is right; what is not stays as it was, and is told in the log."""
+        problems = self._check()
+        for name, widget in self.folders.items():
+            if name in problems:
+                log(tr("Not kept: {problem}").format(problem=problems[name]))
+            else:
+                setattr(self._settings, name, widget.filePath().strip())
+        self._settings.connections = self.connections.value()
+        self._settings.cache_limit_mb = self.cache_limit.value()
+        if "placeholders" in problems:
+            log(tr("Not kept: {problem}").format(problem=problems["placeholders"]))
+        else:
+            self._settings.placeholders = self.placeholders.text().strip()
+        self._settings.units = self.units.currentData()
+        self.keys.keep()
+        self._applied()
+
+    def isValid(self) -> bool:
+        """Whether all of it can be kept."""
+        return not self._check()
+
+    def show_cache(self) -> None:
+        """Show what is kept of earlier captures."""
+        dialog = CacheDialog(self.window())
+        dialog.exec()
+        dialog.deleteLater()
+
+    # --- the page
+
+    def _lay_out(self) -> None:
+        inside = QWidget()
+        layout = QVBoxLayout(inside)
+        for box in (self._missions(), self._cache(), self._keys()):
+            layout.addWidget(box)
+        buttons = QDialogButtonBox()
+        self.reset = buttons.addButton(tr("Reset to defaults"), QDialogButtonBox.ButtonRole.ResetRole)
+        self.reset.setObjectName("reset")
+        self.reset.setToolTip(tr("Everything but the keys, which stay as they are"))
+        self.reset.clicked.connect(self.show_defaults)
+        add_help_button(buttons, tr("settings"))
+        layout.addWidget(buttons)
+        layout.addStretch(1)
+        scroll = QScrollArea()
+        scroll.setWidgetResizable(True)
+        scroll.setFrameShape(QFrame.Shape.NoFrame)
+        scroll.setWidget(inside)
+        outside = QVBoxLayout(self)
+        outside.setContentsMargins(0, 0, 0, 0)
+        outside.addWidget(scroll)
+
+    def _missions(self) -> QGroupBox:
+        box, form = _box(tr("Missions"))
+        tip = tr("New missions are captured into folders below this one")
+        self._folder(form, tr("Folder for missions"), "missions_folder", str(self._settings.home), tip)
+        units = (("m", tr("Metres")), ("ft", tr("Feet (international)")))
+        self.units = combo("units", units, tr("Unit of heights above ground: m or ft"))
+        form.addRow(tr("Heights in"), self.units)
+        limits = Settings.connections
+        self.connections = _whole(
+            "connections",
+            limits.least,
+            limits.most,
+            tr("Requests under way at once; fewer where a provider says so"),
+        )
+        form.addRow(tr("Connections at once"), self.connections)
+        tip = tr("Pictures of the synthetic landscape that are shown as background")
+        place = str(self._settings.profile)
+        self._folder(form, tr("Folder for backgrounds"), "backgrounds_folder", place, tip)
+        return box
+
+    def _cache(self) -> QGroupBox:
+        from ...core.imagery.cache.tile_cache import default_folder
+
+        box, form = _box(tr("Cache of tiles"))
+        tip = tr("Tiles that providers let keep: what is there is not asked for again")
+        self._folder(form, tr("Folder of the cache"), "cache_folder", str(default_folder()), tip)
+        limits = Settings.cache_limit_mb
+        self.cache_limit = _whole(
+            "cache_limit",
+            limits.least,
+            limits.most,
+            tr("Beyond it the tiles that were used longest ago go, in MB"),
+        )
+        self.cache_limit.setSuffix(" MB")
+        self.cache_limit.setSingleStep(500)
+        self.cache_button = QPushButton(tr("Look at it or clear it…"))
+        self.cache_button.setObjectName("cache")
+        self.cache_button.setToolTip(tr("Shows what is in the cache, and clears some or all of it"))
+        self.cache_button.clicked.connect(self.show_cache)
+        form.addRow(tr("At most"), row(self.cache_limit, self.cache_button, stretch=0))
+        self.placeholders = QLineEdit()
+        self.placeholders.setObjectName("placeholders")
+        self.placeholders.setToolTip(
+            tr("SHA-256 of tiles that show no imagery, 16 digits or more of each, with spaces between them")
+        )
+        form.addRow(tr("Treat as missing"), self.marks.field("placeholders", self.placeholders))
+        return box
+
+    def _keys(self) -> QGroupBox:
+        box = QGroupBox(tr("Keys and authentication"))
+        layout = QVBoxLayout(box)
+        about = QLabel(
+            tr(
+                "A key is the password of a Basic configuration in QGIS's authentication database, which is encrypted. "
+                "Only the id of the configuration is kept here; no project, mission or layer holds a key."
+            )
+        )
+        about.setWordWrap(True)
+        layout.addWidget(about)
+        self.keys = KeysTable(self._settings)
+        layout.addWidget(self.keys)
+        return box
+
+    def _folder(self, form: QFormLayout, label: str, name: str, usual: str, tip: str) -> None:
+        widget = QgsFileWidget()
+        widget.setObjectName(name)
+        widget.setStorageMode(QgsFileWidget.StorageMode.GetDirectory)
+        widget.setDialogTitle(label)
+        widget.setToolTip(tip)
+        widget.lineEdit().setPlaceholderText(usual)
+        self.folders[name] = widget
+        form.addRow(label, self.marks.field(name, widget.lineEdit(), widget))
+
+    def _check(self) -> dict[str, str]:
+        """Mark what cannot be kept; returns what is wrong by the names of the settings."""
+        problems = {name: folder_problem(widget.filePath()) for name, widget in self.folders.items()}
+        problems["placeholders"] = placeholders_problem(self.placeholders.text())
+        problems = {name: problem for name, problem in problems.items() if problem}
+        self.marks.show(problems)
+        return problems
+
+
+def placeholders_problem(text: str) -> str:
+    """What is wrong with tiles to treat as missing, in words; empty for nothing."""
+    from ...core.imagery.placeholder import Placeholder
+
+    try:
+        Placeholder().with_files(text.split())
+    except InvalidInput as wrong:
+        return translate(wrong)
+    return ""
+
+
+def folder_problem(text: str) -> str:
+    """What is wrong with a folder to write to, in words; empty for nothing, and for no folder."""
+    text = text.strip()
+    if not text:
+        return ""
+    try:
+        folder = Path(text).expanduser()
+        if not folder.is_absolute():
+            return tr("{folder}: must be a whole path, such as {example}").format(
+                folder=text, example=Path.home() / "TerrAInav"
+            )
+        there = next(place for place in (folder, *folder.parents) if place.exists())
+    except (OSError, RuntimeError, StopIteration, ValueError) as wrong:
+        return tr("{folder}: cannot be a folder ({reason})").format(folder=text, reason=wrong)
+    if not there.is_dir():
+        return tr("{folder}: {file} is a file; choose a folder").format(folder=text, file=there)
+    if not os.access(there, os.W_OK):
+        return tr("{folder}: cannot be written to; choose another").format(folder=text)
+    return ""
+
+
+class KeysTable(QTableWidget):
+    """Sources that need a key or have a configuration, each with a chooser of one.
+
+    Attributes
+    ----------
+    choosers : dict of str to QgsAuthConfigSelect
+        By what the settings call the sources.
+    """
+
+    def __init__(self, settings: Settings) -> None:
+        super().__init__(0, 2)
+        self.setObjectName("keys")
+        self.setToolTip(
+            tr("Sources that need a key or are authenticated, and the configurations that hold it")
+        )
+        self._settings = settings
+        self.choosers: dict[str, QgsAuthConfigSelect] = {}
+        self.setHorizontalHeaderLabels([tr("Source"), tr("Authentication configuration")])
+        self.verticalHeader().hide()
+        self.setSelectionMode(QAbstractItemView.SelectionMode.NoSelection)
+        self.setEditTriggers(QAbstractItemView.EditTrigger.NoEditTriggers)
+        self.setFocusPolicy(Qt.FocusPolicy.NoFocus)
+        self.horizontalHeader().setSectionResizeMode(0, QHeaderView.ResizeMode.ResizeToContents)
+        self.horizontalHeader().setSectionResizeMode(1, QHeaderView.ResizeMode.Stretch)
+
+    def fill(self) -> None:
+        """Show what is set."""
+        chosen = self._settings.authcfgs()
+        titles = {**dict.fromkeys(chosen, ""), **_in_need_of_keys()}
+        self.choosers.clear()
+        self.setRowCount(len(titles))
+        for line, (name, title) in enumerate(sorted(titles.items(), key=lambda one: one[1] or one[0])):
+            item = QTableWidgetItem(title or name)
+            item.setToolTip(shown_plain(name))
+            self.setItem(line, 0, item)
+            chooser = QgsAuthConfigSelect()
+            chooser.setObjectName(f"key_{name}")
+            chooser.setConfigId(chosen.get(name, ""))
+            # Its buttons beside it tell the same.
+            chooser.findChild(QComboBox).setToolTip(
+                shown_plain(tr("Configuration for {title}").format(title=title or name))
+            )
+            self.choosers[name] = chooser
+            self.setCellWidget(line, 1, chooser)
+            self.setRowHeight(line, chooser.sizeHint().height() + 4)
+        shown = range(min(self.rowCount(), _ROWS))
+        rows_px = sum(self.rowHeight(line) for line in shown)
+        self.setMinimumHeight(self.horizontalHeader().sizeHint().height() + rows_px + 2 * self.frameWidth())
+
+    def keep(self) -> None:
+        """Keep what is chosen."""
+        for name, chooser in self.choosers.items():
+            self._settings.set_authcfg(name, chooser.configId())
+
+
+class CacheDialog(QDialog):
+    """Lists the files of the tile cache, and clears some or all of them."""
+
+    def __init__(self, parent: QWidget | None = None) -> None:
+        from ..settings import Settings
+
+        super().__init__(parent)
+        self.setObjectName("terrainav_cache")
+        self.setWindowTitle(tr("TerrAInav: cache"))
+        self._cache = Settings().tile_cache()
+        self.told = plain_label()
+        self.told.setWordWrap(True)
+        self.told.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
+        self.table = QTableWidget(0, 5)
+        self.table.setHorizontalHeaderLabels(
+            [tr("Source"), tr("Map type"), tr("Date"), tr("Tiles"), tr("Size")]
+        )
+        self.table.setSelectionBehavior(QAbstractItemView.SelectionBehavior.SelectRows)
+        self.table.setEditTriggers(QAbstractItemView.EditTrigger.NoEditTriggers)
+        self.table.verticalHeader().hide()
+        self.table.horizontalHeader().setSectionResizeMode(0, QHeaderView.ResizeMode.Stretch)
+        self.table.itemSelectionChanged.connect(self._show_selection)
+        buttons = QDialogButtonBox(QDialogButtonBox.StandardButton.Close)
+        role = QDialogButtonBox.ButtonRole.ActionRole
+        self.clear_some = buttons.addButton(tr("Clear selected"), role)
+        self.clear_all = buttons.addButton(tr("Clear all"), role)
+        self.clear_some.clicked.connect(lambda: self._clear(self._selected()))
+        self.clear_all.clicked.connect(lambda: self._clear(None))
+        buttons.rejected.connect(self.reject)
+        add_help_button(buttons, tr("sources"))
+        layout = QVBoxLayout(self)
+        for widget in (self.told, self.table, buttons):
+            layout.addWidget(widget)
+        self.resize(*_ROOM_PX)
+        self._fill()
+
+    def _fill(self, more: str = "") -> None:
+        files = self._cache.list()
+        self.table.setRowCount(len(files))
+        for line, file in enumerate(files):
+            texts = (
+                file.title or file.source,
+                file.map_type,
+                file.date,
+                number_text(file.tiles),
+                localized(size_text(file.bytes)),
+            )
+            for column, text in enumerate(texts):
+                item = QTableWidgetItem(text)
+                item.setData(Qt.ItemDataRole.UserRole, file.path.name)
+                if column > 2:
+                    item.setTextAlignment(Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter)
+                self.table.setItem(line, column, item)
+        size = localized(size_text(sum(file.bytes for file in files)))
+        limit = localized(size_text(self._cache.limit_bytes))
+        text = tr("{size} of at most {limit} in {folder}").format(
+            size=size, limit=limit, folder=self._cache.folder
+        )
+        self.told.setText(f"{more} {text}".strip())
+        self.clear_all.setEnabled(bool(files))
+        self._show_selection()
+
+    def _selected(self) -> list[str]:
+        rows = {index.row() for index in self.table.selectionModel().selectedRows()}
+        return [self.table.item(line, 0).data(Qt.ItemDataRole.UserRole) for line in sorted(rows)]
+
+    def _show_selection(self) -> None:
+        self.clear_some.setEnabled(bool(self._selected()))
+
+    def _clear(self, names: list[str] | None) -> None:
+        try:
+            freed = self._cache.clear(names)
+        except TerrAInavError as wrong:
+            self._fill(translate(wrong))
+            return
+        self._fill(tr("{size} freed.").format(size=localized(size_text(freed))))
+
+
+def _box(title: str) -> tuple[QGroupBox, QFormLayout]:
+    box = QGroupBox(title)
+    form = QFormLayout(box)
+    form.setFieldGrowthPolicy(QFormLayout.FieldGrowthPolicy.AllNonFixedFieldsGrow)
+    return box, form
+
+
+def _whole(name: str, least: int, most: int, tip: str) -> QgsSpinBox:
+    spin = QgsSpinBox()
+    spin.setObjectName(name)
+    spin.setRange(least, most)
+    spin.setShowClearButton(False)
+    spin.setToolTip(tip)
+    spin.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
+    return spin
+
+
+def _in_need_of_keys() -> dict[str, str]:
+    """Titles of the sources that need a key, by name."""
+    from ...core.imagery.catalogue import sources
+
+    try:
+        return {entry.name: entry.title for entry in sources() if entry.key_env is not None}
+    except TerrAInavError:
+        # The chooser of sources tells what is wrong with the user's own.
+        from ...core.imagery.entry import shipped
+
+        return {entry.name: entry.title for entry in shipped() if entry.key_env is not None}

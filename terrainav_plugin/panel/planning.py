@@ -1,0 +1,162 @@
+"""From what is entered to a plan, and what is said of it at the entries."""
+
+from __future__ import annotations
+
+import traceback
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+from qgis.PyQt.QtCore import QObject, pyqtSignal
+
+from ...core.errors import TerrAInavError
+from ..form import mission_form
+from ..form.area import FormError
+from ..form.refusals import in_words_of_the_panel, refused_fields
+from ..form.state import BOX_FIELDS
+from ..i18n import tr
+from ..sources import policy_of
+from .figures import readout
+
+if TYPE_CHECKING:
+    from ...core.mission.mission import Mission
+    from ..messages import Messages
+    from ..planner import Planned, Planner
+    from .dock import Dock
+
+
+class Planning(QObject):
+    """Keeps the figures in step with the entries, and hands out the plan of what is entered.
+
+    Parameters
+    ----------
+    dock : Dock
+    planner : Planner
+    messages : Messages
+    timed : callable
+        Whether methods may be timed now: beside a capture, times would be those of the capture.
+
+    Signals
+    -------
+    planned(object)
+        `Planned`, of what is entered.
+
+    Attributes
+    ----------
+    latest : Planned or None
+        Plan of what is entered; None while it makes none.
+    """
+
+    planned = pyqtSignal(object)
+
+    def __init__(self, dock: Dock, planner: Planner, messages: Messages, timed: Callable[[], bool]) -> None:
+        super().__init__()
+        self._dock, self._form, self._planner = dock, dock.form, planner
+        self._messages, self._may_time = messages, timed
+        self.latest: Planned | None = None
+        self._timed: tuple[Mission, str] | None = None
+        self._when_planned: Callable[[Planned], None] | None = None
+        self._refusal = ""
+        self._closed = False
+        self._form.changed.connect(self._form_changed)
+        planner.planned.connect(self._show_planned)
+        planner.costed.connect(self._show_cost)
+        planner.refused.connect(self._show_refused)
+
+    def close(self) -> None:
+        """End for good."""
+        self._closed = True
+        self._planner.close()
+
+    def with_plan(self, act: Callable[[Planned], None], refusal: str) -> None:
+        """Do something with the plan of what is entered now, as soon as there is one.
+
+        Parameters
+        ----------
+        refusal : str
+            What to say after the reason where there is none.
+        """
+        if self._closed:
+            # Unloaded while a dialog was open that has led here.
+            return
+        self._when_planned = act
+        self._refusal = refusal
+        if not self.plan(at_once=True):
+            self._when_planned = None
+            self.refuse(refusal)
+
+    def plan(self, at_once: bool = False) -> bool:
+        """Have what is entered planned; False where an entry is wrong, which is then marked."""
+        state = self._form.state()
+        try:
+            mission = mission_form.mission(state)
+        except FormError as wrong:
+            self._planner.forget()
+            self.latest = None
+            messages = wrong.messages
+            if not any(getattr(state, name).strip() for name in BOX_FIELDS):
+                # Nothing entered yet is not an error.
+                messages = {name: text for name, text in messages.items() if name not in BOX_FIELDS}
+            self._form.show_messages(messages)
+            unseen = self._form.marks.out_of_sight(messages)
+            self._dock.show_problem(unseen) if unseen or state.has_box else self._dock.show_nothing()
+            return False
+        self._form.show_messages({})
+        timed = not self._cost_of(mission) and self._may_time() and self._when_planned is None
+        self._planner.request(mission, at_once, timed)
+        return True
+
+    def refuse(self, what: str) -> None:
+        """Say what there is not, and the first thing that is wrong with the entries."""
+        wrong = self._form.marks.first_message() or self._dock.problem.text()
+        self._messages.refused(wrong or tr("no area yet; draw a box or enter coordinates"), what)
+
+    def _form_changed(self) -> None:
+        if self._when_planned is not None:
+            self._when_planned = None
+            self._messages.info(
+                tr("The entries have changed before their plan was there: press the button again.")
+            )
+        self.plan()
+
+    def _show_planned(self, planned: Planned) -> None:
+        self.latest = planned
+        self._show_figures(planned)
+        self.planned.emit(planned)
+        act, self._when_planned = self._when_planned, None
+        if act is not None:
+            act(planned)
+
+    def _show_cost(self, planned: Planned, cost: str) -> None:
+        self._timed = planned.mission, cost
+        self._show_figures(planned)
+
+    def _show_figures(self, planned: Planned) -> None:
+        cost = self._cost_of(planned.mission)
+        if not cost and (not self._may_time() or self._when_planned is not None):
+            cost = tr("not timed beside a run")
+        unit = self._form.state().agl_unit
+        policy = policy_of(planned.mission.source)
+        self._dock.figures.show_readout(readout(planned.plan, planned.summary, unit, cost, policy))
+
+    def _cost_of(self, mission: Mission) -> str:
+        """What a mission's methods were timed at; empty where that is not known."""
+        return self._timed[1] if self._timed is not None and self._timed[0] == mission else ""
+
+    def _show_refused(self, error: Exception) -> None:
+        self.latest = None
+        waiting, self._when_planned = self._when_planned, None
+        if isinstance(error, FormError):
+            self._form.show_messages(error.messages)
+            self._dock.show_problem(self._form.marks.out_of_sight(error.messages))
+        elif isinstance(error, TerrAInavError):
+            messages = refused_fields(error)
+            self._form.show_messages(messages)
+            self._dock.show_problem(next(iter(messages.values()), in_words_of_the_panel(error)))
+        else:
+            self._dock.show_problem(tr("Unexpected error: {error}").format(error=repr(error)))
+            self._messages.error(
+                tr("The mission could not be planned."),
+                "".join(traceback.format_exception(None, error, error.__traceback__)),
+            )
+        if waiting is not None:
+            self.refuse(self._refusal)

@@ -1,0 +1,313 @@
+"""The captures of this session in the panel: at work, waiting, and over."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+from qgis.core import QgsApplication
+from qgis.PyQt.QtCore import QObject, QSize, Qt, pyqtSignal
+from qgis.PyQt.QtGui import QResizeEvent
+from qgis.PyQt.QtWidgets import (
+    QFrame,
+    QHBoxLayout,
+    QLabel,
+    QProgressBar,
+    QScrollArea,
+    QSizePolicy,
+    QToolButton,
+    QVBoxLayout,
+    QWidget,
+)
+
+from ..capture.run import Run, Stage, row_text, title_of
+from ..i18n import tr
+from ..paths import icon
+from ..plain import plain_label, shown_plain
+
+if TYPE_CHECKING:
+    from ..capture.queue import Runs
+
+#: Rows to be seen at once; others are scrolled to.
+_ROWS = 3
+_BAR_HEIGHT_PX = 6
+
+
+class RunPanel(QObject):
+    """Keeps the list in step with the line of captures.
+
+    Parameters
+    ----------
+    zoom, open_folder, clean : callable
+        What to do with a run whose row asks for it.
+    """
+
+    def __init__(
+        self,
+        runs: Runs,
+        shown: RunList,
+        zoom: Callable[[Run], None],
+        open_folder: Callable[[Run], None],
+        clean: Callable[[Run], None],
+    ) -> None:
+        super().__init__()
+        self._runs, self._list = runs, shown
+        self._rows: dict[Run, RunRow] = {}
+        self._actions: dict[str, Callable[[Run], None]] = {
+            RunRow.PAUSE: lambda run: run.pause(True),
+            RunRow.RESUME: runs.resume,
+            RunRow.CANCEL: lambda run: run.cancel(),
+            RunRow.FAILED: runs.capture_failed,
+            RunRow.ZOOM: zoom,
+            RunRow.OPEN: open_folder,
+            RunRow.CLEAN: clean,
+            RunRow.DISMISS: runs.dismiss,
+        }
+        runs.listed.connect(self._add)
+        runs.dismissed.connect(self._remove)
+        runs.moved.connect(self._show_all)
+
+    def row(self, run: Run) -> RunRow:
+        """Row of a run."""
+        return self._rows[run]
+
+    def _add(self, run: Run) -> None:
+        row = self._rows[run] = RunRow(title_of(run))
+        row.asked.connect(lambda action: self._actions[action](run))
+        run.changed.connect(lambda: self._show(run))
+        self._show(run)
+        self._list.add(row)
+
+    def _remove(self, run: Run) -> None:
+        row = self._rows.pop(run, None)
+        if row is not None:
+            self._list.remove(row)
+
+    def _show_all(self) -> None:
+        for run in self._rows:
+            self._show(run)
+
+    def _show(self, run: Run) -> None:
+        row = self._rows.get(run)
+        if row is None:
+            return
+        line = self._runs.waiting
+        row.show_progress(run.percent, row_text(run, line.index(run) if run in line else 0))
+        row.show_actions(_actions_of(run), run.can_pause, underway=not run.over)
+        self._list.fit()
+
+
+class RunList(QScrollArea):
+    """Rows below each other, as high as they are up to a few of them; hidden while there are none."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.setObjectName("runs")
+        self.setFrameShape(QFrame.Shape.NoFrame)
+        self.setWidgetResizable(True)
+        self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+        self.setSizePolicy(QSizePolicy.Policy.Preferred, QSizePolicy.Policy.Maximum)
+        contents = QWidget()
+        self._layout = QVBoxLayout(contents)
+        self._layout.setContentsMargins(0, 0, 0, 0)
+        self._layout.setSpacing(2)
+        self._layout.addStretch(1)
+        self.setWidget(contents)
+        self._to_newest = False
+        self.verticalScrollBar().rangeChanged.connect(self._grown)
+        self.hide()
+
+    @property
+    def rows(self) -> list[RunRow]:
+        """From the top."""
+        widgets = (self._layout.itemAt(index).widget() for index in range(self._layout.count()))
+        return [widget for widget in widgets if isinstance(widget, RunRow)]
+
+    def add(self, row: RunRow) -> None:
+        """Put a row below the others."""
+        self._layout.insertWidget(self._layout.count() - 1, row)
+        self._to_newest = True
+        self.show()
+        self.fit()
+
+    def remove(self, row: RunRow) -> None:
+        """Take a row away."""
+        self._layout.removeWidget(row)
+        row.hide()
+        row.deleteLater()
+        self.setVisible(bool(self.rows))
+        self.fit()
+
+    def fit(self) -> None:
+        """Ask for room after rows have changed."""
+        self.updateGeometry()
+
+    def sizeHint(self) -> QSize:
+        """All rows, up to a few."""
+        return QSize(super().sizeHint().width(), self._height_of(_ROWS))
+
+    def minimumSizeHint(self) -> QSize:
+        """One row."""
+        return QSize(super().minimumSizeHint().width(), self._height_of(1))
+
+    def _grown(self, _least: int, most: int) -> None:
+        """Scroll to a row that has come, once it has its place."""
+        if self._to_newest:
+            self._to_newest = False
+            self.verticalScrollBar().setValue(most)
+
+    def _height_of(self, count: int) -> int:
+        width = max(self.viewport().width(), 1)
+        heights = [
+            row.heightForWidth(width) if row.hasHeightForWidth() else row.sizeHint().height()
+            for row in self.rows[:count]
+        ]
+        return sum(heights) + self._layout.spacing() * len(heights)
+
+
+class RunRow(QFrame):
+    """Shows a run and asks; what it shows is given to it.
+
+    Signals
+    -------
+    asked(str)
+        One of `RunRow.DEEDS`.
+    """
+
+    DEEDS = PAUSE, RESUME, CANCEL, FAILED, ZOOM, CLEAN, OPEN, DISMISS = (
+        "pause",
+        "resume",
+        "cancel",
+        "capture_failed",
+        "zoom",
+        "clean",
+        "open_folder",
+        "dismiss",
+    )
+    asked = pyqtSignal(str)
+
+    def __init__(self, title: str) -> None:
+        super().__init__()
+        self.setFrameShape(QFrame.Shape.StyledPanel)
+        self.title = _ElidedLabel()
+        self.title.setObjectName("run_title")
+        font = self.title.font()
+        font.setBold(True)
+        self.title.setFont(font)
+        self.title.set_text(title)
+        self.bar = QProgressBar()
+        self.bar.setObjectName("run_progress")
+        self.bar.setRange(0, 100)
+        self.bar.setTextVisible(False)
+        self.bar.setFixedHeight(_BAR_HEIGHT_PX)
+        self.text = plain_label()
+        self.text.setObjectName("run_text")
+        self.text.setWordWrap(True)
+        self.text.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
+        self.buttons = self._make_buttons(title)
+        self._lay_out()
+
+    def show_progress(self, percent: float, text: str) -> None:
+        """Show how far the run is."""
+        self.bar.setValue(int(percent))
+        self.text.setText(text)
+
+    def show_actions(self, actions: set[str], enabled: bool = True, underway: bool = True) -> None:
+        """Offer what can be done now.
+
+        Parameters
+        ----------
+        actions : set of str
+            Of `DEEDS`.
+        enabled : bool
+            Whether pausing is possible just now.
+        underway : bool
+            Whether there is a progress to show.
+        """
+        for name, button in self.buttons.items():
+            button.setVisible(name in actions)
+        self.buttons[self.PAUSE].setEnabled(enabled)
+        self.bar.setVisible(underway)
+
+    def _make_buttons(self, title: str) -> dict[str, QToolButton]:
+        of_qgis = QgsApplication.getThemeIcon
+        looks = {
+            self.PAUSE: (
+                of_qgis("/temporal_navigation/pause.svg"),
+                tr("Pause: hold this capture in its place"),
+            ),
+            self.RESUME: (of_qgis("/mActionPlay.svg"), tr("Resume this capture")),
+            self.CANCEL: (of_qgis("/mTaskCancel.svg"), tr("Cancel; images that are finished are kept")),
+            self.FAILED: (icon("capture_failed"), tr("Capture only the failed images again")),
+            self.ZOOM: (of_qgis("/mActionZoomToLayer.svg"), tr("Zoom the map to this mission")),
+            self.CLEAN: (icon("clean_dataset"), tr("Clean this dataset of images with too little to see")),
+            self.OPEN: (of_qgis("/mActionFileOpen.svg"), tr("Open the folder of the images")),
+            self.DISMISS: (of_qgis("/mIconClose.svg"), tr("Take this capture off the list; its images stay")),
+        }
+        buttons = {}
+        for name, (image, tip) in looks.items():
+            button = QToolButton()
+            button.setObjectName(f"run_{name}")
+            button.setIcon(image)
+            button.setAutoRaise(True)
+            button.setToolTip(tip)
+            button.setAccessibleName(f"{tip} ({title})")
+            # By keyboard as well.
+            button.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
+            button.clicked.connect(lambda _=False, name=name: self.asked.emit(name))
+            buttons[name] = button
+        return buttons
+
+    def _lay_out(self) -> None:
+        top = QHBoxLayout()
+        top.setSpacing(0)
+        top.addWidget(self.title, 1)
+        for button in self.buttons.values():
+            top.addWidget(button)
+        layout = QVBoxLayout(self)
+        layout.setContentsMargins(6, 2, 4, 4)
+        layout.setSpacing(2)
+        layout.addLayout(top)
+        layout.addWidget(self.bar)
+        layout.addWidget(self.text)
+
+
+def _actions_of(run: Run) -> set[str]:
+    """What can be done with a run now."""
+    if run.stage is Stage.WAITING:
+        return {RunRow.CANCEL}
+    if run.stage is Stage.RUNNING:
+        return {RunRow.CANCEL, RunRow.PAUSE}
+    if run.stage is Stage.PAUSED:
+        return {RunRow.CANCEL, RunRow.RESUME}
+    if run.stage is Stage.STOPPING:
+        # Once nothing is captured any more, what is left to be stopped is the mosaic.
+        return {RunRow.CANCEL} if run.result is not None else set()
+    actions = {RunRow.ZOOM, RunRow.OPEN, RunRow.DISMISS}
+    if run.stage in (Stage.DONE, Stage.INCOMPLETE) and not run.test_shot:
+        actions.add(RunRow.CLEAN)
+    if run.stage in (Stage.STOPPED, Stage.BROKEN) and not run.test_shot:
+        actions.add(RunRow.RESUME)
+    return actions | ({RunRow.FAILED} if run.task.failed else set())
+
+
+class _ElidedLabel(QLabel):
+    """A line that is cut where the panel is narrow, and told whole by its tooltip."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.setTextFormat(Qt.TextFormat.PlainText)
+        self._whole = ""
+        self.setMinimumWidth(self.fontMetrics().averageCharWidth() * 8)
+
+    def set_text(self, text: str) -> None:
+        self._whole = text
+        self.setToolTip(shown_plain(text))
+        self._fit()
+
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        super().resizeEvent(event)
+        self._fit()
+
+    def _fit(self) -> None:
+        self.setText(self.fontMetrics().elidedText(self._whole, Qt.TextElideMode.ElideMiddle, self.width()))

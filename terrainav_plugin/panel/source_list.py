@@ -1,0 +1,111 @@
+"""The sources there are to choose from: as the project's layers come and go, and as the user adds and removes some."""
+
+from __future__ import annotations
+
+from qgis.core import QgsProject
+from qgis.PyQt.QtCore import QObject
+from qgis.PyQt.QtWidgets import QMessageBox, QWidget
+
+from ...core.errors import TerrAInavError
+from ..i18n import tr, translate
+from ..messages import Messages
+from ..plain import shown_plain
+from ..settings import Settings
+from ..tasks import single_shot
+from .choices import source_choices
+from .imagery import ImageryEntries
+from .options_page import CacheDialog
+from .source_dialogs import AddSourceDialog
+
+
+class SourceList(QObject):
+    """Keeps the source chooser up to date."""
+
+    def __init__(
+        self, project: QgsProject, imagery: ImageryEntries, messages: Messages, window: QWidget
+    ) -> None:
+        super().__init__()
+        self._project, self._imagery, self._messages, self._window = project, imagery, messages, window
+        self._told = ""
+        # Layers come and go by the dozen; one look is enough.
+        self._soon = single_shot(self.refresh, self)
+        self._signals = (
+            project.layersAdded,
+            project.layersRemoved,
+            project.cleared,
+            project.layerTreeRoot().nameChanged,
+        )
+        for signal in self._signals:
+            signal.connect(self._changed)
+        imagery.add_source_clicked.connect(self.add)
+        imagery.remove_source_clicked.connect(self.remove)
+        imagery.cache_clicked.connect(self.show_cache)
+        imagery.service_chosen.connect(self.choose_layer)
+        # QGIS does not tell of connections that come and go.
+        imagery.source.about_to_open.connect(self.refresh)
+        self.refresh()
+
+    def close(self) -> None:
+        """End for good."""
+        self._soon.stop()
+        for signal in self._signals:
+            signal.disconnect(self._changed)
+
+    def refresh(self) -> None:
+        """Offer what there is now."""
+        choices, problem = source_choices(self._project)
+        self._imagery.set_choices(choices)
+        if problem and problem != self._told:
+            self._messages.warning(
+                tr("Some of your own sources are left out: {reason}").format(reason=translate(problem))
+            )
+        self._told = problem
+
+    def add(self) -> None:
+        """Ask for a source's URL, keep it, and choose it."""
+        dialog = AddSourceDialog(self._window)
+        if dialog.exec() and dialog.added:
+            self.refresh()
+            self._imagery.choose_source(dialog.added)
+        dialog.deleteLater()
+
+    def choose_layer(self, name: str) -> None:
+        """Ask which layer of a service of QGIS is wanted, keep it, and choose it."""
+        from ..qgis_source.connections import service
+        from .source_dialogs import ServiceDialog
+
+        dialog = ServiceDialog(service(name), self._window)
+        if dialog.exec() and dialog.added:
+            self.refresh()
+            self._imagery.choose_source(dialog.added)
+        dialog.deleteLater()
+
+    def remove(self) -> None:
+        """Forget the user's own source that is chosen, after asking."""
+        from ...core.imagery.catalogue import remove
+
+        choice = self._imagery.choice()
+        answer = QMessageBox.question(
+            self._window,
+            tr("TerrAInav: remove source"),
+            shown_plain(
+                tr("Remove “{title}” from your sources? Captured images stay.").format(title=choice.title)
+            ),
+        )
+        if answer != QMessageBox.StandardButton.Yes:
+            return
+        try:
+            remove(choice.name)
+            Settings().set_authcfg(choice.name, "")
+        except TerrAInavError as wrong:
+            self._messages.warning(translate(wrong))
+        self.refresh()
+
+    def show_cache(self) -> None:
+        """Show what is kept of earlier captures."""
+        dialog = CacheDialog(self._window)
+        dialog.exec()
+        dialog.deleteLater()
+
+    def _changed(self, *_: object) -> None:
+        self._soon.start()

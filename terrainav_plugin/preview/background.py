@@ -1,0 +1,397 @@
+"""The map below: the source that is entered, shown as background around the area."""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor, as_completed
+from pathlib import Path
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+from osgeo import gdal
+from qgis.core import QgsMapLayer, QgsProject, QgsRasterLayer, QgsRectangle
+from qgis.gui import QgisInterface
+from qgis.PyQt.QtCore import QObject, pyqtSignal
+
+from ...core.capture.georeference import WEB_MERCATOR_WKT
+from ...core.errors import Cancelled, InvalidInput, OutputError, TerrAInavError
+from ...core.files import make_folder, partial_file
+from ...core.geodesy.mercator import MAX_LAT_DEG, PixelGrid, lat_to_v, lon_to_u
+from ...core.imagery.opening import open_source
+from ...core.imagery.source import Window
+from ...core.mission.area import Box
+from ..form import mission_form
+from ..i18n import tr, translate
+from ..map.canvas import box_of, canvas_rectangle, show_extent
+from ..map.mission_group import ROLE
+from ..qgis_source.snapshot import is_of_qgis
+from ..settings import Settings
+from ..sources import WORLD, tile_layer_uri
+from ..tasks import Task
+
+if TYPE_CHECKING:
+    from ..form.state import FormState
+    from ..messages import Messages
+
+#: Where a first look at the embedded world goes while nothing says where: the fields of the published dataset.
+_FIRST_PLACE = Box(35.16, -89.90, 35.115, -89.823)
+_BACKGROUND = "background"
+#: Room left around the area that is zoomed to, as a share of it.
+_ROOM = 1.2
+#: Most pixels of a picture: a few seconds of drawing, and sharper than the screen until zoomed in twofold.
+_MOST_PX = 20_000_000
+#: Width and height of the picture around an area, in widths and heights of the area.
+_AROUND = 2.0
+#: Shorter side of the picture over its longer, at least.
+_NARROWEST = 0.75
+#: Least width and height in the world's own: even around a small area there is some land to see.
+_LEAST = 2.0**-16
+_OPTIONS = ("COMPRESS=JPEG", "JPEG_QUALITY=90", "PHOTOMETRIC=YCBCR", "TILED=YES")
+_OVERVIEWS = (2, 4, 8, 16, 32)
+
+
+class SourceOnMap(QObject):
+    """Shows sources as background; the embedded world is drawn first, on a thread of the task manager.
+
+    Parameters
+    ----------
+    background : Background
+    messages : Messages
+    read : callable
+        What is entered.
+    title : callable
+        Title of the source that is.
+
+    Signals
+    -------
+    drawing(bool)
+        The embedded world is being drawn, or has been.
+    """
+
+    drawing = pyqtSignal(bool)
+
+    def __init__(
+        self,
+        background: Background,
+        messages: Messages,
+        read: Callable[[], FormState],
+        title: Callable[[], str],
+    ) -> None:
+        super().__init__()
+        self._background, self._messages = background, messages
+        self._read, self._title = read, title
+        self._task: WorldTask | None = None
+
+    def show(self, then: Callable[[], None] | None = None) -> None:
+        """Show what is entered, and zoom to the area; ``then`` is called once it is there."""
+        from ...core.imagery.opening import is_file
+
+        state = self._read()
+        area, seen = mission_form.box(state), self._background.looked_at()
+        map_type = state.map_types[0] if state.map_types else "satellite"
+        try:
+            stay = area is None and seen is not None
+            if state.source == WORLD:
+                self._show_world(area or seen or _FIRST_PLACE, map_type, state.seed, stay, then)
+                return
+            title = self._title()
+            if is_file(state.source):
+                self._background.show_file(state.source, title)
+            elif not is_of_qgis(state.source):
+                self._background.show_tiles(state.source_name, map_type, title, state.date)
+            if not stay:
+                self._background.zoom_to(area)
+            if then is not None:
+                then()
+        except TerrAInavError as wrong:
+            self._messages.warning(translate(wrong))
+
+    def close(self) -> None:
+        """End for good."""
+        if self._task is not None:
+            self._task.abandon()
+            self._task = None
+
+    def _show_world(
+        self, box: Box, map_type: str, seed: int, stay: bool, then: Callable[[], None] | None
+    ) -> None:
+        """Draw and show the embedded world around a box, and zoom there unless the map is to stay where it is."""
+        if self._task is not None:
+            return
+        folder = Settings().backgrounds
+        task = self._background.world_task(box, map_type, seed, folder)
+        title = self._title()
+
+        def show(task: WorldTask | None) -> None:
+            self._task = None
+            self.drawing.emit(False)
+            if task is not None and task.error:
+                self._messages.error(translate(task.error), task.trace)
+            elif task is None or not task.isCanceled():
+                try:
+                    self._background.show_world(box, map_type, seed, folder, title)
+                    if not stay:
+                        self._background.zoom_to(box)
+                    if then is not None:
+                        then()
+                except TerrAInavError as wrong:
+                    self._messages.warning(translate(wrong))
+
+        if task is None:
+            show(None)
+            return
+        self._task = task
+        self.drawing.emit(True)
+        task.begin(show)
+
+
+class WorldTask(Task):
+    """Renders a picture of the embedded world."""
+
+    def __init__(self, picture: WorldPicture, path: Path) -> None:
+        super().__init__(tr("Drawing the synthetic landscape"))
+        self.picture = picture
+        self.path = path
+
+    def work(self) -> None:
+        """Render."""
+        render(self.picture, self.path, self._go_on)
+
+    def _go_on(self, share: float) -> bool:
+        self.setProgress(100.0 * share)
+        return not self.isCanceled()
+
+
+class Background:
+    """Adds a source below all layers of the project; at most one layer for each source."""
+
+    def __init__(self, project: QgsProject, iface: QgisInterface) -> None:
+        self._project = project
+        self._canvas = iface.mapCanvas()
+        #: A zoom to be done once the map has a layer, by the layer's id.
+        self._waiting: tuple[str, Callable[[], None]] | None = None
+        self._bridge = iface.layerTreeCanvasBridge()
+        self._bridge.canvasLayersChanged.connect(self._settled)
+
+    def close(self) -> None:
+        """End for good."""
+        self._bridge.canvasLayersChanged.disconnect(self._settled)
+        self._waiting = None
+
+    def world_task(self, box: Box | None, map_type: str, seed: int, folder: Path) -> WorldTask | None:
+        """Task that draws the embedded world around a box; None where that is there already."""
+        picture = choose_picture(box, map_type, seed)
+        path = folder / picture.file_name
+        return None if path.is_file() else WorldTask(picture, path)
+
+    def show_world(
+        self, box: Box | None, map_type: str, seed: int, folder: Path, title: str
+    ) -> QgsRasterLayer:
+        """Show the embedded world as it was drawn for a box."""
+        path = folder / choose_picture(box, map_type, seed).file_name
+        return self._show(str(path), "gdal", title, WORLD)
+
+    def show_tiles(self, source: str, map_type: str, title: str, date: str = "") -> QgsRasterLayer:
+        """Show a source of tiles; raises InvalidInput where it cannot be shown."""
+        return self._show(tile_layer_uri(source, map_type, date), "wms", title, source)
+
+    def show_file(self, path: str, title: str) -> QgsRasterLayer:
+        """Show a raster or MBTiles file; raises InvalidInput where QGIS cannot open it."""
+        return self._show(path, "gdal", title, path)
+
+    def zoom_to(self, box: Box | None) -> None:
+        """Zoom to a box, or to everything; raises InvalidInput where the project's CRS has no such place."""
+        if box is None:
+            self._when_settled(self._canvas.zoomToFullExtent)
+            return
+        self.rectangle(box)
+        self._when_settled(lambda: show_extent(self._canvas, self.rectangle(box), _ROOM))
+
+    def zoom_to_layer(self, layer: QgsRasterLayer) -> None:
+        """Zoom to a layer."""
+        extent = layer.extent()
+        settings = self._canvas.mapSettings
+        self._when_settled(
+            lambda: show_extent(self._canvas, settings().layerExtentToOutputExtent(layer, extent), _ROOM)
+        )
+
+    def looked_at(self) -> Box | None:
+        """What the map shows; None for an empty map, or one that shows no place on Earth."""
+        if not self._canvas.layers():
+            return None
+        try:
+            return box_of(self._canvas.extent(), self._canvas.mapSettings().destinationCrs(), self._project)
+        except InvalidInput:
+            return None
+
+    def rectangle(self, box: Box) -> QgsRectangle:
+        """Rectangle of the canvas around a box; raises InvalidInput where the project's CRS has no such place."""
+        return canvas_rectangle(box, self._canvas.mapSettings().destinationCrs(), self._project)
+
+    def _when_settled(self, zoom: Callable[[], None]) -> None:
+        """Zoom now; or, while the map has not got all layers that it is to show, once it has.
+
+        With the first layer of a project QGIS takes its CRS and zooms to it, a while after it was added. What the map
+        still shows of an earlier project says nothing about that.
+        """
+        there = {layer.id() for layer in self._canvas.layers()}
+        coming = [
+            node.layerId()
+            for node in self._project.layerTreeRoot().findLayers()
+            if node.isVisible() and node.layerId() not in there and _is_drawn(node.layer())
+        ]
+        if coming:
+            self._waiting = coming[0], zoom
+        else:
+            zoom()
+
+    def _settled(self, layers: list[QgsMapLayer]) -> None:
+        if self._waiting is None:
+            return
+        wanted, zoom = self._waiting
+        node = self._project.layerTreeRoot().findLayer(wanted)
+        # A layer that has been removed or hidden meanwhile does not come.
+        if node is None or not node.isVisible() or wanted in {layer.id() for layer in layers}:
+            self._waiting = None
+            zoom()
+
+    def _show(self, uri: str, provider: str, title: str, source: str) -> QgsRasterLayer:
+        layer = self._find(source)
+        if layer is not None:
+            if layer.source() != uri:
+                layer.setDataSource(uri, title, provider, layer.dataProvider().ProviderOptions())
+            layer.triggerRepaint()
+            return layer
+        layer = QgsRasterLayer(uri, title, provider)
+        if not layer.isValid():
+            reason = layer.error().summary() or tr("no reason given")
+            raise InvalidInput(tr("{title} cannot be shown: {reason}").format(title=title, reason=reason))
+        layer.setCustomProperty(ROLE, f"{_BACKGROUND}/{source}")
+        self._project.addMapLayer(layer, False)
+        self._project.layerTreeRoot().insertLayer(-1, layer).setExpanded(False)
+        return layer
+
+    def _find(self, source: str) -> QgsRasterLayer | None:
+        for layer in self._project.mapLayers().values():
+            if layer.customProperty(ROLE) == f"{_BACKGROUND}/{source}":
+                return layer
+        return None
+
+
+class WorldPicture(NamedTuple):
+    """Tiles of the embedded world: columns and rows from ``left, top`` at ``zoom``."""
+
+    map_type: str
+    seed: int
+    zoom: int
+    left: int
+    top: int
+    columns: int
+    rows: int
+
+    @property
+    def file_name(self) -> str:
+        """The same picture has the same name."""
+        return f"synthetic-{'-'.join(str(part) for part in self)}.tif"
+
+
+def choose_picture(box: Box | None, map_type: str, seed: int) -> WorldPicture:
+    """Tiles around a box at the highest zoom that keeps the picture small; None for the whole world.
+
+    Columns end at the world's edges, so that of a box across the antimeridian the wider side is shown.
+    """
+    west, east, north, south = 0.0, 1.0, 0.0, 1.0
+    if box is not None:
+        west, east = (float(lon_to_u(np.asarray(lon))) for lon in (box.west_deg, box.continuous_east_deg))
+        if east > 1.0:
+            west, east = (west, 1.0) if 1.0 - west >= east - 1.0 else (0.0, east - 1.0)
+        north, south = (
+            float(lat_to_v(np.asarray(min(max(lat, -MAX_LAT_DEG), MAX_LAT_DEG))))
+            for lat in (box.north_deg, box.south_deg)
+        )
+        width, height = east - west, south - north
+        half_u = max(width, _NARROWEST * height, _LEAST) * _AROUND / 2.0
+        half_v = max(height, _NARROWEST * width, _LEAST) * _AROUND / 2.0
+        middle_u, middle_v = (west + east) / 2.0, (north + south) / 2.0
+        west, east, north, south = middle_u - half_u, middle_u + half_u, middle_v - half_v, middle_v + half_v
+    grid = PixelGrid()
+    zoom = 0
+    for candidate in range(grid.max_zoom + 1):
+        tiles = _tiles(west, east, north, south, candidate)
+        if tiles[2] * tiles[3] * grid.tile_px**2 > _MOST_PX:
+            break
+        zoom = candidate
+    return WorldPicture(map_type, seed, zoom, *_tiles(west, east, north, south, zoom))
+
+
+def render(picture: WorldPicture, path: Path, progress: Callable[[float], bool]) -> None:
+    """Draw a picture and write it as a GeoTIFF with overviews, whole or not at all.
+
+    Raises
+    ------
+    Cancelled
+        When ``progress`` (share done, 0 to 1) said so.
+    OutputError
+    """
+    make_folder(path.parent)
+    try:
+        with partial_file(path) as partial:
+            _write(picture, partial, progress)
+    except OSError as wrong:
+        raise OutputError(f"background {path}: cannot be written ({wrong.strerror})") from wrong
+
+
+def _is_drawn(layer: QgsMapLayer | None) -> bool:
+    return layer is not None and layer.isValid() and layer.isSpatial()
+
+
+def _tiles(west: float, east: float, north: float, south: float, zoom: int) -> tuple[int, int, int, int]:
+    count = 1 << zoom
+    left, top = (min(max(math.floor(edge * count), 0), count - 1) for edge in (west, north))
+    right, bottom = (min(max(math.ceil(edge * count), 1), count) for edge in (east, south))
+    return left, top, max(right - left, 1), max(bottom - top, 1)
+
+
+def _write(picture: WorldPicture, path: Path, progress: Callable[[float], bool]) -> None:
+    source = open_source("world", seed=picture.seed)
+    size = source.grid.tile_px
+    width, height = picture.columns * size, picture.rows * size
+    pixels = np.empty((3, height, width), np.uint8)
+    places = [(column, row) for row in range(picture.rows) for column in range(picture.columns)]
+
+    def draw(column: int, row: int) -> None:
+        left, top = (picture.left + column) * size, (picture.top + row) * size
+        tile = source.fetch(picture.map_type, Window(picture.zoom, left, top, size, size))
+        pixels[:, row * size : (row + 1) * size, column * size : (column + 1) * size] = np.moveaxis(
+            tile, -1, 0
+        )
+
+    with ThreadPoolExecutor(os.cpu_count() or 1, thread_name_prefix="terrainav-world") as pool:
+        drawing = [pool.submit(draw, *place) for place in places]
+        try:
+            for done, future in enumerate(as_completed(drawing), 1):
+                future.result()
+                if not progress(0.9 * done / len(places)):
+                    raise Cancelled("background: stopped")
+        finally:
+            for future in drawing:
+                future.cancel()
+    edges = source.grid.edges_m(picture.left * size, picture.top * size, width, height, picture.zoom)
+    _save(pixels, path, float(edges[0]), float(edges[3]), source.grid.resolution_m_per_px(picture.zoom))
+
+
+def _save(pixels: np.ndarray, path: Path, west_m: float, north_m: float, resolution_m: float) -> None:
+    _, height, width = pixels.shape
+    raster = gdal.GetDriverByName("GTiff").Create(str(path), width, height, 3, gdal.GDT_Byte, list(_OPTIONS))
+    if raster is None:
+        raise OutputError(f"background {path}: cannot be written ({gdal.GetLastErrorMsg()})")
+    raster.SetProjection(WEB_MERCATOR_WKT)
+    raster.SetGeoTransform((west_m, resolution_m, 0.0, north_m, 0.0, -resolution_m))
+    raster.WriteArray(pixels)
+    raster.FlushCache()
+    factors = [factor for factor in _OVERVIEWS if max(width, height) // factor >= 256]
+    if factors:
+        raster.BuildOverviews("AVERAGE", factors)
+    del raster

@@ -1,0 +1,155 @@
+"""How many images show each place: what stands for images too many or too small to be drawn. Runs in the background."""
+
+from __future__ import annotations
+
+import math
+import struct
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+from qgis.core import QgsFeature, QgsGeometry
+
+from ...core.geodesy.mercator import HALF_WORLD_M
+from .view import WORLD_M, Rect
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from .index import Boxes
+
+    Floats = NDArray[np.float64]
+    Numbers = NDArray[np.int64]
+
+#: Least width of a cell on the screen; twice that is never reached.
+_CELL_PX = 8.0
+#: Most cells along a side of the grid.
+_MOST_CELLS = 400
+#: Rectangles counted in one go, to bound memory.
+_BATCH = 1 << 17
+#: Levels of a doubling of the number of images: 8 a doubling, a sixth apart at most.
+_FINE_BITS = 3
+#: A polygon of one closed ring of five corners, in well-known binary.
+_RECTANGLE = np.dtype(
+    [("order", "<u1"), ("type", "<u4"), ("rings", "<u4"), ("corners", "<u4"), ("at", "<f8", (5, 2))]
+)
+_LITTLE_ENDIAN, _POLYGON, _MULTI_POLYGON = 1, 3, 6
+
+
+class Cells(NamedTuple):
+    """A part of the grid that cuts the world into 2**level cells a side, counted from its south-west corner.
+
+    Cells keep their places when the map is moved. A last column beyond the world's end lies across the antimeridian.
+    """
+
+    level: int
+    column: int
+    row: int
+    columns: int
+    rows: int
+
+    @classmethod
+    def over(cls, rect: Rect, px_per_m: float) -> Cells:
+        """Cells over a part of the world, as fine as can be seen."""
+        width = max(_CELL_PX / px_per_m, rect.longer_m / (_MOST_CELLS - 2))
+        level = max(math.floor(math.log2(WORLD_M / width)), 0)
+        size = WORLD_M / 2.0**level
+        first = [math.floor((edge + HALF_WORLD_M) / size) for edge in (rect.west, rect.south)]
+        last = [math.ceil((edge + HALF_WORLD_M) / size) for edge in (rect.east, rect.north)]
+        return cls(level, *first, *(max(stop - start, 1) for start, stop in zip(first, last)))
+
+    @property
+    def size_m(self) -> float:
+        """Width of a cell in metres of EPSG:3857."""
+        return WORLD_M / 2.0**self.level
+
+
+def mean_images(boxes: Boxes, cells: Cells) -> Floats:
+    """How many rectangles show a place of each cell on average, exactly; (rows, columns), southernmost row first.
+
+    The mean and not the number at one place of the cell: that of a regular grid of images beats against the grid of
+    the cells, and shows patterns that are not there.
+    """
+    around, size = 1 << cells.level, cells.size_m
+    # What each rectangle covers of rows and columns is the running sum of a few steps at its edges.
+    steps = np.zeros((cells.rows + 1) * (cells.columns + 1))
+    for start in range(0, len(boxes.west), _BATCH):
+        part = (edge[start : start + _BATCH] for edge in boxes)
+        west, south, east, north = ((edge + HALF_WORLD_M) / size for edge in part)
+        low, high = (np.clip(edge - cells.row, 0.0, cells.rows) for edge in (south, north))
+        for shift in (-around, 0, around):
+            left, right = (
+                np.clip(edge + (shift - cells.column), 0.0, cells.columns) for edge in (west, east)
+            )
+            seen = (left < right) & (low < high)
+            along = _edge_steps(low[seen], high[seen], cells.rows)
+            across = _edge_steps(left[seen], right[seen], cells.columns)
+            for row, tall in along:
+                for column, wide in across:
+                    place = row * (cells.columns + 1) + column
+                    steps += np.bincount(place, tall * wide, minlength=len(steps))
+    return steps.reshape(cells.rows + 1, -1).cumsum(axis=0).cumsum(axis=1)[:-1, :-1]
+
+
+def _edge_steps(first: Floats, last: Floats, cells: int) -> list[tuple[Numbers, Floats]]:
+    """Places and heights of the steps whose running sum is the share of each cell between two edges, 0 to ``cells``."""
+    steps = []
+    for edge, sign in ((first, 1.0), (last, -1.0)):
+        cell = np.minimum(edge.astype(np.int64), cells - 1)
+        into = edge - cell
+        steps += [(cell, sign * (1.0 - into)), (cell + 1, sign * into)]
+    return steps
+
+
+def levels(means: Floats) -> Numbers:
+    """Means in steps of a quarter, as whole numbers; of many images in coarser ones, so that there are few."""
+    quarters = np.rint(4.0 * means)
+    step = 2.0 ** np.maximum(np.floor(np.log2(np.maximum(quarters, 1.0))) - _FINE_BITS, 0.0)
+    return (np.rint(quarters / step) * step).astype(np.int64)
+
+
+def density_features(quarters: Numbers, cells: Cells) -> list[QgsFeature]:
+    """One feature for each of the `levels`: all cells of that level, neighbours as one rectangle."""
+    padded = np.pad(quarters, ((0, 0), (1, 1)))
+    change = padded[:, 1:] != padded[:, :-1]
+    # No cell lies on both sides of the antimeridian.
+    border = (1 << cells.level) - cells.column
+    if 0 < border < cells.columns:
+        change[:, border] = True
+    row, column = np.nonzero(change)
+    value = padded[row, column + 1]
+    stop = np.append(column[1:], 0)
+    shown = value > 0
+    row, column, stop, value = row[shown], column[shown], stop[shown], value[shown]
+    order = np.lexsort((row, stop, column, value))
+    row, column, stop, value = row[order], column[order], stop[order], value[order]
+    # Rectangles of one width above each other become one: edges between them would show as hairlines.
+    same = (np.diff(value) == 0) & (np.diff(column) == 0) & (np.diff(stop) == 0) & (np.diff(row) == 1)
+    first = np.flatnonzero(np.r_[True, ~same][: len(value)])
+    tops = np.r_[row[first[1:] - 1], row[-1:]] + 1
+    shapes = _rectangles(cells, row[first], tops, column[first], stop[first])
+    value = value[first]
+    starts = np.flatnonzero(np.r_[True, value[1:] != value[:-1]]) if len(value) else np.empty(0, np.int64)
+    features = []
+    for begin, end in zip(starts.tolist(), [*starts[1:].tolist(), len(value)]):
+        geometry = QgsGeometry()
+        head = struct.pack("<BII", _LITTLE_ENDIAN, _MULTI_POLYGON, end - begin)
+        geometry.fromWkb(head + shapes[begin:end].tobytes())
+        feature = QgsFeature()
+        feature.setGeometry(geometry)
+        feature.setAttributes([float(value[begin]) / 4.0])
+        features.append(feature)
+    return features
+
+
+def _rectangles(cells: Cells, low: Numbers, high: Numbers, first: Numbers, stop: Numbers) -> NDArray[np.void]:
+    """Rectangles from rows and columns of cells up to others (excluded), in well-known binary."""
+    size, around = cells.size_m, 1 << cells.level
+    turn = np.floor_divide(cells.column + first, around) * around
+    west, east = (-HALF_WORLD_M + size * (cells.column + edge - turn) for edge in (first, stop))
+    south, north = (-HALF_WORLD_M + size * (cells.row + edge) for edge in (low, high))
+    shapes = np.zeros(len(low), _RECTANGLE)
+    shapes["order"], shapes["type"], shapes["rings"], shapes["corners"] = _LITTLE_ENDIAN, _POLYGON, 1, 5
+    ring = ((west, north), (east, north), (east, south), (west, south), (west, north))
+    for index, (x, y) in enumerate(ring):
+        shapes["at"][:, index, 0], shapes["at"][:, index, 1] = x, y
+    return shapes

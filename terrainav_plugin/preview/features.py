@@ -1,0 +1,240 @@
+"""Captures of a plan and its flight line as map features. Runs in the background: plain values in, features out."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+from qgis.core import (
+    QgsFeature,
+    QgsGeometry,
+    QgsPointXY,
+)
+from qgis.PyQt.QtCore import QDateTime, QTimeZone
+
+from ...core.geodesy.mercator import wrap_lon_deg
+from ...core.mission.area import Polygon
+from ..map.outlines import flight_lines, footprint_shapes, metres, ring_polygon
+from .index import Boxes
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from ...core.mission.area import Box
+    from ...core.mission.mission import Mission
+    from ...core.mission.plan import Plan
+    from .index import CaptureIndex
+    from .view import Rect
+
+    Floats = NDArray[np.float64]
+    Numbers = NDArray[np.int64]
+
+#: Pieces an edge of the area is drawn in: parallels and meridians, which other CRSs bend.
+_EDGE_PIECES = 64
+#: Least space between legs on the screen: closer ones would hide all else.
+_LEAST_SPACE_PX = 10.0
+#: A flight of up to so many captures is always drawn whole; longer ones have so many corners from afar.
+MOST_CORNERS = 4000
+
+
+class Clock:
+    """When each capture is exposed, and the next one."""
+
+    def __init__(self, plan: Plan) -> None:
+        self.start_ms = utc_ms(plan.mission)
+        self.at_ms = self.start_ms + np.round(1000.0 * plan.times_s)
+        last = self.at_ms[-1] - self.at_ms[-2] if len(self.at_ms) > 1 else 0.0
+        #: A picture is the latest one until the next; of a single one there is no next, so it is for a second.
+        self.until_ms = np.append(self.at_ms[1:], self.at_ms[-1] + (last or 1000.0))
+
+    def during(self, times_ms: tuple[float, float]) -> tuple[int, int]:
+        """First capture shown in a range of time, and the one after the last."""
+        begin, end = times_ms
+        first = int(np.searchsorted(self.until_ms, begin))
+        return first, max(int(np.searchsorted(self.at_ms, end, "right")), first)
+
+
+def utc_ms(mission: Mission) -> float:
+    """Start of a mission in milliseconds of Unix time."""
+    from ...core.mission.mission import utc_time
+
+    return utc_time(mission.start).timestamp() * 1000.0
+
+
+def moment(unix_ms: float) -> QDateTime:
+    """Time in UTC."""
+    return QDateTime.fromMSecsSinceEpoch(int(unix_ms), QTimeZone.utc())
+
+
+def feature(geometry: QgsGeometry, *attributes: object) -> QgsFeature:
+    """Feature of a geometry and its attributes."""
+    made = QgsFeature()
+    made.setGeometry(geometry)
+    made.setAttributes(list(attributes))
+    return made
+
+
+def area_features(plan: Plan) -> list[QgsFeature]:
+    """Outline of the area; none of points.
+
+    Its edges are straight in longitude and latitude, in pieces as other CRSs bend them.
+    """
+    if plan.mission.kind != "raster":
+        return []
+    area = plan.mission.area
+    share = np.arange(_EDGE_PIECES) / _EDGE_PIECES
+    outer, *holes = (
+        ring_polygon(*((at[:, None] + share * (np.roll(at, -1) - at)[:, None]).ravel() for at in ring))
+        for ring in _rings(area)
+    )
+    for hole in holes:
+        outer = outer.difference(hole)
+    box = area.bounds
+    return [feature(outer, box.north_deg, box.west_deg, box.south_deg, box.east_deg)]
+
+
+class Picked(NamedTuple):
+    """Some captures of a plan, as a plan of their own, and what the whole plan knows of them.
+
+    ``overlap`` is how many of all planned images show the middle of each, ``crowd`` how many of these are drawn over
+    the middle of each, by the rectangles around them.
+    """
+
+    plan: Plan
+    at_ms: Floats
+    until_ms: Floats
+    overlap: Numbers
+    crowd: Numbers
+
+
+def part_of(plan: Plan, ids: Numbers) -> Plan:
+    """Plan of some of a plan's captures."""
+    windows, corners = plan.windows, plan.corners
+    return replace(
+        plan,
+        column=plan.column[ids],
+        row=plan.row[ids],
+        poses=plan.poses.take(ids),
+        windows=type(windows)(*(values[ids] for values in windows)),
+        corners=type(corners)(*(values[ids] for values in corners)),
+        nominal=None,
+    )
+
+
+def footprint_features(picked: Picked) -> list[QgsFeature]:
+    """What each picture shows: the frame its file will state, or the ground the camera sees."""
+    plan = picked.plan
+    where = (plan.column, plan.row, plan.lat_deg, wrap_lon_deg(plan.lon_deg), plan.agl_m, _gsd(plan))
+    sight = (picked.overlap, picked.crowd, *plan.poses.attitude, ~plan.corners.hit.all(axis=1))
+    columns = (values.tolist() for values in (*where, *sight))
+    return [
+        feature(shape, name, *values, *times)
+        for shape, name, times, *values in zip(footprint_shapes(plan), plan.names, _times(picked), *columns)
+    ]
+
+
+def centre_features(picked: Picked) -> list[QgsFeature]:
+    """Where the camera is at each capture."""
+    plan = picked.plan
+    lon = wrap_lon_deg(plan.lon_deg)
+    places = (values.tolist() for values in metres(lon, plan.lat_deg))
+    where = (plan.column, plan.row, plan.lat_deg, lon, plan.agl_m, _gsd(plan), plan.poses.yaw_deg)
+    columns = (values.tolist() for values in where)
+    return [
+        feature(QgsGeometry.fromPointXY(QgsPointXY(east, north)), name, *values, *times)
+        for east, north, name, times, *values in zip(*places, plan.names, _times(picked), *columns)
+    ]
+
+
+class Flight:
+    """The way from the first capture of a plan to the last."""
+
+    def __init__(self, plan: Plan, index: CaptureIndex, clock: Clock) -> None:
+        self._plan = plan
+        lon = wrap_lon_deg(np.array([plan.lon_deg[0]]))
+        self._attributes = (
+            plan.flight_distance_m,
+            len(plan),
+            float(plan.lat_deg[0]),
+            float(lon[0]),
+            moment(clock.at_ms[0]),
+            moment(clock.until_ms[-1]),
+        )
+        self._whole = _corners(plan.row)
+        if self.is_short:
+            return
+        # Legs longer than the pictures beside them may cross a view that no picture of them touches.
+        x, y = metres(np.unwrap(plan.lon_deg, period=360.0), plan.lat_deg)
+        step = np.maximum(np.abs(np.diff(x)), np.abs(np.diff(y)))
+        self._long = np.flatnonzero(step > np.minimum(index.longer_m[:-1], index.longer_m[1:]))
+        x0, y0, x1, y1 = (values[self._long + shift] for shift in (0, 1) for values in (x, y))
+        self._long_boxes = Boxes.wrapped(
+            np.minimum(x0, x1), np.minimum(y0, y1), np.maximum(x0, x1), np.maximum(y0, y1)
+        )
+
+    @property
+    def is_short(self) -> bool:
+        """Whether it is always drawn whole."""
+        return len(self._plan) <= MOST_CORNERS
+
+    def whole(self) -> list[QgsFeature]:
+        """The line from end to end, at few corners of a long flight: where rows begin and end, and some between."""
+        return self._feature([self._whole])
+
+    def ends(self) -> list[QgsFeature]:
+        """The first row and the last."""
+        row = self._plan.row[self._whole]
+        return self._feature([self._whole[row == end] for end in np.unique([row[0], row[-1]])])
+
+    def is_clear(self, bounds: Rect, px_per_m: float) -> bool:
+        """Whether the legs of the whole flight lie far enough apart on the screen, over all, to be told apart."""
+        area_m2 = (bounds.east - bounds.west) * (bounds.north - bounds.south)
+        # Metres of the map are longer than those of the ground by the same share in length and, squared, in area.
+        length_m = self._plan.flight_distance_m / np.cos(
+            np.radians(float(np.mean(self._plan.lat_deg[self._whole])))
+        )
+        return bool(area_m2 * px_per_m >= _LEAST_SPACE_PX * length_m)
+
+    def near(self, ids: Numbers, rect: Rect) -> list[QgsFeature]:
+        """Legs of a long flight from or to some captures, and those that cross a part of the world on their way."""
+        last = len(self._plan) - 1
+        crossing = self._long[self._long_boxes.meets(rect)]
+        legs = np.unique(np.concatenate([ids, ids - 1, crossing]))
+        legs = legs[(legs >= 0) & (legs < last)]
+        cuts = np.flatnonzero(np.diff(legs) > 1) + 1
+        return self._feature([np.append(run, run[-1] + 1) for run in np.split(legs, cuts) if len(run)])
+
+    def _feature(self, runs: list[Numbers]) -> list[QgsFeature]:
+        lines = flight_lines((self._plan.lon_deg[run], self._plan.lat_deg[run]) for run in runs)
+        return [feature(lines, *self._attributes)]
+
+
+def _rings(area: Box | Polygon) -> list[tuple[Floats, Floats]]:
+    if isinstance(area, Polygon):
+        return area.arrays()
+    west, east = area.west_deg, area.continuous_east_deg
+    north, south = area.north_deg, area.south_deg
+    return [(np.array([west, east, east, west]), np.array([north, north, south, south]))]
+
+
+def _gsd(plan: Plan) -> Floats:
+    return plan.grid.ground_m_per_px(plan.lat_deg, plan.zoom)
+
+
+def _times(picked: Picked) -> Iterator[tuple[QDateTime, QDateTime]]:
+    for at, until in zip(picked.at_ms.tolist(), picked.until_ms.tolist()):
+        yield moment(at), moment(until)
+
+
+def _corners(row: Numbers) -> Numbers:
+    count = len(row)
+    if count <= MOST_CORNERS:
+        return np.arange(count)
+    turns = row[1:] != row[:-1]
+    ends = np.flatnonzero(np.r_[True, turns] | np.r_[turns, True])
+    if len(ends) > MOST_CORNERS:
+        return np.unique(np.linspace(0, count - 1, MOST_CORNERS).astype(np.int64))
+    between = np.linspace(0, count - 1, MOST_CORNERS - len(ends)).astype(np.int64)
+    return np.union1d(ends, between)

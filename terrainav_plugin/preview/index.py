@@ -1,0 +1,166 @@
+"""Where captures are, so that those in view are found among a million in milliseconds. Numpy alone."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from ...core.geodesy.mercator import HALF_WORLD_M
+from .view import WORLD_M, Rect
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    Floats = NDArray[np.float64]
+    Numbers = NDArray[np.int64]
+
+#: Narrowest bin in metres, so that the number of a bin of the world fits 64 bits.
+_NARROWEST_BIN_M = 0.1
+
+
+class Boxes(NamedTuple):
+    """Rectangles in metres of EPSG:3857, (n,) each: west in the world, east beyond its end across the antimeridian."""
+
+    west: Floats
+    south: Floats
+    east: Floats
+    north: Floats
+
+    @classmethod
+    def wrapped(cls, west: Floats, south: Floats, east: Floats, north: Floats) -> Boxes:
+        """Rectangles of continuous eastings, at most as wide as the world."""
+        east = np.minimum(east, west + WORLD_M)
+        turn = np.floor((west + HALF_WORLD_M) / WORLD_M)
+        if turn.any():
+            west, east = west - WORLD_M * turn, east - WORLD_M * turn
+        return cls(west, south, east, north)
+
+    @property
+    def longer_m(self) -> Floats:
+        """Longer side of each."""
+        return np.maximum(self.east - self.west, self.north - self.south)
+
+    def take(self, which: Numbers) -> Boxes:
+        """Some of them."""
+        return Boxes(*(edge[which] for edge in self))
+
+    def meets(self, rect: Rect) -> NDArray[np.bool_]:
+        """Which of them share ground with a rectangle."""
+        level = (self.south <= rect.north) & (self.north >= rect.south)
+        beside = np.zeros(len(self.west), bool)
+        for shift in (-WORLD_M, 0.0, WORLD_M):
+            beside |= (self.west + shift <= rect.east) & (self.east + shift >= rect.west)
+        return level & beside
+
+
+class CaptureIndex:
+    """Captures by place and size: in each class of sizes, a factor of two wide, bins as wide as its largest.
+
+    A query reads the limits of the bins it needs from sorted arrays; it touches no capture outside of them.
+    """
+
+    def __init__(self, boxes: Boxes) -> None:
+        self.boxes = boxes
+        self.longer_m = boxes.longer_m
+        least = max(float(self.longer_m.min()), _NARROWEST_BIN_M / 2.0)
+        size_class = np.floor(np.log2(np.maximum(self.longer_m, least) / least)).astype(np.int64)
+        self._levels = [
+            _Level(boxes, np.flatnonzero(size_class == number), least * 2.0 ** (number + 1))
+            for number in np.unique(size_class).tolist()
+        ]
+
+    def __len__(self) -> int:
+        return len(self.longer_m)
+
+    def count(self, rect: Rect, from_m: float = 0.0) -> int:
+        """At least as many as `within` finds; no capture is looked at."""
+        return sum(int((stop - start).sum()) for _, start, stop in self._slices(rect, from_m))
+
+    def within(self, rect: Rect, from_m: float = 0.0) -> Numbers:
+        """Captures that share ground with a rectangle, of a longer side of ``from_m`` or more; in flight order."""
+        found = [level.ids[_ranges(start, stop)] for level, start, stop in self._slices(rect, from_m)]
+        ids = np.sort(np.concatenate([np.empty(0, np.int64), *found]))
+        return ids[(self.longer_m[ids] >= from_m) & self.boxes.take(ids).meets(rect)]
+
+    def _slices(self, rect: Rect, from_m: float) -> list[tuple[_Level, Numbers, Numbers]]:
+        return [(level, *level.slices(rect)) for level in self._levels if level.bin_m >= from_m]
+
+
+class _Level:
+    """Captures of one class of sizes, sorted by bin."""
+
+    def __init__(self, boxes: Boxes, ids: Numbers, bin_m: float) -> None:
+        self.bin_m = bin_m
+        middle_x = _middle(boxes.west, boxes.east, ids)
+        # A middle may lie beyond the antimeridian.
+        middle_x = np.where(middle_x >= HALF_WORLD_M, middle_x - WORLD_M, middle_x)
+        column = self._bin(middle_x)
+        row = self._bin(_middle(boxes.south, boxes.north, ids))
+        self._columns = int(WORLD_M / bin_m) + 2
+        key = row * self._columns + column
+        order = np.argsort(key, kind="stable")
+        self.ids, self._keys = ids[order], key[order]
+        rows = self._keys // self._columns
+        self._rows = rows[np.r_[True, rows[1:] != rows[:-1]]]
+
+    def _bin(self, position_m: Floats) -> Numbers:
+        return np.floor((position_m + HALF_WORLD_M) / self.bin_m).astype(np.int64)
+
+    def slices(self, rect: Rect) -> tuple[Numbers, Numbers]:
+        """Where in ``ids`` those stand whose bins a rectangle may touch: starts and stops."""
+        reach = self.bin_m / 2.0
+        low, high = self._bin(np.array([rect.south - reach, rect.north + reach])).tolist()
+        rows = self._rows[np.searchsorted(self._rows, low) : np.searchsorted(self._rows, high, "right")]
+        starts, stops = [], []
+        after = -1
+        for shift in (-WORLD_M, 0.0, WORLD_M):
+            west = max(rect.west - reach + shift, -HALF_WORLD_M)
+            east = min(rect.east + reach + shift, HALF_WORLD_M)
+            if west > east:
+                continue
+            first, last = self._bin(np.array([west, east])).tolist()
+            first = max(first, after)
+            if first <= last:
+                starts.append(np.searchsorted(self._keys, rows * self._columns + first))
+                stops.append(np.searchsorted(self._keys, rows * self._columns + last, "right"))
+                after = last + 1
+        none = [np.empty(0, np.int64)]
+        return np.concatenate(starts or none), np.concatenate(stops or none)
+
+
+def _middle(low: Floats, high: Floats, ids: Numbers) -> Floats:
+    if len(ids) == len(low):
+        return (low + high) / 2.0
+    return (low[ids] + high[ids]) / 2.0
+
+
+def _ranges(start: Numbers, stop: Numbers) -> Numbers:
+    """All whole numbers of the ranges, one after the other."""
+    counts = stop - start
+    before = np.cumsum(counts) - counts
+    return np.arange(int(counts.sum())) + np.repeat(start - before, counts)
+
+
+#: Pairs of a picture and a place looked at in one go, to bound memory.
+_PAIRS = 1_000_000
+
+
+def shown_by(boxes: Boxes, x_m: Floats, y_m: Floats) -> Numbers:
+    """How many rectangles show each place, (m,); eastings within the world."""
+    order = np.argsort(y_m)
+    heights, eastings = y_m[order], x_m[order]
+    first = np.searchsorted(heights, boxes.south)
+    last = np.searchsorted(heights, boxes.north)
+    pairs = np.cumsum(last - first)
+    shown = np.zeros(len(order), np.int64)
+    cuts = np.searchsorted(pairs, np.arange(_PAIRS, pairs[-1] if len(pairs) else 0, _PAIRS)).tolist()
+    for begin, end in zip([0, *cuts], [*cuts, len(first)]):
+        place = _ranges(first[begin:end], last[begin:end])
+        box = np.repeat(np.arange(begin, end), (last - first)[begin:end])
+        x, west, east = eastings[place], boxes.west[box], boxes.east[box]
+        inside = ((west <= x) & (x < east)) | (x + WORLD_M < east)
+        shown += np.bincount(place[inside], minlength=len(shown))
+    result = np.empty_like(shown)
+    result[order] = shown
+    return result

@@ -1,0 +1,146 @@
+"""The preview's layers: their attributes, styles, map tips and times."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from qgis.core import Qgis, QgsVectorLayer
+
+from ..i18n import tr
+from ..map.mission_group import ROLE
+from ..paths import style
+from ..plain import escaped_field
+from .view import CRS
+
+_POSE = "field=name:string&field=column:integer&field=row:integer&field=lat:double&field=lon:double&field=agl_m:double"
+_TIMES = "field=time:datetime&field=time_end:datetime"
+FIELDS = {
+    "area": "field=north:double&field=west:double&field=south:double&field=east:double",
+    "footprints": (
+        f"{_POSE}&field=gsd_m:double&field=overlap:integer&field=crowd:integer"
+        f"&field=yaw:double&field=tilt:double&field=roll:double&field=horizon:bool&{_TIMES}"
+    ),
+    "centres": f"{_POSE}&field=gsd_m:double&field=yaw:double&{_TIMES}",
+    "flight": (
+        "field=length_m:double&field=images:integer&field=first_lat:double&field=first_lon:double"
+        "&field=start:datetime&field=end:datetime"
+    ),
+    "density": "field=images:double",
+}
+#: Attributes that say from when until when a feature is there.
+_WHEN = {"footprints": ("time", "time_end"), "centres": ("time", "time_end"), "flight": ("start", "end")}
+
+
+def field_names(role: str) -> list[str]:
+    """Names of the attributes of a layer."""
+    return [part.partition("=")[2].partition(":")[0] for part in FIELDS[role].split("&")]
+
+
+@dataclass(frozen=True)
+class Kind:
+    """One of the preview's layers."""
+
+    role: str
+    geometry: str
+
+    def new_layer(self) -> QgsVectorLayer:
+        """Layer without features, in its styles."""
+        uri = f"{self.geometry}?crs={CRS}&{FIELDS[self.role]}"
+        layer = QgsVectorLayer(uri, title(self.role), "memory")
+        # It can be made again at any time, so closing the project need not ask whether to save it.
+        layer.setCustomProperty("skipMemoryLayersCheck", 1)
+        # Styles keep such properties, too: they are set before there are two.
+        layer.setCustomProperty(ROLE, self.role)
+        _dress(layer, self.role, self.role)
+        layer.setReadOnly(True)
+        return layer
+
+    def add_styles(self, layer: QgsVectorLayer) -> Iterator[None]:
+        """Give a new layer the other styles that the user may choose, step by step."""
+        if self.role == "footprints":
+            yield from _add_overlap_style(layer)
+
+
+#: From the top of the group to its bottom.
+KINDS = (
+    Kind("area", "MultiPolygon"),
+    Kind("centres", "Point"),
+    Kind("flight", "MultiLineString"),
+    Kind("footprints", "MultiPolygon"),
+    Kind("density", "MultiPolygon"),
+)
+
+
+def title(role: str) -> str:
+    """Name of a layer in the layer tree."""
+    return {
+        "area": tr("Area"),
+        "centres": tr("Capture centres"),
+        "flight": tr("Flight line"),
+        "footprints": tr("Planned images"),
+        "density": tr("Images per place"),
+    }[role]
+
+
+def _map_tip(role: str) -> str:
+    name = f"<b>{escaped_field('name')}</b><br/>"
+    gsd = tr("{gsd} cm per pixel, {height} m above ground").format(
+        gsd='[% round(100 * "gsd_m", 1) %]', height='[% round("agl_m", 1) %]'
+    )
+    time = tr("at {time} UTC").format(time="[% format_date(\"time\", 'yyyy-MM-dd HH:mm:ss') %]")
+    yaw = tr("yaw {yaw}°").format(yaw='[% round("yaw", 2) %]')
+    if role == "centres":
+        return f"{name}{gsd}<br/>{yaw}<br/>{time}"
+    if role == "footprints":
+        attitude = tr("yaw {yaw}°, tilt {tilt}°, roll {roll}°").format(
+            **{angle: f'[% round("{angle}", 2) %]' for angle in ("yaw", "tilt", "roll")}
+        )
+        overlap = tr("images that show its middle: {count}").format(count='[% "overlap" %]')
+        horizon = tr("the horizon is in the picture").replace("'", "''")
+        sky = f"[% CASE WHEN \"horizon\" THEN '<br/>{horizon}' ELSE '' END %]"
+        return f"{name}{gsd}<br/>{attitude}{sky}<br/>{overlap}<br/>{time}"
+    if role == "flight":
+        return tr("{length} km, {count} images, from {start} to {end} UTC").format(
+            length='[% round("length_m" / 1000, 2) %]',
+            count='[% "images" %]',
+            start="[% format_date(\"start\", 'yyyy-MM-dd HH:mm:ss') %]",
+            end="[% format_date(\"end\", 'yyyy-MM-dd HH:mm:ss') %]",
+        )
+    if role == "density":
+        return tr("images that show a place here, on average: {count}").format(count='[% "images" %]')
+    return ""
+
+
+def _dress(layer: QgsVectorLayer, role: str, name: str) -> None:
+    """Load a style; one that is loaded takes away map tips and times, which are the same in all."""
+    layer.loadNamedStyle(style(name))
+    layer.setMapTipTemplate(_map_tip(role))
+    _set_times(layer, role)
+
+
+def _set_times(layer: QgsVectorLayer, role: str) -> None:
+    """Have QGIS's temporal controller show features at their time."""
+    if role not in _WHEN:
+        return
+    times = layer.temporalProperties()
+    times.setMode(Qgis.VectorTemporalMode.FeatureDateTimeStartAndEndFromFields)
+    start, end = _WHEN[role]
+    times.setStartField(start)
+    times.setEndField(end)
+    times.setIsActive(True)
+
+
+def _add_overlap_style(layer: QgsVectorLayer) -> Iterator[None]:
+    """Give the footprints a second style by name, for the user to choose."""
+    styles = layer.styleManager()
+    plain, overlap = tr("Footprints"), tr("Overlap count")
+    styles.renameStyle(styles.currentStyle(), plain)
+    styles.addStyleFromLayer(overlap)
+    yield None
+    styles.setCurrentStyle(overlap)
+    yield None
+    _dress(layer, "footprints", "overlap")
+    yield None
+    styles.setCurrentStyle(plain)
+    yield None

@@ -1,0 +1,260 @@
+"""What of a plan is drawn for a view of the map. Runs in the background."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from ...core.geodesy.mercator import HALF_WORLD_M
+from ..map.outlines import metres
+from .density import Cells, density_features, levels, mean_images
+from .features import Clock, Flight, Picked, area_features, centre_features, footprint_features, part_of
+from .index import Boxes, CaptureIndex, shown_by
+from .view import WORLD, WORLD_M, Rect
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+    from qgis.core import QgsFeature
+
+    from ...core.mission.plan import Plan
+    from .view import View
+
+    Floats = NDArray[np.float64]
+    Numbers = NDArray[np.int64]
+
+#: Most images drawn one by one: they are put into a layer in one go, which must not be felt.
+MOST_DRAWN = 1000
+#: Bins hold some images that turn out not to be in view; with more than this many nothing is looked at one by one.
+_MOST_TOUCHED = 3 * MOST_DRAWN
+#: So few images are drawn however small they are: from afar there would be nothing to see of them.
+FEW = 100
+#: Longer side of the smallest image that is drawn, on the screen.
+_LEAST_PX = 6.0
+#: Margins drawn around the view, as shares of it, so that small moves need nothing new; the widest that fits is taken.
+_MARGINS = (0.5, 0.2, 0.05, 0.0)
+_DENSITY_MARGIN = 0.25
+#: Share by which an edge of a footprint may bulge out of the rectangle of its corners, and the degrees it holds up to.
+_BULGE, _STRAIGHT_DEG = 0.01, 0.5
+
+
+class Drawing(NamedTuple):
+    """Features of each layer, and for what views they are right.
+
+    Attributes
+    ----------
+    layers : dict
+        Features by the role of their layer; a list that is the same as before need not be put there again.
+    covers : Rect
+        Part of the world they are right in.
+    px_per_m : float
+        Scale they are made for.
+    all_drawn : bool
+        Whether each image in that part is drawn, none as density.
+    times_ms : tuple of float, or None
+        Moments they are made for; None where they are right at any time.
+    bounds : Rect
+        Of the whole mission.
+    """
+
+    layers: dict[str, list[QgsFeature]]
+    covers: Rect
+    px_per_m: float
+    all_drawn: bool
+    times_ms: tuple[float, float] | None
+    bounds: Rect
+
+    def is_right_for(self, view: View) -> bool:
+        """Whether another view needs nothing new."""
+        if not self.covers.contains(view.rect) or (not self.all_drawn and self.times_ms != view.times_ms):
+            return False
+        scale = view.px_per_m(*_middle(view.rect, self.bounds))
+        # Nearer, images that are drawn are still there; farther away they may be too small.
+        return math.isclose(scale, self.px_per_m, rel_tol=1e-3) or (self.all_drawn and scale > self.px_per_m)
+
+
+class Scene:
+    """A plan made ready to be looked at; one thread at a time.
+
+    Parameters
+    ----------
+    plan : Plan
+    check : callable
+        Called between steps; raises where the work is no longer wanted.
+    """
+
+    def __init__(self, plan: Plan, check: Callable[[], None] = lambda: None) -> None:
+        self.plan = plan
+        self.windows = Boxes.wrapped(*plan.edges_m)
+        check()
+        self.index = CaptureIndex(self.windows if plan.size_px is None else _seen(plan))
+        check()
+        self._clock = Clock(plan)
+        self._flight = Flight(plan, self.index, self._clock)
+        self._area = area_features(plan)
+        self._whole_flight, self._flight_ends = self._flight.whole(), self._flight.ends()
+        self.bounds = _bounds(plan, self.index.boxes)
+        self._density: tuple[tuple[Cells, float], list[QgsFeature]] | None = None
+
+    def draw(self, view: View | None, check: Callable[[], None] = lambda: None) -> Drawing:
+        """Features for a view; for the whole mission where there is none yet."""
+        rect = self.bounds if view is None else view.rect
+        scale = 1000.0 / rect.longer_m if view is None else view.px_per_m(*_middle(rect, self.bounds))
+        times = None if view is None else view.times_ms
+        smallest_m = 0.0 if len(self.plan) <= FEW else _LEAST_PX / scale
+        ids, covers, dense_below = self._choose(rect, smallest_m, times)
+        check()
+        all_drawn = ids is not None and dense_below == 0.0
+        layers = {"area": self._area, "flight": self._flight_ends, "centres": [], "footprints": []}
+        if all_drawn or self._flight.is_clear(self.bounds, scale):
+            layers["flight"] = self._whole_flight
+        if ids is not None:
+            picked = self._picked(ids)
+            check()
+            layers["footprints"] = footprint_features(picked)
+            check()
+            layers["centres"] = centre_features(picked)
+            if all_drawn and not self._flight.is_short:
+                layers["flight"] = self._flight.near(ids, covers)
+        check()
+        if not all_drawn:
+            covers = rect.grown(_DENSITY_MARGIN) if ids is None else covers
+        layers["density"] = [] if all_drawn else self._dense(covers, scale, dense_below)
+        return Drawing(layers, covers, scale, all_drawn, times, self.bounds)
+
+    def _choose(
+        self, rect: Rect, smallest_m: float, times: tuple[float, float] | None
+    ) -> tuple[Numbers | None, Rect, float]:
+        """Images to draw one by one, if any; where that is right; and the size below which the rest is density."""
+        if rect.is_empty():
+            return np.empty(0, np.int64), rect, 0.0
+        for margin in _MARGINS:
+            covers = rect.grown(margin)
+            if self.index.count(covers, smallest_m) > _MOST_TOUCHED:
+                continue
+            ids = self.index.within(covers, smallest_m)
+            if len(ids) <= MOST_DRAWN:
+                smaller = smallest_m > 0.0 and self._has_below(smallest_m, covers)
+                if len(ids) or not smaller:
+                    return ids, covers, smallest_m if smaller else 0.0
+                break
+        return self._flown(rect, times), rect.grown(_DENSITY_MARGIN), math.inf
+
+    def _has_below(self, size_m: float, rect: Rect) -> bool:
+        if float(self.index.longer_m.min()) >= size_m:
+            return False
+        return self.index.count(rect) > self.index.count(rect, size_m) or bool(
+            (self.index.longer_m[self.index.within(rect)] < size_m).any()
+        )
+
+    def _flown(self, rect: Rect, times: tuple[float, float] | None) -> Numbers | None:
+        """Images of the moments that the temporal controller shows, where too many others are in view."""
+        if times is None:
+            return None
+        first, after = self._clock.during(times)
+        if after - first > MOST_DRAWN:
+            return None
+        ids = np.arange(first, after)
+        return ids[self.index.boxes.take(ids).meets(rect.grown(_DENSITY_MARGIN))]
+
+    def _picked(self, ids: Numbers) -> Picked:
+        part = part_of(self.plan, ids)
+        clock = self._clock
+        return Picked(
+            part,
+            clock.at_ms[ids],
+            clock.until_ms[ids],
+            self._overlap(ids),
+            _crowd(self.index.boxes.take(ids)),
+        )
+
+    def _overlap(self, ids: Numbers) -> Numbers:
+        """How many planned images show the middle of each of these; of camera frames, by the rectangle inside each."""
+        if not len(ids):
+            return np.empty(0, np.int64)
+        x, y = _middles(self.windows.take(ids))
+        others = self.index.within(Rect(x.min(), y.min(), x.max(), y.max()))
+        return shown_by(self.windows.take(others), x, y)
+
+    def _dense(self, rect: Rect, scale: float, below_m: float) -> list[QgsFeature]:
+        cells = Cells.over(rect, scale)
+        if self._density is None or self._density[0] != (cells, below_m):
+            windows = self.windows
+            if math.isfinite(below_m):
+                windows = windows.take(np.flatnonzero(self.index.longer_m < below_m))
+            elif self.index.count(rect) < len(self.plan) // 4:
+                windows = windows.take(self.index.within(rect))
+            self._density = (cells, below_m), density_features(levels(mean_images(windows, cells)), cells)
+        return self._density[1]
+
+
+def _crowd(boxes: Boxes) -> Numbers:
+    """How many of some rectangles lie over the middle of each."""
+    return shown_by(boxes, *_middles(boxes))
+
+
+def _middles(boxes: Boxes) -> tuple[Floats, Floats]:
+    """Middles of rectangles, within the world."""
+    x = (boxes.west + boxes.east) / 2.0
+    return np.where(x >= HALF_WORLD_M, x - WORLD_M, x), (boxes.south + boxes.north) / 2.0
+
+
+def _middle(rect: Rect, bounds: Rect) -> tuple[float, float]:
+    """A place of a view where its scale counts: in the mission, if that is in view."""
+    x = [max(rect.west, bounds.west), min(rect.east, bounds.east)]
+    y = [max(rect.south, bounds.south), min(rect.north, bounds.north)]
+    if x[0] > x[1]:
+        x = [rect.west, rect.east]
+    if y[0] > y[1]:
+        y = [rect.south, rect.north]
+    middle = sum(x) / 2.0
+    return (middle - WORLD_M if middle > HALF_WORLD_M else middle), sum(y) / 2.0
+
+
+def _bounds(plan: Plan, boxes: Boxes) -> Rect:
+    """Rectangle of a whole mission; longitudes of its captures are continuous."""
+    x, _ = metres(plan.lon_deg, np.zeros(len(plan)))
+    turn = WORLD_M * np.round((x - (boxes.west + boxes.east) / 2.0) / WORLD_M)
+    west, east = float((boxes.west + turn).min()), float((boxes.east + turn).max())
+    return Rect.fitted(west, float(boxes.south.min()), east, float(boxes.north.max()))
+
+
+def _seen(plan: Plan) -> Boxes:
+    """Rectangles that hold what each camera frame shows; ample ones, where the horizon or a pole may be in sight."""
+    corners = plan.corners
+    lat, lon = corners.lat_deg, corners.lon_deg
+    south, north, west, east = lat.min(axis=1), lat.max(axis=1), lon.min(axis=1), lon.max(axis=1)
+    margin = _BULGE * np.maximum(north - south, east - west)
+    south, north, west, east = south - margin, north + margin, west - margin, east + margin
+    ample = np.flatnonzero(
+        ~corners.hit.all(axis=1)
+        | (plan.poles != 0)
+        | (np.maximum(north - south, east - west) > _STRAIGHT_DEG)
+    )
+    if len(ample):
+        reach = _horizon_deg(plan.agl_m[ample] + plan.mission.ground_height_m)
+        at_lat, at_lon = plan.lat_deg[ample], plan.lon_deg[ample]
+        south[ample], north[ample] = at_lat - reach, at_lat + reach
+        # Meridians of a circle on a sphere; one with a pole in it has them all.
+        share = np.sin(np.radians(reach)) / np.cos(np.radians(at_lat))
+        wide = np.where(np.abs(at_lat) + reach < 90.0, np.degrees(np.arcsin(np.clip(share, 0.0, 1.0))), 180.0)
+        west[ample], east[ample] = at_lon - wide, at_lon + wide
+    x0, y0 = metres(west, np.maximum(south, -90.0))
+    x1, y1 = metres(east, np.minimum(north, 90.0))
+    return Boxes.wrapped(x0, np.maximum(y0, WORLD.south), x1, np.minimum(y1, WORLD.north))
+
+
+#: Least radius of the Earth, at the poles: its horizon is the nearest, so the share below makes up for that.
+_EARTH_M = 6_356_752.0
+
+
+#: Added to the horizon, for the ellipsoid's other radii.
+_HORIZON_SHARE = 1.01
+
+
+def _horizon_deg(height_m: Floats) -> Floats:
+    """Degrees to the horizon, at least."""
+    height = np.maximum(height_m, 0.0)
+    return np.degrees(np.arccos(_EARTH_M / (_EARTH_M + height))) * _HORIZON_SHARE + 1e-6

@@ -1,0 +1,212 @@
+"""The connections to tile servers that the user has made in QGIS, as sources; asked of QGIS each time."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+from urllib.parse import unquote, urlsplit, urlunsplit
+
+from qgis.core import QgsApplication, QgsOwsConnection
+
+from ...core.errors import InvalidInput
+from ...core.text import whole_number
+from ..i18n import tr, translate
+
+if TYPE_CHECKING:
+    from ...core.imagery.entry import CatalogueEntry
+
+#: What sources that are connections of QGIS to XYZ tiles are named by.
+XYZ = "qgis:xyz/"
+#: What stands in the chooser for a service whose layer is still to be chosen; no mission names it.
+SERVICE_PREFIX = "qgis:service/"
+#: The folder of QGIS's browser that holds the connections, by the name of its provider.
+_BROWSER = "XYZ Tiles"
+_SERVICE_KIND = "WMS"
+#: Headers that QGIS keeps with a connection, in its own ways over the versions.
+_HEADER = "http-header:"
+_HIGHEST_ZOOM = 30
+#: Zooms of a connection that states none, as QGIS takes them.
+_USUAL_ZOOM = 18
+#: The tiles' own width is said to be unknown, usual or double.
+_PIXELS = {"1": 256, "2": 512}
+
+
+@dataclass(frozen=True)
+class Connection:
+    """A connection to XYZ tiles.
+
+    Parameters
+    ----------
+    name : str
+        As the user calls it.
+    url : str
+        Template, with {key} where the connection holds a key.
+    key : str
+        Empty for none. Never to be written anywhere.
+    min_zoom, max_zoom, tile_px : int
+    authcfg : str
+        Id of its authentication configuration; empty for none.
+    headers : mapping of str
+        To be sent along with each request.
+    """
+
+    name: str
+    url: str
+    key: str = field(default="", repr=False)
+    min_zoom: int = 0
+    max_zoom: int = _USUAL_ZOOM
+    tile_px: int = 256
+    authcfg: str = ""
+    headers: Mapping[str, str] = field(default_factory=dict)
+
+    def entry(self) -> CatalogueEntry:
+        """Entry of the tiles, under the terms of their provider where those are known.
+
+        Raises
+        ------
+        InvalidInput
+            Its address is none that tiles can be had from.
+        """
+        from ...core.imagery.catalogue import described
+        from ...core.imagery.entry import CatalogueEntry, under_provider
+        from ...core.imagery.template import keys_in
+
+        keys = keys_in(self.url)
+        if keys:
+            raise InvalidInput(
+                tr(
+                    "QGIS connection “{name}” holds keys in its address ({keys}), which would end up in files: take "
+                    "them out of it, and give it an authentication configuration in QGIS's Browser panel"
+                ).format(name=self.name, keys=", ".join(keys))
+            )
+        try:
+            data = described(
+                self.url,
+                title=self.name,
+                min_zoom=self.min_zoom,
+                max_zoom=self.max_zoom,
+                tile_px=self.tile_px,
+            )
+            return under_provider(CatalogueEntry.from_dict(XYZ + self.name, data, user=True))
+        except InvalidInput as wrong:
+            raise InvalidInput(
+                tr("QGIS connection “{name}”: {problem}").format(name=self.name, problem=translate(wrong))
+            ) from wrong
+
+
+def is_connection(name: str) -> bool:
+    """Whether a source is a connection of QGIS to XYZ tiles."""
+    return name.startswith(XYZ)
+
+
+def connection_names() -> list[str]:
+    """Names of the connections to XYZ tiles, as QGIS's browser lists them."""
+    return [name for name, _ in _listed()]
+
+
+def connection(source: str) -> Connection:
+    """Connection that a source is.
+
+    Raises
+    ------
+    InvalidInput
+        There is none of this name (any more), or it cannot be used.
+    """
+    wanted = source[len(XYZ) :]
+    for name, uri in _listed():
+        if name == wanted:
+            return connection_of(name, uri)
+    raise InvalidInput(
+        tr("source {name}: QGIS has no such XYZ connection (any more); choose another source").format(
+            name=wanted
+        )
+    )
+
+
+def service_names() -> list[str]:
+    """Names of the connections to a WMS or WMTS."""
+    return sorted(QgsOwsConnection.connectionList(_SERVICE_KIND), key=str.casefold)
+
+
+@dataclass(frozen=True)
+class ServiceConnection:
+    """A connection to a WMS or WMTS.
+
+    Parameters
+    ----------
+    name : str
+    address : str
+        With {key} where the connection holds a key.
+    key : str
+    authcfg : str
+    """
+
+    name: str
+    address: str
+    key: str = field(default="", repr=False)
+    authcfg: str = ""
+
+
+def service(name: str) -> ServiceConnection:
+    """Connection of a name of `service_names`."""
+    uri = QgsOwsConnection(_SERVICE_KIND, name).uri()
+    address, key = without_key(uri.param("url"))
+    return ServiceConnection(name, address.rstrip("?&"), key, uri.authConfigId())
+
+
+def without_key(url: str) -> tuple[str, str]:
+    """Address with {key} in the place of the one key in it, and that key; empty where it holds none."""
+    from ...core.imagery.template import is_key_name
+
+    parts = urlsplit(url)
+    pieces = re.split(r"([&;])", parts.query)
+    held = [
+        at
+        for at, piece in enumerate(pieces)
+        if "=" in piece and is_key_name(piece.partition("=")[0]) and "{key}" not in piece
+    ]
+    # Of several, none is known to be the key; `Connection.entry` refuses them.
+    if len(held) != 1 or "{key}" in url:
+        return url, ""
+    name, _, value = pieces[held[0]].partition("=")
+    pieces[held[0]] = f"{name}={{key}}"
+    return urlunsplit(parts._replace(query="".join(pieces))), unquote(value)
+
+
+def _listed() -> list[tuple[str, str]]:
+    """Name and data source of each connection."""
+    for provider in QgsApplication.dataItemProviderRegistry().providers():
+        if provider.name() == _BROWSER:
+            root = provider.createDataItem("", None)
+            if root is not None:
+                found = [(item.name(), item.uri()) for item in root.createChildren()]
+                return sorted(found, key=lambda one: one[0].casefold())
+    return []
+
+
+def connection_of(name: str, uri: str) -> Connection:
+    """Connection that a data source of QGIS describes; raises InvalidInput where it cannot be used."""
+    options = {key: unquote(value) for key, _, value in (part.partition("=") for part in uri.split("&"))}
+    if options.get("username") or options.get("password"):
+        raise InvalidInput(
+            tr(
+                "QGIS connection “{name}” holds a user name and password in plain text: give it an "
+                "authentication configuration in QGIS's Browser panel"
+            ).format(name=name)
+        )
+    headers = {key[len(_HEADER) :]: value for key, value in options.items() if key.startswith(_HEADER)}
+    if options.get("referer"):
+        headers["referer"] = options["referer"]
+    # QGIS unpacks what is written for a space.
+    url, key = without_key(options.get("url", "").replace(" ", "%20"))
+    least, most = (_zoom(options.get(end, ""), usual) for end, usual in (("zmin", 0), ("zmax", _USUAL_ZOOM)))
+    tile_px = _PIXELS.get(options.get("tilePixelRatio", ""), 256)
+    headers = {name.title(): value for name, value in headers.items() if value}
+    return Connection(name, url, key, min(least, most), most, tile_px, options.get("authcfg", ""), headers)
+
+
+def _zoom(text: str, usual: int) -> int:
+    stated = whole_number(text)
+    return usual if stated is None else min(stated, _HIGHEST_ZOOM)

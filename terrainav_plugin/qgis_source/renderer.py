@@ -1,0 +1,240 @@
+"""QGIS's renderer on the threads of a capture: whole or not at all, ended when asked or out of time."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable, Sequence
+from contextlib import contextmanager
+from queue import SimpleQueue
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from qgis.core import (
+    QgsMapLayer,
+    QgsMapRendererCustomPainterJob,
+    QgsMapSettings,
+    QgsRasterBlockFeedback,
+    QgsRasterInterface,
+    QgsRasterLayer,
+    QgsRasterPipe,
+    QgsRasterProjector,
+    QgsRectangle,
+)
+from qgis.PyQt.QtGui import QImage, QPainter
+
+from ...core.errors import Cancelled, PartError
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from qgis.core import QgsMapRendererJob
+
+#: Seconds a part may take to draw: what QGIS's own network timeout (60 s) and one more try come to.
+LONGEST_JOB_S = 150.0
+#: Seconds between two looks at what is being drawn.
+_LOOK_S = 0.1
+_CANCELLED, _WORDS = "cancelled", "cancelled while drawing the map"
+_FORMAT = QImage.Format.Format_ARGB32_Premultiplied
+#: Copies of a layer's pipe: as many as a capture has connections. More threads than these wait for one another.
+_COPIES = 8
+
+
+class Jobs:
+    """Draws layers, from any number of threads.
+
+    Layers are prepared one after the other, as they belong to all threads; drawing itself goes on side by side.
+    """
+
+    def __init__(self, longest_s: float = LONGEST_JOB_S) -> None:
+        self._longest_s = longest_s
+        self._lock = threading.Lock()
+        self._none_running = threading.Condition(self._lock)
+        self._running: set[_Job] = set()
+        self._closed = threading.Event()
+        self._watch: threading.Thread | None = None
+        self.preparing = threading.Lock()
+
+    def draw(
+        self,
+        image: QImage,
+        settings: QgsMapSettings,
+        layers: Sequence[QgsMapLayer],
+    ) -> None:
+        """Draw ``layers``, the uppermost first, over what ``image`` shows.
+
+        Raises
+        ------
+        PartError
+            The renderer reports an error, or takes too long.
+        Cancelled
+        """
+        settings.setLayers(list(layers))
+        painter = QPainter(image)
+        try:
+            job = QgsMapRendererCustomPainterJob(settings, painter)
+            with self.watched(job.cancelWithoutBlocking) as going_on:
+                with self.preparing:
+                    job.prepare()
+                # What was asked to end before it was prepared does not know of it.
+                if not going_on():
+                    job.cancelWithoutBlocking()
+                job.renderPrepared()
+        finally:
+            painter.end()
+        refuse_errors(job.errors())
+
+    @contextmanager
+    def watched(self, end: Callable[[], None]) -> Iterator[Callable[[], bool]]:
+        """Watch over something that is being drawn: ``end`` ends it, maybe more than once.
+
+        Yields whether it may still go on; raises at the end as `draw` does.
+        """
+        job = _Job(end, time.monotonic() + self._longest_s)
+        with self._lock:
+            if self._closed.is_set():
+                raise Cancelled(_WORDS)
+            self._running.add(job)
+            if self._watch is None:
+                self._watch = threading.Thread(target=self._look, name="terrainav-draw", daemon=True)
+                self._watch.start()
+        try:
+            yield lambda: not job.reason
+        finally:
+            with self._lock:
+                self._running.discard(job)
+                self._none_running.notify_all()
+        if job.reason == _CANCELLED:
+            raise Cancelled(_WORDS)
+        if job.reason:
+            raise PartError(job.reason)
+
+    def close(self) -> None:
+        """End what is being drawn, which raises `Cancelled`, and wait for its end."""
+        self._closed.set()
+        self._end_unwanted()
+        with self._lock:
+            self._none_running.wait_for(lambda: not self._running)
+
+    def _look(self) -> None:
+        """End what is no longer wanted; again and again, as what is being prepared takes no notice."""
+        while self._running or not self._closed.is_set():
+            self._end_unwanted()
+            if self._closed.wait(_LOOK_S):
+                time.sleep(_LOOK_S)
+
+    def _end_unwanted(self) -> None:
+        with self._lock:
+            for job in self._running:
+                job.reason = job.reason or self._reason(job)
+                if job.reason:
+                    job.end()
+
+    def _reason(self, job: _Job) -> str:
+        if self._closed.is_set():
+            return _CANCELLED
+        if time.monotonic() > job.until_s:
+            return f"QGIS had not drawn it after {self._longest_s:.0f} s"
+        return ""
+
+
+def refuse_errors(errors: Sequence[QgsMapRendererJob.Error]) -> None:
+    """Raise PartError with the first of a renderer's errors, where it has any."""
+    messages = [error.message for error in errors if error.message]
+    if messages:
+        raise PartError(f"QGIS could not draw it: {messages[0]}")
+
+
+def blank(width_px: int, height_px: int) -> QImage:
+    """Image that shows nothing; raises PartError where it is too large for the memory."""
+    image = QImage(width_px, height_px, _FORMAT)
+    if image.isNull():
+        raise PartError(f"picture of {width_px}x{height_px} px: too large to be drawn")
+    image.fill(0)
+    return image
+
+
+def to_array(image: QImage) -> NDArray[np.uint8]:
+    """Red, green, blue (times alpha) and alpha, (height, width, 4) uint8."""
+    plain = image.convertToFormat(QImage.Format.Format_RGBA8888_Premultiplied)
+    height, width = plain.height(), plain.width()
+    lines = np.frombuffer(plain.constBits().asstring(plain.sizeInBytes()), np.uint8)
+    return lines.reshape(height, plain.bytesPerLine())[:, : 4 * width].reshape(height, width, 4)
+
+
+def to_image(pixels: NDArray[np.uint8]) -> QImage:
+    """Inverse of `to_array`."""
+    height, width = pixels.shape[:2]
+    data = np.ascontiguousarray(pixels).tobytes()
+    image = QImage(data, width, height, 4 * width, QImage.Format.Format_RGBA8888_Premultiplied)
+    # Converting copies, so that the image does not point into memory that Python frees.
+    return image.convertToFormat(_FORMAT)
+
+
+class Pipes:
+    """A layer, and its pipes: one for each thread that draws it at the same time.
+
+    Made and let go of on the main thread, which QGIS's providers belong to: one that is made, wrapped or destroyed on
+    another thread while the main one goes on may end QGIS.
+    """
+
+    def __init__(self, layer: QgsRasterLayer) -> None:
+        self.layer = layer
+        self._idle: SimpleQueue[_Pipe] = SimpleQueue()
+        for _ in range(_COPIES):
+            pipe = _copy(layer.pipe())
+            self._idle.put(_Pipe(pipe, pipe.last()))
+
+    def block(
+        self,
+        extent: QgsRectangle,
+        size: tuple[int, int],
+        jobs: Jobs,
+    ) -> NDArray[np.uint8]:
+        """Premultiplied pixels of an extent in the layer's own CRS, (height, width, 4) uint8.
+
+        Raises
+        ------
+        PartError
+            The layer cannot be read, or it takes too long.
+        Cancelled
+        """
+        feedback = QgsRasterBlockFeedback()
+        pipe = self._idle.get()
+        try:
+            with jobs.watched(feedback.cancel):
+                block = pipe.last.block(1, extent, *size, feedback)
+        finally:
+            self._idle.put(pipe)
+        if feedback.errors():
+            raise PartError(f"QGIS could not read it: {feedback.errors()[0]}")
+        image = block.image()
+        if not block.isValid() or image.isNull():
+            raise PartError(f"QGIS could not read it: {block.error().summary() or 'no reason given'}")
+        return to_array(image)
+
+
+class _Job:
+    """Something that is being drawn: until when it may, and why it was ended."""
+
+    def __init__(self, end: Callable[[], None], until_s: float) -> None:
+        self.end, self.until_s = end, until_s
+        self.reason = ""
+
+
+class _Pipe(NamedTuple):
+    """A pipe and its last stage, which gives the pixels; wrapped once, as wrapping is not safe on other threads."""
+
+    pipe: QgsRasterPipe
+    last: QgsRasterInterface
+
+
+def _copy(pipe: QgsRasterPipe) -> QgsRasterPipe:
+    """Pipe for one thread at a time, without reprojection."""
+    copy = QgsRasterPipe()
+    for index in range(pipe.size()):
+        stage = pipe.at(index)
+        if not isinstance(stage, QgsRasterProjector):
+            copy.set(stage.clone())
+    return copy

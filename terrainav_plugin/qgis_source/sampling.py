@@ -1,0 +1,156 @@
+"""A raster file's layer on another pixel grid, without QGIS's approximate reprojection.
+
+QGIS first resamples a raster to a grid of its own, and takes its nearest pixels from that: up to more than a pixel
+off. Here every pixel of the picture takes the pixel of the raster that its centre lies in, styled by QGIS.
+"""
+
+from __future__ import annotations
+
+import math
+import struct
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from qgis.core import (
+    QgsCoordinateTransform,
+    QgsCsException,
+    QgsGeometry,
+    QgsMapSettings,
+    QgsRasterLayer,
+    QgsRectangle,
+)
+
+from ...core.picture.resampling import sample
+from .renderer import Jobs, Pipes
+
+Floats = NDArray[np.float64]
+Pixels = NDArray[np.uint8]
+#: Well-known binary of a line: byte order, kind, count of points.
+_LINE_STRING = 2
+_HEADER = struct.Struct("<BII")
+#: PyQGIS lets no other thread run during a call: a few milliseconds' worth.
+_POINTS_IN_ONE_CALL = 4096
+#: Pixels beyond the outermost sample that the widest kernel needs.
+_MARGIN_PX = 2
+#: Kernels by the names of QGIS's resamplers; nearest where a layer has none.
+_KERNELS = {"bilinear": "bilinear", "cubic": "bicubic"}
+
+
+class Cells(NamedTuple):
+    """Pixels of a raster, put together where a picture is much coarser: columns and rows from its upper left."""
+
+    factor: int
+    left: int
+    top: int
+    width: int
+    height: int
+
+
+def kernel_of(layer: QgsRasterLayer) -> str:
+    """Kernel that a layer asks for where it is enlarged."""
+    resampler = layer.resampleFilter().zoomedInResampler() if layer.resampleFilter() else None
+    return _KERNELS.get(resampler.type(), "nearest") if resampler is not None else "nearest"
+
+
+def sampled(
+    pipes: Pipes,
+    settings: QgsMapSettings,
+    edges_m: tuple[float, float, float, float],
+    size: tuple[int, int],
+    jobs: Jobs,
+) -> Pixels | None:
+    """Pixels of a layer where a picture's pixels have their centres.
+
+    Parameters
+    ----------
+    pipes : Pipes
+        Of a file's layer.
+    settings : QgsMapSettings
+        Its CRS is that of the picture.
+    edges_m : west, south, east, north
+        Of the picture, in its CRS.
+    size : width, height
+        Of the picture, px.
+    jobs : Jobs
+
+    Returns
+    -------
+    array (height, width, 4) of uint8, or None where the layer shows nothing there
+        Premultiplied; alpha is 0 beyond the raster.
+    """
+    layer, (width, height) = pipes.layer, size
+    x, y = _in_raster(layer, settings, _centres(edges_m, size))
+    inside = (x >= 0.0) & (x < layer.width()) & (y >= 0.0) & (y < layer.height())
+    if not inside.any():
+        return None
+    cells = _cells(layer, x.reshape(height, width), y.reshape(height, width), inside)
+    shown = pipes.block(_extent(layer, cells), (cells.width, cells.height), jobs)
+    columns, rows = x[inside] / cells.factor - cells.left, y[inside] / cells.factor - cells.top
+    picture = np.zeros((height * width, 4), np.uint8)
+    kernel = kernel_of(layer)
+    if kernel == "nearest":
+        picture[inside] = shown[rows.astype(np.intp), columns.astype(np.intp)]
+    else:
+        picture[inside] = np.clip(np.rint(sample(shown, columns, rows, kernel)), 0, 255)
+    return picture.reshape(height, width, 4)
+
+
+def _centres(edges_m: tuple[float, float, float, float], size: tuple[int, int]) -> Floats:
+    """Centres of a picture's pixels by rows, (width * height, 2)."""
+    (west, south, east, north), (width, height) = edges_m, size
+    x = west + (np.arange(width) + 0.5) * ((east - west) / width)
+    y = north - (np.arange(height) + 0.5) * ((north - south) / height)
+    return np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
+
+
+def _in_raster(layer: QgsRasterLayer, settings: QgsMapSettings, points: Floats) -> tuple[Floats, Floats]:
+    """Columns and rows of a raster at points of the picture's CRS; infinite where there is no such place."""
+    transform = QgsCoordinateTransform(settings.destinationCrs(), layer.crs(), settings.transformContext())
+    if not transform.isShortCircuited():
+        points = _transformed(points, transform)
+    extent = layer.extent()
+    x = (points[:, 0] - extent.xMinimum()) * (layer.width() / extent.width())
+    y = (extent.yMaximum() - points[:, 1]) * (layer.height() / extent.height())
+    return x, y
+
+
+def _transformed(points: Floats, transform: QgsCoordinateTransform) -> Floats:
+    """Points in another CRS by QGIS's own operation, many in one call."""
+    parts = np.array_split(points, -(-len(points) // _POINTS_IN_ONE_CALL))
+    return np.concatenate([_line_transformed(part, transform) for part in parts])
+
+
+def _line_transformed(points: Floats, transform: QgsCoordinateTransform) -> Floats:
+    line = QgsGeometry()
+    line.fromWkb(_HEADER.pack(1, _LINE_STRING, len(points)) + points.astype("<f8").tobytes())
+    try:
+        line.transform(transform)
+    except QgsCsException:
+        return np.full_like(points, np.inf)
+    return np.frombuffer(bytes(line.asWkb()), "<f8", offset=_HEADER.size).reshape(-1, 2)
+
+
+def _cells(layer: QgsRasterLayer, x: Floats, y: Floats, inside: NDArray[np.bool_]) -> Cells:
+    """Cells that hold all samples: single pixels, or so many together that a picture's pixel has two to four."""
+    steps = [np.abs(np.diff(values, axis=axis)) for values in (x, y) for axis in (0, 1)]
+    # Of the longer of the two ways along each axis of the picture; a raster may lie turned.
+    ratio = min(
+        float(np.median(np.hypot(steps[axis], steps[2 + axis]))) if steps[axis].size else 1.0
+        for axis in (0, 1)
+    )
+    factor = 1 << max(math.floor(math.log2(ratio)) - 1, 0) if math.isfinite(ratio) and ratio > 0.0 else 1
+    columns, rows = x.ravel()[inside] / factor, y.ravel()[inside] / factor
+    left, top = (max(math.floor(values.min()) - _MARGIN_PX, 0) for values in (columns, rows))
+    right = min(math.floor(columns.max()) + 1 + _MARGIN_PX, -(-layer.width() // factor))
+    bottom = min(math.floor(rows.max()) + 1 + _MARGIN_PX, -(-layer.height() // factor))
+    return Cells(factor, left, top, right - left, bottom - top)
+
+
+def _extent(layer: QgsRasterLayer, cells: Cells) -> QgsRectangle:
+    """Extent of cells in the raster's CRS."""
+    extent = layer.extent()
+    step_x = extent.width() / layer.width() * cells.factor
+    step_y = extent.height() / layer.height() * cells.factor
+    west, north = extent.xMinimum() + cells.left * step_x, extent.yMaximum() - cells.top * step_y
+    return QgsRectangle(west, north - cells.height * step_y, west + cells.width * step_x, north)

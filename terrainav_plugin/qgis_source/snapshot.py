@@ -1,0 +1,317 @@
+"""The project's layers as they are when a capture starts: copied on the main thread, drawn on others."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from typing import NamedTuple, Optional
+
+import numpy as np
+from qgis.core import (
+    Qgis,
+    QgsCoordinateReferenceSystem,
+    QgsCoordinateTransform,
+    QgsCsException,
+    QgsLabelingEngineSettings,
+    QgsMapLayer,
+    QgsMapSettings,
+    QgsProject,
+    QgsRasterLayer,
+    QgsRasterProjector,
+)
+from qgis.PyQt.QtCore import Qt
+from qgis.PyQt.QtGui import QColor
+
+from ...core.errors import InvalidInput
+from ...core.geodesy.mercator import HALF_WORLD_M, PixelGrid, extent_of_outline, fitting_zoom
+from ...core.imagery.policy import Policy
+from ..compat import attribution
+from ..i18n import tr
+from ..map.mission_group import ROLE
+from .connections import is_connection
+from .renderer import Pipes
+from .tiles import Address, Tiles, address_of
+
+#: What names of sources begin with that QGIS itself draws.
+PREFIX = "qgis:"
+PROJECT_SOURCE = f"{PREFIX}project"
+_LAYER = f"{PREFIX}layer/"
+#: Role of layers that are backgrounds, which are imagery; the plugin's other layers are its own results.
+_BACKGROUND = "background/"
+#: QGIS's provider of raster files, which are read as they are; others ask a service.
+FILE_PROVIDER = "gdal"
+_MERCATOR = "EPSG:3857"
+#: What a map on the screen has; sizes in millimetres and scales that layers are shown at follow from it.
+DPI = 96
+#: Zooms of what has no resolution of its own.
+_MAX_ZOOM = 22
+#: Zooms of the finest rasters: a millimetre a pixel.
+_HIGHEST_NATIVE_ZOOM = 27
+#: A raster's own resolution may be off a zoom's by the rounding of its file, and is still that zoom's.
+_RESOLUTION_SLACK = 1e-3
+#: Where layers have their tiles from, by the layers' ids; None for those without.
+Addresses = dict[str, Optional[Address]]
+
+
+class LayerChoice(NamedTuple):
+    """A layer of the project, or all of them, as a source."""
+
+    name: str
+    title: str
+
+
+@dataclass(frozen=True)
+class Snapshot:
+    """What is to be drawn, apart from the project and its layers; let go of on the main thread, too.
+
+    Parameters
+    ----------
+    name, title, attribution, date : str
+        As a source has them.
+    grid : PixelGrid
+    ground : tuple of Pipes or Tiles
+        Rasters that nothing but rasters lies below, the lowest first.
+    policy : Policy
+        The strictest of the providers of its tiles.
+    drawing : tuple of QgsMapLayer
+        What lies above them, the uppermost first.
+    settings : QgsMapSettings
+        Everything but layers, extent and size.
+    paper : QColor
+        Colour of the map below its layers.
+    """
+
+    name: str
+    title: str
+    attribution: str
+    date: str
+    grid: PixelGrid
+    ground: tuple[Pipes | Tiles, ...]
+    policy: Policy
+    drawing: tuple[QgsMapLayer, ...]
+    settings: QgsMapSettings
+    paper: QColor
+
+
+def is_of_qgis(name: str) -> bool:
+    """Whether a source is drawn by QGIS itself."""
+    return name.startswith(PREFIX) and not is_connection(name)
+
+
+def source_name(layer: QgsMapLayer) -> str:
+    """Name of the source that a layer is."""
+    return f"{_LAYER}{layer.id()}"
+
+
+def layer_choices(project: QgsProject) -> list[LayerChoice]:
+    """Sources that a project has: its map, and each layer that shows something."""
+    layers = list(_layers_that_show(project))
+    if not layers:
+        return []
+    whole = LayerChoice(PROJECT_SOURCE, tr("Whole map"))
+    return [whole, *(LayerChoice(source_name(layer), layer.name()) for layer in layers)]
+
+
+def layers_of(name: str, project: QgsProject) -> list[QgsMapLayer]:
+    """Layers of a source, the uppermost first.
+
+    Raises
+    ------
+    InvalidInput
+        Where there is no such layer, or it shows nothing.
+    """
+    if name == PROJECT_SOURCE:
+        root = project.layerTreeRoot()
+        shown = [
+            layer
+            for layer in _layers_that_show(project)
+            if (node := root.findLayer(layer)) is not None and node.isVisible()
+        ]
+        if not shown:
+            raise InvalidInput(tr("the map shows no layer: tick one in the Layers panel"))
+        return shown
+    layer = project.mapLayer(name[len(_LAYER) :]) if name.startswith(_LAYER) else None
+    if layer is None:
+        raise InvalidInput(
+            tr("source {name}: the project has no such layer (any more); choose another source").format(
+                name=name
+            )
+        )
+    if not (layer.isValid() and layer.isSpatial()):
+        raise InvalidInput(
+            tr("layer {name}: shows nothing; repair its data source").format(name=layer.name())
+        )
+    return [layer]
+
+
+def title_of(name: str, project: QgsProject) -> str:
+    """What people call a source."""
+    return tr("Whole map") if name == PROJECT_SOURCE else layers_of(name, project)[0].name()
+
+
+def grid_of_layers(name: str, project: QgsProject) -> PixelGrid:
+    """Pixel grid of a source; on the main thread. Raises InvalidInput as `layers_of`."""
+    layers = layers_of(name, project)
+    return _grid(layers, _addresses(layers), project)
+
+
+def _grid(layers: list[QgsMapLayer], addresses: Addresses, project: QgsProject) -> PixelGrid:
+    native = max(_native_zoom(layer, addresses[layer.id()], project) for layer in layers)
+    extent = _extent(layers[0], project) if len(layers) == 1 else None
+    return PixelGrid(max_zoom=max(native, _MAX_ZOOM), native_zoom=native, extent=extent)
+
+
+def take_snapshot(name: str, project: QgsProject) -> Snapshot:
+    """Copies of what a source shows now; on the main thread. Raises InvalidInput as `layers_of`."""
+    layers = layers_of(name, project)
+    addresses, ground = _addresses(layers), _ground(layers)
+    drawing = layers[: len(layers) - len(ground)]
+    return Snapshot(
+        name=name,
+        title=title_of(name, project),
+        attribution=_attribution(layers),
+        date=_date(layers[0]) if len(layers) == 1 else "",
+        grid=_grid(layers, addresses, project),
+        ground=tuple(_drawn(layer, addresses[layer.id()]) for layer in ground),
+        policy=next((policy for policy, _ in _policies(ground, addresses)), Policy()),
+        drawing=tuple(_copy(layer) for layer in drawing),
+        settings=_settings(project),
+        paper=project.backgroundColor(),
+    )
+
+
+def policies_of_layers(name: str, project: QgsProject) -> list[tuple[Policy, str]]:
+    """Terms of the providers of a source's tiles, with the layers' names, the strictest first.
+
+    Raises InvalidInput as `layers_of`.
+    """
+    ground = _ground(layers_of(name, project))
+    return _policies(ground, _addresses(ground))
+
+
+def _addresses(layers: Iterable[QgsMapLayer]) -> Addresses:
+    """Where layers have their tiles from, by the layers' ids."""
+    return {layer.id(): address_of(layer) if isinstance(layer, QgsRasterLayer) else None for layer in layers}
+
+
+def _policies(ground: list[QgsRasterLayer], addresses: Addresses) -> list[tuple[Policy, str]]:
+    found = ((addresses[layer.id()], layer.name()) for layer in ground)
+    terms = ((address.policy, name) for address, name in found if address is not None)
+    known = [(policy, name) for policy, name in terms if policy is not None and policy.bulk_allowed != "yes"]
+    return sorted(known, key=lambda terms: terms[0].max_tiles or 0)
+
+
+def _drawn(layer: QgsRasterLayer, address: Address | None) -> Pipes | Tiles:
+    copy = _copy(layer)
+    return Pipes(copy) if address is None else address.tiles(copy)
+
+
+def _layers_that_show(project: QgsProject) -> Iterator[QgsMapLayer]:
+    for layer in project.layerTreeRoot().layerOrder():
+        role = str(layer.customProperty(ROLE) or "")
+        if layer.isValid() and layer.isSpatial() and (not role or role.startswith(_BACKGROUND)):
+            yield layer
+
+
+def _ground(layers: list[QgsMapLayer]) -> list[QgsRasterLayer]:
+    ground: list[QgsRasterLayer] = []
+    for layer in reversed(layers):
+        if not isinstance(layer, QgsRasterLayer):
+            break
+        ground.append(layer)
+    return ground
+
+
+def _copy(layer: QgsMapLayer) -> QgsMapLayer:
+    """Copy that belongs to no thread, as the threads that draw it are many."""
+    copy = layer.clone()
+    if isinstance(copy, QgsRasterLayer):
+        projector = copy.pipe().projector()
+        if projector is not None:
+            projector.setPrecision(QgsRasterProjector.Precision.Exact)
+    copy.moveToThread(None)
+    return copy
+
+
+def _settings(project: QgsProject) -> QgsMapSettings:
+    settings = QgsMapSettings()
+    settings.setDestinationCrs(QgsCoordinateReferenceSystem(_MERCATOR))
+    settings.setTransformContext(project.transformContext())
+    settings.setEllipsoid(project.ellipsoid())
+    settings.setOutputDpi(DPI)
+    settings.setBackgroundColor(QColor(Qt.GlobalColor.transparent))
+    # Pictures meet each other: fills and lines must go on from one to the next.
+    for flag in ("Antialiasing", "DrawLabeling", "UseAdvancedEffects", "RenderMapTile"):
+        settings.setFlag(getattr(QgsMapSettings.Flag, flag), True)
+    labels = project.labelingEngineSettings()
+    labels.setFlag(QgsLabelingEngineSettings.Flag.UsePartialCandidates, False)
+    settings.setLabelingEngineSettings(labels)
+    settings.setExpressionContext(project.createExpressionContext())
+    return settings
+
+
+def _native_zoom(layer: QgsMapLayer, address: Address | None, project: QgsProject) -> int:
+    """Highest zoom with detail of the layer's own; the highest of all where it has detail at every scale."""
+    if not isinstance(layer, QgsRasterLayer):
+        return _MAX_ZOOM
+    if layer.providerType() != FILE_PROVIDER:
+        stated = None if address is None else address.highest_zoom
+        return _MAX_ZOOM if stated is None else min(stated, _MAX_ZOOM)
+    share = _mercator_m_per_px(layer, project) / (2.0 * HALF_WORLD_M)
+    return min(max(fitting_zoom(share, 1.0, _RESOLUTION_SLACK), 0), _HIGHEST_NATIVE_ZOOM)
+
+
+def _mercator_m_per_px(layer: QgsRasterLayer, project: QgsProject) -> float:
+    """Metres of EPSG:3857 per px of a raster about its middle; raises InvalidInput where it has no place there."""
+    transform = QgsCoordinateTransform(layer.crs(), QgsCoordinateReferenceSystem(_MERCATOR), project)
+    middle = layer.extent().center()
+    try:
+        here = transform.transform(middle)
+        east = transform.transform(middle.x() + layer.rasterUnitsPerPixelX(), middle.y())
+        north = transform.transform(middle.x(), middle.y() + layer.rasterUnitsPerPixelY())
+    except QgsCsException as wrong:
+        raise InvalidInput(
+            tr("layer {name}: its place on the globe is not known; set its CRS").format(name=layer.name())
+        ) from wrong
+    size = min(here.distance(east), here.distance(north))
+    if not (0.0 < size < 2.0 * HALF_WORLD_M):
+        raise InvalidInput(tr("layer {name}: its pixels have no size").format(name=layer.name()))
+    return size
+
+
+def _extent(layer: QgsMapLayer, project: QgsProject) -> tuple[tuple[float, float], ...] | None:
+    """Where the imagery of a raster file ends, as world fractions; None for other layers."""
+    if not isinstance(layer, QgsRasterLayer) or layer.providerType() != FILE_PROVIDER:
+        return None
+    transform = QgsCoordinateTransform(layer.crs(), QgsCoordinateReferenceSystem(_MERCATOR), project)
+    box, middle = layer.extent(), layer.extent().center()
+    west, south, east, north = box.xMinimum(), box.yMinimum(), box.xMaximum(), box.yMaximum()
+    outline = [(west, north), (east, north), (east, south), (west, south)]
+    outline += [(middle.x(), north), (east, middle.y()), (middle.x(), south), (west, middle.y())]
+    try:
+        places = [transform.transform(x, y) for x, y in outline]
+    except QgsCsException:
+        return None
+    return extent_of_outline(
+        np.array([place.x() for place in places]), np.array([place.y() for place in places])
+    )
+
+
+def _attribution(layers: list[QgsMapLayer]) -> str:
+    """Rights and attributions of layers, each once."""
+    words: dict[str, None] = {}
+    for layer in layers:
+        stated = [*layer.metadata().rights(), attribution(layer)]
+        words.update(dict.fromkeys(text.strip() for text in stated if text and text.strip()))
+    return "; ".join(words)
+
+
+def _date(layer: QgsMapLayer) -> str:
+    """Date that a layer as a whole is of, as YYYY-MM-DD; empty where it says none."""
+    times = layer.temporalProperties()
+    if not (isinstance(layer, QgsRasterLayer) and times is not None and times.isActive()):
+        return ""
+    if times.mode() != Qgis.RasterTemporalMode.FixedTemporalRange:
+        return ""
+    begin = times.fixedTemporalRange().begin()
+    return begin.date().toString(Qt.DateFormat.ISODate) if begin.isValid() else ""

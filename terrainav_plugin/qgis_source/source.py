@@ -1,0 +1,192 @@
+"""A layer of the project, or its whole map, as a source: drawn by QGIS off the main thread.
+
+Two kinds of layers are drawn in two ways. *Ground*, the rasters that only rasters lie below, does not depend on how
+much of it is drawn at once: it is drawn tile by tile on the global pixel grid, each tile once, at the very pixels of
+the grid (QGIS 3.22 doubles a row of a service's tiles here and there in larger pictures). *Drawings*, whatever lies
+above, do depend on it: QGIS places labels anew in each picture. They are drawn over a whole picture at once, so that
+no label or symbol is cut where tiles meet, and with what lies around the picture, so that those that reach over its
+edge go on in the next.
+"""
+
+from __future__ import annotations
+
+import threading
+from collections import OrderedDict
+from concurrent.futures import Future
+
+import numpy as np
+from numpy.typing import NDArray
+from qgis.core import QgsMapSettings, QgsRectangle
+from qgis.PyQt.QtCore import QSize
+from qgis.PyQt.QtGui import QPainter
+
+from ...core.errors import PartError
+from ...core.imagery.source import Part, Window, tile_parts
+from .renderer import Jobs, Pipes, blank, to_array, to_image
+from .sampling import sampled
+from .snapshot import FILE_PROVIDER, Snapshot
+from .tiles import Tiles
+
+Pixels = NDArray[np.uint8]
+#: Tiles of ground kept for the next pictures that show them (64 MB).
+_KEPT_TILES = 256
+#: Pixels by which a tile that is asked of a service stays clear of its neighbours: without it QGIS asks for them,
+#: too. No pixel's centre comes near another pixel by it.
+_INSET_PX = 1e-3
+#: Pixels around a picture within which features are drawn, for symbols and labels that reach into it.
+_REACH_PX = 128
+
+
+class LayerSource:
+    """What a `Snapshot` shows, as a `Source`.
+
+    Parameters
+    ----------
+    snapshot : Snapshot
+    jobs : Jobs or None
+        None for its own.
+    """
+
+    map_types: tuple[str, ...] = ()
+
+    def __init__(self, snapshot: Snapshot, jobs: Jobs | None = None) -> None:
+        self.name, self.title = snapshot.name, snapshot.title
+        self.attribution, self.date = snapshot.attribution, snapshot.date
+        self.grid, self.policy = snapshot.grid, snapshot.policy
+        self._snapshot = snapshot
+        self._jobs = jobs or Jobs()
+        self._tiles: OrderedDict[Window, Future[Pixels]] = OrderedDict()
+        self._lock = threading.Lock()
+        paper = snapshot.paper
+        self._paper = np.array([paper.red(), paper.green(), paper.blue()], np.uint16)
+
+    def parts(self, window: Window) -> list[Part]:
+        """Return tiles, or the window itself where something is drawn that must not be cut."""
+        if not self._snapshot.drawing:
+            return tile_parts(window, self.grid)
+        left_px = window.left_px % self.grid.world_px(window.zoom)
+        return [Part(window._replace(left_px=left_px), 0, 0)]
+
+    def fetch(self, map_type: str, part: Window) -> Pixels:  # noqa: ARG002
+        """Pixels of a part, (height_px, width_px, 3) uint8, or 4 where something is missing.
+
+        Raises
+        ------
+        PartError
+            QGIS reports an error, takes too long, or nothing of the drawings is there.
+        Cancelled
+            Within half a second of `close`.
+        """
+        if not self._snapshot.drawing:
+            shown = self._tile(part)
+            return self._on_paper(shown, shown[..., 3] == 0)
+        ground = self._ground(part) if self._snapshot.ground else None
+        image = blank(part.width_px, part.height_px) if ground is None else to_image(ground)
+        settings = self._settings(part)
+        settings.setExtentBuffer(_REACH_PX * self.grid.resolution_m_per_px(part.zoom))
+        self._jobs.draw(image, settings, self._snapshot.drawing)
+        shown = to_array(image)
+        if ground is None:
+            # Between the features of a drawing there is paper, but a picture without any shows nothing.
+            if not shown[..., 3].any():
+                raise PartError(f"{self.title} shows nothing here")
+            return self._on_paper(shown, np.zeros(shown.shape[:2], bool))
+        # A service that did not answer leaves holes, which a drawing above must not hide.
+        served = any(drawn.layer.providerType() != FILE_PROVIDER for drawn in self._snapshot.ground)
+        return self._on_paper(shown, (ground if served else shown)[..., 3] == 0)
+
+    def close(self) -> None:
+        """End what is being drawn; it raises `Cancelled`."""
+        for layer in self._snapshot.ground:
+            if isinstance(layer, Tiles):
+                layer.close()
+        self._jobs.close()
+
+    def _on_paper(self, shown: Pixels, missing: NDArray[np.bool_]) -> Pixels:
+        """Premultiplied pixels over the map's own colour, with a channel for those without imagery."""
+        alpha = shown[..., 3]
+        picture = shown[..., :3]
+        if not (alpha == 255).all():
+            through = (255 - alpha[..., None].astype(np.uint16)) * self._paper
+            picture = (picture + (through + 127) // 255).astype(np.uint8)
+        if not missing.any():
+            return np.ascontiguousarray(picture)
+        return np.dstack([picture, np.where(missing, 0, 255).astype(np.uint8)])
+
+    def _ground(self, window: Window) -> Pixels:
+        """Ground below a window, put together from its tiles."""
+        ground = np.empty((window.height_px, window.width_px, 4), np.uint8)
+        for part in tile_parts(window, self.grid):
+            tile = self._tile(part.window)
+            x, y = max(part.dx_px, 0), max(part.dy_px, 0)
+            right = min(part.dx_px + part.window.width_px, window.width_px)
+            bottom = min(part.dy_px + part.window.height_px, window.height_px)
+            ground[y:bottom, x:right] = tile[
+                y - part.dy_px : bottom - part.dy_px, x - part.dx_px : right - part.dx_px
+            ]
+        return ground
+
+    def _tile(self, tile: Window) -> Pixels:
+        """Premultiplied pixels of a tile of ground; drawn once while it is wanted by several."""
+        with self._lock:
+            known = self._tiles.get(tile)
+            if known is None:
+                mine = self._tiles[tile] = Future()
+                if len(self._tiles) > _KEPT_TILES:
+                    self._tiles.popitem(last=False)
+            else:
+                self._tiles.move_to_end(tile)
+        if known is not None:
+            return known.result()
+        try:
+            pixels = self._draw_tile(tile)
+        except BaseException as wrong:
+            mine.set_exception(wrong)
+            with self._lock:
+                self._tiles.pop(tile, None)
+            raise
+        mine.set_result(pixels)
+        return pixels
+
+    def _draw_tile(self, tile: Window) -> Pixels:
+        image = blank(tile.width_px, tile.height_px)
+        settings = self._settings(tile)
+        for drawn in self._snapshot.ground:
+            if not drawn.layer.isInScaleRange(settings.scale()):
+                continue
+            pixels = drawn.pixels(tile) if isinstance(drawn, Tiles) else self._pixels(drawn, settings, tile)
+            if pixels is not None:
+                painter = QPainter(image)
+                painter.setCompositionMode(drawn.layer.blendMode())
+                painter.drawImage(0, 0, to_image(pixels))
+                painter.end()
+        return to_array(image)
+
+    def _pixels(
+        self,
+        pipes: Pipes,
+        settings: QgsMapSettings,
+        tile: Window,
+    ) -> Pixels | None:
+        """Pixels of one layer; None where it shows nothing."""
+        layer, size = pipes.layer, (tile.width_px, tile.height_px)
+        if layer.providerType() == FILE_PROVIDER:
+            return sampled(pipes, settings, self._edges(tile), size, self._jobs)
+        extent = settings.extent()
+        if layer.crs() == settings.destinationCrs():
+            extent.grow(-_INSET_PX * self.grid.resolution_m_per_px(tile.zoom))
+            return pipes.block(extent, size, self._jobs)
+        image = blank(*size)
+        self._jobs.draw(image, settings, [layer])
+        return to_array(image)
+
+    def _edges(self, window: Window) -> tuple[float, float, float, float]:
+        _, *rectangle = window
+        west, south, east, north = (float(edge) for edge in self.grid.edges_m(*rectangle, window.zoom))
+        return west, south, east, north
+
+    def _settings(self, window: Window) -> QgsMapSettings:
+        settings = QgsMapSettings(self._snapshot.settings)
+        settings.setOutputSize(QSize(window.width_px, window.height_px))
+        settings.setExtent(QgsRectangle(*self._edges(window)))
+        return settings

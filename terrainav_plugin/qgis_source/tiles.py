@@ -1,0 +1,317 @@
+"""Layers of tiles: their pixels as the server has them, in the layer's own colours.
+
+QGIS draws a tile a pixel larger than it is to each side (from 3.44 on), so that no gap shows between tiles: no pixel of
+such a picture is certain to be at its place. So tiles of a layer in Web Mercator are asked of their server here, over
+QGIS's network stack and under the terms of their provider, and only the layer's colours are QGIS's work.
+"""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+from queue import SimpleQueue
+from typing import TYPE_CHECKING, NamedTuple
+from urllib.parse import parse_qs, urlsplit
+
+import numpy as np
+from numpy.typing import NDArray
+from qgis.core import (
+    Qgis,
+    QgsBrightnessContrastFilter,
+    QgsHueSaturationFilter,
+    QgsRasterBlock,
+    QgsRasterBlockFeedback,
+    QgsRasterInterface,
+    QgsRasterLayer,
+    QgsRasterProjector,
+    QgsRasterResampleFilter,
+    QgsRectangle,
+)
+
+from ...core.errors import InvalidInput
+from ...core.imagery.http.client import NotThere
+from ...core.imagery.source import Window
+from ..i18n import tr
+from .connections import Connection, connection_of
+from .renderer import to_array, to_image
+
+if TYPE_CHECKING:
+    from qgis.PyQt.QtGui import QImage
+
+    from ...core.imagery.entry import CatalogueEntry
+    from ...core.imagery.policy import Policy
+    from ...core.imagery.source import Source
+
+    Pixels = NDArray[np.uint8]
+
+#: QGIS's provider of tiles and other services.
+_PROVIDER = "wms"
+_MERCATOR = "EPSG:3857"
+#: Pixels whose colours are times their alpha.
+_PREMULTIPLIED = Qgis.DataType.ARGB32_Premultiplied
+#: Sets of coloured stages: as many as a capture has connections.
+_COPIES = 8
+
+
+class Tiles:
+    """A layer whose tiles are asked of their server.
+
+    Made on the main thread, which its connections and the stages of its style belong to.
+
+    Parameters
+    ----------
+    layer : QgsRasterLayer
+        A copy, as the project's own may change.
+    entry : callable
+        Gives the entry of the tiles; called once, on any thread, as a service may have to be asked for it.
+    connection : Connection
+        How the server is to be asked.
+    """
+
+    def __init__(
+        self, layer: QgsRasterLayer, entry: Callable[[], CatalogueEntry], connection: Connection
+    ) -> None:
+        from ..network.transport import QgisTransport
+        from ..settings import Settings, credential_home
+
+        settings = Settings()
+        self.layer = layer
+        self._entry, self._connection = entry, connection
+        self._connections, self._cache = settings.connections, settings.tile_cache()
+        self._transport = QgisTransport(
+            self._connections,
+            authcfg=connection.authcfg,
+            headers=connection.headers,
+            home=credential_home(connection.url),
+        )
+        self._colours = _colours_of(layer)
+        self._lock = threading.Lock()
+        self._opened: Source | None = None
+
+    def pixels(self, window: Window) -> Pixels | None:
+        """Premultiplied pixels of a tile of 256 px, (256, 256, 4) uint8; None where the server has none.
+
+        Raises
+        ------
+        PartError, SourceError, Cancelled
+        """
+        source = self._source()
+        grid = source.grid
+        # A zoom has twice the pixels where tiles have twice the width; beyond the finest, its pixels are repeated.
+        finer = grid.scale.bit_length() - 1
+        zoom = min(window.zoom - finer, grid.max_zoom)
+        if zoom < grid.min_zoom:
+            return None
+        repeated = window.zoom - finer - zoom
+        columns, rows = (
+            (int(start) + np.arange(size)) >> repeated
+            for start, size in ((window.left_px, window.width_px), (window.top_px, window.height_px))
+        )
+        left, top = (int(first) // grid.tile_px * grid.tile_px for first in (columns[0], rows[0]))
+        tile = Window(zoom, left, top, grid.tile_px, grid.tile_px)
+        try:
+            fetched = source.fetch("", tile)
+        except NotThere:
+            return None
+        return self._coloured(_premultiplied(fetched[np.ix_(rows - top, columns - left)]))
+
+    def close(self) -> None:
+        """End what is asked for; it raises `Cancelled`."""
+        # First, and without the lock: a service that is being asked for its capabilities holds that.
+        self._transport.close()
+        with self._lock:
+            if self._opened is not None:
+                self._opened.close()
+
+    def _source(self) -> Source:
+        from ...core.imagery.xyz import XYZSource
+
+        with self._lock:
+            if self._opened is None:
+                entry = self._entry()
+                grid = entry.grid()
+                if grid.scale & (grid.scale - 1):
+                    # Their zooms are not those of the picture.
+                    raise InvalidInput(
+                        tr(
+                            "layer {name}: its service has tiles of {size} px; choose a layer with tiles of 256, 512 "
+                            "or 1024 px"
+                        ).format(name=self.layer.name(), size=grid.tile_px)
+                    )
+                self._opened = XYZSource(
+                    entry.templates(entry.date(None)),
+                    name=entry.name,
+                    title=self.layer.name(),
+                    grid=grid,
+                    key=self._connection.key or None,
+                    date=entry.date(None),
+                    placeholder=entry.placeholder,
+                    policy=entry.policy,
+                    transport=self._transport,
+                    connections=self._connections,
+                    cache=self._cache,
+                    alpha=True,
+                )
+            return self._opened
+
+    def _coloured(self, pixels: Pixels) -> Pixels:
+        if self._colours is None:
+            return pixels
+        stages = self._colours.get()
+        try:
+            return stages.applied(pixels)
+        finally:
+            self._colours.put(stages)
+
+
+class Address(NamedTuple):
+    """Where a layer in Web Mercator has its tiles from, as its own address (URI) says.
+
+    Parameters
+    ----------
+    connection : Connection
+        How the server is to be asked.
+    entry : CatalogueEntry or None
+        Of the tiles; None where a service is to be asked for it.
+    service : str
+        Name of that service.
+    """
+
+    connection: Connection
+    entry: CatalogueEntry | None
+    service: str = ""
+
+    @property
+    def highest_zoom(self) -> int | None:
+        """Zoom up to which there are tiles, in terms of 256 px; None where only the service knows."""
+        if self.entry is None:
+            return None
+        return self.connection.max_zoom + (self.connection.tile_px // 256).bit_length() - 1
+
+    @property
+    def policy(self) -> Policy | None:
+        """What the provider allows; None where only the service knows."""
+        return None if self.entry is None else self.entry.policy
+
+    def tiles(self, copy: QgsRasterLayer) -> Tiles:
+        """The tiles, of a copy of the layer that is theirs to keep."""
+        if self.entry is not None:
+            return Tiles(copy, lambda: self.entry, self.connection)
+        tiles = Tiles(copy, lambda: _of_service(self.service, tiles), self.connection)
+        return tiles
+
+
+def address_of(layer: QgsRasterLayer) -> Address | None:
+    """Where a layer's tiles come from; None where it has none in Web Mercator, or ones that QGIS alone can read."""
+    if layer.providerType() != _PROVIDER or layer.crs().authid() != _MERCATOR:
+        return None
+    uri = layer.source()
+    words = {key: values[0] for key, values in parse_qs(uri, keep_blank_values=True).items()}
+    if words.get("interpretation"):
+        return None
+    try:
+        known = connection_of(layer.name(), uri)
+        if words.get("type") == "xyz":
+            return Address(known, known.entry())
+        if words.get("tileMatrixSet") and words.get("layers") and not words.get("tileDimensions"):
+            address = urlsplit(known.url)._replace(fragment="").geturl()
+            choices = {
+                "layer": "layers",
+                "style": "styles",
+                "format": "format",
+                "tilematrixset": "tileMatrixSet",
+            }
+            named = "&".join(f"{choice}={words[key]}" for choice, key in choices.items() if words.get(key))
+            return Address(known, None, f"wmts:{address}#{named}")
+    except InvalidInput:
+        # Of an address that only QGIS can make something of, QGIS draws the picture.
+        return None
+    return None
+
+
+def _of_service(name: str, tiles: Tiles) -> CatalogueEntry:
+    from ...core.imagery.opening import SourceOptions, named_source
+
+    options = SourceOptions(key=tiles._connection.key or None, transport=tiles._transport)  # noqa: SLF001
+    return named_source(name, options).entry
+
+
+def _premultiplied(pixels: Pixels) -> Pixels:
+    """Red, green, blue (times alpha) and alpha, of pixels with or without alpha."""
+    if pixels.shape[2] == 3:
+        return np.dstack([pixels, np.full(pixels.shape[:2], 255, np.uint8)])
+    alpha = pixels[..., 3:].astype(np.uint16)
+    return np.concatenate([(pixels[..., :3] * alpha + 127) // 255, alpha], axis=2).astype(np.uint8)
+
+
+class _Given(QgsRasterInterface):
+    """Pixels at the beginning of a pipe, as a provider would give them."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.image: QImage | None = None
+
+    def dataType(self, _band: int) -> Qgis.DataType:
+        return _PREMULTIPLIED
+
+    def bandCount(self) -> int:
+        return 1
+
+    def block(
+        self,
+        _band: int,
+        _extent: QgsRectangle,
+        width: int,
+        height: int,
+        _feedback: QgsRasterBlockFeedback | None = None,
+    ) -> QgsRasterBlock:
+        block = QgsRasterBlock(_PREMULTIPLIED, width, height)
+        block.setImage(self.image)
+        return block
+
+
+class _Stages:
+    """The stages of a layer's pipe that colour pixels one by one."""
+
+    def __init__(self, layer: QgsRasterLayer) -> None:
+        self._given = _Given()
+        self._stages: list[QgsRasterInterface] = [self._given]
+        pipe = layer.pipe()
+        for index in range(1, pipe.size()):
+            if not isinstance(pipe.at(index), (QgsRasterProjector, QgsRasterResampleFilter)):
+                stage = pipe.at(index).clone()
+                stage.setInput(self._stages[-1])
+                self._stages.append(stage)
+
+    def applied(self, pixels: Pixels) -> Pixels:
+        """Pixels in the layer's colours, premultiplied as they came."""
+        height, width = pixels.shape[:2]
+        self._given.image = to_image(pixels)
+        # QGIS 3.44 ends where it is given no feedback. The pixels are those that were given, whatever the extent.
+        feedback, extent = QgsRasterBlockFeedback(), QgsRectangle(0.0, 0.0, 1.0, 1.0)
+        return to_array(self._stages[-1].block(1, extent, width, height, feedback).image())
+
+
+def _colours_of(layer: QgsRasterLayer) -> SimpleQueue[_Stages] | None:
+    """Stages that colour a layer's pixels, one set for each thread; None where they leave pixels as they are."""
+    if _is_plain(layer):
+        return None
+    stages: SimpleQueue[_Stages] = SimpleQueue()
+    for _ in range(_COPIES):
+        stages.put(_Stages(layer))
+    return stages
+
+
+def _is_plain(layer: QgsRasterLayer) -> bool:
+    brightness: QgsBrightnessContrastFilter | None = layer.brightnessFilter()
+    hue: QgsHueSaturationFilter | None = layer.hueSaturationFilter()
+    plain_light = brightness is None or (
+        brightness.brightness() == 0 and brightness.contrast() == 0 and brightness.gamma() == 1.0
+    )
+    plain_hue = hue is None or (
+        hue.saturation() == 0
+        and hue.grayscaleMode() == QgsHueSaturationFilter.GrayscaleMode.GrayscaleOff
+        and not hue.colorizeOn()
+        and not getattr(hue, "invertColors", bool)()
+    )
+    return plain_light and plain_hue and layer.renderer().opacity() == 1.0

@@ -1,0 +1,176 @@
+"""Captured images under a click, and what is known of each. On any thread; knows no widget."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from qgis.core import QgsGeometry, QgsPointXY, QgsVectorLayer
+
+from ...core.dataset.folder import MISSION_FILE, REJECTED_FOLDER, TABLE_FILE
+from ...core.errors import InvalidInput
+from ...core.mission.mission import Mission
+from ..dataset.footprints import FootprintFile, rings_of, stamp_of
+from ..dataset.picture import Picture, read_picture
+from ..i18n import tr
+from ..map.mission_group import dataset_of
+
+#: Most images under one click that are offered.
+_MOST = 200
+
+
+class Footprints(NamedTuple):
+    """The captured footprints of a mission.
+
+    Parameters
+    ----------
+    layer_id : str
+        Of the layer that shows them.
+    folder : Path
+        Of the dataset.
+    """
+
+    layer_id: str
+    folder: Path
+
+    @classmethod
+    def of(cls, layer: QgsVectorLayer) -> Footprints:
+        """Footprints of a layer; on the main thread."""
+        return cls(layer.id(), dataset_of(layer))
+
+
+class Shot(NamedTuple):
+    """One captured image.
+
+    Parameters
+    ----------
+    footprints : Footprints
+        That it is one of.
+    number, count : int
+        Its place in the plan, from 0, and how many there are.
+    name : str
+    pose : dict
+        Attributes of its footprint.
+    outline : QgsGeometry
+        EPSG:4326.
+    """
+
+    footprints: Footprints
+    number: int
+    count: int
+    name: str
+    pose: dict[str, Any]
+    outline: QgsGeometry
+
+
+class Seen(NamedTuple):
+    """An image with all that is to be shown of it.
+
+    Parameters
+    ----------
+    shot : Shot
+    map_types : tuple of str
+        There are of it.
+    map_type : str
+        That is shown.
+    picture : Picture
+    row : dict of str to str
+        Its row of the dataset's table; empty where there is none yet.
+    rejected : bool
+        Whether cleaning has moved it out of the way.
+    """
+
+    shot: Shot
+    map_types: tuple[str, ...]
+    map_type: str
+    picture: Picture
+    row: dict[str, str]
+    rejected: bool
+
+
+class Finder:
+    """Finds images; files of footprints that it has read once it knows until they change. On one thread.
+
+    Parameters
+    ----------
+    cancelled : callable
+        Whether nobody waits any more; reading a long file ends then.
+    """
+
+    def __init__(self, cancelled: Callable[[], bool]) -> None:
+        self._cancelled = cancelled
+        self._files: dict[Path, FootprintFile] = {}
+
+    def shots_at(self, footprints: Sequence[Footprints], lat_deg: float, lon_deg: float) -> list[Shot]:
+        """Images whose footprints hold a place, in the order of their missions' plans."""
+        point = QgsGeometry.fromPointXY(QgsPointXY(lon_deg, lat_deg))
+        found = []
+        for these in footprints:
+            for number in self._file(these).near(lat_deg, lon_deg):
+                shot = self._shot(these, number)
+                if shot.outline.contains(point):
+                    found.append(shot)
+                    if len(found) >= _MOST:
+                        return found
+        return found
+
+    def neighbour(self, shot: Shot, step: int) -> Shot | None:
+        """Image that comes ``step`` after another in its plan; None at the end."""
+        number = shot.number + step
+        return self._shot(shot.footprints, number) if 0 <= number < shot.count else None
+
+    def _file(self, footprints: Footprints) -> FootprintFile:
+        known = self._files.get(footprints.folder)
+        if known is None or known.stamp != stamp_of(known.path):
+            known = self._files[footprints.folder] = FootprintFile(footprints.folder, self._cancelled)
+        return known
+
+    def _shot(self, footprints: Footprints, number: int) -> Shot:
+        file = self._file(footprints)
+        feature = file.read(number)
+        try:
+            pose = feature["properties"]
+            name = str(pose["name"])
+            polygons = [
+                [[QgsPointXY(*at) for at in ring] for ring in polygon] for polygon in rings_of(feature)
+            ]
+        except (KeyError, TypeError) as wrong:
+            raise InvalidInput(tr("footprints {path}: have no poses").format(path=file.path)) from wrong
+        return Shot(footprints, number, len(file), name, pose, QgsGeometry.fromMultiPolygonXY(polygons))
+
+
+def see(shot: Shot, map_type: str, longest_px: int) -> Seen:
+    """Read what is to be shown of an image: its picture, no larger than it is shown, and its row of the table.
+
+    Raises
+    ------
+    InvalidInput
+        Where the dataset's mission cannot be read.
+    """
+    folder = shot.footprints.folder
+    mission = Mission.load(folder / MISSION_FILE)
+    map_type = map_type if map_type in mission.map_types else mission.map_types[0]
+    file = f"{shot.name}.{mission.image_format}"
+    path, rejected = folder / map_type / file, folder / map_type / REJECTED_FOLDER / file
+    moved = rejected.is_file() and not path.is_file()
+    picture = read_picture(rejected if moved else path, longest_px)
+    row = _row(folder / map_type / TABLE_FILE, file)
+    return Seen(shot, mission.map_types, map_type, picture, row, moved)
+
+
+def _row(table: Path, name: str) -> dict[str, str]:
+    """Row of an image in a table; found as text, because tables are long and one row is wanted."""
+    try:
+        with table.open(encoding="utf-8-sig", newline="") as file:
+            headers = next(csv.reader([file.readline()]), [])
+            if not headers or headers[0] != "img_names":
+                return {}
+            for line in file:
+                if line.startswith(f"{name},"):
+                    return dict(zip(headers, next(csv.reader([line]))))
+    except (OSError, UnicodeDecodeError, csv.Error):
+        # Written by the run at its end; until then the footprint says what there is to say.
+        return {}
+    return {}

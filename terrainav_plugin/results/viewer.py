@@ -1,0 +1,328 @@
+"""The window that shows one captured image after the other, and what is known of it."""
+
+from __future__ import annotations
+
+import html
+import math
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+from qgis.core import QgsApplication
+from qgis.gui import QgsDockWidget
+from qgis.PyQt.QtCore import QRect, QSize, Qt, pyqtSignal
+from qgis.PyQt.QtGui import QBrush, QImage, QPainter, QPaintEvent
+from qgis.PyQt.QtWidgets import (
+    QComboBox,
+    QFrame,
+    QHBoxLayout,
+    QLabel,
+    QScrollArea,
+    QSizePolicy,
+    QSplitter,
+    QVBoxLayout,
+    QWidget,
+)
+
+from ..i18n import number_text, tr, translate
+from ..plain import plain_label
+from ..widgets import push_button
+from .shots import Seen, Shot
+
+#: Of picture and details, at first and as the window grows.
+_HEIGHTS_PX = (300, 220)
+_SHARES = (1, 1)
+_LEAST_PX = 160
+_USUAL_PX = (400, 300)
+#: Metadata that the rows above tell already, or that concern programs only.
+_TOLD = {
+    "AREA_OR_POINT",
+    "NAME",
+    "MAP_TYPE",
+    "SOURCE",
+    "ATTRIBUTION",
+    "ZOOM",
+    "LAT_DEG",
+    "LON_DEG",
+    "AGL_M",
+    "YAW_DEG",
+    "TILT_DEG",
+    "ROLL_DEG",
+    "IMAGERY_DATE",
+    "EFFECTIVE_GSD_M_PER_PX",
+}
+
+
+class Viewer(QgsDockWidget):
+    """Shows an image with its details, and asks for others.
+
+    Signals
+    -------
+    chosen(int)
+        Index of one of the images under the click.
+    step_wanted(int)
+        1 for the next image of the flight, -1 for the one before.
+    map_type_wanted(str)
+    open_wanted(), zoom_wanted()
+    """
+
+    chosen = pyqtSignal(int)
+    step_wanted = pyqtSignal(int)
+    map_type_wanted = pyqtSignal(str)
+    open_wanted = pyqtSignal()
+    zoom_wanted = pyqtSignal()
+
+    def __init__(self) -> None:
+        super().__init__(tr("TerrAInav images"))
+        self.setObjectName("terrainav_viewer")
+        self.view = PictureView()
+        self.under_click = QComboBox()
+        self.under_click.setObjectName("under_click")
+        self.under_click.setToolTip(tr("Images that show the place of the click"))
+        self.under_click.activated.connect(self.chosen)
+        self.map_type = QComboBox()
+        self.map_type.setObjectName("shown_map_type")
+        self.map_type.setToolTip(tr("Kind of map that is shown"))
+        self.map_type.activated.connect(
+            lambda index: self.map_type_wanted.emit(self.map_type.itemData(index))
+        )
+        self.details = QLabel()
+        self.details.setObjectName("details")
+        self.details.setTextFormat(Qt.TextFormat.RichText)
+        self.details.setWordWrap(True)
+        self.details.setAlignment(Qt.AlignmentFlag.AlignTop)
+        self.details.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
+        self.place = plain_label()
+        self.place.setObjectName("place")
+        self.place.setAlignment(Qt.AlignmentFlag.AlignCenter)
+        self._make_buttons()
+        self.setWidget(self._contents())
+        self.show_hint(tr("Click a captured footprint on the map."))
+
+    def show_hint(self, text: str) -> None:
+        """Show a text in place of an image."""
+        self.view.show_image(None, text)
+        self.details.setText("")
+        self.place.setText("")
+        self.under_click.hide()
+        self.map_type.hide()
+        for button in (self.previous, self.following, self.open, self.zoom):
+            button.setEnabled(False)
+
+    def offer(self, shots: Sequence[Shot], index: int) -> None:
+        """Offer the images under a click."""
+        self.under_click.clear()
+        count = len(shots)
+        for number, shot in enumerate(shots):
+            text = tr("{number} of {count} here: {name}").format(
+                number=number + 1, count=count, name=shot.name
+            )
+            self.under_click.addItem(text)
+        self.under_click.setCurrentIndex(index)
+        self.under_click.setVisible(count > 1)
+
+    def leave_click(self) -> None:
+        """The image that is shown is no longer one of those under the click."""
+        self.under_click.setCurrentIndex(-1)
+
+    def show_seen(self, seen: Seen) -> None:
+        """Show an image."""
+        self.view.show_image(seen.picture.image, seen.picture.problem)
+        self.details.setText(details_html(seen))
+        count = seen.shot.count
+        self.place.setText(
+            tr("{number} of {count}").format(
+                number=number_text(seen.shot.number + 1), count=number_text(count)
+            )
+        )
+        self.previous.setEnabled(seen.shot.number > 0)
+        self.following.setEnabled(seen.shot.number + 1 < count)
+        self.open.setEnabled(seen.picture.image is not None)
+        self.zoom.setEnabled(True)
+        self.map_type.clear()
+        for map_type in seen.map_types:
+            self.map_type.addItem(_title(map_type), map_type)
+        self.map_type.setCurrentIndex(seen.map_types.index(seen.map_type))
+        self.map_type.setVisible(len(seen.map_types) > 1)
+
+    def _make_buttons(self) -> None:
+        of_qgis = QgsApplication.getThemeIcon
+        self.previous = push_button(
+            "previous",
+            tr("Prev&ious"),
+            tr("Image before this one in the flight"),
+            of_qgis("/mActionArrowLeft.svg"),
+        )
+        self.previous.clicked.connect(lambda: self.step_wanted.emit(-1))
+        self.following = push_button(
+            "next", tr("Ne&xt"), tr("Image after this one in the flight"), of_qgis("/mActionArrowRight.svg")
+        )
+        self.following.clicked.connect(lambda: self.step_wanted.emit(1))
+        self.open = push_button(
+            "open",
+            tr("Ope&n"),
+            tr("Open the image in the program for such files"),
+            of_qgis("/mActionFileOpen.svg"),
+        )
+        self.open.clicked.connect(lambda _checked: self.open_wanted.emit())
+        self.zoom = push_button(
+            "zoom", tr("&Zoom to"), tr("Show the image's footprint on the map"), of_qgis("/mActionZoomTo.svg")
+        )
+        self.zoom.clicked.connect(lambda _checked: self.zoom_wanted.emit())
+
+    def _contents(self) -> QWidget:
+        scroll = QScrollArea()
+        scroll.setFrameShape(QFrame.Shape.NoFrame)
+        scroll.setWidgetResizable(True)
+        scroll.setWidget(self.details)
+        both = QSplitter(Qt.Orientation.Vertical)
+        both.addWidget(self.view)
+        both.addWidget(scroll)
+        for index, share in enumerate(_SHARES):
+            both.setStretchFactor(index, share)
+        both.setSizes(list(_HEIGHTS_PX))
+        both.setCollapsible(0, False)
+        steps = QHBoxLayout()
+        steps.addWidget(self.previous)
+        steps.addWidget(self.place, 1)
+        steps.addWidget(self.following)
+        more = QHBoxLayout()
+        more.addWidget(self.map_type, 1)
+        more.addStretch(1)
+        more.addWidget(self.zoom)
+        more.addWidget(self.open)
+        contents = QWidget()
+        layout = QVBoxLayout(contents)
+        layout.setContentsMargins(4, 4, 4, 4)
+        layout.addWidget(self.under_click)
+        layout.addWidget(both, 1)
+        layout.addLayout(steps)
+        layout.addLayout(more)
+        return contents
+
+
+def _title(map_type: str) -> str:
+    return {"satellite": tr("Satellite"), "roadmap": tr("Roadmap"), "terrain": tr("Terrain")}.get(
+        map_type, map_type
+    )
+
+
+class PictureView(QWidget):
+    """Shows an image whole, its proportions kept, over a pattern that shines through where there is nothing."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.setObjectName("picture")
+        self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Expanding)
+        self.image: QImage | None = None
+        self._text = ""
+
+    def show_image(self, image: QImage | None, text: str = "") -> None:
+        """Show an image, or a text in its place."""
+        self.image, self._text = image, text
+        self.setAccessibleName(text)
+        self.update()
+
+    def sizeHint(self) -> QSize:
+        """Room for a picture of four by three."""
+        return QSize(*_USUAL_PX)
+
+    def minimumSizeHint(self) -> QSize:
+        """Room to see something."""
+        return QSize(_LEAST_PX, _LEAST_PX * 3 // 4)
+
+    def paintEvent(self, event: QPaintEvent) -> None:  # noqa: ARG002  Qt passes it
+        """Paint."""
+        painter = QPainter(self)
+        if self.image is None:
+            flags = int(Qt.AlignmentFlag.AlignCenter) | int(Qt.TextFlag.TextWordWrap)
+            painter.drawText(self.rect(), flags, self._text)
+            return
+        size = self.image.size().scaled(self.size(), Qt.AspectRatioMode.KeepAspectRatio)
+        place = QRect(
+            (self.width() - size.width()) // 2,
+            (self.height() - size.height()) // 2,
+            size.width(),
+            size.height(),
+        )
+        painter.fillRect(place, QBrush(self.palette().mid().color(), Qt.BrushStyle.DiagCrossPattern))
+        enlarged = size.width() > self.image.width()
+        # Pixels stay pixels when enlarged.
+        painter.setRenderHint(QPainter.RenderHint.SmoothPixmapTransform, not enlarged)
+        painter.drawImage(place, self.image)
+
+
+def details_html(seen: Seen) -> str:
+    """Table of what is known of an image."""
+    rows = "".join(
+        f"<tr><td style='padding-right: 8px'><b>{html.escape(name)}</b></td><td>{html.escape(value)}</td></tr>"
+        for name, value in details(seen)
+        if value
+    )
+    return f"<table>{rows}</table>"
+
+
+def details(seen: Seen) -> Iterator[tuple[str, str]]:
+    """Names and values, in the order in which they are asked for most."""
+    pose, row, metadata = seen.shot.pose, seen.row, seen.picture.metadata
+    yield tr("Image"), seen.shot.name
+    if row.get("status") == "failed":
+        yield tr("Failed"), translate(row.get("reason", ""))
+    elif seen.picture.problem:
+        yield tr("Missing"), seen.picture.problem
+    if seen.rejected:
+        yield tr("Rejected"), tr("by cleaning the dataset")
+    yield (
+        tr("Position"),
+        tr("{lat}°, {lon}°").format(lat=_number(pose, "lat_deg", 7), lon=_number(pose, "lon_deg", 7)),
+    )
+    yield tr("Height"), tr("{agl} m above ground").format(agl=_number(pose, "agl_m", 2))
+    angles = (_number(pose, name, 2) for name in ("yaw_deg", "tilt_deg", "roll_deg"))
+    yield tr("Yaw, tilt, roll"), tr("{}°, {}°, {}°").format(*angles)
+    yield tr("Time"), _time(pose)
+    if seen.picture.width_px:
+        yield (
+            tr("Size"),
+            tr("{width} × {height} px").format(width=seen.picture.width_px, height=seen.picture.height_px),
+        )
+    yield tr("Ground sample distance"), _gsd(metadata.get("EFFECTIVE_GSD_M_PER_PX", ""))
+    yield tr("Entropy"), _entropy(row.get("entropies", ""))
+    yield tr("Source"), row.get("source") or metadata.get("SOURCE", "")
+    yield tr("Imagery date"), row.get("imagery_date") or metadata.get("IMAGERY_DATE", "")
+    yield tr("Attribution"), row.get("attribution") or metadata.get("ATTRIBUTION", "")
+    yield tr("Zoom"), str(pose.get("zoom", ""))
+    yield tr("Column, row"), f"{pose.get('column', '')}, {pose.get('row', '')}"
+    for name, value in metadata.items():
+        if name not in _TOLD and not name.startswith(("TIFFTAG_", "EXIF_")):
+            yield name.replace("_", " ").capitalize(), value
+    yield tr("File"), str(seen.picture.path)
+
+
+def _number(values: dict[str, Any], name: str, decimals: int) -> str:
+    value = values.get(name)
+    return f"{value:.{decimals}f}" if isinstance(value, (int, float)) else ""
+
+
+def _time(pose: dict[str, Any]) -> str:
+    """When it is exposed, as far as the footprint says so."""
+    value = pose.get("time")
+    if value is None:
+        return ""
+    text = value.toString("yyyy-MM-dd HH:mm:ss.zzz t") if hasattr(value, "toString") else str(value)
+    return text if text != "NULL" else ""
+
+
+def _gsd(text: str) -> str:
+    value = _float(text)
+    return "" if math.isnan(value) else tr("{gsd} m/px").format(gsd=number_text(value, ".4g"))
+
+
+def _entropy(text: str) -> str:
+    value = _float(text)
+    return "" if math.isnan(value) else tr("{bits} bits").format(bits=number_text(value, ".3f"))
+
+
+def _float(text: str) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        return math.nan

@@ -1,0 +1,234 @@
+"""From a click on a captured footprint to its image."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from qgis.core import QgsCoordinateReferenceSystem, QgsCsException, QgsProject, QgsVectorLayer
+from qgis.gui import QgisInterface, QgsMapMouseEvent, QgsRubberBand
+from qgis.PyQt.QtCore import QObject, Qt, pyqtSignal
+from qgis.PyQt.QtGui import QColor
+
+from ...core.errors import TerrAInavError
+from ..compat import POLYGON
+from ..i18n import tr, translate
+from ..map.canvas import TemporaryTool, lon_lat_of, show_extent
+from ..map.mission_group import CAPTURED, ROLE
+from ..messages import Messages
+from ..paths import open_in_system
+from ..tasks import LatestWorker, reason_of
+from ..widgets import add_floating
+
+if TYPE_CHECKING:
+    from .shots import Finder, Seen, Shot
+    from .viewer import Viewer
+
+#: Longest side of a picture as it is read: sharp on any screen, and quickly read.
+_LONGEST_PX = 1600
+_BAND_COLOUR = QColor(240, 140, 30)
+_BAND_PX = 3
+_SIZE_PX = (420, 640)
+_MARGIN = 2.0
+
+
+class ViewTool(TemporaryTool):
+    """Tells the places of clicks, one after the other, until another tool is chosen.
+
+    Signals
+    -------
+    clicked(float, float)
+        Latitude and longitude in degrees.
+    refused(str)
+        Why a place cannot be used.
+    """
+
+    clicked = pyqtSignal(float, float)
+    refused = pyqtSignal(str)
+
+    def canvasReleaseEvent(self, event: QgsMapMouseEvent) -> None:
+        """Tell the place."""
+        if event.button() != Qt.MouseButton.LeftButton:
+            return
+        crs = self.canvas().mapSettings().destinationCrs()
+        try:
+            lon, lat = lon_lat_of(self.toMapCoordinates(event.pos()), crs, QgsProject.instance())
+        except (TerrAInavError, QgsCsException) as wrong:
+            self.refused.emit(translate(wrong))
+            return
+        self.clicked.emit(lat, lon)
+
+
+class Viewing(QObject):
+    """The tool, the window, and the outline of the image that is shown."""
+
+    def __init__(self, project: QgsProject, iface: QgisInterface, messages: Messages) -> None:
+        super().__init__()
+        self._project, self._iface, self._messages = project, iface, messages
+        self._canvas = iface.mapCanvas()
+        self.tool = ViewTool(self._canvas)
+        self.tool.clicked.connect(self._clicked)
+        self.tool.refused.connect(messages.warning)
+        self.viewer: Viewer | None = None
+        self.seen: Seen | None = None
+        self._shots: list[Shot] = []
+        self._finder: Finder | None = None
+        self._band: QgsRubberBand | None = None
+        self._worker = LatestWorker("viewer")
+        self._worker.failed.connect(self._refused)
+        project.layersRemoved.connect(self._layers_removed)
+
+    @property
+    def busy(self) -> bool:
+        """Whether an image is still to come."""
+        return self._worker.busy
+
+    def start(self) -> bool:
+        """Let the user click footprints; False where there are none, which is said."""
+        if not self._layers():
+            self._messages.info(
+                tr(
+                    "There are no captured images on the map yet: capture a mission, or open a dataset by “Missions”."
+                )
+            )
+            return False
+        self._shown_viewer()
+        self.tool.start()
+        return True
+
+    def stop(self) -> None:
+        """Put the tool away; the window stays until the user closes it."""
+        self.tool.stop()
+
+    def close(self) -> None:
+        """End for good."""
+        self._project.layersRemoved.disconnect(self._layers_removed)
+        self._worker.close()
+        self.tool.stop()
+        self.tool.deleteLater()
+        self._remove_band()
+        if self.viewer is not None:
+            self._iface.removeDockWidget(self.viewer)
+            self.viewer.deleteLater()
+            self.viewer = None
+
+    # --- from a click to an image
+
+    def _layers(self) -> list[QgsVectorLayer]:
+        """Captured footprints of all missions: those to be seen, or all where none is."""
+        nodes = [
+            node
+            for node in self._project.layerTreeRoot().findLayers()
+            if node.layer() is not None
+            and node.layer().customProperty(ROLE) == CAPTURED
+            and node.layer().isValid()
+        ]
+        return [node.layer() for node in nodes if node.isVisible()] or [node.layer() for node in nodes]
+
+    def _clicked(self, lat_deg: float, lon_deg: float) -> None:
+        from .shots import Finder, Footprints
+
+        footprints = [Footprints.of(layer) for layer in self._layers()]
+        finder = self._finder = self._finder or Finder(lambda: self._worker.closed)
+        if self.seen is None:
+            self._shown_viewer().show_hint(tr("Looking for images…"))
+        self._worker.ask(lambda _: finder.shots_at(footprints, lat_deg, lon_deg), self._found)
+
+    def _found(self, shots: list[Shot]) -> None:
+        self._shots = shots
+        viewer = self._shown_viewer()
+        if not shots:
+            self.seen = None
+            self._remove_band()
+            viewer.show_hint(tr("No image shows this place. Click a captured footprint on the map."))
+            return
+        viewer.offer(shots, 0)
+        self._look_at(shots[0])
+
+    def _look_at(self, shot: Shot | None, map_type: str = "") -> None:
+        from .shots import see
+
+        if shot is None:
+            return
+        wanted = map_type or (self.seen.map_type if self.seen is not None else "")
+        self._outline(shot)
+        self._worker.ask(lambda _: see(shot, wanted, _LONGEST_PX), self._show)
+
+    def _show(self, seen: Seen) -> None:
+        self.seen = seen
+        self._shown_viewer().show_seen(seen)
+
+    def _choose(self, index: int) -> None:
+        if 0 <= index < len(self._shots):
+            self._look_at(self._shots[index])
+
+    def _step(self, step: int) -> None:
+        if self.seen is None or self.viewer is None or self._finder is None:
+            return
+        shot, finder = self.seen.shot, self._finder
+        self.viewer.leave_click()
+        self._worker.ask(lambda _: finder.neighbour(shot, step), self._look_at)
+
+    def _refused(self, error: Exception) -> None:
+        if self.viewer is not None:
+            self.viewer.show_hint(translate(reason_of(error)))
+
+    # --- the window and the outline
+
+    def _shown_viewer(self) -> Viewer:
+        if self.viewer is None:
+            from .viewer import Viewer
+
+            viewer = self.viewer = Viewer()
+            viewer.chosen.connect(self._choose)
+            viewer.step_wanted.connect(self._step)
+            viewer.map_type_wanted.connect(self._show_map_type)
+            viewer.open_wanted.connect(self._open)
+            viewer.zoom_wanted.connect(self._zoom)
+            viewer.visibilityChanged.connect(self._visibility_changed)
+            add_floating(viewer, self._iface, _SIZE_PX)
+        self.viewer.setUserVisible(True)
+        return self.viewer
+
+    def _show_map_type(self, map_type: str) -> None:
+        if self.seen is not None:
+            self._look_at(self.seen.shot, map_type)
+
+    def _open(self) -> None:
+        if self.seen is not None:
+            open_in_system(self.seen.picture.path)
+
+    def _zoom(self) -> None:
+        if self._band is None:
+            return
+        show_extent(self._canvas, self._band.asGeometry().boundingBox(), _MARGIN)
+
+    def _visibility_changed(self, visible: bool) -> None:
+        """The outline goes with the window."""
+        if self._band is not None:
+            self._band.setVisible(visible)
+
+    def _outline(self, shot: Shot) -> None:
+        if self._band is None:
+            self._band = QgsRubberBand(self._canvas, POLYGON)
+            self._band.setStrokeColor(_BAND_COLOUR)
+            self._band.setFillColor(QColor(0, 0, 0, 0))
+            self._band.setWidth(_BAND_PX)
+        try:
+            self._band.setToGeometry(shot.outline, QgsCoordinateReferenceSystem("EPSG:4326"))
+        except QgsCsException:
+            # Nothing to be seen of it in this projection; the image is shown all the same.
+            self._band.reset(POLYGON)
+
+    def _remove_band(self) -> None:
+        if self._band is not None:
+            self._canvas.scene().removeItem(self._band)
+            self._band = None
+
+    def _layers_removed(self, layer_ids: list[str]) -> None:
+        """An image whose footprints have left the map is no longer shown."""
+        self._shots = [shot for shot in self._shots if shot.footprints.layer_id not in layer_ids]
+        if self.seen is not None and self.seen.shot.footprints.layer_id in layer_ids:
+            self.seen = None
+            self._remove_band()
+            if self.viewer is not None:
+                self.viewer.show_hint(tr("Click a captured footprint on the map."))

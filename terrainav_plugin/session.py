@@ -1,0 +1,342 @@
+"""The plugin at work: makes what the rooms hold, and joins it by signals and callables."""
+
+from __future__ import annotations
+
+import html
+import traceback
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from qgis.core import QgsProject
+from qgis.gui import QgisInterface
+from qgis.PyQt.QtCore import QObject, Qt, pyqtSignal
+from qgis.PyQt.QtWidgets import QComboBox, QDialog
+
+from ..core.errors import TerrAInavError
+from .area.control import AreaControl
+from .area.tools import BoxTool, PointTool
+from .capture.queue import Runs
+from .cleaning.cleaning import Cleaning
+from .dataset.placing import OpenProject
+from .form import mission_form
+from .form.state import FormState
+from .i18n import tr, translate
+from .map.mission_group import MissionGroup
+from .messages import Messages
+from .missions.missions import Missions
+from .panel.camera import camera_choices
+from .panel.choices import source_choices
+from .panel.dock import Dock
+from .panel.form import FormMemory
+from .panel.planning import Planning
+from .panel.runs import RunPanel
+from .panel.source_list import SourceList
+from .paths import folder_of, open_in_system
+from .planner import Planned, Planner
+from .preview.background import Background, SourceOnMap
+from .preview.preview import Preview
+from .results.viewing import Viewing
+from .settings import Settings
+from .widgets import free_of_menus
+
+if TYPE_CHECKING:
+    from ..core.mission.area import Box
+
+#: Height of a first mission in feet, where those are set: about that in metres.
+_USUAL_AGL_FT = 400.0
+
+
+class Session(QObject):
+    """The plugin at work; made when it is first used.
+
+    Signals
+    -------
+    preview_shown(bool)
+        The preview has come or gone, or its layers have in the layer tree.
+    """
+
+    preview_shown = pyqtSignal(bool)
+
+    def __init__(self, iface: QgisInterface, messages: Messages) -> None:
+        super().__init__()
+        self.iface, self.messages = iface, messages
+        self.settings = Settings()
+        self._units = self.settings.units
+        self.project = QgsProject.instance()
+        self.open_project = OpenProject(self.project)
+        canvas, window = iface.mapCanvas(), iface.mainWindow()
+        self.planner = Planner()
+        self.preview = Preview(self.project, canvas)
+        self.background = Background(self.project, iface)
+        self.box_tool, self.point_tool = BoxTool(canvas), PointTool(canvas)
+        self.dock = Dock(source_choices(self.project)[0], camera_choices()[0])
+        form = self.dock.form
+        self.source_on_map = SourceOnMap(self.background, messages, form.state, form.imagery.title)
+        self.memory = FormMemory(self.settings, form.state, self)
+        self.areas = AreaControl(iface, self.dock, form.area, form.area_editing, messages, self.box_tool)
+        self.runs = Runs(messages, window, self.open_project, self.group)
+        self.run_panel = RunPanel(
+            self.runs,
+            self.dock.run_list,
+            zoom=lambda run: self.zoom_to(run.mission.area.bounds),
+            open_folder=lambda run: open_in_system(run.folder),
+            clean=lambda run: self.cleaning.open(run.folder),
+        )
+        self.planning = Planning(self.dock, self.planner, messages, lambda: self.runs.idle)
+        self.missions = Missions(
+            self.dock.missions,
+            messages,
+            self.open_project,
+            form.state,
+            form.set_state,
+            lambda: self.runs.folders,
+        )
+        self.viewing = Viewing(self.project, iface, messages)
+        self.cleaning = Cleaning(iface, messages, self._datasets)
+        self.source_list = SourceList(self.project, form.imagery, messages, window)
+        self._previewing = self._zoom_to_preview = False
+        self._join_panel()
+        self._join_rooms()
+        free_of_menus(self.dock, window.menuBar())
+        iface.addDockWidget(Qt.DockWidgetArea.RightDockWidgetArea, self.dock)
+        self._restore()
+
+    # --- what toolbar and panel ask for
+
+    def state(self) -> FormState:
+        """What is entered."""
+        return self.dock.form.state()
+
+    @property
+    def planned(self) -> Planned | None:
+        """Plan of what is entered; None while it makes none."""
+        return self.planning.latest
+
+    def show_dock(self, visible: bool) -> None:
+        """Show or hide the dock."""
+        self.dock.setUserVisible(visible)
+
+    def draw_box(self) -> None:
+        """Let the user draw the area."""
+        self.dock.setUserVisible(True)
+        self.box_tool.start()
+
+    def take_test_shot(self) -> None:
+        """Let the user click where one picture is to be taken."""
+        self.dock.setUserVisible(True)
+        self.point_tool.start()
+
+    def set_preview(self, on: bool) -> None:
+        """Show the preview and zoom to it, or take it away."""
+        self.dock.setUserVisible(True)
+        if not on:
+            self.preview.remove()
+            self._show_preview_state(False)
+            return
+        self._zoom_to_preview = True
+        # Layers may be there, and hidden.
+        self.preview.set_footprints_visible(True)
+        self._show_preview_state(True)
+        if not self.planning.plan(at_once=True):
+            self._show_preview_state(False)
+            self.planning.refuse(tr("No preview yet."))
+
+    def capture(self, only_failed: bool = False) -> None:
+        """Capture the mission that is entered, as it is now; or of it only what has failed."""
+        self.dock.setUserVisible(True)
+        state = self.state()
+        if self.runs.can_start(state):
+            folder = folder_of(state.folder)
+            self.planning.with_plan(
+                lambda planned: self.runs.start(planned, folder, only_failed), tr("Nothing to capture yet.")
+            )
+
+    def show_on_map(self) -> None:
+        """Add the source as background and zoom to the area."""
+        self.source_on_map.show()
+
+    def group(self) -> MissionGroup:
+        """Group of the mission that is entered."""
+        return self.open_project.group_of(folder_of(self.state().folder))
+
+    def zoom_to(self, box: Box) -> None:
+        """Show an area on the map."""
+        self._on_map(lambda: self.background.zoom_to(box))
+
+    def settings_changed(self) -> None:
+        """Take up what the user has set among QGIS's options."""
+        units = self.dock.form.findChild(QComboBox, "agl_unit")
+        if self._units != self.settings.units:
+            self._units = self.settings.units
+            units.setCurrentIndex(units.findData(self._units))
+        self._show_key()
+        self.planning.plan()
+
+    def project_begun(self) -> None:
+        """Begin a mission with a new project, unless captures are under way."""
+        if self.runs.idle:
+            self.missions.begin_anew()
+
+    def close(self) -> None:
+        """Leave nothing behind."""
+        # One that stays open would be deleted with the dock while it still runs.
+        for dialog in self.dock.findChildren(QDialog):
+            dialog.reject()
+        self.memory.write()
+        for room in (
+            self.runs,
+            self.missions,
+            self.viewing,
+            self.cleaning,
+            self.source_on_map,
+            self.planning,
+        ):
+            room.close()
+        self.open_project.close()
+        for signal in (self.project.layersAdded, self.project.layersRemoved, self.project.cleared):
+            signal.disconnect(self._show_hint)
+        self.source_list.close()
+        self.areas.close()
+        for tool in (self.box_tool, self.point_tool):
+            tool.stop()
+            tool.deleteLater()
+        self.preview.close()
+        self.background.close()
+        self.iface.removeDockWidget(self.dock)
+        self.dock.deleteLater()
+
+    # --- how the rooms are joined
+
+    def _join_panel(self) -> None:
+        dock, form = self.dock, self.dock.form
+        form.changed.connect(self.memory.note)
+        form.changed.connect(self._show_key)
+        form.changed.connect(self._show_hint)
+        form.draw_box_clicked.connect(self.draw_box)
+        form.show_on_map_clicked.connect(self.show_on_map)
+        form.key.selectedConfigIdChanged.connect(self._key_chosen)
+        dock.preview_toggled.connect(self.set_preview)
+        dock.test_shot_clicked.connect(self.take_test_shot)
+        dock.hint_followed.connect(self._follow_hint)
+        dock.capture_clicked.connect(self.capture)
+        self.planning.planned.connect(self._show_preview_of)
+        self.source_on_map.drawing.connect(form.show_on_map.setDisabled)
+        for signal in (self.project.layersAdded, self.project.layersRemoved, self.project.cleared):
+            signal.connect(self._show_hint)
+
+    def _join_rooms(self) -> None:
+        form, runs, missions, preview = self.dock.form, self.runs, self.missions, self.preview
+        self.box_tool.refused.connect(self.messages.warning)
+        self.point_tool.refused.connect(self.messages.warning)
+        self.point_tool.clicked.connect(lambda lat, lon: runs.start_test_shot(self.state(), lat, lon))
+        runs.running.connect(self.dock.show_busy)
+        runs.refused.connect(form.show_messages)
+        runs.other_folder_wanted.connect(self._capture_into)
+        runs.results_shown.connect(self._hide_planned)
+        runs.test_shot_shown.connect(self.background.zoom_to_layer)
+        missions.preview_wanted.connect(self.set_preview)
+        missions.reopened.connect(self._show_preview_again)
+        missions.zoom_wanted.connect(self.zoom_to)
+        missions.refused.connect(form.show_messages)
+        missions.capture_failed_wanted.connect(lambda: self.capture(only_failed=True))
+        missions.clean_wanted.connect(self.cleaning.open)
+        missions.plan_export.plan_wanted.connect(self.planning.with_plan)
+        self.cleaning.dataset_wanted.connect(missions.open_dataset)
+        preview.closed.connect(lambda: self._show_preview_state(False))
+        preview.visibility_changed.connect(lambda _visible: self._show_preview_state(self._previewing))
+        preview.failed.connect(self._preview_failed)
+
+    def _restore(self) -> None:
+        state = FormState.from_json(self.settings.form)
+        if not self.settings.form and self._units == "ft":
+            state = replace(state, agl_unit="ft", agl=_USUAL_AGL_FT)
+        if not state.folder:
+            state = mission_form.with_folder(state, str(self.settings.missions / "mission-1"))
+        self.dock.form.set_state(state)
+        self._show_hint()
+
+    # --- the preview
+
+    def _show_preview_of(self, planned: Planned) -> None:
+        if not self._previewing:
+            return
+        self.preview.show(self.group(), planned.mission, planned.plan)
+        self.group().make_current()
+        if self._zoom_to_preview:
+            self._zoom_to_preview = False
+            self._on_map(lambda: self._zoom_if_out_of_sight(planned.mission.area.bounds))
+
+    def _show_preview_again(self) -> None:
+        """Show the preview of a mission that has been opened."""
+        self._show_preview_state(True)
+        self.planning.plan(at_once=True)
+
+    def _show_preview_state(self, on: bool) -> None:
+        """Keep a preview from now on, or none; the buttons are pressed while it is to be seen."""
+        self._previewing = on
+        self.areas.show_previewed(on)
+        seen = on and self.preview.visible
+        self.dock.show_preview_on(seen)
+        self.preview_shown.emit(seen)
+
+    def _preview_failed(self, error: Exception) -> None:
+        trace = "".join(traceback.format_exception(None, error, error.__traceback__))
+        self.messages.error(tr("The preview could not be drawn: {error}").format(error=repr(error)), trace)
+
+    def _hide_planned(self, folder: Path) -> None:
+        """Hide the planned images of a mission whose images are there."""
+        if self.group().is_same(self.open_project.group_of(folder)):
+            self.preview.set_footprints_visible(False)
+
+    # --- smaller reactions
+
+    def _datasets(self) -> list[Path]:
+        """Folders of the datasets captured last, and of the mission in the panel."""
+        return [*reversed(self.runs.folders), folder_of(self.state().folder)]
+
+    def _capture_into(self, folder: Path) -> None:
+        self.dock.form.set_state(mission_form.with_folder(self.state(), str(folder)))
+        self.capture()
+
+    def _show_key(self) -> None:
+        self.dock.form.show_key(self.settings.authcfg(self.state().source_name))
+
+    def _key_chosen(self, authcfg: str) -> None:
+        self.settings.set_authcfg(self.state().source_name, authcfg)
+        # What was said about it no longer holds.
+        self.planning.plan()
+
+    def _on_map(self, zoom: Callable[[], None]) -> None:
+        try:
+            zoom()
+        except TerrAInavError as wrong:
+            self.messages.warning(translate(wrong))
+
+    def _zoom_if_out_of_sight(self, box: Box) -> None:
+        """Move the map only where the preview could not be seen: users keep the view they chose."""
+        if not self.iface.mapCanvas().extent().intersects(self.background.rectangle(box)):
+            self.background.zoom_to(box)
+
+    def _show_hint(self, *_: object) -> None:
+        hint = ""
+        if not self.project.mapLayers():
+            hint = tr("The map is empty: {link}, or add layers of your own.").format(
+                link=_link("show", tr("show the imagery chosen below and draw a box"))
+            )
+        elif not self.state().has_box:
+            hint = tr("{link} and drag over the area, or paste its coordinates below.").format(
+                link=_link("draw", tr("Draw a box"))
+            )
+        self.dock.show_hint(hint)
+
+    def _follow_hint(self, link: str) -> None:
+        if link == "show":
+            self.source_on_map.show(then=None if self.state().has_box else self.draw_box)
+        else:
+            self.draw_box()
+
+
+def _link(address: str, text: str) -> str:
+    return f'<a href="{address}">{html.escape(text)}</a>'

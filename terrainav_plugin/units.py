@@ -1,0 +1,57 @@
+"""Lengths, areas and durations in words: in metres, or in feet with what goes with them."""
+
+from __future__ import annotations
+
+from ..core.mission.estimate import area_text as metric_area_text
+from ..core.mission.estimate import length_text as metric_length_text
+from .i18n import localized, number_text, tr
+
+METRES, FEET = "m", "ft"
+_FT_PER_MILE, _INCHES_PER_FT = 5280.0, 12.0
+#: International acre and square mile.
+_M2_PER_ACRE, _ACRES_PER_SQ_MI = 4046.8564224, 640.0
+#: International foot.
+M_PER_FT = 0.3048
+
+
+def length_text(value_m: float, unit: str) -> str:
+    """Length in the unit that suits it: of kilometres to millimetres, or of miles, feet and inches."""
+    if unit != FEET:
+        return localized(metric_length_text(value_m))
+    feet = value_m / M_PER_FT
+    if feet >= _FT_PER_MILE:
+        return f"{_number(feet / _FT_PER_MILE)} mi"
+    return f"{_number(feet)} ft" if feet >= 1.0 else f"{_number(feet * _INCHES_PER_FT)} in"
+
+
+def gsd_text(value_m: float, unit: str) -> str:
+    """Ground sample distance: in inches with feet, however many."""
+    if unit != FEET:
+        return localized(metric_length_text(value_m))
+    inches = value_m / M_PER_FT * _INCHES_PER_FT
+    return f"{_number(inches)} in" if inches < _FT_PER_MILE else length_text(value_m, unit)
+
+
+def area_text(value_m2: float, unit: str) -> str:
+    """Area in km² or m², or in square miles or acres."""
+    if unit != FEET:
+        return localized(metric_area_text(value_m2))
+    acres = value_m2 / _M2_PER_ACRE
+    return (
+        tr("{count} sq mi").format(count=_number(acres / _ACRES_PER_SQ_MI))
+        if acres >= _ACRES_PER_SQ_MI
+        else tr("{count} acres").format(count=_number(acres))
+    )
+
+
+def duration_text(seconds: float) -> str:
+    """Return seconds, minutes or hours in words."""
+    if seconds < 90.0:
+        return tr("{count} s").format(count=max(round(seconds), 1))
+    if seconds < 5400.0:
+        return tr("{count} min").format(count=round(seconds / 60.0))
+    return tr("{count} h").format(count=number_text(seconds / 3600.0, ".1f"))
+
+
+def _number(value: float) -> str:
+    return number_text(value, ",.0f") if value >= 1e3 else number_text(value, ".4g")

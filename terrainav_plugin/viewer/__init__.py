@@ -1,1 +1,0 @@
-"""Captured images, looked at one by one."""

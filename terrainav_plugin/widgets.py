@@ -1,0 +1,326 @@
+"""Widgets that forms are made of, and what is said at their fields."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+
+from qgis.gui import QgisInterface, QgsCollapsibleGroupBoxBasic, QgsDockWidget, QgsDoubleSpinBox
+from qgis.PyQt.QtCore import QPoint, Qt
+from qgis.PyQt.QtGui import QColor, QIcon, QKeySequence, QPalette, QResizeEvent, QWheelEvent
+from qgis.PyQt.QtWidgets import (
+    QAbstractButton,
+    QAbstractSpinBox,
+    QCheckBox,
+    QComboBox,
+    QFormLayout,
+    QHBoxLayout,
+    QLabel,
+    QLineEdit,
+    QMenuBar,
+    QPushButton,
+    QTabBar,
+    QVBoxLayout,
+    QWidget,
+)
+
+from .plain import plain_label
+
+#: Vermillion of the Okabe-Ito palette: readable on light and dark themes, told apart by colour-blind people.
+WRONG_COLOUR = "#D55E00"
+#: Share of that colour behind the text of a spin box.
+_TINT = 0.3
+_WRONG = "terrainavWrong"
+STYLE_SHEET = f"""
+QLineEdit[{_WRONG}="true"], QComboBox[{_WRONG}="true"] {{
+    border: 2px solid {WRONG_COLOUR};
+    border-radius: 3px;
+}}
+QLabel[terrainavMark="true"] {{ color: {WRONG_COLOUR}; }}
+"""
+#: Where windows come up, from the corner of the map.
+_CORNER_PX = (12, 36)
+#: A text with an underlined letter, and what gives it another.
+_Text = tuple[str, Callable[[str], None]]
+
+
+def form_layout(box: QgsCollapsibleGroupBoxBasic) -> QFormLayout:
+    """Layout of labelled entries for a group box.
+
+    It is inside one widget: unfolding a group shows all that is right inside it, also rows that are to be hidden.
+    """
+    contents = QWidget(box)
+    around = QVBoxLayout(box)
+    around.setContentsMargins(0, 0, 0, 0)
+    around.addWidget(contents)
+    form = QFormLayout(contents)
+    form.setFieldGrowthPolicy(QFormLayout.FieldGrowthPolicy.AllNonFixedFieldsGrow)
+    form.setVerticalSpacing(4)
+    return form
+
+
+def row(*widgets: QWidget, stretch: int | Sequence[int] = ()) -> QWidget:
+    """Widgets side by side; those numbered in ``stretch`` share the room left."""
+    holder = QWidget()
+    layout = QHBoxLayout(holder)
+    layout.setContentsMargins(0, 0, 0, 0)
+    wide = (stretch,) if isinstance(stretch, int) else stretch
+    for index, widget in enumerate(widgets):
+        layout.addWidget(widget, 1 if index in wide else 0)
+    holder.setFocusProxy(widgets[0])
+    return holder
+
+
+def wrapped_label(name: str) -> QLabel:
+    """Label of any text, in as many lines as that takes, for users to copy from."""
+    label = plain_label()
+    label.setObjectName(name)
+    label.setWordWrap(True)
+    label.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
+    return label
+
+
+def push_button(name: str, text: str, tip: str, image: QIcon | None = None) -> QPushButton:
+    """Button that no other key than its own presses."""
+    made = QPushButton(text) if image is None else QPushButton(image, text)
+    made.setObjectName(name)
+    made.setToolTip(tip)
+    made.setAutoDefault(False)
+    return made
+
+
+class Chooser(QComboBox):
+    """A chooser that a wheel turns only when it has been entered: otherwise the panel is scrolled."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
+
+    def wheelEvent(self, event: QWheelEvent) -> None:
+        """Choose, or leave the wheel to the panel."""
+        if self.hasFocus():
+            super().wheelEvent(event)
+        else:
+            event.ignore()
+
+
+def combo(name: str, items: Sequence[tuple[str, str]], tip: str) -> QComboBox:
+    """Chooser of (value, label) pairs."""
+    combo = Chooser()
+    combo.setObjectName(name)
+    combo.setToolTip(tip)
+    combo.setSizeAdjustPolicy(QComboBox.SizeAdjustPolicy.AdjustToMinimumContentsLengthWithIcon)
+    combo.setMinimumContentsLength(3)
+    for value, label in items:
+        combo.addItem(label, value)
+    return combo
+
+
+def tick(name: str, text: str, tip: str) -> QCheckBox:
+    """Box to tick."""
+    box = QCheckBox(text)
+    box.setObjectName(name)
+    box.setToolTip(tip)
+    return box
+
+
+class NumberBox(QgsDoubleSpinBox):
+    """A spin box that shows no zeros a person would not write.
+
+    Attributes
+    ----------
+    times : float
+        What the dock's state is multiplied by to be shown: 100 for a share in percent.
+    """
+
+    times: float = 1.0
+
+    def textFromValue(self, value: float) -> str:
+        """Text of a number."""
+        text = super().textFromValue(value)
+        point = self.locale().decimalPoint()
+        return text.rstrip("0").rstrip(point) if point in text else text
+
+    def wheelEvent(self, event: QWheelEvent) -> None:
+        """Step only where the box has been entered: otherwise the panel is scrolled."""
+        if self.hasFocus():
+            super().wheelEvent(event)
+        else:
+            event.ignore()
+
+    def number(self) -> float | int:
+        """What is entered; whole where no decimals are taken."""
+        return self.value() / self.times if self.decimals() else int(self.value())
+
+    def enter(self, number: float) -> None:
+        """Show what `number` returns then, to the decimals there are."""
+        self.setValue(number * self.times)
+
+
+def spin(name: str, least: float, most: float, decimals: int, suffix: str, tip: str) -> NumberBox:
+    """Entry for a number with a unit."""
+    spin = NumberBox()
+    spin.setObjectName(name)
+    spin.setRange(least, most)
+    spin.setDecimals(decimals)
+    spin.setSuffix(suffix)
+    spin.setShowClearButton(False)
+    spin.setToolTip(tip)
+    spin.setStepType(QAbstractSpinBox.StepType.AdaptiveDecimalStepType)
+    spin.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
+    return spin
+
+
+def choose(combo: QComboBox, value: object) -> None:
+    """Select the item with this data; an unknown one leaves the first."""
+    combo.setCurrentIndex(max(combo.findData(value), 0))
+
+
+class FieldMessage(QLabel):
+    """Text as high as its lines need; layouts forget about that where widgets are nested."""
+
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        """Make room for the lines there are at this width."""
+        super().resizeEvent(event)
+        self._fit()
+
+    def say(self, text: str) -> None:
+        """Show a text, or nothing."""
+        self.setTextFormat(Qt.TextFormat.PlainText)
+        self.setText(text)
+        self.setVisible(bool(text))
+        self._fit()
+
+    def _fit(self) -> None:
+        self.setMinimumHeight(self.heightForWidth(self.width()) if self.text() else 0)
+
+
+class FieldMarks:
+    """The named fields of a form; marks those that hold a bad value, in words below the field."""
+
+    def __init__(self) -> None:
+        self._fields: dict[str, tuple[QWidget, FieldMessage]] = {}
+
+    def field(self, name: str, widget: QWidget, shown: QWidget | None = None) -> QWidget:
+        """Widget, or ``shown`` which holds it, with the room for its message, to put into a layout."""
+        holder = QWidget()
+        layout = QVBoxLayout(holder)
+        layout.setContentsMargins(0, 0, 0, 0)
+        layout.setSpacing(1)
+        layout.addWidget(shown or widget)
+        layout.addWidget(self.label(name, widget))
+        # Qt lets a label's key go only to what takes the keyboard; Tab passes over what has a proxy. Set before that,
+        # which would get this policy, too.
+        holder.setFocusPolicy(Qt.FocusPolicy.TabFocus)
+        holder.setFocusProxy(shown or widget)
+        return holder
+
+    def label(self, name: str, widget: QWidget) -> FieldMessage:
+        """Label for the message of a field, where it cannot stand right below."""
+        label = FieldMessage()
+        label.setObjectName(f"{name}_message")
+        label.setProperty("terrainavMark", "true")
+        label.setWordWrap(True)
+        label.hide()
+        self._fields[name] = (widget, label)
+        return label
+
+    def show(self, messages: dict[str, str]) -> None:
+        """Mark the fields in ``messages`` and unmark all others."""
+        for name, (widget, label) in self._fields.items():
+            text = messages.get(name, "")
+            label.say(text)
+            if text or widget.property(_WRONG):
+                _mark(widget, bool(text))
+
+    def message(self, name: str) -> str:
+        """Return what is said about a field; empty where it is right."""
+        return self._fields[name][1].text()
+
+    def hidden(self) -> tuple[str, ...]:
+        """Return the fields whose rows are hidden, wherever the form is folded."""
+        return tuple(name for name, (_, label) in self._fields.items() if _is_hidden(label.parentWidget()))
+
+    def out_of_sight(self, messages: dict[str, str]) -> str:
+        """Return what is said in ``messages`` about fields that nobody can see; empty for nothing."""
+        hidden = self.hidden()
+        texts = (text for name, text in messages.items() if name not in self._fields or name in hidden)
+        return "\n".join(texts)
+
+    def fields(self) -> list[tuple[QWidget, QLabel]]:
+        """Fields and the labels for their messages."""
+        return list(self._fields.values())
+
+    def first_message(self) -> str:
+        """Return what is wrong with the first field that is marked; empty where none is."""
+        return next((label.text() for _, label in self._fields.values() if label.text()), "")
+
+
+def free_of_menus(panel: QWidget, menus: QMenuBar) -> None:
+    """Take back the letters of a panel that open a menu, which plugins and languages add to, or that come twice."""
+    taken = {letter_of(action.text()) for action in menus.actions() if action.isVisible()}
+    for text, change in list(_texts(panel)):
+        letter = letter_of(text)
+        if letter and letter in taken:
+            change(text.replace("&", "", 1))
+        taken.add(letter)
+
+
+def add_floating(panel: QgsDockWidget, iface: QgisInterface, size_px: tuple[int, int]) -> None:
+    """Add a window over the map's corner, whole on the screen."""
+    window = iface.mainWindow()
+    free_of_menus(panel, window.menuBar())
+    # Floating before it is added: a wide one would widen the panels that it is put beside for good.
+    panel.setParent(window)
+    panel.setFloating(True)
+    iface.addDockWidget(Qt.DockWidgetArea.LeftDockWidgetArea, panel)
+    corner = iface.mapCanvas().mapToGlobal(QPoint(*_CORNER_PX))
+    screen = window.screen().availableGeometry()
+    wide, high = min(size_px[0], screen.width()), min(size_px[1], screen.height())
+    left = max(min(corner.x(), screen.right() - wide), screen.left())
+    # The window's own title comes on top.
+    panel.setGeometry(left, max(min(corner.y(), screen.bottom() - high), screen.top()), wide, high)
+
+
+def letter_of(text: str) -> str:
+    """Key that a text's underlined letter stands for, as ``Alt+F``; empty where there is none."""
+    return QKeySequence.mnemonic(text).toString()
+
+
+def _is_hidden(part: QWidget) -> bool:
+    """Whether a part of a form is hidden, or something that it is in: not where it is only folded with its group."""
+    around = part.parentWidget()
+    while around is not None and not isinstance(around, QgsCollapsibleGroupBoxBasic):
+        if part.isHidden():
+            return True
+        part, around = around, around.parentWidget()
+    return False
+
+
+def _mark(widget: QWidget, wrong: bool) -> None:
+    widget.setProperty(_WRONG, "true" if wrong else "")
+    if isinstance(widget, QAbstractSpinBox):
+        # A frame by style sheet would spoil the arrows.
+        palette = QPalette()
+        if wrong:
+            palette.setColor(QPalette.ColorRole.Base, _tinted(palette.color(QPalette.ColorRole.Base)))
+        for part in (widget, widget.findChild(QLineEdit)):
+            part.setPalette(palette)
+    else:
+        widget.style().unpolish(widget)
+        widget.style().polish(widget)
+
+
+def _tinted(base: QColor) -> QColor:
+    """Colour on the way from a theme's own to that of what is wrong."""
+    wrong = QColor(WRONG_COLOUR)
+    parts = zip(base.getRgb()[:3], wrong.getRgb()[:3])
+    return QColor(*(round((1.0 - _TINT) * own + _TINT * other) for own, other in parts))
+
+
+def _texts(panel: QWidget) -> Iterator[_Text]:
+    for widget in panel.findChildren(QWidget):
+        if isinstance(widget, QAbstractButton) or (isinstance(widget, QLabel) and widget.buddy() is not None):
+            yield widget.text(), widget.setText
+        elif isinstance(widget, QTabBar):
+            for index in range(widget.count()):
+                yield widget.tabText(index), lambda text, bar=widget, at=index: bar.setTabText(at, text)
