@@ -185,7 +185,7 @@ def test_figures_are_spanish_and_have_their_values(spanish_desk):
     assert estimates[estimates.index("Cobertura") + 1].startswith("100 % de ")
     details = list(lines_of(figures.details.text()))
     assert re.fullmatch(
-        r"huella: loc\d, ≤\s\S+\spx; imagen: map, ≤\s\S+\spx", details[details.index("Métodos") + 1]
+        r"huella: exact, ≤\s\S+\spx; imagen: map, ≤\s\S+\spx", details[details.index("Métodos") + 1]
     )
     assert details[details.index("Se omite") + 1] == "remuestreo, huellas exactas, viento"
     assert details[details.index("Relieve") + 1].startswith("sin cota, hasta ")
