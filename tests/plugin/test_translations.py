@@ -187,7 +187,7 @@ def test_figures_are_spanish_and_have_their_values(spanish_desk):
     assert re.fullmatch(
         r"huella: exact, ≤\s\S+\spx; imagen: map, ≤\s\S+\spx", details[details.index("Métodos") + 1]
     )
-    assert details[details.index("Se omite") + 1] == "remuestreo, huellas exactas, viento"
+    assert details[details.index("Se omite") + 1] == "remuestreo, viento"
     assert details[details.index("Relieve") + 1].startswith("sin cota, hasta ")
     why = list(lines_of(figures.details.toolTip()))
     assert "Sin viento" in why
