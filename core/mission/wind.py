@@ -111,13 +111,13 @@ class Wind:
         airspeed_m_per_s : float
             Above the mean wind.
         """
-        against = np.radians(self.from_deg - np.asarray(heading_deg, np.float64))
+        against = np.radians(float(self.from_deg) - np.asarray(heading_deg, np.float64))
         crab: Floats = np.degrees(np.arcsin(self.speed_m_per_s / airspeed_m_per_s * np.sin(against)))
         return crab
 
     def ground_speed_m_per_s(self, heading_deg: Floats | float, airspeed_m_per_s: float) -> Floats:
         """Speed over ground along a track, in metres a second: above 0 where the airspeed is above the mean wind."""
-        against = np.radians(self.from_deg - np.asarray(heading_deg, np.float64))
+        against = np.radians(float(self.from_deg) - np.asarray(heading_deg, np.float64))
         forward = np.sqrt(airspeed_m_per_s**2 - (self.speed_m_per_s * np.sin(against)) ** 2)
         speed: Floats = forward - self.speed_m_per_s * np.cos(against)
         return speed

@@ -110,7 +110,7 @@ class CatalogueEntry:
                 map_types=tuple(data.pop("map_types", [known for known in urls if known])),
                 hosts=tuple(data.pop("hosts", ())),
                 area=data.pop("area", ""),
-                attribution=data.pop("attribution", ""),
+                attribution=data.pop("attribution", None) or "",
                 tile_px=tuple(data.pop("tile_px", (256, 512) if data["kind"] == "static-map" else (256,))),
                 dates=Dates(**dates) if dates else None,
                 policy=Policy(**terms),

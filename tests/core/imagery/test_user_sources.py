@@ -220,6 +220,13 @@ def test_data_of_another_kind_are_refused_and_named(change, says, folder):
     assert not folder.exists()
 
 
+def test_a_source_without_attribution_credits_nobody(folder):
+    folder.mkdir()
+    described_ = {**described("https://h.example/{z}/{x}/{y}"), "attribution": None}
+    (folder / "sources.json").write_text(json.dumps({"mine": described_}))
+    assert entry_named("mine").credit("2024") == ""
+
+
 @pytest.mark.parametrize(
     ("text", "says"),
     [

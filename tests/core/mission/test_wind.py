@@ -577,3 +577,9 @@ def test_methods_start_at_rest_and_refuse_what_they_cannot_step():
     ):
         with pytest.raises(InvalidInput, match=says):
             wind_methods.moments(*arguments)
+
+
+def test_a_direction_beyond_64_bits_is_a_direction():
+    calm, far = Wind(5.0, 0.0), Wind(5.0, 360 * 10**30)
+    assert math.isfinite(far.crab_deg(10.0, 12.0))
+    assert far.ground_speed_m_per_s(10.0, 12.0) <= calm.ground_speed_m_per_s(180.0, 12.0)
