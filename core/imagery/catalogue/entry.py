@@ -97,8 +97,9 @@ class CatalogueEntry:
     @classmethod
     def from_dict(cls, name: str, data: Mapping[str, Any], *, user: bool = False) -> CatalogueEntry:
         """Entry of ``resources/sources.json``; raises InvalidInput on what is unknown or missing."""
-        data = dict(data)
         _check_kinds(name, data)
+        # A null stands for the default.
+        data = {field: value for field, value in data.items() if value is not None}
         terms = {field: data.pop(field) for field in Policy.__dataclass_fields__ if field in data}
         try:
             marks = dict(data.pop("placeholder", {}))
@@ -110,7 +111,7 @@ class CatalogueEntry:
                 map_types=tuple(data.pop("map_types", [known for known in urls if known])),
                 hosts=tuple(data.pop("hosts", ())),
                 area=data.pop("area", ""),
-                attribution=data.pop("attribution", None) or "",
+                attribution=data.pop("attribution", ""),
                 tile_px=tuple(data.pop("tile_px", (256, 512) if data["kind"] == "static-map" else (256,))),
                 dates=Dates(**dates) if dates else None,
                 policy=Policy(**terms),

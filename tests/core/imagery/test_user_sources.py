@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import dataclasses
 import json
 
 import pytest
 from terrainav.core.errors import InvalidInput, OutputError
+from terrainav.core.imagery.catalogue.entry import CatalogueEntry
 from terrainav.core.imagery.catalogue.listing import entry_named, sources
 from terrainav.core.imagery.catalogue.user_sources import (
     add,
@@ -15,6 +17,7 @@ from terrainav.core.imagery.catalogue.user_sources import (
     user_sources,
 )
 from terrainav.core.imagery.opening import open_source
+from terrainav.core.imagery.policy import Policy
 from terrainav.core.imagery.source import Window
 
 from tests.support.patterns import positions
@@ -220,11 +223,16 @@ def test_data_of_another_kind_are_refused_and_named(change, says, folder):
     assert not folder.exists()
 
 
-def test_a_source_without_attribution_credits_nobody(folder):
+def test_null_stands_for_the_default_of_every_field(folder):
     folder.mkdir()
-    described_ = {**described("https://h.example/{z}/{x}/{y}"), "attribution": None}
-    (folder / "sources.json").write_text(json.dumps({"mine": described_}))
-    assert entry_named("mine").credit("2024") == ""
+    stated = ("title", "kind", "min_zoom", "max_zoom", "native_zoom", "urls")
+    data = described("https://h.example/{z}/{x}/{y}")
+    needed = {name: data[name] for name in stated}
+    fields = [one.name for part in (CatalogueEntry, Policy) for one in dataclasses.fields(part)]
+    for name in sorted({*fields} - {*stated, "name", "policy", "user"}):
+        (folder / "sources.json").write_text(json.dumps({"mine": needed, "null": {**needed, name: None}}))
+        assert dataclasses.replace(entry_named("null"), name="mine") == entry_named("mine"), name
+    assert entry_named("null").credit("2024") == ""
 
 
 @pytest.mark.parametrize(
