@@ -68,6 +68,10 @@ chosen_fields = (
     getattr(QgsProcessingAlgorithm, "parameterAsStrings", None) or QgsProcessingAlgorithm.parameterAsFields
 )
 
+#: Whether the log panel shows messages as they are. QGIS 3.40.6 takes them for HTML and 3.44.15 does not; in between
+#: they are escaped, as entities in a log do less harm than tags.
+LOG_IS_PLAIN = Qgis.QGIS_VERSION_INT >= 34415
+
 #: Types of attributes: their name in Qt 6, and in the QVariant of Qt 5.
 _KINDS = {
     "text": ("QString", "String"),

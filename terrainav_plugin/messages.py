@@ -20,6 +20,7 @@ from qgis.PyQt.QtWidgets import (
     QWidget,
 )
 
+from .compat import LOG_IS_PLAIN
 from .i18n import tr
 from .plain import escaped
 
@@ -35,8 +36,9 @@ _SECONDS = {Qgis.MessageLevel.Info: 8, Qgis.MessageLevel.Success: 12}
 
 
 def log(text: str, level: Qgis.MessageLevel = Qgis.MessageLevel.Info) -> None:
-    """Write a line to the log panel's TerrAInav tab, which shows HTML where there is some."""
-    QgsMessageLog.logMessage(escaped(text) if "<" in text else text, TITLE, level, notifyUser=False)
+    """Write a line to the log panel's TerrAInav tab, as it is."""
+    shown = text if LOG_IS_PLAIN or "<" not in text else escaped(text)
+    QgsMessageLog.logMessage(shown, TITLE, level, notifyUser=False)
 
 
 class LogPanelHandler(logging.Handler):

@@ -226,8 +226,9 @@ class CatalogueEntry:
     @classmethod
     def from_dict(cls, name: str, data: Mapping[str, Any], *, user: bool = False) -> CatalogueEntry:
         """Entry of ``resources/sources.json``; raises InvalidInput on what is unknown or missing."""
-        data = dict(data)
         _check_kinds(name, data)
+        # A null stands for the default.
+        data = {field: value for field, value in data.items() if value is not None}
         terms = {field: data.pop(field) for field in Policy.__dataclass_fields__ if field in data}
         try:
             marks = dict(data.pop("placeholder", {}))

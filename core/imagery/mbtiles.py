@@ -22,7 +22,7 @@ from ..limits import (
     MAX_VIEW_CHARACTERS,
 )
 from ..text import one_line, whole_number
-from .cache.tilefile import connect, fault
+from .cache.tilefile import FILE_ERRORS, connect, fault
 from .decode import decode, size_of
 from .opening import FileSource
 from .policy import Policy
@@ -146,7 +146,7 @@ class MBTilesSource:
         while True:
             try:
                 return self._stored(tile)
-            except sqlite3.Error as wrong:  # noqa: PERF203  (one that is busy is asked again)
+            except FILE_ERRORS as wrong:  # noqa: PERF203  (one that is busy is asked again)
                 if self._clock.stopped:
                     raise Cancelled("the source was closed") from None
                 if self._clock.is_over():
@@ -190,12 +190,12 @@ def open_mbtiles(path: str | os.PathLike[str]) -> MBTilesSource:
         _check_defined(connection)
         rows, sample = _first_look(connection)
         source = MBTilesSource(file, connection, clock, rows, _grid(connection, rows, sample))
-    except sqlite3.Error as wrong:
+    except InvalidInput as wrong:
+        failure = InvalidInput(f"MBTiles {file}: {wrong}")
+    except FILE_ERRORS as wrong:
         failure = InvalidInput(f"MBTiles {file}: is no MBTiles file, or is damaged ({wrong})")
         if clock.is_over():
             failure = InvalidInput(str(_too_slow(f"MBTiles {file}")))
-    except InvalidInput as wrong:
-        failure = InvalidInput(f"MBTiles {file}: {wrong}")
     else:
         return source
     if connection is not None:
@@ -253,7 +253,7 @@ def _readable(file: Path, mode: str, clock: _Clock) -> sqlite3.Connection:
         clock.start()
         connection.set_progress_handler(clock.is_over, _STEPS)
         connection.execute("SELECT count(*) FROM sqlite_master").fetchone()
-    except sqlite3.Error:
+    except FILE_ERRORS:
         connection.close()
         raise
     return connection

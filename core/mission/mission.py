@@ -324,19 +324,20 @@ class Mission:
         unknown = sorted(set(data) - known)
         if unknown:
             raise InvalidInput(f"mission field {unknown[0]!r}: not one of {', '.join(sorted(known))}")
-        for name, (kinds, words) in _JSON_TYPES.items():
-            value = data.get(name)
-            if value is not None and (
-                not isinstance(value, kinds) or isinstance(value, bool) != (kinds is bool)
-            ):
+        # A null stands for the default, as it does where that is none.
+        data = {name: value for name, value in data.items() if value is not None}
+        for name in data.keys() & _JSON_TYPES.keys():
+            kinds, words = _JSON_TYPES[name]
+            value = data[name]
+            if not isinstance(value, kinds) or isinstance(value, bool) != (kinds is bool):
                 raise InvalidInput(f"mission field {name!r} is {value!r}: must be {words}")
         try:
-            data["area"] = _area_from_dict(data["area"])
+            data["area"], data["agl_m"] = _area_from_dict(data["area"]), data["agl_m"]
             data["camera"] = _made(Camera, "camera", data.get("camera", {}))
-            if data.get("wind") is not None:
+            if "wind" in data:
                 data["wind"] = _made(Wind, "wind", data["wind"])
             data["map_types"] = tuple(data.get("map_types", ("satellite",)))
-            if data.get("img_size") is not None:
+            if "img_size" in data:
                 data["img_size"] = tuple(data["img_size"])
             return cls(**_with_image_px(data), notes=notes)
         except KeyError as missing:
@@ -457,9 +458,9 @@ def _with_image_px(data: dict[str, Any]) -> dict[str, Any]:
     Such a file's longest side was the camera's, and the limit at once; with a zoom or a ground sample distance it was
     neither.
     """
-    if "image_px" in data or data.get("max_px") is None:
+    if "image_px" in data or "max_px" not in data:
         return data
-    chosen = data.get("zoom") is not None or data.get("gsd_m_per_px") is not None
+    chosen = "zoom" in data or "gsd_m_per_px" in data
     return {**data, "image_px": data["max_px"], "max_px": None if chosen else data["max_px"]}
 
 

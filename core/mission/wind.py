@@ -94,13 +94,18 @@ class Wind:
         airspeed_m_per_s : float
             Above the mean wind.
         """
-        against = np.radians(self.from_deg - np.asarray(heading_deg, np.float64))
+        against = self._against_rad(heading_deg)
         crab: Floats = np.degrees(np.arcsin(self.speed_m_per_s / airspeed_m_per_s * np.sin(against)))
         return crab
 
     def ground_speed_m_per_s(self, heading_deg: Floats | float, airspeed_m_per_s: float) -> Floats:
         """Speed over ground along a track, in metres a second: above 0 where the airspeed is above the mean wind."""
-        against = np.radians(self.from_deg - np.asarray(heading_deg, np.float64))
+        against = self._against_rad(heading_deg)
         forward = np.sqrt(airspeed_m_per_s**2 - (self.speed_m_per_s * np.sin(against)) ** 2)
         speed: Floats = forward - self.speed_m_per_s * np.cos(against)
         return speed
+
+    def _against_rad(self, heading_deg: Floats | float) -> Floats:
+        """Angle from a track to where the wind comes from; a direction in a mission file may be any number."""
+        against: Floats = np.radians(float(self.from_deg) - np.asarray(heading_deg, np.float64))
+        return against

@@ -178,16 +178,22 @@ def test_an_interrupt_stops_and_resume_goes_on(tmp_path):
 @pytest.mark.parametrize(("name", "code"), [("SIGTERM", 143), ("SIGHUP", 129)])
 def test_whatever_ends_a_capture_leaves_its_table(tmp_path, name, code):
     arguments = ["capture", "--coords", "35.16_-89.90_35.15_-89.88_120", "--data-dir", "out", "--quiet"]
-    process = subprocess.Popen(
-        [sys.executable, "-m", "terrainav.core.cli", *arguments],
-        cwd=tmp_path,
-        stderr=subprocess.PIPE,
-        text=True,
-    )
+    number = getattr(signal, name)
+    # Whoever began the tests may have had it ignored, as nohup does, and children inherit that.
+    before = signal.signal(number, signal.SIG_DFL)
+    try:
+        process = subprocess.Popen(
+            [sys.executable, "-m", "terrainav.core.cli", *arguments],
+            cwd=tmp_path,
+            stderr=subprocess.PIPE,
+            text=True,
+        )
+    finally:
+        signal.signal(number, before)
     deadline = time.monotonic() + 60
     while time.monotonic() < deadline and not list((tmp_path / "out").glob("satellite/*.tif")):
         time.sleep(0.02)
-    process.send_signal(getattr(signal, name))
+    process.send_signal(number)
     _, errors = process.communicate(timeout=60)
     assert (process.returncode, "--resume" in errors) == (code, True), errors
     table = Table.load(tmp_path / "out" / "satellite" / "meta_data.csv")

@@ -192,6 +192,9 @@ def _extreme() -> st.SearchStrategy[dict[str, Any]]:
 def work_out_extreme(values: dict[str, Any]) -> None:
     values = dict(values)
     lat, lon, agl = values.pop("lat"), values.pop("lon"), values.pop("agl")
+    if values.get("mesh") == "rays":
+        # A ray for every pixel takes a second for each megapixel, as it says.
+        values["image_px"] = min(values.get("image_px", 640), 640)
     camera = Camera(values.pop("fov", 78.8), values.pop("ratio", 4 / 3))
     size = values.pop("box_deg", None)
     area = Points(((lat, lon, agl),)) if size is None else Box(lat, lon, lat - size, lon + size)

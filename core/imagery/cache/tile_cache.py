@@ -20,8 +20,8 @@ from typing import Callable
 from ...errors import InvalidInput, OutputError
 from ...text import whole_number
 from . import tilefile
-from .tilefile import About, TileFile
-from .tilestore import FILE_ERRORS, TileStore
+from .tilefile import FILE_ERRORS, About, TileFile
+from .tilestore import TileStore
 
 FOLDER_ENV = "TERRAINAV_CACHE_DIR"
 #: Bytes of all files together, where nothing else is said.
@@ -315,7 +315,7 @@ def _clear(path: Path) -> None:
                 tilefile.empty(path, time.monotonic() + _TRIM_S)
         else:
             path.unlink(missing_ok=True)
-    except (sqlite3.Error, OSError) as wrong:
+    except (*FILE_ERRORS, OSError) as wrong:
         raise OutputError(f"cache {path}: cannot be removed ({wrong})") from wrong
 
 

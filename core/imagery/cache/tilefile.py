@@ -53,6 +53,11 @@ _DELETE_FRESHNESS = "DELETE FROM freshness WHERE zoom_level = ? AND tile_column 
 _FORMATS = ((b"\x89PNG", "png"), (b"\xff\xd8\xff", "jpg"), (b"RIFF", "webp"), (b"GIF8", "image/gif"))
 
 
+#: What reading a file may raise whose bytes anybody may have written: what is wrong with it is said in its own words,
+#: which need not be UTF-8.
+FILE_ERRORS = (sqlite3.Error, ValueError, TypeError, OverflowError, MemoryError)
+
+
 class About(NamedTuple):
     """What a file of tiles is of."""
 
@@ -160,7 +165,7 @@ class TileFile:
         self._writer = _create(path, about)
         try:
             self._reader = connect(path, wait_s=READ_WAIT_S)
-        except sqlite3.Error:
+        except FILE_ERRORS:
             self._writer.close()
             raise
 
@@ -253,7 +258,7 @@ def _create(path: Path, about: About) -> sqlite3.Connection:
             # Another process may have removed the file between its opening and the first lock.
             if path.exists():
                 return connection
-        except sqlite3.Error as wrong:
+        except FILE_ERRORS as wrong:
             # SQLite does not wait for the lock that the switch to WAL needs.
             if fault(wrong) != "busy" or time.monotonic() > until_s:
                 connection.close()

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import logging
-import sqlite3
 import threading
 import time
 from collections.abc import Mapping
@@ -16,7 +15,7 @@ from ..http.client import NotThere, OutOfReach
 from ..http.transport import Response
 from ..source import Pixels, Tile
 from .freshness import Freshness, freshness
-from .tilefile import BATCH_TILES, BrokenTileError, Kept, TileFile, fault
+from .tilefile import BATCH_TILES, FILE_ERRORS, BrokenTileError, Kept, TileFile, fault
 
 #: Seconds that tiles wait to be written together: what a killed run may lose.
 FLUSH_S = 1.0
@@ -30,8 +29,6 @@ USED_STEP_S = 3600
 _MOST_SET_ASIDE = 3
 #: Times another program may have held the file when tiles were to be written, one after the other.
 _MOST_BUSY = 10
-#: What a file whose bytes were changed may raise.
-FILE_ERRORS = (sqlite3.Error, ValueError, TypeError, OverflowError, MemoryError)
 
 _log = logging.getLogger(__name__)
 

@@ -431,4 +431,4 @@ def _paper(mission: Mission, area: Box | Polygon, frames: Frames) -> Layout:
 
 def _paper_count(extent_m: float, size_m: float, step_m: float) -> float:
     """Images until the far corner, ``extent_m`` from the first centre, is inside one."""
-    return max(math.ceil((extent_m - size_m / 2.0) / step_m - _COUNT_GUARD), 0) + 1.0
+    return max(float(np.ceil((extent_m - size_m / 2.0) / step_m - _COUNT_GUARD)), 0.0) + 1.0

@@ -196,6 +196,13 @@ def without_tiles(path):
     write(path, {})
 
 
+def a_schema_that_is_not_utf8(path):
+    with closing(sqlite3.connect(path)) as database:
+        database.execute("CREATE TABLE metadata (name, value)")
+        database.commit()
+    path.write_bytes(path.read_bytes().replace(b"CREATE TABLE", b"CREAT\xff TABLE"))
+
+
 def vector_by_name(path):
     write(path, {(0, 0, 0): b"\x1f\x8bvector"}, format="pbf")
 
@@ -232,6 +239,7 @@ def zooms_that_are_none(path):
         (no_file, "is not there"),
         (no_database, r"is no MBTiles file, or is damaged \(file is not a database\)"),
         (no_tables, r"is no MBTiles file, or is damaged \(no such table: metadata\)"),
+        (a_schema_that_is_not_utf8, r"is no MBTiles file, or is damaged \('utf-8' codec"),
         (without_tiles, "holds no tiles"),
         (vector_by_name, r"holds vector tiles \(pbf\); must hold pictures"),
         (vector_by_content, r"holds vector tiles \(pbf\); must hold pictures"),

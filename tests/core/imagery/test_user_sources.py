@@ -2,12 +2,23 @@
 
 from __future__ import annotations
 
+import dataclasses
 import json
 
 import pytest
 from terrainav.core.errors import InvalidInput, OutputError
-from terrainav.core.imagery.catalogue import add, described, entry_named, remove, shelf, sources, user_sources
+from terrainav.core.imagery.catalogue import (
+    add,
+    described,
+    entry_named,
+    remove,
+    shelf,
+    sources,
+    user_sources,
+)
+from terrainav.core.imagery.entry import CatalogueEntry
 from terrainav.core.imagery.opening import open_source
+from terrainav.core.imagery.policy import Policy
 from terrainav.core.imagery.source import Window
 
 from tests.support.patterns import positions
@@ -211,6 +222,18 @@ def test_data_of_another_kind_are_refused_and_named(change, says, folder):
     with pytest.raises(InvalidInput, match=says):
         add("mine", {name: value for name, value in data.items() if value is not ...})
     assert not folder.exists()
+
+
+def test_null_stands_for_the_default_of_every_field(folder):
+    folder.mkdir()
+    stated = ("title", "kind", "min_zoom", "max_zoom", "native_zoom", "urls")
+    data = described("https://h.example/{z}/{x}/{y}")
+    needed = {name: data[name] for name in stated}
+    fields = [one.name for part in (CatalogueEntry, Policy) for one in dataclasses.fields(part)]
+    for name in sorted({*fields} - {*stated, "name", "policy", "user"}):
+        (folder / "sources.json").write_text(json.dumps({"mine": needed, "null": {**needed, name: None}}))
+        assert dataclasses.replace(entry_named("null"), name="mine") == entry_named("mine"), name
+    assert entry_named("null").credit("2024") == ""
 
 
 @pytest.mark.parametrize(

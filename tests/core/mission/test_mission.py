@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import json
 import math
 
@@ -110,6 +111,16 @@ def test_a_mission_file_without_an_image_s_size_means_what_it_meant():
         assert Mission.from_json(mission.to_json()) == mission
     written_by_hand = {"schema": 1, "agl_m": 120, "area": {"type": "points", "poses": [[35, -89, 120]]}}
     assert plan(Mission.from_dict(written_by_hand), PixelGrid()).zoom == 19
+
+
+def test_null_stands_for_the_default():
+    needed = {"schema": 1, "agl_m": 120, "area": {"type": "points", "poses": [[35, -89, 120]]}}
+    for field in filter(lambda one: one.compare, dataclasses.fields(Mission)):
+        if field.name in needed:
+            with pytest.raises(InvalidInput, match=f"mission without '{field.name}'"):
+                Mission.from_dict({**needed, field.name: None})
+        else:
+            assert Mission.from_dict({**needed, field.name: None}) == Mission.from_dict(needed), field.name
 
 
 def test_defaults_may_be_left_out():

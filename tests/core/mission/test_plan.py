@@ -543,3 +543,11 @@ def test_too_many_images_are_refused_before_memory_is_taken():
     finally:
         tracemalloc.stop()
     assert peak < 50e6
+
+
+def test_rows_of_the_paper_without_end_are_refused():
+    mission = Mission(
+        Box(35.16, -89.90, 35.115, -89.823), 1e-308, Camera(78.8, 4 / 3), layout="paper", accept_error=True
+    )
+    with pytest.raises(InvalidInput, match="mission of inf images: the limit is"):
+        plan(mission, PixelGrid())

@@ -504,3 +504,9 @@ def test_a_flight_that_cannot_be(flight, place, value, says):
     given_values[place] = value
     with pytest.raises(InvalidInput, match=says):
         fly(flight, AIRSPEED, *given_values)
+
+
+def test_a_direction_beyond_64_bits_is_a_direction():
+    calm, far = Wind(5.0, 0.0), Wind(5.0, 360 * 10**30)
+    assert math.isfinite(far.crab_deg(10.0, 12.0))
+    assert far.ground_speed_m_per_s(10.0, 12.0) <= calm.ground_speed_m_per_s(180.0, 12.0)
