@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-import importlib
 import re
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from functools import cached_property
+from importlib.util import resolve_name
 from pathlib import Path
+from types import ModuleType
 from typing import TYPE_CHECKING, Any, Callable, NamedTuple
 
 from ..errors import InvalidInput, SourceError
@@ -99,8 +100,7 @@ def named_source(text: str, options: SourceOptions = SourceOptions()) -> NamedSo
         It is a map of QGIS, which the plugin alone knows.
     """
     kind = _kind(text)
-    module = importlib.import_module(kind.module, __package__)
-    source: NamedSource = getattr(module, kind.source)(text, options)
+    source: NamedSource = getattr(_imported(kind.module), kind.source)(text, options)
     return source
 
 
@@ -195,6 +195,12 @@ def _kind(text: str) -> Kind:
             "a name of the catalogue"
         )
     return next(kind for kind in KINDS if kind.recognises(text))
+
+
+def _imported(module: str) -> ModuleType:
+    """Module by its name, relative to this package."""
+    # By the built-in import and not importlib's: that is where QGIS keeps book of what it forgets when a plugin goes.
+    return __import__(resolve_name(module, __package__ or ""), fromlist=["*"])
 
 
 class NamedSource(ABC):
@@ -344,7 +350,7 @@ class EntrySource(NamedSource):
             raise SourceError(
                 f"{entry.title}: needs an API key: set the environment variable {entry.key_env}"
             )
-        pixels = importlib.import_module(PIXELS[entry.kind], __package__)
+        pixels = _imported(PIXELS[entry.kind])
         source: Source = pixels.open_entry(entry, date, key, options)
         return source
 

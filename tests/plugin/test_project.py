@@ -373,8 +373,11 @@ def test_unloading_in_the_middle_of_everything_leaves_nothing(unloaded, iface, q
 
     from tests.plugin.steps import Desk
 
-    before = census(iface)
-    for round_number in range(3):
+    before = None
+    for round_number in range(4):
+        if round_number == 1:
+            # What QGIS makes once, when it is first asked for a message or a layer, is there by now.
+            before = census(iface)
         assert qgis.utils.loadPlugin(PLUGIN)
         assert qgis.utils.startPlugin(PLUGIN)
         with TileServer(latency_s=0.2) as server:
