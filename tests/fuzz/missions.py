@@ -33,6 +33,8 @@ TURNED = Mission(BOX.area, 120.0, grid_angle_deg=30.0, crosshatch=True, gsd_m_pe
 DOCUMENTS = tuple(mission.to_dict() for mission in (BOX, LIST, TILTED, TURNED))
 # Few, so that what is found is about values, and not about the number of images.
 MOST_IMAGES = 200
+#: Pixels of camera frames whose tiles are counted, which takes up to about a second a megapixel.
+MOST_TRACED_PX = 2e6
 GRIDS = (PixelGrid(), PixelGrid(512, 2, 19, 17), PixelGrid(max_size_px=640, centre_decimals=6))
 COORDS = ("35.16_-89.90_120", "35.16_-89.90_35.155_-89.895_120", "35.1 -89.8 120\n35.2 -89.7 120 5\n# no\n")
 RING = [[-89.90, 35.16], [-89.895, 35.16], [-89.895, 35.155], [-89.90, 35.16]]
@@ -63,12 +65,14 @@ CONFIG = {
 }
 
 
-def work_out(mission: Mission, grids: Iterable[PixelGrid] = GRIDS, most_images: int = MOST_IMAGES) -> None:
+def work_out(mission: Mission, grids: Iterable[PixelGrid] = GRIDS) -> None:
     """All that the command and the panel say of a mission."""
     assert Mission.from_json(mission.to_json()) == mission
 
     def on(grid: PixelGrid) -> None:
-        estimate(plan(mission.with_(max_images=min(mission.max_images, most_images)), grid)).lines()
+        worked_out = plan(mission.with_(max_images=min(mission.max_images, MOST_IMAGES)), grid)
+        if worked_out.size_px is None or worked_out.width_px @ worked_out.height_px <= MOST_TRACED_PX:
+            estimate(worked_out).lines()
 
     any_of(partial(on, grid) for grid in grids)
 
@@ -197,11 +201,7 @@ def _extreme() -> st.SearchStrategy[dict[str, Any]]:
 def work_out_extreme(values: dict[str, Any]) -> None:
     values = dict(values)
     lat, lon, agl, grid = (values.pop(name) for name in ("lat", "lon", "agl", "grid"))
-    if values.get("mesh") == "rays":
-        # A ray for every pixel takes a second for each megapixel, as it says.
-        values["image_px"] = min(values.get("image_px", 640), 640)
     camera = Camera(values.pop("fov", 78.8), values.pop("ratio", 4 / 3))
     size = values.pop("box_deg", None)
     area = Points(((lat, lon, agl),)) if size is None else Box(lat, lon, lat - size, lon + size)
-    # The tiles that one picture of nearly 180 degrees shows take half a second to count.
-    work_out(Mission(area, agl, camera, accept_error=True, **values), (grid,), most_images=5)
+    work_out(Mission(area, agl, camera, accept_error=True, **values), (grid,))
