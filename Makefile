@@ -1,5 +1,5 @@
 .DEFAULT_GOAL := help
-.PHONY: help setup qgis-setup test test-core test-narrow test-newest test-plugin test-qgis344 test-qgis340 fuzz lint format demo qgis screenshots translations package clean
+.PHONY: help setup qgis-setup test test-all test-thorough test-core test-narrow test-newest test-plugin test-qgis344 test-qgis340 fuzz lint format demo qgis screenshots translations package clean
 
 # QGIS's own, for what needs nothing else; that of the tests' environment has pytest, the linters and the rest.
 QGIS_PYTHON := /usr/bin/python3
@@ -17,14 +17,27 @@ setup:  ## install what is missing for everything: QGIS from the distribution, t
 qgis-setup:
 	@bash tools/setup.sh
 
-# The core's tests keep a processor busy while those in QGIS wait for windows and timers: side by side they take hardly
-# longer than the slower of the two. Each one's output comes in one piece, when it ends.
+# The core's tests keep a processor busy while those in QGIS wait for windows and timers: side by side, each cut in two,
+# they keep two processors busy to the end. The output of each part comes in one piece, when it ends.
+PARTS := 1 2
+CORE_TESTS := tests --ignore=tests/plugin
+TEST_CORE := $(PYTHON) -m pytest $(CORE_TESTS) -m "not thorough"
+TEST_PLUGIN := $(PYTHON) tools/qgis_app.py --timeout $(PLUGIN_TIMEOUT) --pytest tests/plugin
+
 test: setup translations  ## every test: core headless, beside it plugin inside the real QGIS
-	@echo "core and plugin are tested side by side, about ten minutes; each reports when it ends"
-	@$(MAKE) --no-print-directory --jobs=2 --output-sync=target test-core test-plugin
+	@echo "core and plugin are tested side by side, in two parts each, which report when they end"
+	@$(MAKE) --no-print-directory --jobs=4 --output-sync=target $(PARTS:%=test-core-%) $(PARTS:%=test-plugin-%)
+
+test-all: test test-thorough  ## these, and many more cases of what they prove of a few
+
+test-thorough: setup
+	$(PYTHON) -m pytest $(CORE_TESTS) -m thorough
 
 test-core: setup  ## only the tests that run without Qt and QGIS
-	$(PYTHON) -m pytest tests --ignore=tests/plugin
+	$(TEST_CORE)
+
+test-core-%:
+	$(TEST_CORE) --splits $(words $(PARTS)) --group $*
 
 # What holds must hold on processors without wide instructions, whose sines are others, and with the newest numpy.
 NARROW = NPY_DISABLE_CPU_FEATURES="$$($(PYTHON) -c 'from tests.support.libraries import WIDE; print(WIDE)')"
@@ -38,7 +51,10 @@ test-newest: setup  ## the same with the newest numpy and Pillow, in an environm
 	.venv/newest/bin/python -m pytest $(NUMERIC_TESTS) tests/core/capture/test_same_everywhere.py
 
 test-plugin: setup translations  ## only the tests that run inside the real QGIS
-	$(PYTHON) tools/qgis_app.py --timeout $(PLUGIN_TIMEOUT) --pytest tests/plugin
+	$(TEST_PLUGIN)
+
+test-plugin-%:
+	$(TEST_PLUGIN) --splits $(words $(PARTS)) --group $*
 
 test-qgis344:  ## the plugin's tests in QGIS 3.44, in a Debian 13 system of its own (root, 2.4 GB)
 	@bash tools/debian13.sh 3.44

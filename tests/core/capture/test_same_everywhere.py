@@ -51,9 +51,12 @@ def here(tmp_path_factory):
     params=[
         pytest.param(
             "narrow",
-            marks=pytest.mark.skipif(
-                not wide_instructions(), reason="numpy uses no wide instructions on this processor"
-            ),
+            marks=[
+                pytest.mark.thorough,
+                pytest.mark.skipif(
+                    not wide_instructions(), reason="numpy uses no wide instructions on this processor"
+                ),
+            ],
         ),
         "4 ulp",
     ],

@@ -17,9 +17,14 @@ CASES = [case for case in cases() if case.tested]
 PART = 40
 #: What became of each, for all the tests.
 outcome_of = cache(lambda index: run(CASES[index]))
+#: Of the parts, one in four in every run of the tests.
+PARTS = [
+    pytest.param(part, marks=() if part % 4 == 0 else pytest.mark.thorough)
+    for part in range(-(-len(CASES) // PART))
+]
 
 
-@pytest.mark.parametrize("part", range(-(-len(CASES) // PART)))
+@pytest.mark.parametrize("part", PARTS)
 def test_every_case_ends_within_its_bound_or_with_one_clear_line(part):
     for index in range(part * PART, min((part + 1) * PART, len(CASES))):
         case, outcome = CASES[index], outcome_of(index)
@@ -46,6 +51,7 @@ def test_plans_hold_numbers_and_nothing_else():
             assert finite(plan(case.mission, GRID)), case.name
 
 
+@pytest.mark.thorough
 def test_footprints_are_refused_only_for_the_reasons_there_are():
     """Points within the map that see ground at a resolvable size are never refused."""
     for index, case in enumerate(CASES):
