@@ -120,6 +120,7 @@ def test_keys_of_a_panel_open_no_menu_of_qgis(translations, panel):
 @pytest.mark.parametrize(
     ("source", "texts"),
     [
+        ('raise InvalidInput("zoom {0}: must be {1:g}", zoom, least)', ["zoom {0}: must be {1}"]),
         ('raise InvalidInput(f"zoom {zoom}: must be {least:g} or more")', ["zoom {0}: must be {1} or more"]),
         (
             'raise SourceError(f"{name}: " + ("is gone" if gone else "has changed"))',
@@ -127,7 +128,7 @@ def test_keys_of_a_panel_open_no_menu_of_qgis(translations, panel):
         ),
         ('raise InvalidInput(f"the URL has no {{date}}")', ["the URL has no {date}"]),
         ('raise PartError("one colour, rgb({}, {})".format(*colour))', ["one colour, rgb({0}, {1})"]),
-        ('raise InvalidInput("bad value", "zoom level")', ["bad value"]),
+        ('raise InvalidInput("bad value", field="zoom level")', ["bad value"]),
         ('raise InvalidInput(f"{name} {value}")', []),
         ("raise InvalidInput(problem)", []),
         ('print("for nobody here")', []),

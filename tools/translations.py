@@ -150,6 +150,7 @@ BESIDES = (
 _WORD = re.compile(r"[A-Za-z]{2,}")
 _CODE = re.compile(r"^(SELECT|PRAGMA) |[<>\\|]|\n")
 _PLACE = re.compile(r"\{\d+\}")
+_VALUE = re.compile(r"\{(\d+)[!:][^{}]*\}")
 _FIELD = re.compile(r"(\{\w*\})")
 
 Texts = dict[str, dict[str, list[str]]]
@@ -203,7 +204,11 @@ def core_texts(path: Path) -> Iterator[str]:
     seen = set()
     for node in ast.walk(tree):
         if isinstance(node, ast.Call) and _names_error(node.func) and node.args:
-            yield from filter(_is_worded, templates_of(node.args[0]))
+            texts = templates_of(node.args[0])
+            if len(node.args) > 1:
+                plain = (_VALUE.sub(r"{\1}", text) for text in texts)
+                texts = (text.replace("{{", "{").replace("}}", "}") for text in plain)
+            yield from filter(_is_worded, texts)
         if id(node) in left_out or not isinstance(node, (ast.Constant, ast.JoinedStr)):
             continue
         for text in templates_of(node):
@@ -239,7 +244,9 @@ def _left_out(tree: ast.Module) -> set[int]:
             found.add(id(node.value))
         elif isinstance(node, ast.JoinedStr):
             found.update(id(part) for part in node.values)
-        elif isinstance(node, ast.Call) and getattr(node.func, "id", "") == "tr":
+        elif isinstance(node, ast.Call) and (
+            getattr(node.func, "id", "") == "tr" or (_names_error(node.func) and len(node.args) > 1)
+        ):
             found.update(id(part) for part in node.args)
         elif isinstance(node, ast.FunctionDef) and node.name == "__repr__":
             found.update(id(part) for part in ast.walk(node))

@@ -45,10 +45,10 @@ def open_folder(folder: str | os.PathLike[str], mission: Mission, *, resume: boo
                 write_whole(path / MISSION_FILE, wanted, durable=True)
                 found, resume = wanted, True
     if not is_of(found, mission):
-        raise OutputError(f"folder {folder}: holds another mission; choose another folder")
+        raise OutputError("folder {0}: holds another mission; choose another folder", folder)
     if not resume:
         raise OutputError(
-            f"folder {folder}: already holds this mission; resume it (--resume) or choose another folder"
+            "folder {0}: already holds this mission; resume it (--resume) or choose another folder", folder
         )
     for map_type in mission.map_types:
         make_folder(path / map_type)
@@ -68,7 +68,8 @@ def check_captured(folder: str | os.PathLike[str]) -> None:
     path = Path(folder)
     if _mark_of(path) is None or not (path / JOURNAL_FILE).is_file():
         raise OutputError(
-            f"folder {folder}: holds no capture of this mission, so nothing of it has failed; capture it first"
+            "folder {0}: holds no capture of this mission, so nothing of it has failed; capture it first",
+            folder,
         )
 
 
@@ -77,7 +78,7 @@ def _mark_of(path: Path) -> bytes | None:
     try:
         return mark.read_bytes() if mark.exists() else None
     except OSError as wrong:
-        raise OutputError(f"folder {path}: cannot read {MISSION_FILE} ({wrong.strerror})") from wrong
+        raise OutputError("folder {0}: cannot read {1} ({2})", path, MISSION_FILE, wrong.strerror) from wrong
 
 
 def _refuse_foreign(path: Path, map_types: Iterable[str]) -> None:
@@ -89,7 +90,10 @@ def _refuse_foreign(path: Path, map_types: Iterable[str]) -> None:
         # What a run makes comes after its mark: one that has begun meanwhile is told from foreign files by that.
         if _mark_of(path) is None:
             raise OutputError(
-                f"folder {path}: holds {name} but no {MISSION_FILE}, so it is not this mission's; choose another folder"
+                "folder {0}: holds {1} but no {2}, so it is not this mission's; choose another folder",
+                path,
+                name,
+                MISSION_FILE,
             )
 
 
@@ -137,7 +141,7 @@ def remove_picture(folder: Path, endings: tuple[str, ...], name: str) -> None:
                 path.unlink(missing_ok=True)
             except OSError as wrong:
                 raise OutputError(
-                    f"file {path}: cannot be removed ({wrong.strerror}); close what shows it"
+                    "file {0}: cannot be removed ({1}); close what shows it", path, wrong.strerror
                 ) from wrong
 
 
@@ -146,4 +150,4 @@ def _sizes(folder: Path) -> dict[str, int]:
         with os.scandir(folder) as entries:
             return {entry.name: entry.stat().st_size for entry in entries}
     except OSError as wrong:
-        raise OutputError(f"folder {folder}: cannot be read ({wrong.strerror})") from wrong
+        raise OutputError("folder {0}: cannot be read ({1})", folder, wrong.strerror) from wrong

@@ -213,14 +213,16 @@ class CaptureResult:
 def _check(plan: Plan, source: Source, connections: int, workers: int | None) -> None:
     for count, what in ((connections, "connections"), (workers, "workers")):
         if count is not None and count < 1:
-            raise InvalidInput(f"{count} {what}: must be 1 or more")
+            raise InvalidInput("{0} {1}: must be 1 or more", count, what)
     if source.grid != plan.grid:
         raise InvalidInput(
-            f"plan is for another pixel grid than that of {source.title}: plan with the source's own"
+            "plan is for another pixel grid than that of {0}: plan with the source's own", source.title
         )
     for map_type in plan.mission.map_types:
         if source.map_types and map_type not in source.map_types:
-            raise InvalidInput(f"map type {map_type!r}: {source.title} has {', '.join(source.map_types)}")
+            raise InvalidInput(
+                "map type {0!r}: {1} has {2}", map_type, source.title, ", ".join(source.map_types)
+            )
 
 
 def _largest_px(plan: Plan) -> int:
@@ -235,7 +237,7 @@ def _chosen(plan: Plan, only: Iterable[int] | None) -> Numbers:
     chosen = np.unique(np.array(list(only), np.int64))
     outside = chosen[(chosen < 0) | (chosen >= len(plan))]
     if len(outside):
-        raise InvalidInput(f"capture {outside[0]} of the plan: it has 0 to {len(plan) - 1}")
+        raise InvalidInput("capture {0} of the plan: it has 0 to {1}", outside[0], len(plan) - 1)
     return chosen
 
 
@@ -340,8 +342,10 @@ class _Run:
             foreign = min(set(outcomes) - names, default=None)
             if foreign is not None:
                 raise OutputError(
-                    f"folder {self._folder}: holds this mission with other pictures, such as {foreign}, because the "
-                    "source or the version was another; choose another folder"
+                    "folder {0}: holds this mission with other pictures, such as {1}, because the source or "
+                    "the version was another; choose another folder",
+                    self._folder,
+                    foreign,
                 )
             there = complete_pictures(self._folder / map_type, self._endings, outcomes)
             known[map_type] = {n: o for n, o in outcomes.items() if o.status == FAILED or n in there}

@@ -50,7 +50,9 @@ def _settings(arguments: argparse.Namespace) -> tuple[Mission, dict[str, Any]]:
     for name, value in given.items():
         if value is not None and name not in RUN_OPTIONS:
             raise InvalidInput(
-                f"mission file {arguments.mission_file!r} and --{name.replace('_', '-')}: give one of the two"
+                "mission file {0!r} and --{1}: give one of the two",
+                arguments.mission_file,
+                name.replace("_", "-"),
             )
     return Mission.load(arguments.mission_file), {**resolve(given, config=arguments.config), NAMED: False}
 

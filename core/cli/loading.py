@@ -65,7 +65,7 @@ def _opened(
 
         if workers:
             raise InvalidInput(
-                f"workers {workers}: must be 0 with keras, which starts its own when it trains"
+                "workers {0}: must be 0 with keras, which starts its own when it trains", workers
             )
         of_keras = keras_loader.KerasDataset(arguments.folder, size, **choice)
         return of_keras.samples, (of_keras[index] for index in range(len(of_keras)))

@@ -191,9 +191,9 @@ def _settings(arguments: argparse.Namespace, values: dict[str, Any]) -> PairSett
 
     (map_type,) = values["map_type"] if len(values["map_type"]) == 1 else (None,)
     if map_type is None:
-        raise InvalidInput(f"map types {' '.join(values['map_type'])}: pairs are of one")
+        raise InvalidInput("map types {0}: pairs are of one", " ".join(values["map_type"]))
     if values["camera"] is not None and values["fov"] is not None:
-        raise InvalidInput(f"camera {values['camera']!r} and fov {values['fov']:g}: give one of the two")
+        raise InvalidInput("camera {0!r} and fov {1:g}: give one of the two", values["camera"], values["fov"])
     fov_deg = _DEFAULT_FOV_DEG if values["fov"] is None else values["fov"]
     more: dict[str, Any] = {} if arguments.split is None else {"shares": tuple(arguments.split)}
     return PairSettings(
@@ -237,11 +237,11 @@ def _places(arguments: argparse.Namespace, settings: PairSettings) -> tuple[Plac
     if is_there(text):
         if arguments.count is not None or arguments.spacing is not None:
             option = "count" if arguments.count is not None else "spacing"
-            raise InvalidInput(f"--{option} and the file {text}: it is for places of a box")
+            raise InvalidInput("--{0} and the file {1}: it is for places of a box", option, text)
         return read_places(text)
     box = read_box(text)
     if arguments.count is None:
-        raise InvalidInput(f"box {text!r}: needs a number of places, --count")
+        raise InvalidInput("box {0!r}: needs a number of places, --count", text)
     return places_in_box(box, arguments.count, settings, arguments.spacing)
 
 

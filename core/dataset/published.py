@@ -55,7 +55,7 @@ def check_names(table: Table, path: Path) -> None:
         faults += [f"{name} has another {wrong[0]} in its row"] if wrong else []
     if faults:
         more = f"; and {len(faults) - _NAMED} more" if len(faults) > _NAMED else ""
-        raise InvalidInput(f"table {path}: {'; '.join(faults[:_NAMED])}{more}")
+        raise InvalidInput("table {0}: {1}{2}", path, "; ".join(faults[:_NAMED]), more)
 
 
 def framed(table: Table, folder_name: str) -> Table:

@@ -125,7 +125,10 @@ class Table:
         for name, column in columns.items():
             if len(column) != len(self.img_names):
                 raise InvalidInput(
-                    f"table column {name} has {len(column)} rows: the image names have {len(self.img_names)}"
+                    "table column {0} has {1} rows: the image names have {2}",
+                    name,
+                    len(column),
+                    len(self.img_names),
                 )
 
     def __len__(self) -> int:
@@ -211,7 +214,7 @@ class Table:
         if faults:
             first = [f"line {line} {fault}" for line, fault in sorted(faults)[:_FAULTS_NAMED]]
             more = [f"and {len(faults) - _FAULTS_NAMED} more"] if len(faults) > _FAULTS_NAMED else []
-            raise InvalidInput(f"{name}: {'; '.join(first + more)}")
+            raise InvalidInput("{0}: {1}", name, "; ".join(first + more))
         other = {
             header: tuple(row[index] for _, row in rows)
             for index, header in enumerate(headers)
@@ -226,7 +229,7 @@ class Table:
             # All of them first: bytes that are no text are told before what the text says.
             lines = list(_lines(Path(path)))
         except (OSError, UnicodeDecodeError) as wrong:
-            raise InvalidInput(f"table {path}: cannot be read ({wrong})") from wrong
+            raise InvalidInput("table {0}: cannot be read ({1})", path, wrong) from wrong
         return cls._of_lines(lines, f"table {path}")
 
 
@@ -247,7 +250,7 @@ def other_columns(path: Path) -> dict[str, dict[str, str]]:
             return {}
         table = Table.load(path)
     except (OSError, UnicodeDecodeError, csv.Error, InvalidInput) as wrong:
-        raise OutputError(f"{wrong}; repair the table, or remove it to have it written anew") from wrong
+        raise OutputError("{0}; repair the table, or remove it to have it written anew", wrong) from wrong
     return {header: dict(zip(table.img_names, cells)) for header, cells in table.other.items()}
 
 
@@ -315,14 +318,14 @@ def _records(
         # The garbage collector soon forgets tuples of texts; lists it looks through again and again.
         rows = [(reader.line_num, tuple(row)) for row in reader if row]
     except csv.Error as wrong:
-        raise InvalidInput(f"{name}: line {reader.line_num} is not CSV ({wrong})") from wrong
+        raise InvalidInput("{0}: line {1} is not CSV ({2})", name, reader.line_num, wrong) from wrong
     needed = [_HEADERS.get(field_name, field_name) for field_name in _NEEDED]
     for header in needed:
         if header not in headers:
-            raise InvalidInput(f"{name}: has no column {header}; needs {','.join(needed)}")
+            raise InvalidInput("{0}: has no column {1}; needs {2}", name, header, ",".join(needed))
     twice = [header for header, count in Counter(headers).items() if header and count > 1]
     if twice:
-        raise InvalidInput(f"{name}: has column {twice[0]} more than once; rename or remove all but one")
+        raise InvalidInput("{0}: has column {1} more than once; rename or remove all but one", name, twice[0])
     width = len(headers)
     faults += [(line, f"has {len(row)} cells, not {width}") for line, row in rows if len(row) != width]
     return headers, [(line, row) for line, row in rows if len(row) == width]

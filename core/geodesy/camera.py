@@ -39,7 +39,9 @@ class Camera:
 
     def __post_init__(self) -> None:
         if not 0.0 < self.fov_deg < 180.0:
-            raise InvalidInput(f"field of view {self.fov_deg} deg: must be between 0 and 180, both excluded")
+            raise InvalidInput(
+                "field of view {0} deg: must be between 0 and 180, both excluded", self.fov_deg
+            )
         _check_ratio(self.aspect_ratio)
         object.__setattr__(self, "fov_deg", float(self.fov_deg))
         object.__setattr__(self, "aspect_ratio", float(self.aspect_ratio))
@@ -95,16 +97,19 @@ class Camera:
         """
         width_mm, height_mm = sensor_mm
         if not all(math.isfinite(side) and side > 0.0 for side in sensor_mm):
-            raise InvalidInput(f"sensor {width_mm} by {height_mm} mm: both sides must be above 0")
+            raise InvalidInput("sensor {0} by {1} mm: both sides must be above 0", width_mm, height_mm)
         if not (math.isfinite(focal_length_mm) and focal_length_mm > 0.0):
-            raise InvalidInput(f"focal length {focal_length_mm} mm: must be above 0")
+            raise InvalidInput("focal length {0} mm: must be above 0", focal_length_mm)
         own = width_mm / height_mm
         ratio = own if aspect_ratio is None else aspect_ratio
         _check_ratio(ratio)
         if abs(own / ratio - 1.0) > SQUARE_PIXELS:
             raise InvalidInput(
-                f"sensor {width_mm:g} by {height_mm:g} mm and a picture of {ratio:.4g} to 1: pixels would not be "
-                "square; give the part of the sensor that the picture shows",
+                "sensor {0:g} by {1:g} mm and a picture of {2:.4g} to 1: pixels would not be square; give "
+                "the part of the sensor that the picture shows",
+                width_mm,
+                height_mm,
+                ratio,
             )
         return cls._across(math.hypot(width_mm, height_mm) / 2.0 / focal_length_mm, ratio)
 
@@ -114,8 +119,9 @@ class Camera:
         fov_deg = _fov_deg(half_tangent)
         if not 0.0 < fov_deg < 180.0:
             raise InvalidInput(
-                f"field of view across the diagonal {fov_deg:g} deg: must be between 0 and 180, both excluded; choose "
-                "a less extreme field of view or aspect ratio",
+                "field of view across the diagonal {0:g} deg: must be between 0 and 180, both excluded; "
+                "choose a less extreme field of view or aspect ratio",
+                fov_deg,
             )
         return cls(fov_deg, aspect_ratio)
 
@@ -347,13 +353,15 @@ def _fov_deg(half_tangent: float) -> float:
 
 def _check_side(side: str, fov_deg: float, aspect_ratio: float) -> None:
     if not 0.0 < fov_deg < 180.0:
-        raise InvalidInput(f"{side} field of view {fov_deg} deg: must be between 0 and 180, both excluded")
+        raise InvalidInput(
+            "{0} field of view {1} deg: must be between 0 and 180, both excluded", side, fov_deg
+        )
     _check_ratio(aspect_ratio)
 
 
 def _check_ratio(aspect_ratio: float) -> None:
     if not (math.isfinite(aspect_ratio) and aspect_ratio > 0.0):
-        raise InvalidInput(f"aspect ratio {aspect_ratio}: must be a number above 0 (width / height)")
+        raise InvalidInput("aspect ratio {0}: must be a number above 0 (width / height)", aspect_ratio)
 
 
 def _image_axes(

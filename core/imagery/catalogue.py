@@ -81,8 +81,10 @@ def entry_named(name: str) -> CatalogueEntry:
     close = difflib.get_close_matches(wanted, [*shipped_data(), *entries], n=3, cutoff=0.5)
     hint = f"did you mean {' or '.join(close)}? " if close else ""
     raise InvalidInput(
-        f"source {name!r} is unknown: {hint}`terrainav sources` lists the names; a file, a URL template with "
-        "{z}, {x}, {y}, wmts:URL and wms:URL work as well"
+        "source {0!r} is unknown: {1}`terrainav sources` lists the names; a file, a URL template with "
+        "{{z}}, {{x}}, {{y}}, wmts:URL and wms:URL work as well",
+        name,
+        hint,
     )
 
 
@@ -264,7 +266,7 @@ def described(
     if "date" in template.names:
         data["dates"] = {"kind": "any", "default": default_date}
     elif default_date:
-        raise InvalidInput(f"date {default_date!r}: the URL has no {{date}} to put it in")
+        raise InvalidInput("date {0!r}: the URL has no {{date}} to put it in", default_date)
     return data
 
 
@@ -292,7 +294,7 @@ def add(name: str, data: Mapping[str, Any], folder: str | os.PathLike[str] | Non
     known = read_named(path, "sources")
     if name in known:
         raise InvalidInput(
-            f"source name {name!r}: is taken; choose another, or `terrainav sources remove` it"
+            "source name {0!r}: is taken; choose another, or `terrainav sources remove` it", name
         )
     entry = _entry(name, data)
     write_named(path, {**known, name: dict(data)})
@@ -311,29 +313,31 @@ def remove(name: str, folder: str | os.PathLike[str] | None = None) -> None:
     known = read_named(path, "sources")
     if name not in known:
         if name in shipped_data():
-            raise InvalidInput(f"source {name!r}: is part of the catalogue, which stays as it is")
-        raise InvalidInput(f"source {name!r}: is none of your own, which are {', '.join(known) or 'none'}")
+            raise InvalidInput("source {0!r}: is part of the catalogue, which stays as it is", name)
+        raise InvalidInput(
+            "source {0!r}: is none of your own, which are {1}", name, ", ".join(known) or "none"
+        )
     write_named(path, {other: data for other, data in known.items() if other != name})
 
 
 def _of_the_catalogue(name: str) -> InvalidInput:
-    return InvalidInput(f"source name {name!r}: is one of the catalogue's; choose another")
+    return InvalidInput("source name {0!r}: is one of the catalogue's; choose another", name)
 
 
 def _check_name(name: str) -> None:
     if not NAME.fullmatch(name):
         raise InvalidInput(
-            f"source name {name!r}: must be lower-case letters, digits, hyphens and underscores, at most 64"
+            "source name {0!r}: must be lower-case letters, digits, hyphens and underscores, at most 64", name
         )
 
 
 def _entry(name: str, data: Any) -> CatalogueEntry:
     _check_name(name)
     if not isinstance(data, Mapping):
-        raise InvalidInput(f"catalogue entry {name!r}: must be an object")
+        raise InvalidInput("catalogue entry {0!r}: must be an object", name)
     entry = CatalogueEntry.from_dict(name, data, user=True)
     if entry.kind != "xyz":
-        raise InvalidInput(f"catalogue entry {name!r}: must be of kind xyz")
+        raise InvalidInput("catalogue entry {0!r}: must be of kind xyz", name)
     return under_provider(entry)
 
 

@@ -68,13 +68,21 @@ def decode(
     most_bytes = _PIXEL_BYTES * width_px * height_px + MAX_PICTURE_EXTRA_BYTES
     if len(body) > most_bytes:
         raise PartError(
-            f"{len(body):,} bytes, more than the {most_bytes:,} of {width_px}x{height_px} px at most"
+            "{0:,} bytes, more than the {1:,} of {2}x{3} px at most",
+            len(body),
+            most_bytes,
+            width_px,
+            height_px,
         )
     try:
         image = _open(body, content_type, whole=True)
         if image.size != (width_px, height_px):
             raise PartError(
-                f"a picture of {image.size[0]}x{image.size[1]} px instead of {width_px}x{height_px}"
+                "a picture of {0}x{1} px instead of {2}x{3}",
+                image.size[0],
+                image.size[1],
+                width_px,
+                height_px,
             )
         image.load()
         return _rgb(image, alpha)
@@ -96,7 +104,7 @@ def size_of(body: bytes) -> tuple[int, int]:
 
 def _broken(why: Exception) -> BrokenPictureError:
     """Failure of what one of Pillow's readers has stumbled over: they let through whatever that is."""
-    return BrokenPictureError(f"broken picture ({one_line(str(why)) or type(why).__name__})")
+    return BrokenPictureError("broken picture ({0})", one_line(str(why)) or type(why).__name__)
 
 
 def _open(body: bytes, content_type: str, *, whole: bool) -> ImageFile.ImageFile:
@@ -126,8 +134,8 @@ def _open(body: bytes, content_type: str, *, whole: bool) -> ImageFile.ImageFile
     kind = one_line(content_type.partition(";")[0], _KIND_CHARACTERS) or "something"
     if words:
         # It says what it is: that is the provider's answer, and no copy of a picture gone bad.
-        raise PartError(f"{kind} instead of a picture: {words}")
-    raise BrokenPictureError(f"{kind} instead of a picture")
+        raise PartError("{0} instead of a picture: {1}", kind, words)
+    raise BrokenPictureError("{0} instead of a picture", kind)
 
 
 @lru_cache(maxsize=1)

@@ -79,11 +79,11 @@ class Dates:
 
     def __post_init__(self) -> None:
         if self.kind not in DATE_KINDS:
-            raise InvalidInput(f"dates of kind {self.kind!r}: must be one of {', '.join(DATE_KINDS)}")
+            raise InvalidInput("dates of kind {0!r}: must be one of {1}", self.kind, ", ".join(DATE_KINDS))
         if (self.kind == "listed") != bool(self.values):
-            raise InvalidInput(f"dates of kind {self.kind!r}: values are for listed ones, which need them")
+            raise InvalidInput("dates of kind {0!r}: values are for listed ones, which need them", self.kind)
         if not all(isinstance(text, str) for pair in self.values.items() for text in pair):
-            raise InvalidInput(f"dates of kind {self.kind!r}: values must be text")
+            raise InvalidInput("dates of kind {0!r}: values must be text", self.kind)
         if self.kind == "listed":
             object.__setattr__(self, "first", min(self.values))
             object.__setattr__(self, "last", max(self.values))
@@ -95,14 +95,18 @@ class Dates:
         if self.kind == "listed":
             if date not in self.values:
                 raise InvalidInput(
-                    f"date {date!r}: must be one of those there are, such as {self._near(date)}"
+                    "date {0!r}: must be one of those there are, such as {1}", date, self._near(date)
                 )
         elif self.kind == "any":
             if not date or not date.isprintable():
-                raise InvalidInput(f"date {date!r}: must be one the server takes; say which (--date)")
+                raise InvalidInput("date {0!r}: must be one the server takes; say which (--date)", date)
         elif not self._in_range(date):
             raise InvalidInput(
-                f"date {date!r}: must be {_FORMS[self.kind]}, from {self.first} to {self.last or 'now'}"
+                "date {0!r}: must be {1}, from {2} to {3}",
+                date,
+                _FORMS[self.kind],
+                self.first,
+                self.last or "now",
             )
         return date
 
@@ -256,13 +260,13 @@ class CatalogueEntry:
                 **data,
             )
         except InvalidInput as wrong:
-            raise InvalidInput(f"catalogue entry {name!r}: {wrong}") from wrong
+            raise InvalidInput("catalogue entry {0!r}: {1}", name, wrong) from wrong
         except (AttributeError, TypeError, KeyError, ValueError, OverflowError) as wrong:
-            raise InvalidInput(f"catalogue entry {name!r}: wrong or missing: {wrong}") from wrong
+            raise InvalidInput("catalogue entry {0!r}: wrong or missing: {1}", name, wrong) from wrong
 
     def __post_init__(self) -> None:
         if self.kind not in PIXELS:
-            raise InvalidInput(f"kind {self.kind!r}: must be one of {', '.join(PIXELS)}")
+            raise InvalidInput("kind {0!r}: must be one of {1}", self.kind, ", ".join(PIXELS))
         if (self.kind == "xyz") != bool(self.urls):
             raise InvalidInput("URLs are for xyz, which needs them")
         if not self.title:
@@ -271,17 +275,19 @@ class CatalogueEntry:
             self._check_stated()
         west, south, east, north = self.bounds_deg
         if not (-180.0 <= west < east <= 180.0 and -90.0 <= south < north <= 90.0):
-            raise InvalidInput(f"bounds {self.bounds_deg}: must be west, south, east, north in degrees")
+            raise InvalidInput("bounds {0}: must be west, south, east, north in degrees", self.bounds_deg)
         if not self.tile_px:
             raise InvalidInput("tile_px []: needs the width of its tiles, such as [256]")
         for size in self.tile_px:
             if size > MAX_TILE_PX:
-                raise InvalidInput(f"tile size {size} px: must be {MAX_TILE_PX} or less")
+                raise InvalidInput("tile size {0} px: must be {1} or less", size, MAX_TILE_PX)
             self.grid(size)
         for variable in (self.key_env, self.signing_env):
             if variable is not None and not _VARIABLE.fullmatch(variable):
                 raise InvalidInput(
-                    f"environment variable {variable!r}: must be letters, digits and underscores, such as {KEY_ENV}"
+                    "environment variable {0!r}: must be letters, digits and underscores, such as {1}",
+                    variable,
+                    KEY_ENV,
                 )
         self._check_urls()
 
@@ -333,7 +339,9 @@ class CatalogueEntry:
         """Pixel grid for a tile size; None for the entry's own."""
         size = tile_px or self.tile_px[0]
         if size not in self.tile_px:
-            raise InvalidInput(f"tiles of {size} px: {self.title} has {', '.join(map(str, self.tile_px))}")
+            raise InvalidInput(
+                "tiles of {0} px: {1} has {2}", size, self.title, ", ".join(map(str, self.tile_px))
+            )
         # The shipped entries' bounds are those of a country; a service's are those of its imagery.
         ends = self.user and self.bounds_deg != WORLD_DEG
         extent = extent_of_box(*self.bounds_deg) if ends else None
@@ -344,10 +352,10 @@ class CatalogueEntry:
         """Date of the imagery; empty where there is but one."""
         if self.dates is None:
             if wanted:
-                raise InvalidInput(f"date {wanted!r}: {self.title} has no dates to choose from")
+                raise InvalidInput("date {0!r}: {1} has no dates to choose from", wanted, self.title)
             return ""
         if not wanted and not self.dates.default:
-            raise InvalidInput(f"{self.title}: has imagery of several dates; say which (--date)")
+            raise InvalidInput("{0}: has imagery of several dates; say which (--date)", self.title)
         return self.dates.checked(wanted or self.dates.default)
 
     def templates(self, date: str) -> dict[str, Template]:
@@ -381,11 +389,11 @@ def _check_kinds(name: str, data: Mapping[str, Any]) -> None:
     """Refuse what is unknown, missing or of another kind, in the words of who writes the file."""
     for needed in _NEEDED:
         if needed not in data:
-            raise InvalidInput(f"catalogue entry {name!r}: {needed} is missing")
+            raise InvalidInput("catalogue entry {0!r}: {1} is missing", name, needed)
     for one, value in data.items():
         if one not in _KINDS_OF:
             raise InvalidInput(
-                f"catalogue entry {name!r}: {one!r} is unknown; known are {', '.join(_KINDS_OF)}"
+                "catalogue entry {0!r}: {1!r} is unknown; known are {2}", name, one, ", ".join(_KINDS_OF)
             )
         kinds, words = _KINDS_OF[one]
         # What is true or false counts as a number in Python.
@@ -395,7 +403,7 @@ def _check_kinds(name: str, data: Mapping[str, Any]) -> None:
         if value is None:
             right = one not in _NEEDED
         if not right:
-            raise InvalidInput(f"catalogue entry {name!r}: {one} {value!r}: must be {words}")
+            raise InvalidInput("catalogue entry {0!r}: {1} {2!r}: must be {3}", name, one, value, words)
     for one, kind, words in (
         ("urls", str, "text"),
         ("hosts", str, "text"),
@@ -404,7 +412,9 @@ def _check_kinds(name: str, data: Mapping[str, Any]) -> None:
         values = data.get(one) or ()
         for value in values.values() if isinstance(values, Mapping) else values:
             if not isinstance(value, kind):
-                raise InvalidInput(f"catalogue entry {name!r}: {one} with {value!r}: must be {words}")
+                raise InvalidInput(
+                    "catalogue entry {0!r}: {1} with {2!r}: must be {3}", name, one, value, words
+                )
 
 
 def shipped() -> tuple[CatalogueEntry, ...]:

@@ -58,8 +58,10 @@ class Placeholder:
         for digest in self.sha256:
             if not _DIGEST.fullmatch(digest):
                 raise InvalidInput(
-                    f"placeholder {digest!r}: must be the SHA-256 of a tile's file, or the first {DIGEST_DIGITS} "
-                    "of its digits or more"
+                    "placeholder {0!r}: must be the SHA-256 of a tile's file, or the first {1} of its "
+                    "digits or more",
+                    digest,
+                    DIGEST_DIGITS,
                 )
 
     def with_files(self, digests: Iterable[str]) -> Placeholder:
@@ -76,7 +78,7 @@ class Placeholder:
         for name, value in self.header:
             if name.lower() in headers and value in ("*", headers[name.lower()]):
                 raise PartError(
-                    f"no imagery here, the provider says ({name}: {one_line(headers[name.lower()])})"
+                    "no imagery here, the provider says ({0}: {1})", name, one_line(headers[name.lower()])
                 )
         if self.sha256 and self.knows(hashlib.sha256(body).hexdigest()):
             raise PartError(PLACEHOLDER_REASON)

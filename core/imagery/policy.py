@@ -69,16 +69,16 @@ class Policy:
 
     def __post_init__(self) -> None:
         if self.bulk_allowed not in BULK:
-            raise InvalidInput(f"bulk_allowed {self.bulk_allowed!r}: must be one of {', '.join(BULK)}")
+            raise InvalidInput("bulk_allowed {0!r}: must be one of {1}", self.bulk_allowed, ", ".join(BULK))
         if self.bulk_allowed != "yes" and self.max_tiles is None:
             raise InvalidInput(
-                f"bulk_allowed {self.bulk_allowed!r} without max_tiles: say how many are no bulk"
+                "bulk_allowed {0!r} without max_tiles: say how many are no bulk", self.bulk_allowed
             )
         for name in ("max_tiles", "max_connections", "requests_per_s"):
             value = getattr(self, name)
             # Whole numbers may be too large for a float.
             if value is not None and not 0 < value <= sys.float_info.max:
-                raise InvalidInput(f"{name} {value}: must be a number above 0, or left out")
+                raise InvalidInput("{0} {1}: must be a number above 0, or left out", name, value)
 
     def connections(self, wanted: int) -> int:
         """Return the connections to open where ``wanted`` are asked for."""

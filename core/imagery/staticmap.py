@@ -86,7 +86,7 @@ class StaticMapSource:
         connections: int = 8,
     ) -> None:
         if scale not in (1, 2):
-            raise InvalidInput(f"scale {scale}: Static Maps has 1 (tiles of 256 px) and 2 (512 px)")
+            raise InvalidInput("scale {0}: Static Maps has 1 (tiles of 256 px) and 2 (512 px)", scale)
         self.name, self.title, self.attribution = name, title, attribution
         self.date = ""
         self.policy = policy
@@ -159,8 +159,12 @@ class StaticMapSource:
             text = f"{degrees:.{CENTRE_DECIMALS}f}"
             if abs(float(text) - degrees) > _CENTRE_TOLERANCE_DEG:
                 raise InvalidInput(
-                    f"{part}: its centre {degrees!r} has more than {CENTRE_DECIMALS} decimals, which "
-                    f"{self.title} drops; plan with this source's grid"
+                    "{0}: its centre {1!r} has more than {2} decimals, which {3} drops; plan with this "
+                    "source's grid",
+                    part,
+                    degrees,
+                    CENTRE_DECIMALS,
+                    self.title,
                 )
             texts.append(text.lstrip("-") if float(text) == 0.0 else text)
         return texts[0], texts[1]
@@ -171,7 +175,7 @@ class StaticMapSource:
 
     def _request(self, map_type: str, part: Window, lat_deg: str, lon_deg: str) -> str:
         if map_type not in MAP_TYPES:
-            raise InvalidInput(f"map type {map_type!r}: {self.title} has {', '.join(MAP_TYPES)}")
+            raise InvalidInput("map type {0!r}: {1} has {2}", map_type, self.title, ", ".join(MAP_TYPES))
         scale = self.grid.scale
         width, height = part.width_px // scale, part.height_px // scale
         if (
@@ -181,11 +185,15 @@ class StaticMapSource:
             or max(width, height) > MAX_SIZE_PX
         ):
             raise InvalidInput(
-                f"picture of {part.width_px}x{part.height_px} px: {self.title} gives up to {MAX_SIZE_PX} px "
-                f"times {scale}"
+                "picture of {0}x{1} px: {2} gives up to {3} px times {4}",
+                part.width_px,
+                part.height_px,
+                self.title,
+                MAX_SIZE_PX,
+                scale,
             )
         if not 0 <= part.zoom <= _MAX_ZOOM:
-            raise InvalidInput(f"zoom {part.zoom}: {self.title} has 0 to {_MAX_ZOOM}")
+            raise InvalidInput("zoom {0}: {1} has 0 to {2}", part.zoom, self.title, _MAX_ZOOM)
         query = {
             "center": f"{lat_deg},{lon_deg}",
             "zoom": str(part.zoom),

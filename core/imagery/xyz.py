@@ -97,7 +97,7 @@ class XYZSource:
         self.received: Received | None = None
         self._key = key or ""
         if not date and any("date" in template.names for template in self._templates.values()):
-            raise InvalidInput(f"source {self.title}: its URL has a {{date}}; say which")
+            raise InvalidInput("source {0}: its URL has a {{date}}; say which", self.title)
         self._fetched: Counter[str] = Counter()
         self._terms: dict[str, tuple[str, Policy]] = {}
         self._lock = threading.Lock()
@@ -215,12 +215,12 @@ class XYZSource:
 
     def _template(self, map_type: str) -> Template:
         if self.map_types and map_type not in self.map_types:
-            raise InvalidInput(f"map type {map_type!r}: {self.title} has {', '.join(self.map_types)}")
+            raise InvalidInput("map type {0!r}: {1} has {2}", map_type, self.title, ", ".join(self.map_types))
         return self._templates.get(map_type) or self._templates[""]
 
     def _key_needed(self, map_type: str) -> str:
         if not self._key and "key" in self._template(map_type).names:
-            raise SourceError(f"{self.title}: needs an API key, and none is set")
+            raise SourceError("{0}: needs an API key, and none is set", self.title)
         return self._key
 
     def _count(self, url: str, counted: set[str]) -> None:

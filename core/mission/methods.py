@@ -261,13 +261,15 @@ def choose_methods(mission: Mission, grid: PixelGrid, disturbed: Disturbed) -> t
                 return flown, _accuracy(mission, scene, Choice(footprint), Choice(found), None)
             reason = _too_much(found.bound_px, footprint.bound_px, mission.error_budget_px)
         elif mission.frame == "map":
-            raise InvalidInput(f"picture 'map' was asked for, but has no bound here: {outside}", "frame")
+            raise InvalidInput(
+                "picture 'map' was asked for, but has no bound here: {0}", outside, field="frame"
+            )
         else:
             found, reason = Method("picture", "map", math.inf, math.inf, outside), outside
         picture = Choice(found, found, reason)
     if no_camera_frame:
         raise InvalidInput(
-            f"picture as the camera sees it: {no_camera_frame}; choose a source of tiles", "source"
+            "picture as the camera sees it: {0}; choose a source of tiles", no_camera_frame, field="source"
         )
     flown = framed(mission, grid, CameraFraming(mission, grid), disturbed)
     check_windows(flown, mission, grid)
@@ -319,9 +321,11 @@ def _resolved(scene: Scene) -> Scene:
     finest = float(np.min(accuracy.finest_px_m(scene)))
     if finest < accuracy.RESOLVED_M:
         raise InvalidInput(
-            f"pixels of {finest:.2g} m on the ground: degrees in float64 resolve {accuracy.RESOLVED_M:g} m; fly "
-            "higher or widen the field of view",
-            "agl_m",
+            "pixels of {0:.2g} m on the ground: degrees in float64 resolve {1:g} m; fly higher or widen the "
+            "field of view",
+            finest,
+            accuracy.RESOLVED_M,
+            field="agl_m",
         )
     return scene
 
@@ -363,9 +367,13 @@ def _accuracy(
         chosen = (choice.method for choice in (picture, pixels) if choice is not None)
         methods = ", ".join(f"{method.stage} {method.name}" for method in chosen)
         raise InvalidInput(
-            f"error budget {budget:g} px: no methods fit; the closest are {methods} with {bound_text(total)} px, "
-            f"{bound_text(total / budget)} times as much; raise --error-budget, or go on with --accept-error",
-            "error_budget_px",
+            "error budget {0:g} px: no methods fit; the closest are {1} with {2} px, {3} times as much; "
+            "raise --error-budget, or go on with --accept-error",
+            budget,
+            methods,
+            bound_text(total),
+            bound_text(total / budget),
+            field="error_budget_px",
         )
     return made
 

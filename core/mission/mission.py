@@ -70,13 +70,13 @@ def utc_time(text: str) -> datetime:
         try:
             return datetime.strptime(text, form).replace(tzinfo=timezone.utc)
         except ValueError as wrong:
-            raise InvalidInput(f"start {text!r}: no such time ({wrong})", "start") from wrong
-    raise InvalidInput(f"start {text!r}: must be UTC as 2024-06-21T10:30:00Z", "start")
+            raise InvalidInput("start {0!r}: no such time ({1})", text, wrong, field="start") from wrong
+    raise InvalidInput("start {0!r}: must be UTC as 2024-06-21T10:30:00Z", text, field="start")
 
 
 def _choice(what: str, value: str, choices: tuple[str, ...]) -> None:
     if value not in choices:
-        raise InvalidInput(f"{what} {value!r}: must be one of {', '.join(choices)}")
+        raise InvalidInput("{0} {1!r}: must be one of {2}", what, value, ", ".join(choices))
 
 
 @dataclass(frozen=True)
@@ -190,21 +190,21 @@ class Mission:
         check_agl(self.agl_m)
         for name in ("overlap_along", "overlap_across"):
             if not 0.0 <= getattr(self, name) < 1.0:
-                raise InvalidInput(f"overlap {getattr(self, name)}: must be at least 0 and below 1")
+                raise InvalidInput("overlap {0}: must be at least 0 and below 1", getattr(self, name))
         _choice("layout", self.layout, LAYOUTS)
         _choice("order of flight", self.order, ORDERS)
         _choice("image format", self.image_format, FORMATS)
         if not self.map_types:
-            raise InvalidInput(f"no map type: give one or more of {', '.join(MAP_TYPES)}")
+            raise InvalidInput("no map type: give one or more of {0}", ", ".join(MAP_TYPES))
         for map_type in self.map_types:
             _choice("map type", map_type, MAP_TYPES)
         if len(set(self.map_types)) != len(self.map_types):
-            raise InvalidInput(f"map types {' '.join(self.map_types)}: each may be named once")
+            raise InvalidInput("map types {0}: each may be named once", " ".join(self.map_types))
         if not self.source:
             raise InvalidInput("source is empty: name one, or give a URL template or a file")
         if self.date != self.date.strip() or not self.date.isprintable():
             raise InvalidInput(
-                f"date {self.date!r}: must be text without spaces around it, such as 2024-06-21"
+                "date {0!r}: must be text without spaces around it, such as 2024-06-21", self.date
             )
         self._check_pixels()
         self._check_accuracy()
@@ -217,7 +217,7 @@ class Mission:
     def _check_flight(self) -> None:
         if not -180.0 <= self.grid_angle_deg <= 180.0:
             raise InvalidInput(
-                f"grid angle {self.grid_angle_deg} deg: must be from -180 to 180", "grid_angle_deg"
+                "grid angle {0} deg: must be from -180 to 180", self.grid_angle_deg, field="grid_angle_deg"
             )
         check_airspeed(self.airspeed_m_per_s)
         if self.wind is not None:
@@ -228,13 +228,16 @@ class Mission:
         for name, limit in (("yaw", 360.0), ("tilt", 180.0), ("roll", 180.0)):
             angle = getattr(self, f"{name}_deg")
             if not -limit <= angle <= limit:
-                raise InvalidInput(f"{name} {angle} deg: must be from {-limit:g} to {limit:g}")
+                raise InvalidInput("{0} {1} deg: must be from {2:g} to {3:g}", name, angle, -limit, limit)
         if not -LOWEST_GROUND_M <= self.ground_height_m <= HIGHEST_GROUND_M:
             raise InvalidInput(
-                f"ground height {self.ground_height_m} m: must be from {-LOWEST_GROUND_M:g} to {HIGHEST_GROUND_M:g}"
+                "ground height {0} m: must be from {1:g} to {2:g}",
+                self.ground_height_m,
+                -LOWEST_GROUND_M,
+                HIGHEST_GROUND_M,
             )
         if not (math.isfinite(self.error_budget_px) and self.error_budget_px > 0.0):
-            raise InvalidInput(f"error budget {self.error_budget_px} px: must be a number above 0")
+            raise InvalidInput("error budget {0} px: must be a number above 0", self.error_budget_px)
         _choice("frame", self.frame, (AUTO, *FRAMES))
         _choice("mesh", self.mesh, (AUTO, RAYS))
         _choice("resampling", self.resampling, RESAMPLINGS)
@@ -242,37 +245,44 @@ class Mission:
     def _check_pixels(self) -> None:
         for name in ("zoom", "image_px", "max_px", "max_images", "seed"):
             if (getattr(self, name) or 0) > MAX_WHOLE_NUMBER:
-                raise InvalidInput(f"{name} of more than 64 bits: must be at most {MAX_WHOLE_NUMBER}", name)
+                raise InvalidInput(
+                    "{0} of more than 64 bits: must be at most {1}", name, MAX_WHOLE_NUMBER, field=name
+                )
         if self.zoom is not None and self.gsd_m_per_px is not None:
             raise InvalidInput(
-                f"zoom {self.zoom} and ground sample distance {self.gsd_m_per_px} m: give one of the two"
+                "zoom {0} and ground sample distance {1} m: give one of the two", self.zoom, self.gsd_m_per_px
             )
         if self.zoom is not None and self.zoom < 0:
-            raise InvalidInput(f"zoom {self.zoom}: must be 0 or more")
+            raise InvalidInput("zoom {0}: must be 0 or more", self.zoom)
         if self.gsd_m_per_px is not None and not (
             math.isfinite(self.gsd_m_per_px) and self.gsd_m_per_px > 0.0
         ):
-            raise InvalidInput(f"ground sample distance {self.gsd_m_per_px} m: must be above 0")
+            raise InvalidInput("ground sample distance {0} m: must be above 0", self.gsd_m_per_px)
         if self.image_px < 1:
             raise InvalidInput(
-                f"longer side of the camera's image {self.image_px} px: must be 1 or more", "image_px"
+                "longer side of the camera's image {0} px: must be 1 or more", self.image_px, field="image_px"
             )
         if self.max_px is not None and self.max_px < 1:
-            raise InvalidInput(f"longest side of a picture {self.max_px} px: must be 1 or more")
+            raise InvalidInput("longest side of a picture {0} px: must be 1 or more", self.max_px)
         if self.max_images < 1:
-            raise InvalidInput(f"limit of {self.max_images} images: must be 1 or more")
+            raise InvalidInput("limit of {0} images: must be 1 or more", self.max_images)
         if self.img_size is not None:
             width, height, channels = self.img_size
             if width < 1 or height < 1 or channels not in (1, 3):
                 raise InvalidInput(
-                    f"image size {width} {height} {channels}: needs a width and a height of 1 px or more, and 1 or "
-                    "3 channels"
+                    "image size {0} {1} {2}: needs a width and a height of 1 px or more, and 1 or 3 channels",
+                    width,
+                    height,
+                    channels,
                 )
             if max(width, height) > MAX_PICTURE_SIDE_PX or width * height > MAX_PICTURE_PX:
                 raise InvalidInput(
-                    f"image size {width} x {height} px: must be at most {MAX_PICTURE_SIDE_PX:,} px along a side and "
-                    f"{MAX_PICTURE_PX:,} px in all",
-                    "img_size",
+                    "image size {0} x {1} px: must be at most {2:,} px along a side and {3:,} px in all",
+                    width,
+                    height,
+                    MAX_PICTURE_SIDE_PX,
+                    MAX_PICTURE_PX,
+                    field="img_size",
                 )
 
     @property
@@ -318,19 +328,19 @@ class Mission:
         data = dict(data)
         schema = data.pop("schema", None)
         if schema != SCHEMA:
-            raise InvalidInput(f"mission schema {schema!r}: this version reads schema {SCHEMA}")
+            raise InvalidInput("mission schema {0!r}: this version reads schema {1}", schema, SCHEMA)
         data, notes = _without_old_methods(data)
         known = {f.name for f in fields(cls) if f.compare}
         unknown = sorted(set(data) - known)
         if unknown:
-            raise InvalidInput(f"mission field {unknown[0]!r}: not one of {', '.join(sorted(known))}")
+            raise InvalidInput("mission field {0!r}: not one of {1}", unknown[0], ", ".join(sorted(known)))
         # A null stands for the default, as it does where that is none.
         data = {name: value for name, value in data.items() if value is not None}
         for name in data.keys() & _JSON_TYPES.keys():
             kinds, words = _JSON_TYPES[name]
             value = data[name]
             if not isinstance(value, kinds) or isinstance(value, bool) != (kinds is bool):
-                raise InvalidInput(f"mission field {name!r} is {value!r}: must be {words}")
+                raise InvalidInput("mission field {0!r} is {1!r}: must be {2}", name, value, words)
         try:
             data["area"], data["agl_m"] = _area_from_dict(data["area"]), data["agl_m"]
             data["camera"] = _made(Camera, "camera", data.get("camera", {}))
@@ -341,11 +351,11 @@ class Mission:
                 data["img_size"] = tuple(data["img_size"])
             return cls(**_with_image_px(data), notes=notes)
         except KeyError as missing:
-            raise InvalidInput(f"mission without {missing}: the field is needed") from missing
+            raise InvalidInput("mission without {0}: the field is needed", missing) from missing
         except InvalidInput:
             raise
         except (TypeError, AttributeError, ValueError, IndexError, OverflowError) as wrong:
-            raise InvalidInput(f"mission with a value of the wrong type: {wrong}") from wrong
+            raise InvalidInput("mission with a value of the wrong type: {0}", wrong) from wrong
 
     @classmethod
     def from_json(cls, text: str) -> Mission:
@@ -353,9 +363,9 @@ class Mission:
         try:
             data = parse_json(text)
         except InvalidInput as wrong:
-            raise InvalidInput(f"mission is not JSON that can be read: {wrong}") from wrong
+            raise InvalidInput("mission is not JSON that can be read: {0}", wrong) from wrong
         if not isinstance(data, dict):
-            raise InvalidInput(f"mission is a JSON {type(data).__name__}: must be an object")
+            raise InvalidInput("mission is a JSON {0}: must be an object", type(data).__name__)
         return cls.from_dict(data)
 
     @classmethod
@@ -364,13 +374,14 @@ class Mission:
         try:
             text = decoded(read_limited(path, MAX_MISSION_BYTES))
         except OSError as wrong:
-            raise InvalidInput(f"mission file {path}: cannot be read ({wrong.strerror})") from wrong
+            raise InvalidInput("mission file {0}: cannot be read ({1})", path, wrong.strerror) from wrong
         except InvalidInput as wrong:
-            raise InvalidInput(f"mission file {path}: cannot be read ({wrong})") from wrong
+            raise InvalidInput("mission file {0}: cannot be read ({1})", path, wrong) from wrong
         if not text.lstrip().startswith("{"):
             raise InvalidInput(
-                f"mission file {path}: holds no mission, which is a JSON object; a file of places is given as "
-                "coordinates"
+                "mission file {0}: holds no mission, which is a JSON object; a file of places is given as "
+                "coordinates",
+                path,
             )
         return cls.from_json(text)
 
@@ -422,14 +433,14 @@ _JSON_TYPES: dict[str, tuple[Any, str]] = {
 def _made(kind: type[_Part], name: str, values: Any) -> _Part:
     """Part of a mission from its JSON object; raises InvalidInput where that is none, or has a field too many."""
     if not isinstance(values, dict):
-        raise InvalidInput(f"mission field {name!r} is {values!r}: must be an object")
+        raise InvalidInput("mission field {0!r} is {1!r}: must be an object", name, values)
     known = [f.name for f in fields(kind)]
     unknown = sorted(set(values) - set(known))
     if unknown:
-        raise InvalidInput(f"mission field {name}.{unknown[0]}: not one of {', '.join(known)}")
+        raise InvalidInput("mission field {0}.{1}: not one of {2}", name, unknown[0], ", ".join(known))
     missing = [f.name for f in fields(kind) if f.default is MISSING and f.name not in values]
     if missing:
-        raise InvalidInput(f"mission without {name}.{missing[0]}: the field is needed")
+        raise InvalidInput("mission without {0}.{1}: the field is needed", name, missing[0])
     return kind(**values)
 
 
@@ -466,7 +477,7 @@ def _with_image_px(data: dict[str, Any]) -> dict[str, Any]:
 
 def _area_from_dict(values: Any) -> Area:
     if not isinstance(values, dict):
-        raise InvalidInput(f"mission field 'area' is {values!r}: must be an object")
+        raise InvalidInput("mission field 'area' is {0!r}: must be an object", values)
     area = dict(values)
     kind = area.pop("type", None)
     if kind == "box":
@@ -475,4 +486,4 @@ def _area_from_dict(values: Any) -> Area:
         return Polygon(tuple(tuple((p[0], p[1]) for p in ring) for ring in area["rings"]))
     if kind == "points":
         return Points(tuple((p[0], p[1], p[2]) for p in area["poses"]), tuple(area.get("yaws_deg", ())))
-    raise InvalidInput(f"area type {kind!r}: must be box, polygon or points")
+    raise InvalidInput("area type {0!r}: must be box, polygon or points", kind)

@@ -65,7 +65,9 @@ class Option:
         low, high = self.count or (1, 1)
         if not low <= len(parts) <= high:
             wanted = str(low) if low == high else f"{low} to {high}"
-            raise InvalidInput(f"{where} {self.name} {value!r}: takes {wanted} value{'s' * (high > 1)}")
+            raise InvalidInput(
+                "{0} {1} {2!r}: takes {3} value{4}", where, self.name, value, wanted, "s" * (high > 1)
+            )
         values = tuple(self._one(part, where) for part in parts)
         return values if self.count else values[0]
 
@@ -73,9 +75,13 @@ class Option:
         try:
             value = self.kind(part) if isinstance(part, str) else self.kind(str(part))
         except ValueError as wrong:
-            raise InvalidInput(f"{where} {self.name} {part!r}: must be a {_NAMES[self.kind]}") from wrong
+            raise InvalidInput(
+                "{0} {1} {2!r}: must be a {3}", where, self.name, part, _NAMES[self.kind]
+            ) from wrong
         if self.choices and value not in self.choices:
-            raise InvalidInput(f"{where} {self.name} {part!r}: must be one of {', '.join(self.choices)}")
+            raise InvalidInput(
+                "{0} {1} {2!r}: must be one of {3}", where, self.name, part, ", ".join(self.choices)
+            )
         return value
 
 
@@ -96,7 +102,7 @@ def _truth(value: Any, what: str) -> bool:
         "off": False,
     }
     if str(value).lower() not in words:
-        raise InvalidInput(f"{what} {value!r}: must be true or false")
+        raise InvalidInput("{0} {1!r}: must be true or false", what, value)
     return words[str(value).lower()]
 
 

@@ -390,9 +390,11 @@ def _disturbed(mission: Mission, layout: Layout, nominal: Poses) -> Poses:
     agl = nominal.agl_m + off.up_m
     if (agl <= 0.0).any():
         raise InvalidInput(
-            f"wind of {mission.wind.speed_m_per_s:g} m/s at {mission.agl_m:g} m: the gusts throw the camera to the "
-            "ground; fly higher or in less turbulence",
-            "wind",
+            "wind of {0:g} m/s at {1:g} m: the gusts throw the camera to the ground; fly higher or in less "
+            "turbulence",
+            mission.wind.speed_m_per_s,
+            mission.agl_m,
+            field="wind",
         )
     return Poses(
         lat + north,

@@ -101,16 +101,16 @@ def _read_config(config: str | None) -> dict[str, Any]:
     try:
         data = parse_json(read_limited(path, MAX_SETTINGS_BYTES))
     except (OSError, InvalidInput) as wrong:
-        raise InvalidInput(f"config file {path}: cannot be read as JSON ({wrong})") from wrong
+        raise InvalidInput("config file {0}: cannot be read as JSON ({1})", path, wrong) from wrong
     if not isinstance(data, dict):
-        raise InvalidInput(f"config file {path}: must hold a JSON object of options")
+        raise InvalidInput("config file {0}: must hold a JSON object of options", path)
     data = {str(name).replace("-", "_"): value for name, value in data.items()}
     known = [option.name for option in OPTIONS]
     for name in data:
         if name not in known:
             near = difflib.get_close_matches(name, known, n=1)
             hint = f"; did you mean {near[0]!r}?" if near else f"; known are {', '.join(known)}"
-            raise InvalidInput(f"config file {path}: unknown option {name!r}{hint}")
+            raise InvalidInput("config file {0}: unknown option {1!r}{2}", path, name, hint)
     return data
 
 
@@ -171,11 +171,13 @@ def _wind(values: Mapping[str, Any]) -> Wind | None:
 
 def _area(values: Mapping[str, Any]) -> tuple[Area, float]:
     if values["area"] is not None and values["coords"] is not None:
-        raise InvalidInput(f"area {values['area']!r} and coords {values['coords']!r}: give one of the two")
+        raise InvalidInput(
+            "area {0!r} and coords {1!r}: give one of the two", values["area"], values["coords"]
+        )
     agl_m = None if values["agl"] is None else values["agl"] * UNITS[values["agl_unit"]]
     if values["area"] is not None:
         if agl_m is None:
-            raise InvalidInput(f"area {values['area']!r}: needs a height, --agl")
+            raise InvalidInput("area {0!r}: needs a height, --agl", values["area"])
         return load_polygon(values["area"]), agl_m
     if values["coords"] is None:
         raise InvalidInput(
@@ -201,7 +203,7 @@ def _camera(values: Mapping[str, Any]) -> tuple[Camera, int]:
 def _camera_of_numbers(values: Mapping[str, Any]) -> Camera:
     shape = values["aspect_ratio"]
     if shape is not None and not (shape[0] > 0.0 and shape[1] > 0.0):
-        raise InvalidInput(f"aspect ratio {shape[0]:g} {shape[1]:g}: width and height must be above 0")
+        raise InvalidInput("aspect ratio {0:g} {1:g}: width and height must be above 0", shape[0], shape[1])
     if values["sensor"] is not None:
         ratio = None if shape is None else shape[0] / shape[1]
         return Camera.from_sensor(values["sensor"], values["focal_length"], ratio)
@@ -220,12 +222,12 @@ def _check_one_camera(values: Mapping[str, Any]) -> None:
         ways.append("aspect_ratio")
     given = [f"{name} {_shown(values[name])}" for name in ways if values[name] is not None]
     if len(given) > 1:
-        raise InvalidInput(f"{given[0]} and {given[1]}: give one of the two")
+        raise InvalidInput("{0} and {1}: give one of the two", given[0], given[1])
     if (values["sensor"] is None) != (values["focal_length"] is None):
         name, other = (
             ("sensor", "focal_length") if values["focal_length"] is None else ("focal_length", "sensor")
         )
-        raise InvalidInput(f"{name} {_shown(values[name])}: needs {other} as well")
+        raise InvalidInput("{0} {1}: needs {2} as well", name, _shown(values[name]), other)
 
 
 def _shown(value: Any) -> str:

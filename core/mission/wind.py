@@ -20,7 +20,11 @@ def check_airspeed(airspeed_m_per_s: float) -> None:
     slowest, fastest = AIRSPEEDS_M_PER_S
     if not slowest <= airspeed_m_per_s <= fastest:
         raise InvalidInput(
-            f"airspeed {airspeed_m_per_s} m/s: must be {slowest} to {fastest}", "airspeed_m_per_s"
+            "airspeed {0} m/s: must be {1} to {2}",
+            airspeed_m_per_s,
+            slowest,
+            fastest,
+            field="airspeed_m_per_s",
         )
 
 
@@ -47,15 +51,15 @@ class Wind:
 
     def __post_init__(self) -> None:
         if not (math.isfinite(self.speed_m_per_s) and self.speed_m_per_s >= 0.0):
-            raise InvalidInput(f"wind speed {self.speed_m_per_s} m/s: must be 0 or more")
+            raise InvalidInput("wind speed {0} m/s: must be 0 or more", self.speed_m_per_s)
         if not math.isfinite(self.from_deg):
-            raise InvalidInput(f"wind from {self.from_deg} deg: must be a number")
+            raise InvalidInput("wind from {0} deg: must be a number", self.from_deg)
         if not (math.isfinite(self.turbulence) and self.turbulence >= 0.0):
             raise InvalidInput(
-                f"turbulence intensity {self.turbulence}: must be 0 or more (sigma / mean wind)"
+                "turbulence intensity {0}: must be 0 or more (sigma / mean wind)", self.turbulence
             )
         if not (self.seed >= 0 and self.seed % 1 == 0):
-            raise InvalidInput(f"seed {self.seed!r} of the wind: must be a whole number, 0 or more")
+            raise InvalidInput("seed {0!r} of the wind: must be a whole number, 0 or more", self.seed)
 
     def flown_at(self, airspeed_m_per_s: float) -> Wind:
         """Return this wind, where an aircraft of that airspeed can fly in it.
@@ -69,13 +73,16 @@ class Wind:
         check_airspeed(airspeed_m_per_s)
         if self.speed_m_per_s >= airspeed_m_per_s:
             raise InvalidInput(
-                f"wind speed {self.speed_m_per_s} m/s: must be below the airspeed, {airspeed_m_per_s} m/s, to "
-                "fly against it"
+                "wind speed {0} m/s: must be below the airspeed, {1} m/s, to fly against it",
+                self.speed_m_per_s,
+                airspeed_m_per_s,
             )
         if self.sigma_m_per_s >= airspeed_m_per_s:
             raise InvalidInput(
-                f"turbulence intensity {self.turbulence}: gusts of {self.sigma_m_per_s:g} m/s must stay below the "
-                f"airspeed, {airspeed_m_per_s} m/s"
+                "turbulence intensity {0}: gusts of {1:g} m/s must stay below the airspeed, {2} m/s",
+                self.turbulence,
+                self.sigma_m_per_s,
+                airspeed_m_per_s,
             )
         return self
 

@@ -90,9 +90,9 @@ class PairSettings:
         if not self.views:
             raise InvalidInput("no views: needs one or more")
         if not 1 <= self.size_px <= MOST_SIZE_PX:
-            raise InvalidInput(f"size of images {self.size_px} px: must be from 1 to {MOST_SIZE_PX:,}")
+            raise InvalidInput("size of images {0} px: must be from 1 to {1:,}", self.size_px, MOST_SIZE_PX)
         if self.satellite_m is not None and not (math.isfinite(self.satellite_m) and self.satellite_m > 0.0):
-            raise InvalidInput(f"width of the satellite view {self.satellite_m} m: must be above 0")
+            raise InvalidInput("width of the satellite view {0} m: must be above 0", self.satellite_m)
         check_shares(self.shares)
 
     @property

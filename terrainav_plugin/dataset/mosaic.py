@@ -244,7 +244,7 @@ def build_overviews(
                 raise _failed(target)
             del raster
     except OSError as wrong:
-        raise OutputError(f"mosaic {target}: cannot be written ({wrong.strerror})") from wrong
+        raise OutputError("mosaic {0}: cannot be written ({1})", target, wrong.strerror) from wrong
 
 
 def _mosaics(plan: Plan, folder: Path) -> Iterator[tuple[Mosaic, Placed]]:
@@ -289,7 +289,7 @@ def _replacing(path: Path) -> Iterator[None]:
         yield
     except OSError as wrong:
         raise OutputError(
-            f"file {path}: cannot be replaced ({wrong.strerror}); close what shows it"
+            "file {0}: cannot be replaced ({1}); close what shows it", path, wrong.strerror
         ) from wrong
 
 
@@ -468,4 +468,4 @@ def _reduce(raster: gdal.Dataset, size: tuple[int, int], progress: Callable[[flo
 
 def _failed(path: Path) -> OutputError:
     reason = " ".join(gdal.GetLastErrorMsg().split())
-    return OutputError(f"mosaic {path}: cannot be made ({reason or 'no reason given'})")
+    return OutputError("mosaic {0}: cannot be made ({1})", path, reason or "no reason given")

@@ -274,7 +274,7 @@ def _points(lines: list[tuple[int, str]], agl: float, agl_unit: str) -> tuple[Po
             if len(parts) == _POSE_AND_YAW:
                 yaws += Points(point.poses, (_number(parts[3]),)).yaws_deg
         except InvalidInput as wrong:
-            raise InvalidInput(f"{where} {wrong}") from wrong
+            raise InvalidInput("{0} {1}", where, wrong) from wrong
         if yaws and len(yaws) != len(poses):
             raise InvalidInput(f"{where} " + tr("give every point a yaw, or none"))
     return Points(tuple(poses), tuple(yaws)), poses[0][2] if given else None

@@ -143,14 +143,14 @@ def refuse_errors(errors: Sequence[QgsMapRendererJob.Error]) -> None:
     """Raise PartError with the first of a renderer's errors, where it has any."""
     messages = [error.message for error in errors if error.message]
     if messages:
-        raise PartError(f"QGIS could not draw it: {messages[0]}")
+        raise PartError("QGIS could not draw it: {0}", messages[0])
 
 
 def blank(width_px: int, height_px: int) -> QImage:
     """Image that shows nothing; raises PartError where it is too large for the memory."""
     image = QImage(width_px, height_px, _FORMAT)
     if image.isNull():
-        raise PartError(f"picture of {width_px}x{height_px} px: too large to be drawn")
+        raise PartError("picture of {0}x{1} px: too large to be drawn", width_px, height_px)
     image.fill(0)
     return image
 
@@ -208,10 +208,10 @@ class Pipes:
         finally:
             self._idle.put(pipe)
         if feedback.errors():
-            raise PartError(f"QGIS could not read it: {feedback.errors()[0]}")
+            raise PartError("QGIS could not read it: {0}", feedback.errors()[0])
         image = block.image()
         if not block.isValid() or image.isNull():
-            raise PartError(f"QGIS could not read it: {block.error().summary() or 'no reason given'}")
+            raise PartError("QGIS could not read it: {0}", block.error().summary() or "no reason given")
         return to_array(image)
 
 

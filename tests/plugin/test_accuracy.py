@@ -145,7 +145,7 @@ def test_refusals_of_the_core_belong_to_an_entry(entries, field):
 
 
 def test_other_refusals_belong_to_none():
-    assert refused_fields(InvalidInput("mission of 9 images: the limit is 8", "max_images")) == {}
+    assert refused_fields(InvalidInput("mission of 9 images: the limit is 8", field="max_images")) == {}
     assert refused_fields(InvalidInput("error budget 3 px: but about no field")) == {}
 
 

@@ -295,7 +295,7 @@ def test_words_of_the_core(spanish, english_text, spanish_text):
 
 
 def test_an_error_is_told_by_its_message(spanish):
-    assert translate(InvalidInput("zoom -1: must be 0 or more", "zoom")) == "zoom -1: debe ser 0 o más"
+    assert translate(InvalidInput("zoom -1: must be 0 or more", field="zoom")) == "zoom -1: debe ser 0 o más"
 
 
 def test_processing_fails_in_spanish(spanish):

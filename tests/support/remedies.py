@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import ast
 import re
+import string
 from collections import Counter
 from collections.abc import Callable, Iterator
 from functools import cache
@@ -36,6 +37,8 @@ _CLAUSE = re.compile(r"[;:] (?:or |\{\})?([a-z]+)\b")
 #: Sentences that say what to do, and conditions that a clause to do something follows.
 _SENTENCE = re.compile(r"(?:^|\. )([A-Z][a-z]+)\b(?=.*\.$)|[;:] if [^,;]*, ([a-z]+)\b", re.DOTALL)
 _NAMED = re.compile(r"^(--[a-z-]+ \{\})|[;:] ([^;:]*?(?:--[a-z]|`?\bterrainav [a-z]))")
+#: Where a value goes into a template.
+_VALUE = re.compile(r"\{\d+[!:}]")
 #: Where an option or a parameter says in its own words what it is for.
 _HELP = frozenset(["mission/options.py", "processing/mission_parameters.py"])
 #: The function that describes an algorithm.
@@ -113,7 +116,12 @@ class Place(NamedTuple):
 def _words(node: ast.AST) -> str:
     if isinstance(node, ast.JoinedStr):
         return "".join("{}" if isinstance(part, ast.FormattedValue) else _words(part) for part in node.values)
-    return node.value if isinstance(node, ast.Constant) and isinstance(node.value, str) else ""
+    text = node.value if isinstance(node, ast.Constant) and isinstance(node.value, str) else ""
+    if not _VALUE.search(text):
+        return text
+    return "".join(
+        fixed if place is None else fixed + "{}" for fixed, place, _, _ in string.Formatter().parse(text)
+    )
 
 
 def _messages(tree: ast.Module) -> Iterator[str]:

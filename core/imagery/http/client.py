@@ -182,7 +182,9 @@ class Client:
         """
         if self._left_alone():
             raise OutOfReach(
-                f"{what}: not asked for, as the last {MAX_LATE_PARTS} parts had no answer in time; resume later"
+                "{0}: not asked for, as the last {1} parts had no answer in time; resume later",
+                what,
+                MAX_LATE_PARTS,
             )
         tries = 1 if self._away.is_set() or self._late_parts >= MAX_LATE_PARTS else self._tries
         request = _Request(headers, allow)
@@ -263,7 +265,9 @@ class Client:
     def _given_up(self, what: str, request: _Request) -> TerrAInavError:
         """Error of a part that is not asked for any more."""
         if request.status == HTTPStatus.TOO_MANY_REQUESTS:
-            return SourceError(f"{self._title}: {request.reason}; ask for less at a time, or resume later")
+            return SourceError(
+                "{0}: {1}; ask for less at a time, or resume later", self._title, request.reason
+            )
         failure = request.failure
         silent = failure is not None and (failure.again or failure.away)
         if failure is not None and failure.late:
@@ -288,7 +292,7 @@ class Client:
             if target is None:
                 return response
             url = joined(url, target)
-        raise TransportError(f"more than {MAX_REDIRECTS} redirects", again=False)
+        raise TransportError("more than {0} redirects", MAX_REDIRECTS, again=False)
 
     def _attempt(self, url: str, origin: str, what: str, request: _Request) -> Response:
         self._pause(self._pace.turn_s())
@@ -311,7 +315,7 @@ class Client:
             self._free.release()
             request.taken_s += time.monotonic() - began_s
         # Out here, where what was raised, which may quote a key, is no part of it.
-        raise PartError(f"{what}: {failure}")
+        raise PartError("{0}: {1}", what, failure)
 
     def _picture_or_problem(
         self, response: Response, read: Callable[[Response], Picture]
@@ -339,11 +343,11 @@ class Client:
         message = self.message(response)
         line = _status_line(response.status) + (f": {message}" if message else "")
         if response.status in _REFUSED or (response.status >= 400 and _is_quota(response.status, message)):
-            raise SourceError(f"{self._title} refuses: {line}")
+            raise SourceError("{0} refuses: {1}", self._title, line)
         if response.status in _NOT_THERE:
-            raise NotThere(f"{what}: {line}")
+            raise NotThere("{0}: {1}", what, line)
         if response.status not in _AGAIN:
-            raise PartError(f"{what}: {line}")
+            raise PartError("{0}: {1}", what, line)
         return line
 
     def _asked_wait_s(self, response: Response, reason: str) -> float:
@@ -351,7 +355,7 @@ class Client:
         seconds = retry_after_s(response, time.time())
         if seconds > self._longest_retry_after_s:
             raise SourceError(
-                f"{self._title}: {reason}; it asks to come back in {seconds:.0f} s: resume then"
+                "{0}: {1}; it asks to come back in {2:.0f} s: resume then", self._title, reason, seconds
             )
         if seconds:
             self._pace.hold(seconds)

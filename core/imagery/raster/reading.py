@@ -374,7 +374,7 @@ class Pool:
         """
         with self._lock:
             if self._closed:
-                raise Cancelled(f"{self._path}: closed")
+                raise Cancelled("{0}: closed", self._path)
             free = self._free.setdefault(level, [])
             known = free.pop() if free else None
         file = known or self._open(self._path, level)

@@ -70,7 +70,10 @@ class Service:
         for choice, value in parse_qsl(fragment, keep_blank_values=True):
             if choice.lower() not in CHOICES[kind]:
                 raise InvalidInput(
-                    f"choice {choice!r} of a {kind.upper()}: must be one of {', '.join(CHOICES[kind])}"
+                    "choice {0!r} of a {1}: must be one of {2}",
+                    choice,
+                    kind.upper(),
+                    ", ".join(CHOICES[kind]),
                 )
             choices[choice.lower()] = value
         return cls(kind, address, choices)
@@ -145,7 +148,7 @@ def fetched(service: Service, key: str, transport: Transport | None) -> Document
     try:
         response = client.get(url, "capabilities")
     except PartError as failure:
-        raise SourceError(f"{service.host}: {failure}") from None
+        raise SourceError("{0}: {1}", service.host, failure) from None
     finally:
         # A transport that was given goes on to fetch the tiles.
         if transport is None:
@@ -198,7 +201,7 @@ def reading(document: Document) -> Iterator[None]:
         raise
     except ImportError as missing:
         raise SourceError(
-            f"source {document.service.kind}:{document.service.host}: needs OWSLib: pip install owslib"
+            "source {0}:{1}: needs OWSLib: pip install owslib", document.service.kind, document.service.host
         ) from missing
     except UnreadableXMLError as wrong:
         raise document.wrong(f"capabilities that cannot be read: {wrong}") from None
@@ -234,10 +237,13 @@ def chosen_one(document: Document, what: str, wanted: str | None, offered: Mappi
     )
     if wanted is None:
         raise InvalidInput(
-            f"{document.service.kind.upper()} of {host}: say which with #{what}=…: {names or 'it offers none'}; "
-            "`terrainav sources show` lists them"
+            "{0} of {1}: say which with #{2}=…: {3}; `terrainav sources show` lists them",
+            document.service.kind.upper(),
+            host,
+            what,
+            names or "it offers none",
         )
-    raise InvalidInput(f"{what} {wanted!r}: {host} offers {names or 'none'}")
+    raise InvalidInput("{0} {1!r}: {2} offers {3}", what, wanted, host, names or "none")
 
 
 def chosen_format(document: Document, offered: list[str]) -> str:

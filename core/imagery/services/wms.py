@@ -111,13 +111,17 @@ def _crs(document: Document, layers: Sequence[Any]) -> str:
             return crs
     names = ", ".join(sorted(offered)[:NAMED]) or "none"
     raise InvalidInput(
-        f"layer {layers[0].id!r} of {document.service.host}: is offered in {names}; needs {MERCATOR[0]}"
+        "layer {0!r} of {1}: is offered in {2}; needs {3}",
+        layers[0].id,
+        document.service.host,
+        names,
+        MERCATOR[0],
     )
 
 
 def _check_styles(document: Document, layers: Sequence[Any], styles: Sequence[str]) -> None:
     if len(styles) != len(layers):
-        raise InvalidInput(f"styles {','.join(styles)!r}: must be one for each of {len(layers)} layers")
+        raise InvalidInput("styles {0!r}: must be one for each of {1} layers", ",".join(styles), len(layers))
     for layer, style in zip(layers, styles):
         if style and style not in layer.styles:
             chosen_one(document, "styles", style, layer.styles)

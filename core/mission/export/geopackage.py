@@ -46,8 +46,9 @@ def write_geopackage(plan: Plan, path: Path) -> None:
         from osgeo import ogr
     except ImportError as missing:
         raise OutputError(
-            f"{path}: GeoPackages need GDAL's Python module (osgeo), which QGIS brings along; install it, or choose "
-            ".geojson"
+            "{0}: GeoPackages need GDAL's Python module (osgeo), which QGIS brings along; install it, or "
+            "choose .geojson",
+            path,
         ) from missing
     try:
         with (
@@ -57,7 +58,9 @@ def write_geopackage(plan: Plan, path: Path) -> None:
         ):
             _write(ogr, plan, partial, failed)
     except OSError as wrong:
-        raise OutputError(f"folder {path.parent}: cannot write {path.name} ({wrong.strerror})") from wrong
+        raise OutputError(
+            "folder {0}: cannot write {1} ({2})", path.parent, path.name, wrong.strerror
+        ) from wrong
 
 
 @contextmanager
@@ -90,14 +93,14 @@ def _heard(path: Path) -> Iterator[Callable[[], None]]:
 
     def failed() -> None:
         if said:
-            raise OutputError(f"{path}: cannot be written ({said[0]})")
+            raise OutputError("{0}: cannot be written ({1})", path, said[0])
 
     gdal.PushErrorHandler(hear)
     try:
         yield failed
         failed()
     except RuntimeError as wrong:
-        raise OutputError(f"{path}: cannot be written ({said[0] if said else wrong})") from wrong
+        raise OutputError("{0}: cannot be written ({1})", path, said[0] if said else wrong) from wrong
     finally:
         gdal.PopErrorHandler()
 

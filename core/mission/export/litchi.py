@@ -39,17 +39,25 @@ def check_litchi(plan: Plan) -> None:
         raise InvalidInput("Litchi mission of one waypoint: takes two or more; plan a list or an area")
     if len(plan) > MOST_PARTS * MOST_WAYPOINTS:
         raise InvalidInput(
-            f"Litchi mission of {len(plan):,} waypoints: takes {MOST_PARTS * MOST_WAYPOINTS:,} or fewer; plan a "
-            "smaller area, a greater height or less overlap"
+            "Litchi mission of {0:,} waypoints: takes {1:,} or fewer; plan a smaller area, a greater height "
+            "or less overlap",
+            len(plan),
+            MOST_PARTS * MOST_WAYPOINTS,
         )
     highest = float(meant.agl_m.max())
     if highest > HIGHEST_M:
-        raise InvalidInput(f"Litchi mission at {highest:g} m: must be {HIGHEST_M:g} m above ground or less")
+        raise InvalidInput(
+            "Litchi mission at {0:g} m: must be {1:g} m above ground or less", highest, HIGHEST_M
+        )
     pitch = abs(plan.mission.tilt_deg) - 90.0
     if pitch > _PITCHES_DEG[1]:
         raise InvalidInput(
-            f"Litchi mission with the gimbal lifted to {pitch:g} deg: must be {_PITCHES_DEG[0]:g} to "
-            f"{_PITCHES_DEG[1]:g}, a tilt of {90.0 + _PITCHES_DEG[1]:g} or less"
+            "Litchi mission with the gimbal lifted to {0:g} deg: must be {1:g} to {2:g}, a tilt of {3:g} or "
+            "less",
+            pitch,
+            _PITCHES_DEG[0],
+            _PITCHES_DEG[1],
+            90.0 + _PITCHES_DEG[1],
         )
 
 

@@ -38,8 +38,10 @@ def check_qgroundcontrol(plan: Plan) -> None:
     most = (MOST_ITEMS - _AROUND) // _EACH
     if len(plan) > most:
         raise InvalidInput(
-            f"QGroundControl plan of {len(plan):,} waypoints: takes {most:,} or fewer; plan a smaller area, a greater "
-            "height or less overlap"
+            "QGroundControl plan of {0:,} waypoints: takes {1:,} or fewer; plan a smaller area, a greater "
+            "height or less overlap",
+            len(plan),
+            most,
         )
 
 

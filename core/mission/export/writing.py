@@ -65,7 +65,7 @@ def _ending(path: str | os.PathLike[str]) -> str:
     ending = max((one for one in ENDINGS if name.endswith(one)), key=len, default=name)
     if name != ending:
         return ending
-    raise InvalidInput(f"plan file {os.fspath(path)!r}: must end in {', '.join(ENDINGS)}")
+    raise InvalidInput("plan file {0!r}: must end in {1}", os.fspath(path), ", ".join(ENDINGS))
 
 
 def write_plan(plan: Plan, path: str | os.PathLike[str]) -> Exported:

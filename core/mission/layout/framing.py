@@ -181,15 +181,21 @@ def _check_size(width_px: int, height_px: int, mission: Mission, grid: PixelGrid
         if not coarsest and mission.zoom is None and mission.gsd_m_per_px is None:
             ways_out.append("or make them smaller (--max-px)")
         raise InvalidInput(
-            f"pictures of {width_px:,} x {height_px:,} px: {MAX_PICTURE_PX:,} px in all are allowed; "
-            f"{', '.join(ways_out)}",
-            "max_px",
+            "pictures of {0:,} x {1:,} px: {2:,} px in all are allowed; {3}",
+            width_px,
+            height_px,
+            MAX_PICTURE_PX,
+            ", ".join(ways_out),
+            field="max_px",
         )
     if mission.limit_px is not None and mission.limit_px * grid.scale == limit:
         ways_out.append("or allow larger pictures (--max-px)")
     raise InvalidInput(
-        f"pictures of {longest_px:,} px: the longest side allowed here is {limit:,} px; {', '.join(ways_out)}",
-        "max_px",
+        "pictures of {0:,} px: the longest side allowed here is {1:,} px; {2}",
+        longest_px,
+        limit,
+        ", ".join(ways_out),
+        field="max_px",
     )
 
 
@@ -212,12 +218,16 @@ def sampled_zooms(mission: Mission, grid: PixelGrid) -> tuple[int, int]:
 
 def _checked_zoom(zoom: int, mission: Mission, grid: PixelGrid) -> int:
     if not grid.min_zoom <= zoom <= grid.max_zoom:
-        raise InvalidInput(f"zoom {zoom}: the source has {grid.min_zoom} to {grid.max_zoom}", "zoom")
+        raise InvalidInput(
+            "zoom {0}: the source has {1} to {2}", zoom, grid.min_zoom, grid.max_zoom, field="zoom"
+        )
     if zoom > _highest(mission, grid):
         raise InvalidInput(
-            f"zoom {zoom}: the source's own pixels end at zoom {grid.native_zoom}; ask for that, or allow enlarged "
-            "pixels (--upsample)",
-            "zoom",
+            "zoom {0}: the source's own pixels end at zoom {1}; ask for that, or allow enlarged pixels "
+            "(--upsample)",
+            zoom,
+            grid.native_zoom,
+            field="zoom",
         )
     return zoom
 
@@ -311,17 +321,17 @@ class CameraFraming:
         mission = self.mission
         text = f"picture of {width_px:.3g} x {height_px:.3g} px: under one pixel"
         if mission.zoom is not None:
-            return InvalidInput(f"{text}; fly higher or choose a higher zoom", "zoom")
+            return InvalidInput("{0}; fly higher or choose a higher zoom", text, field="zoom")
         if mission.gsd_m_per_px is not None:
             return InvalidInput(
-                f"{text}; fly higher or choose a smaller ground sample distance", "gsd_m_per_px"
+                "{0}; fly higher or choose a smaller ground sample distance", text, field="gsd_m_per_px"
             )
         if _limit_px(mission, self.grid) < mission.image_px:
             return InvalidInput(
-                f"{text}; choose a less extreme aspect ratio or larger pictures (--max-px)", "max_px"
+                "{0}; choose a less extreme aspect ratio or larger pictures (--max-px)", text, field="max_px"
             )
         return InvalidInput(
-            f"{text}; choose a less extreme aspect ratio or a larger image (--image-px)", "image_px"
+            "{0}; choose a less extreme aspect ratio or a larger image (--image-px)", text, field="image_px"
         )
 
     def zoom(self, layout: Layout) -> int:
@@ -356,9 +366,11 @@ def _too_fine(gsd_m_per_px: float, finest_m: float) -> InvalidInput:
     unit = 10.0 ** (math.floor(math.log10(finest_m)) - 2)
     finest_m = math.ceil(finest_m / unit) * unit
     return InvalidInput(
-        f"ground sample distance {gsd_m_per_px} m: the source's own pixels are {finest_m:.3g} m here; ask for that or "
-        "more, or allow enlarged pixels (--upsample)",
-        "gsd_m_per_px",
+        "ground sample distance {0} m: the source's own pixels are {1:.3g} m here; ask for that or more, or "
+        "allow enlarged pixels (--upsample)",
+        gsd_m_per_px,
+        finest_m,
+        field="gsd_m_per_px",
     )
 
 
@@ -400,10 +412,14 @@ def check_windows(framed: Framed, mission: Mission, grid: PixelGrid) -> None:
         place = f"picture at latitude {float(poses.lat_deg[beyond[0]])!r} from {float(poses.agl_m[beyond[0]]):g} m"
         if framed.size_px is not None:
             raise InvalidInput(
-                f"{place}: lies beyond the map, which ends at ±{MAX_LAT_DEG:.4f}; fly higher or nearer to the equator"
+                "{0}: lies beyond the map, which ends at ±{1:.4f}; fly higher or nearer to the equator",
+                place,
+                MAX_LAT_DEG,
             )
         raise InvalidInput(
-            f"{place}: reaches beyond the map, which ends at ±{MAX_LAT_DEG:.4f}; fly lower or nearer to the equator"
+            "{0}: reaches beyond the map, which ends at ±{1:.4f}; fly lower or nearer to the equator",
+            place,
+            MAX_LAT_DEG,
         )
     if framed.size_px is not None:
         return
@@ -411,7 +427,8 @@ def check_windows(framed: Framed, mission: Mission, grid: PixelGrid) -> None:
     if small.any():
         at = int(np.flatnonzero(small)[0])
         raise InvalidInput(
-            f"picture from {float(poses.agl_m[at]):g} m at zoom {zoom}: under one pixel; fly higher or "
-            "choose a higher zoom",
-            "agl_m",
+            "picture from {0:g} m at zoom {1}: under one pixel; fly higher or choose a higher zoom",
+            float(poses.agl_m[at]),
+            zoom,
+            field="agl_m",
         )

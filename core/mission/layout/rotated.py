@@ -91,7 +91,9 @@ def lay_out_rotated(mission: Mission, ground: Ellipsoid) -> tuple[Layout, tuple[
         raise InvalidInput("points have no rows that could be turned")
     if mission.layout != "cover":
         what = f"grid angle {mission.grid_angle_deg:g} deg" if mission.grid_angle_deg else "crosshatch"
-        raise InvalidInput(f"{what}: the layout {mission.layout} is north-up; use --layout cover", "layout")
+        raise InvalidInput(
+            "{0}: the layout {1} is north-up; use --layout cover", what, mission.layout, field="layout"
+        )
     box = area.bounds
     refuse_beyond_mercator(box)
     middle = (box.north_deg + box.south_deg) / 2.0, box.west_deg + box.span_deg / 2.0
@@ -171,14 +173,18 @@ def _common(mission: Mission, shape: Shape, plane: LocalPlane, ground: Ellipsoid
     if not whole.all():
         if mission.tilt_deg or mission.roll_deg:
             raise InvalidInput(
-                f"camera with tilt {mission.tilt_deg:g}, roll {mission.roll_deg:g} deg from {mission.agl_m:g} m: sees "
-                "past the horizon, where turned rows have no frames; tilt it less, fly lower or fly north-up rows",
-                "tilt_deg",
+                "camera with tilt {0:g}, roll {1:g} deg from {2:g} m: sees past the horizon, where turned "
+                "rows have no frames; tilt it less, fly lower or fly north-up rows",
+                mission.tilt_deg,
+                mission.roll_deg,
+                mission.agl_m,
+                field="tilt_deg",
             )
         raise InvalidInput(
-            f"camera from {mission.agl_m:g} m: sees past the horizon, where turned rows have no frames; fly lower or "
-            "fly north-up rows",
-            "agl_m",
+            "camera from {0:g} m: sees past the horizon, where turned rows have no frames; fly lower or fly "
+            "north-up rows",
+            mission.agl_m,
+            field="agl_m",
         )
     reach = np.abs(ring).max(axis=(0, 1)) + shape.bend_m
     ends = [
@@ -188,9 +194,12 @@ def _common(mission: Mission, shape: Shape, plane: LocalPlane, ground: Ellipsoid
     farthest = math.hypot(*(max(abs(low), abs(high)) for low, high in ends))
     if not farthest <= _REACH_M:
         raise InvalidInput(
-            f"grid angle {mission.grid_angle_deg:g} deg: turned rows hold to {_REACH_M / 1e3:g} km from the area's "
-            f"middle, and the area or its images reach {farthest / 1e3:.4g} km; take a smaller area or north-up rows",
-            "grid_angle_deg",
+            "grid angle {0:g} deg: turned rows hold to {1:g} km from the area's middle, and the area or its "
+            "images reach {2:.4g} km; take a smaller area or north-up rows",
+            mission.grid_angle_deg,
+            _REACH_M / 1000.0,
+            farthest / 1000.0,
+            field="grid_angle_deg",
         )
     x, y = (places.ravel() for places in np.meshgrid(*(np.linspace(*end, _PLACES) for end in ends)))
     poses = _posed(mission, plane, x, y)

@@ -98,7 +98,7 @@ def refuse_beyond_mercator(box: Box) -> None:
     for lat in (box.north_deg, box.south_deg):
         if abs(lat) > MAX_LAT_DEG:
             raise InvalidInput(
-                f"area reaches latitude {lat}: pictures end at ±{MAX_LAT_DEG:.4f} (Web Mercator)"
+                "area reaches latitude {0}: pictures end at ±{1:.4f} (Web Mercator)", lat, MAX_LAT_DEG
             )
 
 
@@ -106,9 +106,11 @@ def refuse_too_many(count: float, limit: int) -> None:
     """Refuse more images than a mission may have."""
     if count > limit:
         raise InvalidInput(
-            f"mission of {count:,.0f} images: the limit is {limit:,}; fly higher, draw a smaller area, or raise it "
+            "mission of {0:,.0f} images: the limit is {1:,}; fly higher, draw a smaller area, or raise it "
             "(--max-images)",
-            "max_images",
+            count,
+            limit,
+            field="max_images",
         )
 
 
@@ -180,15 +182,15 @@ def refuse_no_step(step: Floats, overlap: float, mission: Mission) -> None:
                 raise InvalidInput(
                     "images without a thousandth of a pixel of ground to count on: the camera looks past the map or "
                     "the Earth; tilt it less or fly lower",
-                    "tilt_deg",
+                    field="tilt_deg",
                 )
             raise InvalidInput(
                 "images without a thousandth of a pixel of ground to count on: the camera looks past the map or the "
                 "Earth; fly lower",
-                "agl_m",
+                field="agl_m",
             )
         raise InvalidInput(
-            f"overlap {overlap}: leaves under a thousandth of a pixel between captures; overlap less"
+            "overlap {0}: leaves under a thousandth of a pixel between captures; overlap less", overlap
         )
 
 
@@ -246,9 +248,10 @@ class _Rows:
         sees = (edges.size[1] > 0.0) & (edges.bottom_v >= self._north) & (edges.top_v <= self._south)
         if not sees.any():
             raise InvalidInput(
-                f"camera at {self._mission.agl_m:g} m, tilted so: from nowhere on the map does it see this area; tilt "
-                "it less or fly lower",
-                "tilt_deg",
+                "camera at {0:g} m, tilted so: from nowhere on the map does it see this area; tilt it less "
+                "or fly lower",
+                self._mission.agl_m,
+                field="tilt_deg",
             )
         places = tried[sees]
         highest, lowest = (
@@ -268,12 +271,14 @@ class _Rows:
     def _gaps(self) -> InvalidInput:
         if self._mission.tilt_deg or self._mission.roll_deg:
             return InvalidInput(
-                f"rows from {self._mission.agl_m:g} m cannot be placed so that their images cover this area; tilt the "
-                "camera less, fly lower or take a smaller area"
+                "rows from {0:g} m cannot be placed so that their images cover this area; tilt the camera "
+                "less, fly lower or take a smaller area",
+                self._mission.agl_m,
             )
         return InvalidInput(
-            f"rows from {self._mission.agl_m:g} m cannot be placed so that their images cover this area; fly lower or "
-            "take a smaller area"
+            "rows from {0:g} m cannot be placed so that their images cover this area; fly lower or take a "
+            "smaller area",
+            self._mission.agl_m,
         )
 
     def refuse_gaps(self, centres: Floats) -> None:
@@ -346,7 +351,8 @@ class _Rows:
             if stalled == _STALLED:
                 break
         raise InvalidInput(
-            f"rows from {self._mission.agl_m:g} m cannot be placed so near to a pole; fly lower or farther from it"
+            "rows from {0:g} m cannot be placed so near to a pole; fly lower or farther from it",
+            self._mission.agl_m,
         )
 
     def centring_shift(self, count: int, spare: float) -> float:
@@ -410,9 +416,11 @@ def _paper(mission: Mission, area: Box | Polygon, frames: Frames) -> Layout:
     reach = box.span_deg / 2.0 + abs(middle_lon - turn - zone.central_meridian_deg)
     if reach > _UTM_REACH_DEG:
         raise InvalidInput(
-            f"paper layout over {box.span_deg:g} deg of longitude: its UTM grid holds to {_UTM_REACH_DEG:g} deg from "
-            "the zone's meridian; use --layout cover",
-            "layout",
+            "paper layout over {0:g} deg of longitude: its UTM grid holds to {1:g} deg from the zone's "
+            "meridian; use --layout cover",
+            box.span_deg,
+            _UTM_REACH_DEG,
+            field="layout",
         )
     (left, right), (top, bottom) = zone.forward(
         np.array([box.west_deg, box.continuous_east_deg]) - turn, np.array([box.north_deg, box.south_deg])
