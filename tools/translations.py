@@ -41,6 +41,7 @@ TOLD = (
     "core/capture",
     "core/dataset",
     "core/drawing.py",
+    "core/fields.py",
     "core/geodesy",
     "core/imagery",
     "core/mission",
@@ -83,7 +84,7 @@ WORDS = (
     "core/mission/export/writing.py",
     "core/mission/layout/framing.py",
     "core/mission/methods.py",
-    "core/mission/mission.py",
+    "core/mission/earlier.py",
     "core/mission/layout/rotated.py",
     "terrainav_plugin/network/answers.py",
     "terrainav_plugin/network/worker.py",
@@ -203,6 +204,8 @@ def core_texts(path: Path) -> Iterator[str]:
     left_out = _left_out(tree)
     seen = set()
     for node in ast.walk(tree):
+        if isinstance(node, ast.Call) and getattr(node.func, "id", "") == "declared":
+            yield from declared_texts(node)
         if isinstance(node, ast.Call) and _names_error(node.func) and node.args:
             texts = templates_of(node.args[0])
             if len(node.args) > 1:
@@ -217,6 +220,15 @@ def core_texts(path: Path) -> Iterator[str]:
                 yield text
     if not seen.issuperset(phrases):
         raise TranslationError(f"{name}: has no text {min(set(phrases) - seen)!r} any more")
+
+
+def declared_texts(call: ast.Call) -> Iterator[str]:
+    """Yield what is said of a field of a mission where it is declared: title, help, and what its choices are called."""
+    for keyword in call.keywords:
+        if keyword.arg in ("title", "help") and isinstance(keyword.value, ast.Constant):
+            yield str(keyword.value.value)
+        elif keyword.arg == "choices" and isinstance(keyword.value, ast.Dict):
+            yield from (str(text.value) for text in keyword.value.values if isinstance(text, ast.Constant))
 
 
 def _is_worded(text: str) -> bool:
@@ -255,7 +267,7 @@ def _left_out(tree: ast.Module) -> set[int]:
 
 def _names_error(function: ast.expr) -> bool:
     name = getattr(function, "id", getattr(function, "attr", ""))
-    return name in ("InvalidInput", "Cancelled") or name.endswith("Error")
+    return name in ("InvalidInput", "Cancelled", "Message") or name.endswith("Error")
 
 
 def found() -> Texts:

@@ -37,7 +37,7 @@ def open_folder(folder: str | os.PathLike[str], mission: Mission, *, resume: boo
     wanted = mission.to_json().encode("utf-8")
     found = _mark_of(path)
     if found is None:
-        _refuse_foreign(path, mission.map_types)
+        _refuse_foreign(path, mission.imagery.map_types)
         # Of two runs that find the folder empty at the same time, one makes it its own and the other finds it so.
         with open_locked(path / JOURNAL_FILE):
             found = _mark_of(path)
@@ -50,7 +50,7 @@ def open_folder(folder: str | os.PathLike[str], mission: Mission, *, resume: boo
         raise OutputError(
             "folder {0}: already holds this mission; resume it (--resume) or choose another folder", folder
         )
-    for map_type in mission.map_types:
+    for map_type in mission.imagery.map_types:
         make_folder(path / map_type)
     return path
 

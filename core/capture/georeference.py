@@ -150,7 +150,7 @@ class ControlPoints:
                 (1.0 - y) / 2.0 * height_px,
                 np.array(lon),
                 np.array(lat),
-                np.full(len(x), mission.ground_height_m),
+                np.full(len(x), mission.flight.ground_height_m),
             )
             found = np.stack(columns, axis=1)[hit]
             if len(found) >= _FEWEST:

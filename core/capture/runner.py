@@ -111,7 +111,7 @@ def capture(
         write_plan_files(path, plan)
         complete = all(
             run.capture_map_type(map_type, connections, workers or os.cpu_count() or 1)
-            for map_type in plan.mission.map_types
+            for map_type in plan.mission.imagery.map_types
         )
     return run.result(listener.active_s(), cancelled=not complete)
 
@@ -218,7 +218,7 @@ def _check(plan: Plan, source: Source, connections: int, workers: int | None) ->
         raise InvalidInput(
             "plan is for another pixel grid than that of {0}: plan with the source's own", source.title
         )
-    for map_type in plan.mission.map_types:
+    for map_type in plan.mission.imagery.map_types:
         if source.map_types and map_type not in source.map_types:
             raise InvalidInput(
                 "map type {0!r}: {1} has {2}", map_type, source.title, ", ".join(source.map_types)
@@ -227,7 +227,7 @@ def _check(plan: Plan, source: Source, connections: int, workers: int | None) ->
 
 def _largest_px(plan: Plan) -> int:
     """Pixels of the largest picture, as it is planned or as it is resized to."""
-    width, height, _ = plan.mission.img_size or (1, 1, 1)
+    width, height, _ = plan.mission.output.img_size or (1, 1, 1)
     return max(int((plan.width_px * plan.height_px).max()), width * height)
 
 
@@ -314,11 +314,11 @@ class _Run:
     ) -> None:
         self._plan, self._source, self._folder = plan, source, folder
         self._journal, self._listener = journal, listener
-        self._map_types = plan.mission.map_types
+        self._map_types = plan.mission.imagery.map_types
         self._done = self._requests = self._unique_parts = 0
         self._failures: list[tuple[int, int, Failure]] = []
         self._repeated: list[Repeat] = []
-        self._endings = file_endings(plan.mission.image_format, on_map=plan.size_px is None)
+        self._endings = file_endings(plan.mission.output.image_format, on_map=plan.size_px is None)
         self._outcomes = self._known_outcomes()
         self._drop_placeholders()
         self._other_columns = {
@@ -411,7 +411,7 @@ class _Run:
         folder, outcomes = self._folder / map_type, self._outcomes[map_type]
         table = table_of(self._plan, self._source, outcomes)
         table.with_other(self._other_columns[map_type]).save(folder / TABLE_FILE)
-        if self._plan.mission.image_format == "jpg":
+        if self._plan.mission.output.image_format == "jpg":
             there = [
                 index
                 for index in range(len(self._plan))

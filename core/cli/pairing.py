@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..errors import InvalidInput
 from ..files import is_there
+from ..geodesy.lens import Lens
 from ..mission.options import OPTIONS, Option
 from .caching import opened_cache
 from .exits import DONE, INCOMPLETE, exit_code
@@ -29,7 +30,6 @@ _SHARED = (
     *("source", "map_type", "date", "seed", "camera", "fov", "upsample", "ground_height", "error_budget"),
     *("accept_error", "resampling", "connections", "placeholder", "cache_dir", "cache_limit", "no_cache"),
 )
-_DEFAULT_FOV_DEG = 78.8
 _HELP = """
 PLACES is a file of lines `lat lon` or `lat lon name` (the paper's `lat lon agl` too, whose heights are not used), or
 a box "latTL_lonTL_latBR_lonBR" with --count; write a box that begins with a minus with spaces: "-33.8 18.4 -34.0 18.7".
@@ -123,7 +123,7 @@ def _add_shared(group: Any) -> None:
     for option in _shared_options():
         name = "--" + option.name.replace("_", "-")
         if option.flag:
-            group.add_argument(name, action="store_true", default=None, help=option.help)
+            group.add_argument(name, action="store_true", default=None, help=option.told)
         else:
             group.add_argument(name, metavar=option.metavar, help=_help_of(option))
 
@@ -134,8 +134,8 @@ def _help_of(option: Option) -> str:
     if option.name == "camera":
         return "camera by name (see terrainav cameras) instead of --fov, with its own aspect ratio"
     if option.name == "fov":
-        return "diagonal field of view of a square picture in degrees (78.8)"
-    return option.help + (f" (default {option.default})" if option.default is not None else "")
+        return f"diagonal field of view of a square picture in degrees ({Lens.fov_deg})"
+    return option.told
 
 
 def _shared_options() -> list[Option]:
@@ -194,7 +194,7 @@ def _settings(arguments: argparse.Namespace, values: dict[str, Any]) -> PairSett
         raise InvalidInput("map types {0}: pairs are of one", " ".join(values["map_type"]))
     if values["camera"] is not None and values["fov"] is not None:
         raise InvalidInput("camera {0!r} and fov {1:g}: give one of the two", values["camera"], values["fov"])
-    fov_deg = _DEFAULT_FOV_DEG if values["fov"] is None else values["fov"]
+    fov_deg = Camera.fov_deg if values["fov"] is None else values["fov"]
     more: dict[str, Any] = {} if arguments.split is None else {"shares": tuple(arguments.split)}
     return PairSettings(
         views=_views(arguments),

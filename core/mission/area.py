@@ -11,13 +11,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InvalidInput
+from ..fields import field_named
 from ..geodesy.ellipsoid import WGS84, next_corners
 from ..geodesy.mercator import v_to_lat, wrap_lon_deg
+from .parts import HIGHEST_AGL_M, Attitude, Flight
 
 Floats = NDArray[np.float64]
 Position = tuple[float, float]
-#: Greatest height above ground, metres: up to there double precision holds the ground to less than a micrometre.
-_HIGHEST_AGL_M = 1e9
 Numbers = NDArray[np.int64]
 Flags = NDArray[np.bool_]
 #: Start longitude, start latitude, end longitude, end latitude of each edge.
@@ -35,17 +35,13 @@ def check_lat_lon(lat_deg: float, lon_deg: float) -> None:
 
 
 def check_agl(agl_m: float) -> None:
-    """Refuse a height that is not a positive number of metres, or beyond `_HIGHEST_AGL_M`."""
-    if not agl_m > 0.0:
-        raise InvalidInput("height above ground {0} m: must be above 0", agl_m)
-    if agl_m > _HIGHEST_AGL_M:
-        raise InvalidInput("height above ground {0:g} m: must be at most {1:g} m", agl_m, _HIGHEST_AGL_M)
+    """Refuse a height above ground that no flight has."""
+    field_named(Flight, "agl_m").settled(agl_m)
 
 
 def check_yaw(yaw_deg: float) -> None:
     """Refuse a yaw beyond ±360 degrees (or not a number)."""
-    if not -360.0 <= yaw_deg <= 360.0:
-        raise InvalidInput("yaw {0} deg: must be from -360 to 360", yaw_deg)
+    field_named(Attitude, "yaw_deg").settled(yaw_deg)
 
 
 @dataclass(frozen=True)
@@ -193,7 +189,7 @@ def _sound(poses: tuple[tuple[float, float, float], ...]) -> bool:
     if values.dtype.kind not in "fiu" or values.shape[1:] != (3,):
         return False
     lat, lon, agl = values.T
-    sound = (np.abs(lat) <= 90.0) & (np.abs(lon) <= 360.0) & (agl > 0.0) & (agl <= _HIGHEST_AGL_M)
+    sound = (np.abs(lat) <= 90.0) & (np.abs(lon) <= 360.0) & (agl > 0.0) & (agl <= HIGHEST_AGL_M)
     return bool(sound.all())
 
 

@@ -147,14 +147,14 @@ def estimate(plan: Plan, costs: Costs = ONLINE, connections: int = 8, cores: int
     connections, cores : int
         Requests under way at once, and cores that encode.
     """
-    mission, types = plan.mission, len(plan.mission.map_types)
+    mission, types = plan.mission, len(plan.mission.imagery.map_types)
     pixels = float(np.sum(plan.width_px * plan.height_px))
-    if mission.img_size is not None:
-        pixels = float(len(plan)) * mission.img_size[0] * mission.img_size[1]
+    if mission.output.img_size is not None:
+        pixels = float(len(plan)) * mission.output.img_size[0] * mission.output.img_size[1]
     fetch_s = plan.requests * costs.request_s / (connections if costs.request_bytes else cores)
     if costs.requests_per_s:
         fetch_s = max(fetch_s, plan.requests / costs.requests_per_s)
-    encode_s = pixels * costs.encode_s_per_px[mission.image_format] / cores
+    encode_s = pixels * costs.encode_s_per_px[mission.output.image_format] / cores
     if plan.size_px is not None:
         encode_s += float(np.sum(plan.width_px * plan.height_px)) * costs.warp_s_per_px / cores
     # Computing tiles takes the cores from encoding; waiting for a server does not.
@@ -184,9 +184,9 @@ def estimate(plan: Plan, costs: Costs = ONLINE, connections: int = 8, cores: int
         median_overlap_across=overlap.median_across,
         unique_tiles=plan.requests,
         download_bytes=round(types * plan.requests * costs.request_bytes),
-        output_bytes=round(types * pixels * costs.bytes_per_px[mission.image_format]),
+        output_bytes=round(types * pixels * costs.bytes_per_px[mission.output.image_format]),
         seconds=types * seconds,
-        map_types=mission.map_types,
+        map_types=mission.imagery.map_types,
         accuracy=plan.accuracy,
         warnings=(*mission.notes, *beyond_imagery(plan), *upsampling(plan)),
     )
@@ -212,8 +212,8 @@ def upsampling(plan: Plan) -> tuple[str, ...]:
     """
     mission, grid = plan.mission, plan.grid
     written_m = plan.picture_gsd_m_per_px
-    if mission.img_size is not None:
-        width, height, _ = mission.img_size
+    if mission.output.img_size is not None:
+        width, height, _ = mission.output.img_size
         written_m *= float(min(np.median(plan.width_px) / width, np.median(plan.height_px) / height))
     # A camera frame takes its pixels from zooms up to its own, and from no higher one.
     zoom = min(grid.native_zoom, plan.zoom if plan.size_px is None else sampled_zooms(mission, grid)[1])
@@ -231,10 +231,10 @@ def upsampling(plan: Plan) -> tuple[str, ...]:
 def _way_out(plan: Plan, zoom: int, factor: float) -> str:
     """What to ask for so that pictures are not enlarged."""
     mission = plan.mission
-    if mission.img_size is not None and plan.zoom <= zoom:
-        width, height = (max(int(size / factor), 1) for size in mission.img_size[:2])
-        return f"--img-size {width} {height} {mission.img_size[2]} or less"
-    if plan.size_px is not None and mission.zoom is None and mission.gsd_m_per_px is None:
+    if mission.output.img_size is not None and plan.zoom <= zoom:
+        width, height = (max(int(size / factor), 1) for size in mission.output.img_size[:2])
+        return f"--img-size {width} {height} {mission.output.img_size[2]} or less"
+    if plan.size_px is not None and mission.pixels.zoom is None and mission.pixels.gsd_m_per_px is None:
         return f"--image-px {max(int(max(plan.size_px) / factor), 1)} or less, or fly higher"
     return f"--zoom {zoom} or a finer source"
 

@@ -26,7 +26,7 @@ from .layout.framing import (
 )
 from .layout.rotated import is_rotated
 from .mission import Mission
-from .options import RAYS
+from .parts import RAYS
 
 #: Coarsest mesh, px: larger cells save nothing, and kernels have one pixel to spare (`view.KERNEL_REACH_PX`).
 COARSEST_MESH_PX = 1.0
@@ -241,7 +241,7 @@ def choose_methods(mission: Mission, grid: PixelGrid, disturbed: Disturbed) -> t
     """
     no_camera_frame = _NO_CAMERA_FRAME if grid.centre_decimals is not None else ""
     picture: Choice | None = None
-    if mission.frame != "camera":
+    if mission.accuracy.frame != "camera":
         outside = _no_map_frame(mission)
         if not outside:
             flown = framed(mission, grid, MapFraming(mission, grid), disturbed)
@@ -249,18 +249,18 @@ def choose_methods(mission: Mission, grid: PixelGrid, disturbed: Disturbed) -> t
             try:
                 check_windows(flown, mission, grid)
             except InvalidInput as wrong:
-                if mission.frame == "map" or no_camera_frame:
+                if mission.accuracy.frame == "map" or no_camera_frame:
                     raise
                 # A camera's image has no such limits, or is refused for its own.
                 outside = str(wrong).partition(";")[0]
         if not outside:
             scene = _resolved(scene_of(mission, flown))
             found, footprint = map_frame(scene), exact_footprint(scene)
-            fits = found.bound_px + footprint.bound_px <= mission.error_budget_px
-            if fits or mission.frame == "map" or no_camera_frame:
+            fits = found.bound_px + footprint.bound_px <= mission.accuracy.error_budget_px
+            if fits or mission.accuracy.frame == "map" or no_camera_frame:
                 return flown, _accuracy(mission, scene, Choice(footprint), Choice(found), None)
-            reason = _too_much(found.bound_px, footprint.bound_px, mission.error_budget_px)
-        elif mission.frame == "map":
+            reason = _too_much(found.bound_px, footprint.bound_px, mission.accuracy.error_budget_px)
+        elif mission.accuracy.frame == "map":
             raise InvalidInput(
                 "picture 'map' was asked for, but has no bound here: {0}", outside, field="frame"
             )
@@ -291,13 +291,13 @@ def _no_map_frame(mission: Mission) -> str:
 
 def choose_pixels(mission: Mission, scene: Scene, others_px: float) -> Choice:
     """Mesh or rays of a mission's camera frames: a mesh as coarse as the other stages' bounds leave of the budget."""
-    if mission.mesh == RAYS:
+    if mission.accuracy.mesh == RAYS:
         return Choice(TRACED)
-    left_px = mission.error_budget_px * (1.0 - _ROUNDING) - others_px
+    left_px = mission.accuracy.error_budget_px * (1.0 - _ROUNDING) - others_px
     found = mesh(scene, left_px)
     if found.bound_px <= left_px:
         return Choice(found)
-    return Choice(TRACED, found, _too_much(found.bound_px, others_px, mission.error_budget_px))
+    return Choice(TRACED, found, _too_much(found.bound_px, others_px, mission.accuracy.error_budget_px))
 
 
 def scene_of(mission: Mission, flown: Framed) -> Scene:
@@ -338,8 +338,8 @@ def _ends(mission: Mission) -> Scene:
         # The domain is the same at any yaw.
     else:
         lat = np.array([area.bounds.north_deg, area.bounds.south_deg])
-        agl = np.full(2, mission.agl_m)
-    attitude = (mission.yaw_deg, mission.tilt_deg, mission.roll_deg)
+        agl = np.full(2, mission.flight.agl_m)
+    attitude = (mission.attitude.yaw_deg, mission.attitude.tilt_deg, mission.attitude.roll_deg)
     return Scene(
         mission.camera,
         1.0,
@@ -354,7 +354,7 @@ def _accuracy(
 ) -> Accuracy:
     """What was chosen; raises InvalidInput where its bounds exceed the budget and the mission does not accept that."""
     made = Accuracy(
-        budget_px=mission.error_budget_px,
+        budget_px=mission.accuracy.error_budget_px,
         footprint=footprint,
         picture=picture,
         pixels=pixels,
@@ -363,7 +363,7 @@ def _accuracy(
         left_out=tuple(_left_out(mission, picture.method, pixels)),
     )
     budget, total = made.budget_px, made.bound_px
-    if total > budget and not mission.accept_error:
+    if total > budget and not mission.accuracy.accept_error:
         chosen = (choice.method for choice in (picture, pixels) if choice is not None)
         methods = ", ".join(f"{method.stage} {method.name}" for method in chosen)
         raise InvalidInput(

@@ -21,14 +21,13 @@ from ..safe_json import parse_json
 from .area import Area, Points
 from .cameras import camera_named
 from .coords import load_polygon, parse_coords
-from .mission import Mission
-from .options import DEFAULT_IMAGE_PX, OPTIONS, UNITS
+from .mission import Mission, flat_fields
+from .options import OPTIONS, UNITS
+from .parts import Pixels
 from .wind import Wind
 
 ENVIRONMENT_PREFIX = "TERRAINAV_"
 CONFIG_FILE = "config.json"
-#: The paper's camera.
-DEFAULT_FOV_DEG, DEFAULT_ASPECT = 78.8, (4.0, 3.0)
 #: What several options can state: its ways, each of one option or of some that go together.
 _WAYS: tuple[tuple[tuple[str, ...], ...], ...] = (
     (("coords",), ("area",)),
@@ -122,44 +121,14 @@ def mission_from(values: Mapping[str, Any]) -> Mission:
     InvalidInput
         No area, two of them, or any value outside its domain.
     """
-    overlap = values["overlap"]
     area, agl_m = _area(values)
     camera, own_px = _camera(values)
-    return Mission(
-        area=area,
-        agl_m=agl_m,
-        camera=camera,
-        image_px=own_px if values["image_px"] is None else values["image_px"],
-        overlap_along=overlap[0],
-        overlap_across=overlap[-1],
-        layout=values["layout"],
-        map_types=tuple(values["map_type"]),
-        source=values["source"],
-        date=values["date"] or "",
-        zoom=values["zoom"],
-        gsd_m_per_px=values["gsd"],
-        max_px=values["max_px"],
-        upsample=values["upsample"],
-        image_format=values["format"],
-        img_size=values["img_size"],
-        seed=values["seed"],
-        max_images=values["max_images"],
-        yaw_deg=values["yaw"],
-        tilt_deg=values["tilt"],
-        roll_deg=values["roll"],
-        ground_height_m=values["ground_height"],
-        error_budget_px=values["error_budget"],
-        accept_error=values["accept_error"],
-        frame=values["frame"],
-        mesh=values["mesh"],
-        resampling=values["resampling"],
-        wind=_wind(values),
-        grid_angle_deg=values["grid_angle"],
-        crosshatch=values["crosshatch"],
-        order=values["order"],
-        airspeed_m_per_s=values["airspeed"],
-        start=values["start"],
-    )
+    overlap = values["overlap"]
+    fields = {one.name: values[one.name_of_option] for one in flat_fields() if one.name_of_option in values}
+    if fields["image_px"] is None:
+        fields["image_px"] = own_px
+    fields.update(agl_m=agl_m, overlap_along=overlap[0], overlap_across=overlap[-1])
+    return Mission(area, camera=camera, wind=_wind(values), **fields)
 
 
 def _wind(values: Mapping[str, Any]) -> Wind | None:
@@ -196,8 +165,8 @@ def _camera(values: Mapping[str, Any]) -> tuple[Camera, int]:
     _check_one_camera(values)
     if values["camera"] is not None:
         preset = camera_named(values["camera"])
-        return preset.camera, preset.image_px or DEFAULT_IMAGE_PX
-    return _camera_of_numbers(values), DEFAULT_IMAGE_PX
+        return preset.camera, preset.image_px or Pixels.image_px
+    return _camera_of_numbers(values), Pixels.image_px
 
 
 def _camera_of_numbers(values: Mapping[str, Any]) -> Camera:
@@ -205,14 +174,14 @@ def _camera_of_numbers(values: Mapping[str, Any]) -> Camera:
     if shape is not None and not (shape[0] > 0.0 and shape[1] > 0.0):
         raise InvalidInput("aspect ratio {0:g} {1:g}: width and height must be above 0", shape[0], shape[1])
     if values["sensor"] is not None:
-        ratio = None if shape is None else shape[0] / shape[1]
-        return Camera.from_sensor(values["sensor"], values["focal_length"], ratio)
-    width, height = shape or DEFAULT_ASPECT
+        own = None if shape is None else shape[0] / shape[1]
+        return Camera.from_sensor(values["sensor"], values["focal_length"], own)
+    ratio = Camera.aspect_ratio if shape is None else shape[0] / shape[1]
     if values["hfov"] is not None:
-        return Camera.from_horizontal_fov(values["hfov"], width / height)
+        return Camera.from_horizontal_fov(values["hfov"], ratio)
     if values["vfov"] is not None:
-        return Camera.from_vertical_fov(values["vfov"], width / height)
-    return Camera(DEFAULT_FOV_DEG if values["fov"] is None else values["fov"], width / height)
+        return Camera.from_vertical_fov(values["vfov"], ratio)
+    return Camera(Camera.fov_deg if values["fov"] is None else values["fov"], ratio)
 
 
 def _check_one_camera(values: Mapping[str, Any]) -> None:

@@ -310,7 +310,7 @@ def _row(
     worked_out: PairPlan, place: int, image: _Image, reason: str, there: bool, files: list[str], captured: str
 ) -> dict[str, object]:
     plan, where = worked_out.plans[image.mission], worked_out.places[place]
-    width, height, _ = plan.mission.img_size or (0, 0, 0)
+    width, height, _ = plan.mission.output.img_size or (0, 0, 0)
     pose = {name: float(values[image.index]) for name, values in zip(plan.poses._fields, plan.poses)}
     pose["lon_deg"] = float(wrap_lon_deg(plan.lon_deg[image.index : image.index + 1])[0])
     return {

@@ -58,7 +58,9 @@ def timed_cost(plan: Plan) -> Cost:
     view, lon = plan.view(index), float(plan.lon_deg[index])
     parts = camera_parts(view, lon)
     blank = _blank(parts)
-    return Cost(footprints_s, _own_s(lambda: render(view, lon, parts, blank, plan.mission.resampling)))
+    return Cost(
+        footprints_s, _own_s(lambda: render(view, lon, parts, blank, plan.mission.accuracy.resampling))
+    )
 
 
 def _blank(parts: list[Part]) -> dict[Window, np.ndarray[tuple[int, ...], np.dtype[np.uint8]]]:

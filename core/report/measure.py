@@ -17,7 +17,7 @@ from ..imagery.source import Source
 from ..mission.flight import fly, intervals_s, legs
 from ..mission.layout.framing import ground_of
 from ..mission.methods import TRACED, Method, camera_frame, choose_pixels, exact_footprint, map_frame, mesh
-from ..mission.options import DEFAULT_AIRSPEED_M_PER_S
+from ..mission.parts import Flight
 from ..mission.plan import Plan
 from ..mission.wind import Wind
 from ..picture.resampling import KERNELS
@@ -193,7 +193,7 @@ def measure(
     """
     say = progress or (lambda _: None)
     effort = QUICK if quick else THOROUGH
-    map_type = map_type or plan.mission.map_types[0]
+    map_type = map_type or plan.mission.imagery.map_types[0]
     say("footprints")
     stages = {"footprint": _footprints(plan, effort)}
     say("a picture")
@@ -264,7 +264,7 @@ def _pictures(
     on_map, by_camera = map_frame(scene, outside), camera_frame(scene, "" if by_tiles else _BY_CENTRE)
     ladder = pixel_methods(plan, scene) if by_tiles else []
     usable = [one for one in ladder if not one.method.outside]
-    kernel = plan.mission.resampling if plan.mission.resampling != BY_RAYS else _OF_MESHES
+    kernel = plan.mission.accuracy.resampling if plan.mission.accuracy.resampling != BY_RAYS else _OF_MESHES
     usual = next((one.tolerance_px for one in ladder if one.own), None)
     meshes = [Way(one.tolerance_px, kernel) for one in usable]
     kernels = [] if usual is None else [Way(usual, name) for name in KERNELS]
@@ -277,7 +277,7 @@ def _pictures(
         pictures = [Measured(on_map, error, on_map_made.seconds, is_own, on_map_made.size_bytes)]
     if usual is None:
         return (*pictures, Measured(by_camera)), (), ()
-    frame = made[Way(usual, plan.mission.resampling)]
+    frame = made[Way(usual, plan.mission.accuracy.resampling)]
     traced = positions.mesh_error_px(plan, 0.0)
     pictures.append(Measured(by_camera, traced, frame.seconds, own.method.name == "camera", frame.size_bytes))
     return (
@@ -332,7 +332,7 @@ def pixel_methods(plan: Plan, scene: Scene) -> list[PixelMethod]:
 def _left_out(bench: Bench, stages: dict[str, tuple[Measured, ...]]) -> list[Saving]:
     """What the plan left out, with what the same thing takes here beside what was chosen."""
     plan, found = bench.plan, []
-    pictures = len(plan) * len(plan.mission.map_types)
+    pictures = len(plan) * len(plan.mission.imagery.map_types)
     compared = {
         "resampling": ("picture", "camera"),
         "rays for every pixel": ("pixels", "rays"),
@@ -355,9 +355,9 @@ def _left_out(bench: Bench, stages: dict[str, tuple[Measured, ...]]) -> list[Sav
 
 def _seconds_of_flight(plan: Plan, effort: Effort) -> Seconds:
     """Seconds that the poses of a whole plan in wind take; of a usual wind where the mission has none."""
-    wind, airspeed = plan.mission.wind, plan.mission.airspeed_m_per_s
+    wind, airspeed = plan.mission.wind, plan.mission.flight.airspeed_m_per_s
     if wind is None or wind.sigma_m_per_s == 0.0:
-        wind, airspeed = _USUAL, DEFAULT_AIRSPEED_M_PER_S
+        wind, airspeed = _USUAL, Flight.airspeed_m_per_s
     gusty, count = wind, min(len(plan), _FLOWN)
     agl = plan.agl_m[:count]
     way = legs(plan.lat_deg[:count], plan.lon_deg[:count])

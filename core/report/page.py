@@ -228,7 +228,7 @@ def _work_precision(plan: Plan, found: Measurement) -> list[Markup]:
 def _left_out(plan: Plan, found: Measurement) -> list[Markup]:
     if not found.left_out:
         return [element("p", "Nothing: this mission needs everything there is.")]
-    pictures = len(plan) * len(plan.mission.map_types)
+    pictures = len(plan) * len(plan.mission.imagery.map_types)
     lead = (
         f"For the whole mission, {pictures:,} picture{'s' if pictures > 1 else ''}, on one core: what the "
         "left-out method takes beyond the chosen one, both measured here."
@@ -253,7 +253,7 @@ def _conditioning(plan: Plan) -> list[Markup]:
 def _greys(plan: Plan, found: Measurement) -> list[Markup]:
     content = []
     if found.resampling is not None:
-        used = "none" if plan.size_px is None else plan.mission.resampling
+        used = "none" if plan.size_px is None else plan.mission.accuracy.resampling
         content += [
             element(
                 "p",

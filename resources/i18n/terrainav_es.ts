@@ -5286,6 +5286,100 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>no está instalado matplotlib, que dibuja los diagramas; se obtiene con: pip install 'terrainav[report]'</translation>
     </message>
     <message>
+        <location filename="../../core/fields.py"/>
+        <source>a finite number</source>
+        <translation>un número finito</translation>
+    </message>
+    <message>
+        <location filename="../../core/fields.py"/>
+        <location filename="../../core/imagery/entry.py"/>
+        <source>a list</source>
+        <translation>una lista</translation>
+    </message>
+    <message>
+        <location filename="../../core/fields.py"/>
+        <location filename="../../core/imagery/entry.py"/>
+        <source>a number</source>
+        <translation>un número</translation>
+    </message>
+    <message>
+        <location filename="../../core/fields.py"/>
+        <location filename="../../core/imagery/entry.py"/>
+        <source>a whole number</source>
+        <translation>un número entero</translation>
+    </message>
+    <message>
+        <location filename="../../core/fields.py"/>
+        <source>above {0}</source>
+        <translation>mayor que {0}</translation>
+    </message>
+    <message>
+        <location filename="../../core/fields.py"/>
+        <source>above {0} and at most {1}</source>
+        <translation>mayor que {0} y como máximo {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/fields.py"/>
+        <source>at least {0} and below {1}</source>
+        <translation>al menos {0} y menor que {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/fields.py"/>
+        <source>at most {0}</source>
+        <translation>como máximo {0}</translation>
+    </message>
+    <message>
+        <location filename="../../core/fields.py"/>
+        <source>below {0}</source>
+        <translation>menor que {0}</translation>
+    </message>
+    <message>
+        <location filename="../../core/fields.py"/>
+        <source>between {0} and {1}, both excluded</source>
+        <translation>entre {0} y {1}, ambos excluidos</translation>
+    </message>
+    <message>
+        <location filename="../../core/fields.py"/>
+        <source>from {0} to {1}</source>
+        <translation>entre {0} y {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/fields.py"/>
+        <source>of more than 64 bits</source>
+        <translation>de más de 64 bits</translation>
+    </message>
+    <message>
+        <location filename="../../core/fields.py"/>
+        <source>one of {0}</source>
+        <translation>uno de {0}</translation>
+    </message>
+    <message>
+        <location filename="../../core/fields.py"/>
+        <location filename="../../core/imagery/entry.py"/>
+        <source>true or false</source>
+        <translation>verdadero o falso</translation>
+    </message>
+    <message>
+        <location filename="../../core/fields.py"/>
+        <source>{0} deg</source>
+        <translation>{0} grados</translation>
+    </message>
+    <message>
+        <location filename="../../core/fields.py"/>
+        <source>{0} or more</source>
+        <translation>{0} o más</translation>
+    </message>
+    <message>
+        <location filename="../../core/fields.py"/>
+        <source>{0} px</source>
+        <translation>{0} px</translation>
+    </message>
+    <message>
+        <location filename="../../core/fields.py"/>
+        <source>{0} {1}: must be {2}</source>
+        <translation>{0} {1}: debe ser {2}</translation>
+    </message>
+    <message>
         <location filename="../../core/geodesy/accuracy.py"/>
         <source>footprint over Earth's radius times tan(latitude) is {0}: holds up to {1}</source>
         <translation>la huella entre el radio de la Tierra por tan(latitud) es {0}: vale hasta {1}</translation>
@@ -5301,41 +5395,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>inclinación o alabeo de {0} grados: vale para cámaras que miran en vertical</translation>
     </message>
     <message>
-        <location filename="../../core/geodesy/camera.py"/>
-        <source>aspect ratio {0}: must be a number above 0 (width / height)</source>
-        <translation>relación de aspecto {0}: debe ser un número mayor que 0 (anchura / altura)</translation>
-    </message>
-    <message>
-        <location filename="../../core/geodesy/camera.py"/>
-        <source>field of view across the diagonal {0} deg: must be between 0 and 180, both excluded; choose a less extreme field of view or aspect ratio</source>
-        <translation>campo de visión en diagonal de {0} grados: debe estar entre 0 y 180, ambos excluidos; elegir un campo de visión o una relación de aspecto menos extremos</translation>
-    </message>
-    <message>
-        <location filename="../../core/geodesy/camera.py"/>
-        <source>field of view {0} deg: must be between 0 and 180, both excluded</source>
-        <translation>campo de visión de {0} grados: debe estar entre 0 y 180, ambos excluidos</translation>
-    </message>
-    <message>
-        <location filename="../../core/geodesy/camera.py"/>
-        <source>focal length {0} mm: must be above 0</source>
-        <translation>distancia focal de {0} mm: debe ser mayor que 0</translation>
-    </message>
-    <message>
-        <location filename="../../core/geodesy/camera.py"/>
-        <source>sensor {0} by {1} mm and a picture of {2} to 1: pixels would not be square; give the part of the sensor that the picture shows</source>
-        <translation>sensor de {0} por {1} mm e imagen de {2} a 1: los píxeles no serían cuadrados; dar la parte del sensor que muestra la imagen</translation>
-    </message>
-    <message>
-        <location filename="../../core/geodesy/camera.py"/>
-        <source>sensor {0} by {1} mm: both sides must be above 0</source>
-        <translation>sensor de {0} por {1} mm: ambos lados deben ser mayores que 0</translation>
-    </message>
-    <message>
-        <location filename="../../core/geodesy/camera.py"/>
-        <source>{0} field of view {1} deg: must be between 0 and 180, both excluded</source>
-        <translation>campo de visión {0} de {1} grados: debe estar entre 0 y 180, ambos excluidos</translation>
-    </message>
-    <message>
         <location filename="../../core/geodesy/footprint.py"/>
         <source>camera at height {0} m, yaw {1}, tilt {2}, roll {3} deg: no ray of its image meets the Earth; tilt it down</source>
         <translation>cámara a {0} m de altura, guiñada {1}, inclinación {2}, alabeo {3} grados: ningún rayo de su imagen alcanza la Tierra; inclinarla hacia abajo</translation>
@@ -5349,6 +5408,51 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/geodesy/frames.py"/>
         <source>picture at latitude {0} from {1} m: it holds a pole, which Web Mercator does not; fly lower or farther from the pole</source>
         <translation>imagen en la latitud {0} desde {1} m: contiene un polo, que Web Mercator no tiene; volar más bajo o más lejos del polo</translation>
+    </message>
+    <message>
+        <location filename="../../core/geodesy/lens.py"/>
+        <source>aspect ratio</source>
+        <translation>relación de aspecto</translation>
+    </message>
+    <message>
+        <location filename="../../core/geodesy/lens.py"/>
+        <source>field of view</source>
+        <translation>campo de visión</translation>
+    </message>
+    <message>
+        <location filename="../../core/geodesy/lens.py"/>
+        <source>field of view across the diagonal {0} deg: must be between 0 and 180, both excluded; choose a less extreme field of view or aspect ratio</source>
+        <translation>campo de visión en diagonal de {0} grados: debe estar entre 0 y 180, ambos excluidos; elegir un campo de visión o una relación de aspecto menos extremos</translation>
+    </message>
+    <message>
+        <location filename="../../core/geodesy/lens.py"/>
+        <source>field of view across the image's diagonal</source>
+        <translation>campo de visión en la diagonal de la imagen</translation>
+    </message>
+    <message>
+        <location filename="../../core/geodesy/lens.py"/>
+        <source>focal length {0} mm: must be above 0</source>
+        <translation>distancia focal de {0} mm: debe ser mayor que 0</translation>
+    </message>
+    <message>
+        <location filename="../../core/geodesy/lens.py"/>
+        <source>sensor {0} by {1} mm and a picture of {2} to 1: pixels would not be square; give the part of the sensor that the picture shows</source>
+        <translation>sensor de {0} por {1} mm e imagen de {2} a 1: los píxeles no serían cuadrados; dar la parte del sensor que muestra la imagen</translation>
+    </message>
+    <message>
+        <location filename="../../core/geodesy/lens.py"/>
+        <source>sensor {0} by {1} mm: both sides must be above 0</source>
+        <translation>sensor de {0} por {1} mm: ambos lados deben ser mayores que 0</translation>
+    </message>
+    <message>
+        <location filename="../../core/geodesy/lens.py"/>
+        <source>width of the image over its height</source>
+        <translation>anchura de la imagen entre su altura</translation>
+    </message>
+    <message>
+        <location filename="../../core/geodesy/lens.py"/>
+        <source>{0} field of view {1} deg: must be between 0 and 180, both excluded</source>
+        <translation>campo de visión {0} de {1} grados: debe estar entre 0 y 180, ambos excluidos</translation>
     </message>
     <message>
         <location filename="../../core/geodesy/mercator.py"/>
@@ -5523,25 +5627,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/entry.py"/>
-        <location filename="../../core/mission/mission.py"/>
-        <source>a list</source>
-        <translation>una lista</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/entry.py"/>
-        <location filename="../../core/mission/mission.py"/>
-        <source>a number</source>
-        <translation>un número</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/entry.py"/>
-        <location filename="../../core/mission/mission.py"/>
-        <source>a whole number</source>
-        <translation>un número entero</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/entry.py"/>
-        <location filename="../../core/mission/mission.py"/>
         <source>an object</source>
         <translation>un objeto</translation>
     </message>
@@ -5680,12 +5765,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/imagery/entry.py"/>
         <source>tiles of {0} px: {1} has {2}</source>
         <translation>teselas de {0} px: {1} tiene {2}</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/entry.py"/>
-        <location filename="../../core/mission/mission.py"/>
-        <source>true or false</source>
-        <translation>verdadero o falso</translation>
     </message>
     <message>
         <location filename="../../core/imagery/entry.py"/>
@@ -6513,16 +6592,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/area.py"/>
-        <source>height above ground {0} m: must be above 0</source>
-        <translation>altura sobre el terreno de {0} m: debe ser mayor que 0</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/area.py"/>
-        <source>height above ground {0} m: must be at most {1} m</source>
-        <translation>altura sobre el terreno {0} m: debe ser como máximo {1} m</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/area.py"/>
         <source>latitude {0}: must be within -90 and 90 degrees</source>
         <translation>latitud {0}: debe estar entre -90 y 90 grados</translation>
     </message>
@@ -6545,11 +6614,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/area.py"/>
         <source>polygon without a ring: needs at least one of three corners</source>
         <translation>polígono sin anillo: necesita al menos uno de tres vértices</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/area.py"/>
-        <source>yaw {0} deg: must be from -360 to 360</source>
-        <translation>guiñada de {0} grados: debe estar entre -360 y 360</translation>
     </message>
     <message>
         <location filename="../../core/mission/area.py"/>
@@ -6732,6 +6796,22 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>{0}: no contiene coordenadas; se esperaban líneas de lat lon agl [guiñada]</translation>
     </message>
     <message>
+        <location filename="../../core/mission/earlier.py"/>
+        <source>footprint {0} of the mission file is ignored: footprints are always exact, as cheaper ones save no time</source>
+        <translation>se pasa por alto la huella {0} del archivo de misión: las huellas son siempre exactas, pues otras más baratas no ahorran tiempo</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/earlier.py"/>
+        <source>mesh {0} of the mission file is ignored: the mesh is as coarse as the error budget allows</source>
+        <translation>se pasa por alto la malla {0} del archivo de misión: la malla es tan gruesa como permite el error admisible</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/earlier.py"/>
+        <location filename="../../core/mission/mission.py"/>
+        <source>mission field {0}: not one of {1}</source>
+        <translation>campo de misión {0}: no es ninguno de {1}</translation>
+    </message>
+    <message>
         <location filename="../../core/mission/estimate.py"/>
         <source> a map type</source>
         <translation> por tipo de mapa</translation>
@@ -6798,6 +6878,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
+        <location filename="../../core/mission/parts.py"/>
         <source>ground sample distance</source>
         <translation>distancia de muestreo del terreno</translation>
     </message>
@@ -6828,11 +6909,13 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
+        <location filename="../../core/mission/parts.py"/>
         <source>overlap across rows</source>
         <translation>solape transversal a las pasadas</translation>
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
+        <location filename="../../core/mission/parts.py"/>
         <source>overlap along rows</source>
         <translation>solape a lo largo de las pasadas</translation>
     </message>
@@ -7254,6 +7337,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/methods.py"/>
+        <location filename="../../core/mission/parts.py"/>
         <location filename="../../core/report/measure.py"/>
         <source>resampling</source>
         <translation>remuestreo</translation>
@@ -7336,103 +7420,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/mission.py"/>
-        <source>date {0}: must be text without spaces around it, such as 2024-06-21</source>
-        <translation>fecha {0}: debe ser texto sin espacios alrededor, como 2024-06-21</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/mission.py"/>
-        <source>error budget {0} px: must be a number above 0</source>
-        <translation>error admisible de {0} px: debe ser un número mayor que 0</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/mission.py"/>
-        <source>footprint {0} of the mission file is ignored: footprints are always exact, as cheaper ones save no time</source>
-        <translation>se pasa por alto la huella {0} del archivo de misión: las huellas son siempre exactas, pues otras más baratas no ahorran tiempo</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/mission.py"/>
-        <source>grid angle {0} deg: must be from -180 to 180</source>
-        <translation>ángulo de cuadrícula de {0} grados: debe estar entre -180 y 180</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/mission.py"/>
-        <source>ground height {0} m: must be from {1} to {2}</source>
-        <translation>altura del terreno de {0} m: debe estar entre {1} y {2}</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/mission.py"/>
-        <source>ground sample distance {0} m: must be above 0</source>
-        <translation>distancia de muestreo del terreno de {0} m: debe ser mayor que 0</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/mission.py"/>
-        <source>image format</source>
-        <translation>formato de imagen</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/mission.py"/>
-        <source>image size {0} x {1} px: must be at most {2} px along a side and {3} px in all</source>
-        <translation>tamaño de imagen {0} x {1} px: debe ser como máximo {2} px por lado y {3} px en total</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/mission.py"/>
-        <source>image size {0} {1} {2}: needs a width and a height of 1 px or more, and 1 or 3 channels</source>
-        <translation>tamaño de imagen {0} {1} {2}: necesita una anchura y una altura de 1 px o más, y 1 o 3 canales</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/mission.py"/>
-        <source>limit of {0} images: must be 1 or more</source>
-        <translation>límite de {0} imágenes: debe ser 1 o más</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/mission.py"/>
-        <source>longer side of the camera's image {0} px: must be 1 or more</source>
-        <translation>lado mayor de la imagen de la cámara de {0} px: debe ser 1 o más</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/mission.py"/>
-        <source>longest side of a picture {0} px: must be 1 or more</source>
-        <translation>lado mayor de una imagen de {0} px: debe ser 1 o más</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/mission.py"/>
-        <source>map type</source>
-        <translation>tipo de mapa</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/mission.py"/>
-        <source>map types {0}: each may be named once</source>
-        <translation>tipos de mapa {0}: cada uno se puede nombrar una vez</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/mission.py"/>
-        <source>mesh {0} of the mission file is ignored: the mesh is as coarse as the error budget allows</source>
-        <translation>se pasa por alto la malla {0} del archivo de misión: la malla es tan gruesa como permite el error admisible</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/mission.py"/>
-        <source>mission field 'area' is {0}: must be an object</source>
-        <translation>el campo de misión 'area' es {0}: debe ser un objeto</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/mission.py"/>
         <source>mission field {0} is {1}: must be an object</source>
         <translation>el campo de misión {0} es {1}: debe ser un objeto</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/mission.py"/>
-        <source>mission field {0} is {1}: must be {2}</source>
-        <translation>el campo de misión {0} es {1}: debe ser {2}</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/mission.py"/>
-        <source>mission field {0}.{1}: not one of {2}</source>
-        <translation>campo de misión {0}.{1}: no es ninguno de {2}</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/mission.py"/>
-        <source>mission field {0}: not one of {1}</source>
-        <translation>campo de misión {0}: no es ninguno de {1}</translation>
     </message>
     <message>
         <location filename="../../core/mission/mission.py"/>
@@ -7456,8 +7445,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/mission.py"/>
-        <source>mission schema {0}: this version reads schema {1}</source>
-        <translation>esquema de misión {0}: esta versión lee el esquema {1}</translation>
+        <source>mission schema {0}: this version reads schemas 1 and {1}</source>
+        <translation>esquema de misión {0}: esta versión lee los esquemas 1 y {1}</translation>
     </message>
     <message>
         <location filename="../../core/mission/mission.py"/>
@@ -7473,62 +7462,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/mission.py"/>
         <source>mission without {0}: the field is needed</source>
         <translation>misión sin {0}: el campo es necesario</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/mission.py"/>
-        <source>no map type: give one or more of {0}</source>
-        <translation>ningún tipo de mapa: dar uno o más de {0}</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/mission.py"/>
-        <source>order of flight</source>
-        <translation>orden de vuelo</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/mission.py"/>
-        <source>overlap {0}: must be at least 0 and below 1</source>
-        <translation>solape {0}: debe ser al menos 0 y menor que 1</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/mission.py"/>
-        <source>source is empty: name one, or give a URL template or a file</source>
-        <translation>la fuente está vacía: nombrar una, o dar una plantilla de URL o un archivo</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/mission.py"/>
-        <source>start {0}: must be UTC as 2024-06-21T10:30:00Z</source>
-        <translation>inicio {0}: debe ser UTC como 2024-06-21T10:30:00Z</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/mission.py"/>
-        <source>start {0}: no such time ({1})</source>
-        <translation>inicio {0}: no existe tal hora ({1})</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/mission.py"/>
-        <source>zoom {0} and ground sample distance {1} m: give one of the two</source>
-        <translation>zoom {0} y distancia de muestreo del terreno de {1} m: dar uno de los dos</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/mission.py"/>
-        <source>zoom {0}: must be 0 or more</source>
-        <translation>zoom {0}: debe ser 0 o más</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/mission.py"/>
-        <source>{0} of more than 64 bits: must be at most {1}</source>
-        <translation>{0} de más de 64 bits: debe ser como máximo {1}</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/mission.py"/>
-        <source>{0} {1} deg: must be from {2} to {3}</source>
-        <translation>{0} {1} grados: debe estar entre {2} y {3}</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/mission.py"/>
-        <location filename="../../terrainav_plugin/settings.py"/>
-        <source>{0} {1}: must be one of {2}</source>
-        <translation>{0} {1}: debe ser uno de {2}</translation>
     </message>
     <message>
         <location filename="../../core/mission/options.py"/>
@@ -7549,6 +7482,426 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/options.py"/>
         <source>{0} {1}: must be true or false</source>
         <translation>{0} {1}: debe ser verdadero o falso</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>Automatic</source>
+        <translation>Automático</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>Bicubic</source>
+        <translation>Bicúbico</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>Bilinear</source>
+        <translation>Bilineal</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>Camera frame (as seen)</source>
+        <translation>Encuadre de cámara (como se ve)</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>Cover (no gaps)</source>
+        <translation>Cubrir (sin huecos)</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>GeoTIFF (lossless)</source>
+        <translation>GeoTIFF (sin pérdida)</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>JPEG (smaller)</source>
+        <translation>JPEG (menor)</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>Lanczos</source>
+        <translation>Lanczos</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>Map frame (north-up)</source>
+        <translation>Encuadre de mapa (norte arriba)</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>Nearest pixel</source>
+        <translation>Píxel más próximo</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>One ray a pixel</source>
+        <translation>Un rayo por píxel</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>One way</source>
+        <translation>Un solo sentido</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>PNG</source>
+        <translation>PNG</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>Paper (UTM grid)</source>
+        <translation>Artículo (cuadrícula UTM)</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>Roadmap</source>
+        <translation>Callejero</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>Satellite</source>
+        <translation>Satélite</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>Serpentine (to and fro)</source>
+        <translation>En zigzag (ida y vuelta)</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>Terrain</source>
+        <translation>Relieve</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>airspeed</source>
+        <translation>velocidad aérea</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>allow enlarged pixels</source>
+        <translation>permitir píxeles ampliados</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>also take zooms above the source's native one: images get more pixels, and show nothing more</source>
+        <translation>tomar también zooms superiores al nativo de la fuente: las imágenes tienen más píxeles, pero no muestran nada más</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>cover: rows that leave nothing out; paper: the grid in UTM as published</source>
+        <translation>cubrir: pasadas que no dejan nada fuera; artículo: la cuadrícula en UTM tal como se publicó</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>crosshatch</source>
+        <translation>cuadrícula cruzada</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>date of the imagery</source>
+        <translation>fecha de las imágenes</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>date of the imagery as the source writes it, where it has several (see terrainav sources show NAME)</source>
+        <translation>fecha de las imágenes como la escribe la fuente, donde tiene varias (véase terrainav sources show NAME)</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>date {0}: must be text without spaces around it, such as 2024-06-21</source>
+        <translation>fecha {0}: debe ser texto sin espacios alrededor, como 2024-06-21</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>direction of the image's top edge, clockwise from north; counted from the grid's own north where a grid angle turns the rows, and replaced by the points' own yaws</source>
+        <translation>dirección del borde superior de la imagen, en sentido horario desde el norte; se cuenta desde el norte de la cuadrícula cuando un ángulo de cuadrícula gira las pasadas, y la sustituyen las guiñadas propias de los puntos</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>error budget</source>
+        <translation>error admisible</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>fly an area a second time, in rows across the first ones: about twice the images</source>
+        <translation>volar un área por segunda vez, en pasadas que cruzan las primeras: cerca del doble de imágenes</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>front overlap: share of an image that the next one of its row shows again</source>
+        <translation>solape longitudinal: parte de una imagen que la siguiente de su pasada vuelve a mostrar</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>go on beyond the budget</source>
+        <translation>seguir aunque se supere el error</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>grid angle</source>
+        <translation>ángulo de cuadrícula</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>ground height</source>
+        <translation>altura del terreno</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>ground that a pixel of the source is to show; the zoom nearest to it is taken</source>
+        <translation>terreno que debe mostrar un píxel de la fuente; se toma el zoom más próximo</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>ground under a camera frame: auto is a mesh as coarse as the error budget allows, rays one ray a pixel</source>
+        <translation>terreno bajo un encuadre de cámara: auto es una malla tan gruesa como permite el error admisible; rays, un rayo por píxel</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>height above gro&amp;und</source>
+        <translation>altura sobre el terre&amp;no</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>height of the captures above ground (AGL); coordinates, and points with heights, have their own</source>
+        <translation>altura de las capturas sobre el terreno (AGL); las coordenadas y los puntos con alturas llevan la suya</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>height of the ground above the WGS84 ellipsoid</source>
+        <translation>altura del terreno sobre el elipsoide WGS84</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>how camera frames take their values between the source's pixels; map frames are not resampled</source>
+        <translation>cómo toman los encuadres de cámara sus valores entre los píxeles de la fuente; los encuadres de mapa no se remuestrean</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>how far the camera is rolled about its line of sight, right side down</source>
+        <translation>cuánto gira la cámara en torno a su línea de visión, lado derecho hacia abajo</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>how far the rows of an area, and the images with them, are turned clockwise from east; points have none</source>
+        <translation>cuánto se giran las pasadas de un área, y con ellas las imágenes, en sentido horario desde el este; los puntos no tienen</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>how far the view is lifted from straight down towards the image's top edge; 90 looks level</source>
+        <translation>cuánto se levanta la vista desde la vertical hacia el borde superior de la imagen; 90 mira al horizonte</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>image format</source>
+        <translation>formato de imagen</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>image size</source>
+        <translation>tamaño de imagen</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>image size {0} x {1} px: must be at most {2} px along a side and {3} px in all</source>
+        <translation>tamaño de imagen {0} x {1} px: debe ser como máximo {2} px por lado y {3} px en total</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>image size {0} {1} {2}: needs a width and a height of 1 px or more, and 1 or 3 channels</source>
+        <translation>tamaño de imagen {0} {1} {2}: necesita una anchura y una altura de 1 px o más, y 1 o 3 canales</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>image size {0}: must be three whole numbers, width, height and channels</source>
+        <translation>tamaño de imagen {0}: deben ser tres números enteros, anchura, altura y canales</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>image's lo&amp;nger side</source>
+        <translation>&amp;lado mayor de la imagen</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>kind of image</source>
+        <translation>clase de imagen</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>kinds of imagery, each captured into a folder of its own</source>
+        <translation>clases de imágenes, cada una capturada en una carpeta propia</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>la&amp;yout</source>
+        <translation>&amp;disposición</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>longest side</source>
+        <translation>lado mayor</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>map types</source>
+        <translation>tipos de mapa</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>map types {0}: each may be named once</source>
+        <translation>tipos de mapa {0}: cada uno se puede nombrar una vez</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>map: a window of the source's own pixels, north-up, for cameras that look straight down; camera: the image as the camera sees it; auto: a map frame where its error fits the budget</source>
+        <translation>mapa: una ventana de los propios píxeles de la fuente, norte arriba, para cámaras que miran en vertical; cámara: la imagen como la ve la cámara; automático: un encuadre de mapa si su error cabe en el admisible</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>mesh</source>
+        <translation>malla</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>missions of more images are refused</source>
+        <translation>las misiones de más imágenes se rechazan</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>most images</source>
+        <translation>máximo de imágenes</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>most that the errors of all stages may sum to, by their bounds, in pixels of the planned image; the cheapest methods that fit are taken</source>
+        <translation>máximo que pueden sumar los errores de todas las etapas, según sus cotas, en píxeles de la imagen planificada; se toman los métodos más económicos que caben</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>no image gets a longer side than so many pixels of a source's 256 px tiles: where one would, a lower zoom is taken for all; without it there is no limit, or 640 in the layout paper</source>
+        <translation>ninguna imagen tendrá un lado mayor de tantos píxeles de teselas de 256 px de la fuente: si alguna lo tuviera, se toma para todas un zoom menor; sin él no hay límite, o es 640 en la disposición paper</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>no map type: give one or more of {0}</source>
+        <translation>ningún tipo de mapa: dar uno o más de {0}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>of the image files, all of which state their coordinate reference system: tif and png are lossless</source>
+        <translation>de los archivos de imagen, que indican todos su sistema de referencia de coordenadas: tif y png no tienen pérdida</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>of whatever is random, such as the synthetic landscape and gusts of wind</source>
+        <translation>de todo lo que es aleatorio, como el paisaje sintético y las ráfagas de viento</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>order of rows</source>
+        <translation>orden de las pasadas</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>pixels along the longer side of the camera's image: the source's pixels are taken that come nearest to the camera's; a camera by name brings its own</source>
+        <translation>píxeles en el lado mayor de la imagen de la cámara: se toman los píxeles de la fuente más próximos a los de la cámara; una cámara con nombre trae los suyos</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>resize images: width, height, channels (1 or 3)</source>
+        <translation>redimensionar las imágenes: anchura, altura, canales (1 o 3)</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>roll</source>
+        <translation>alabeo</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>seed</source>
+        <translation>semilla</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>serpentine: every other row is flown back; one-way: every row is flown from its beginning</source>
+        <translation>en zigzag: una de cada dos pasadas se vuela de vuelta; un solo sentido: cada pasada se vuela desde su comienzo</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>side overlap: share of an image that the next row shows again</source>
+        <translation>solape transversal: parte de una imagen que la pasada siguiente vuelve a mostrar</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>source</source>
+        <translation>fuente</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>source is empty: name one, or give a URL template or a file</source>
+        <translation>la fuente está vacía: nombrar una, o dar una plantilla de URL o un archivo</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>speed of the flight through the air</source>
+        <translation>velocidad del vuelo respecto al aire</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>start</source>
+        <translation>inicio</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>start {0}: must be UTC as 2024-06-21T10:30:00Z</source>
+        <translation>inicio {0}: debe ser UTC como 2024-06-21T10:30:00Z</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>start {0}: no such time ({1})</source>
+        <translation>inicio {0}: no existe tal hora ({1})</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>take the most accurate methods where none fit the error budget, instead of refusing</source>
+        <translation>tomar los métodos más exactos si ninguno cabe en el error admisible, en lugar de rechazar la misión</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>tilt</source>
+        <translation>inclinación</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>time of the first image, in UTC as 2024-06-21T10:30:00Z: the clock of the simulated flight</source>
+        <translation>hora de la primera imagen, en UTC como 2024-06-21T10:30:00Z: el reloj del vuelo simulado</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>where the imagery comes from: a name (see terrainav sources), a URL template, wmts:URL#layer=NAME, wms:URL#layers=NAME, or a file (GeoTIFF, VRT, MBTiles, …)</source>
+        <translation>de dónde vienen las imágenes: un nombre (véase terrainav sources), una plantilla de URL, wmts:URL#layer=NAME, wms:URL#layers=NAME o un archivo (GeoTIFF, VRT, MBTiles, …)</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>yaw</source>
+        <translation>guiñada</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>zoom</source>
+        <translation>zoom</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>zoom of the source, instead of the one whose pixels come nearest to the camera's</source>
+        <translation>zoom de la fuente, en lugar de aquel cuyos píxeles se acercan más a los de la cámara</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>zoom {0} and ground sample distance {1} m: give one of the two</source>
+        <translation>zoom {0} y distancia de muestreo del terreno de {1} m: dar uno de los dos</translation>
     </message>
     <message>
         <location filename="../../core/mission/plan.py"/>
@@ -7607,13 +7960,33 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/wind.py"/>
-        <source>airspeed {0} m/s: must be {1} to {2}</source>
-        <translation>velocidad aérea de {0} m/s: debe estar entre {1} y {2}</translation>
+        <source>direction the wind blows from, clockwise from north</source>
+        <translation>dirección desde la que sopla el viento, en sentido horario desde el norte</translation>
     </message>
     <message>
         <location filename="../../core/mission/wind.py"/>
-        <source>seed {0} of the wind: must be a whole number, 0 or more</source>
-        <translation>semilla {0} del viento: debe ser un número entero, 0 o más</translation>
+        <source>mean wind at flight height, below the airspeed</source>
+        <translation>viento medio a la altura de vuelo, menor que la velocidad aérea</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/wind.py"/>
+        <source>of the gusts</source>
+        <translation>de las ráfagas</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/wind.py"/>
+        <source>seed of the wind</source>
+        <translation>semilla del viento</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/wind.py"/>
+        <source>standard deviation of the gusts over the mean wind: about 0.1 over water, 0.2 over fields, 0 for a steady wind</source>
+        <translation>desviación típica de las ráfagas entre el viento medio: cerca de 0.1 sobre el agua, 0.2 sobre campos, 0 con viento constante</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/wind.py"/>
+        <source>turbulence</source>
+        <translation>turbulencia</translation>
     </message>
     <message>
         <location filename="../../core/mission/wind.py"/>
@@ -7622,18 +7995,13 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/wind.py"/>
-        <source>turbulence intensity {0}: must be 0 or more (sigma / mean wind)</source>
-        <translation>intensidad de turbulencia {0}: debe ser 0 o más (sigma / viento medio)</translation>
+        <source>wind direction</source>
+        <translation>dirección del viento</translation>
     </message>
     <message>
         <location filename="../../core/mission/wind.py"/>
-        <source>wind from {0} deg: must be a number</source>
-        <translation>viento desde {0} grados: debe ser un número</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/wind.py"/>
-        <source>wind speed {0} m/s: must be 0 or more</source>
-        <translation>velocidad del viento de {0} m/s: debe ser 0 o más</translation>
+        <source>wind speed</source>
+        <translation>velocidad del viento</translation>
     </message>
     <message>
         <location filename="../../core/mission/wind.py"/>
@@ -7849,6 +8217,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/settings.py"/>
         <source>{0} {1}: must be from {2} to {3}</source>
         <translation>{0} {1}: debe estar entre {2} y {3}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/settings.py"/>
+        <source>{0} {1}: must be one of {2}</source>
+        <translation>{0} {1}: debe ser uno de {2}</translation>
     </message>
     <message>
         <location filename="../../tools/translations.py"/>

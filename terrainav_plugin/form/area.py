@@ -14,7 +14,7 @@ from ...core.errors import InvalidInput, TerrAInavError
 from ...core.geodesy.ellipsoid import WGS84
 from ...core.mission.area import Area, Box, Points, Polygon
 from ...core.mission.coords import parse_coords
-from ...core.mission.mission import SCHEMA, Mission
+from ...core.mission.mission import area_from_dict
 from ...core.safe_json import parse_json
 from ..i18n import localized, number_text, tr, translate
 from ..units import M_PER_FT, METRES, area_text, length_text
@@ -144,7 +144,7 @@ def shape_of(text: str) -> Shape:
         agl_m = float(data.pop("agl_m", 1.0))
     except (ValueError, TypeError, AttributeError) as wrong:
         raise InvalidInput(tr("the area's shape cannot be read: {error}").format(error=wrong)) from wrong
-    area = Mission.from_dict({"schema": SCHEMA, "area": data, "agl_m": 1.0}).area
+    area = area_from_dict(data)
     if isinstance(area, Box):
         raise InvalidInput(tr("the area's shape is a box: must be a polygon or points"))
     return Shape(area, area.bounds, agl_m)

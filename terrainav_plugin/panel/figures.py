@@ -191,13 +191,13 @@ def readout(
     """
     mission, grid, own_m = plan.mission, plan.grid, plan.source_gsd_m_per_px
     coarser = own_m > _COARSER * summary.requested_gsd_m_per_px
-    enlargeable = grid.max_zoom > grid.native_zoom and not mission.upsample
+    enlargeable = grid.max_zoom > grid.native_zoom and not mission.pixels.upsample
     return Readout(
         tuple(in_words_of_the_panel(text) for text in summary.warnings),
         (*_figures(mission, summary, unit, own_m if coarser else None), *_limit(plan, policy)),
         tuple(_details(summary, cost)),
         _why_html(plan.accuracy),
-        coarser and enlargeable and mission.zoom is None and mission.gsd_m_per_px is None,
+        coarser and enlargeable and mission.pixels.zoom is None and mission.pixels.gsd_m_per_px is None,
     )
 
 
@@ -221,7 +221,7 @@ def _figures(mission: Mission, summary: Summary, unit: str, coarser_m: float | N
     if summary.imagery_share is not None and summary.imagery_share < 1.0:
         share = tr("the source has imagery of {share} of the area")
         lines.append((tr("Imagery"), share.format(share=percent(summary.imagery_share, exact=False))))
-    if mission.overlap_along > 0.0 or mission.overlap_across > 0.0:
+    if mission.flight.overlap_along > 0.0 or mission.flight.overlap_across > 0.0:
         lines += _overlap(summary)
     lines.append((tr("Ground per px"), _gsd(summary, unit, coarser_m)))
     flight = tr("{distance}, {duration}").format(
@@ -239,7 +239,7 @@ def _limit(plan: Plan, policy: Policy | None) -> list[tuple[str, str]]:
     """What the plan asks of the provider beside what the provider allows; nothing where there is no limit."""
     if policy is None or policy.max_tiles is None or policy.bulk_allowed == "yes":
         return []
-    requests = plan.requests * len(plan.mission.map_types)
+    requests = plan.requests * len(plan.mission.imagery.map_types)
     if not policy.stops(requests):
         text = tr("{count} of the {most} requests that the provider allows")
     elif policy.bulk_allowed == "ask":

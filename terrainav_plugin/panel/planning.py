@@ -135,7 +135,7 @@ class Planning(QObject):
         if not cost and (not self._may_time() or self._when_planned is not None):
             cost = tr("not timed beside a run")
         unit = self._form.state().agl_unit
-        policy = policy_of(planned.mission.source)
+        policy = policy_of(planned.mission.imagery.source)
         self._dock.figures.show_readout(readout(planned.plan, planned.summary, unit, cost, policy))
 
     def _cost_of(self, mission: Mission) -> str:

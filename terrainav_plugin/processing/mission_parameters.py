@@ -370,19 +370,19 @@ def _camera(
     """Camera, and the pixels along the longer side of its image."""
     from ...core.geodesy.camera import Camera
     from ...core.mission.cameras import camera_named
-    from ...core.mission.options import DEFAULT_IMAGE_PX
+    from ...core.mission.parts import Pixels
     from ..form.text import parse_aspect
 
     name = algorithm.parameterAsEnumString(parameters, "CAMERA", context)
     if name:
         preset = camera_named(name)
-        return preset.camera, preset.image_px or DEFAULT_IMAGE_PX
+        return preset.camera, preset.image_px or Pixels.image_px
     text = algorithm.parameterAsString(parameters, "ASPECT", context)
     try:
         ratio = parse_aspect(text)
     except ValueError as wrong:
         raise InvalidInput(tr("aspect ratio {text!r}: must be such as 4:3").format(text=text)) from wrong
-    return Camera(algorithm.parameterAsDouble(parameters, "FOV", context), ratio), DEFAULT_IMAGE_PX
+    return Camera(algorithm.parameterAsDouble(parameters, "FOV", context), ratio), Pixels.image_px
 
 
 def _wind(

@@ -68,7 +68,7 @@ def work_out(mission: Mission) -> None:
     assert Mission.from_json(mission.to_json()) == mission
 
     def on(grid: PixelGrid) -> None:
-        estimate(plan(mission.with_(max_images=min(mission.max_images, MOST_IMAGES)), grid)).lines()
+        estimate(plan(mission.with_(max_images=min(mission.output.max_images, MOST_IMAGES)), grid)).lines()
 
     any_of(partial(on, grid) for grid in GRIDS)
 

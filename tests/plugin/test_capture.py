@@ -271,7 +271,7 @@ def test_folder_of_another_mission_is_left_alone(prepared):
     other = prepared.folder.with_name("mission-2")
     prepared.wait((other / "satellite.vrt").is_file)
     prepared.wait_for_run()
-    assert Mission.load(other / "mission.json").agl_m == 240.0
+    assert Mission.load(other / "mission.json").flight.agl_m == 240.0
     assert {path: path.read_bytes() for path in before} == before
 
 

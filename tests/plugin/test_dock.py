@@ -159,7 +159,7 @@ def test_figures_are_those_of_the_last_change(desk):
     for agl in (119.0, 80.0, 60.0, 100.0):
         desk.form.agl.setValue(agl)
     planned = desk.wait_planned()
-    assert planned.mission.agl_m == 100.0
+    assert planned.mission.flight.agl_m == 100.0
     assert f"{planned.summary.images:,}" in desk.dock.estimates.text()
 
 

@@ -134,7 +134,7 @@ def _messages(tree: ast.Module) -> Iterator[str]:
             aside.update(ast.walk(node))
         elif isinstance(node, ast.JoinedStr):
             aside.update(node.values)
-        elif isinstance(node, ast.keyword) and node.arg in ("help", "description", "epilog"):
+        elif isinstance(node, ast.keyword) and node.arg in ("help", "title", "description", "epilog"):
             aside.update(ast.walk(node.value))
     for node in ast.walk(tree):
         if isinstance(node, (ast.JoinedStr, ast.Constant)) and node not in aside and " " in _words(node):

@@ -49,7 +49,7 @@ def check_litchi(plan: Plan) -> None:
         raise InvalidInput(
             "Litchi mission at {0:g} m: must be {1:g} m above ground or less", highest, HIGHEST_M
         )
-    pitch = abs(plan.mission.tilt_deg) - 90.0
+    pitch = abs(plan.mission.attitude.tilt_deg) - 90.0
     if pitch > _PITCHES_DEG[1]:
         raise InvalidInput(
             "Litchi mission with the gimbal lifted to {0:g} deg: must be {1:g} to {2:g}, a tilt of {3:g} or "
@@ -66,7 +66,7 @@ def litchi_texts(plan: Plan) -> list[Iterator[str]]:
     count = len(plan)
     files = -(-count // MOST_WAYPOINTS)
     flown = waypoints(plan)
-    speed = min(plan.mission.airspeed_m_per_s, FASTEST_M_PER_S)
+    speed = min(plan.mission.flight.airspeed_m_per_s, FASTEST_M_PER_S)
     sizes = [count * (number + 1) // files - count * number // files for number in range(files)]
     # At most 10,000 waypoints: all of them may be in memory.
     return [
@@ -79,9 +79,9 @@ def litchi_notes(plan: Plan) -> tuple[str, ...]:
     notes = [
         "in Litchi set Heading Mode to Custom and Path Mode to Straight Lines, which the file cannot say"
     ]
-    if plan.mission.airspeed_m_per_s > FASTEST_M_PER_S:
+    if plan.mission.flight.airspeed_m_per_s > FASTEST_M_PER_S:
         notes.append(
-            f"the speed of {plan.mission.airspeed_m_per_s:g} m/s is cut to Litchi's {FASTEST_M_PER_S:g} m/s"
+            f"the speed of {plan.mission.flight.airspeed_m_per_s:g} m/s is cut to Litchi's {FASTEST_M_PER_S:g} m/s"
         )
     return (*not_flown(plan), *notes)
 

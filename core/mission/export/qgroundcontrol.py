@@ -72,7 +72,7 @@ def qgroundcontrol_notes(plan: Plan) -> tuple[str, ...]:
 
 def _whole(plan: Plan) -> dict[str, Any]:
     first = next(waypoints(plan))
-    speed = plan.mission.airspeed_m_per_s
+    speed = plan.mission.flight.airspeed_m_per_s
     return {
         "fileType": "Plan",
         "geoFence": {"circles": [], "polygons": [], "version": 2},
@@ -83,7 +83,7 @@ def _whole(plan: Plan) -> dict[str, Any]:
             "globalPlanAltitudeMode": _ALTITUDE_RELATIVE,
             "hoverSpeed": speed,
             "items": [],
-            "plannedHomePosition": [first.lat_deg, first.lon_deg, plan.mission.ground_height_m],
+            "plannedHomePosition": [first.lat_deg, first.lon_deg, plan.mission.flight.ground_height_m],
             "vehicleType": _QUADROTOR,
             "version": 2,
         },
@@ -112,7 +112,7 @@ def _commands(plan: Plan) -> Iterator[tuple[int, int, Sequence[Number]]]:
     flown = waypoints(plan)
     first = next(flown)
     yield NAV_TAKEOFF, FRAME_RELATIVE, (0, 0, 0, None, first.lat_deg, first.lon_deg, first.agl_m)
-    speed = plan.mission.airspeed_m_per_s
+    speed = plan.mission.flight.airspeed_m_per_s
     yield DO_CHANGE_SPEED, FRAME_MISSION, (_GROUND_SPEED, speed, -1, 0, 0, 0, 0)
     yield DO_MOUNT_CONTROL, FRAME_MISSION, (first.gimbal_pitch_deg, 0, 0, 0, 0, 0, _MOUNT_BY_MAVLINK)
     for one in chain([first], flown):

@@ -72,7 +72,7 @@ def waypoints(plan: Plan) -> Iterator[Waypoint]:
                 meant.agl_m[part].tolist(),
                 heading.tolist(),
                 (np.abs(meant.tilt_deg[part]) - 90.0).tolist(),
-                clock(plan.mission.start, plan.times_s[part]),
+                clock(plan.mission.flight.start, plan.times_s[part]),
             ),
         )
 
@@ -99,12 +99,12 @@ def flight_line(plan: Plan) -> list[tuple[Floats, Floats, Floats]]:
 def not_flown(plan: Plan) -> tuple[str, ...]:
     """What of a mission an autopilot's mission of waypoints cannot say, one line each."""
     notes = []
-    if plan.mission.roll_deg:
-        notes.append(f"the roll of {plan.mission.roll_deg:g} deg is left out: waypoints have none")
-    if plan.mission.tilt_deg < 0.0:
+    if plan.mission.attitude.roll_deg:
+        notes.append(f"the roll of {plan.mission.attitude.roll_deg:g} deg is left out: waypoints have none")
+    if plan.mission.attitude.tilt_deg < 0.0:
         notes.append(
-            f"the tilt of {plan.mission.tilt_deg:g} deg is flown with the aircraft turned around: same ground, "
-            "pictures upside down"
+            f"the tilt of {plan.mission.attitude.tilt_deg:g} deg is flown with the aircraft turned around: same "
+            "ground, pictures upside down"
         )
     if plan.nominal is not None:
         notes.append("the wind is left out: the places are those that were meant")

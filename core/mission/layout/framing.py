@@ -74,7 +74,7 @@ class Framing(Protocol):
 
 def ground_of(mission: Mission) -> Ellipsoid:
     """The ground of a mission, as an ellipsoid."""
-    return WGS84.raised(mission.ground_height_m) if mission.ground_height_m else WGS84
+    return WGS84.raised(mission.flight.ground_height_m) if mission.flight.ground_height_m else WGS84
 
 
 def framed(mission: Mission, grid: PixelGrid, framing: Framing, disturbed: Disturbed) -> Framed:
@@ -88,8 +88,8 @@ def framed(mission: Mission, grid: PixelGrid, framing: Framing, disturbed: Distu
 
     def laid_out(pixel: float) -> Layout:
         def frames(lat_deg: Floats) -> FrameEdges:
-            attitude = (mission.yaw_deg, mission.tilt_deg, mission.roll_deg)
-            height = np.broadcast_to(np.float64(mission.agl_m), lat_deg.shape)
+            attitude = (mission.attitude.yaw_deg, mission.attitude.tilt_deg, mission.attitude.roll_deg)
+            height = np.broadcast_to(np.float64(mission.flight.agl_m), lat_deg.shape)
             return framing.edges(Poses.of_attitude(lat_deg, np.zeros_like(lat_deg), height, *attitude), pixel)
 
         return lay_out(mission, frames, pixel)
@@ -157,7 +157,7 @@ def nominal_poses(mission: Mission, layout: Layout) -> Poses:
     """Poses of captures as they are meant to be."""
     tilt, roll = (
         np.broadcast_to(np.float64(angle), layout.lat_deg.shape)
-        for angle in (mission.tilt_deg, mission.roll_deg)
+        for angle in (mission.attitude.tilt_deg, mission.attitude.roll_deg)
     )
     return Poses(layout.lat_deg, layout.lon_deg, layout.agl_m, layout.yaw_deg, tilt, roll)
 
@@ -174,11 +174,11 @@ def _check_size(width_px: int, height_px: int, mission: Mission, grid: PixelGrid
     ways_out = ["fly lower"]
     if not coarsest:
         coarser = "choose a lower zoom", "choose a larger ground sample distance"
-        ways_out = [coarser[mission.gsd_m_per_px is not None]]
+        ways_out = [coarser[mission.pixels.gsd_m_per_px is not None]]
     if longest_px <= limit:
         if width_px * height_px <= MAX_PICTURE_PX:
             return
-        if not coarsest and mission.zoom is None and mission.gsd_m_per_px is None:
+        if not coarsest and mission.pixels.zoom is None and mission.pixels.gsd_m_per_px is None:
             ways_out.append("or make them smaller (--max-px)")
         raise InvalidInput(
             "pictures of {0:,} x {1:,} px: {2:,} px in all are allowed; {3}",
@@ -207,12 +207,12 @@ def _nearest_zoom(mission: Mission, grid: PixelGrid, layout: Layout, px_m: Float
 
 
 def _highest(mission: Mission, grid: PixelGrid) -> int:
-    return grid.max_zoom if mission.upsample else grid.native_zoom
+    return grid.max_zoom if mission.pixels.upsample else grid.native_zoom
 
 
 def sampled_zooms(mission: Mission, grid: PixelGrid) -> tuple[int, int]:
     """Lowest and highest zoom that camera frames take their pixels from."""
-    highest = _highest(mission, grid) if mission.zoom is None else mission.zoom
+    highest = _highest(mission, grid) if mission.pixels.zoom is None else mission.pixels.zoom
     return grid.min_zoom, max(highest, grid.min_zoom)
 
 
@@ -249,17 +249,17 @@ class MapFraming:
     def zoom(self, layout: Layout) -> int:
         """Return the zoom asked for, or the one nearest to the camera's pixels as far as size and limits allow."""
         mission, grid = self.mission, self.grid
-        if mission.zoom is not None:
-            return _checked_zoom(mission.zoom, mission, grid)
-        if mission.gsd_m_per_px is not None:
-            return _zoom_for_gsd(mission.gsd_m_per_px, grid, layout.lat_deg, _highest(mission, grid))
-        camera_px_m = mission.camera.gsd_m_per_px(1.0, mission.image_px) * layout.agl_m
+        if mission.pixels.zoom is not None:
+            return _checked_zoom(mission.pixels.zoom, mission, grid)
+        if mission.pixels.gsd_m_per_px is not None:
+            return _zoom_for_gsd(mission.pixels.gsd_m_per_px, grid, layout.lat_deg, _highest(mission, grid))
+        camera_px_m = mission.camera.gsd_m_per_px(1.0, mission.pixels.image_px) * layout.agl_m
         zoom = _nearest_zoom(mission, grid, layout, camera_px_m)
         poses = Poses.level(layout.lat_deg, layout.lon_deg, layout.agl_m)
         first, run = poses.runs()
         edges = self.edges(poses.take(first), 0.0)
-        if mission.img_size is not None:
-            zoom = max(min(zoom, _zoom_for_size(mission.img_size, edges, grid)), grid.min_zoom)
+        if mission.output.img_size is not None:
+            zoom = max(min(zoom, _zoom_for_size(mission.output.img_size, edges, grid)), grid.min_zoom)
         return self._fitting(zoom, edges, run, layout.lon_deg)
 
     def _fitting(self, zoom: int, edges: FrameEdges, run: NDArray[np.intp], lon_deg: Floats) -> int:
@@ -297,36 +297,36 @@ class CameraFraming:
         """Size of the images: as fine as the zoom or the distance asked for, else the camera's as far as allowed."""
         mission, grid = self.mission, self.grid
         aspect = mission.camera.aspect_ratio
-        longest = float(min(mission.image_px, _limit_px(mission, grid)))
+        longest = float(min(mission.pixels.image_px, _limit_px(mission, grid)))
         width = longest if aspect >= 1.0 else longest * aspect
-        if mission.img_size is not None:
-            width = min(width, max(float(mission.img_size[0]), mission.img_size[1] * aspect))
+        if mission.output.img_size is not None:
+            width = min(width, max(float(mission.output.img_size[0]), mission.output.img_size[1] * aspect))
         ground_m = mission.camera.ground_size_m(float(np.median(layout.agl_m)))[0]
         finest_m = float(np.median(grid.ground_m_per_px(layout.lat_deg, _highest(mission, grid))))
-        if mission.gsd_m_per_px is not None:
-            if mission.gsd_m_per_px < finest_m * _SAME_SIZE:
-                raise _too_fine(mission.gsd_m_per_px, finest_m)
-            width = ground_m / mission.gsd_m_per_px
-        elif mission.zoom is not None:
-            width = ground_m / float(np.median(grid.ground_m_per_px(layout.lat_deg, mission.zoom)))
-        elif not mission.upsample:
+        if mission.pixels.gsd_m_per_px is not None:
+            if mission.pixels.gsd_m_per_px < finest_m * _SAME_SIZE:
+                raise _too_fine(mission.pixels.gsd_m_per_px, finest_m)
+            width = ground_m / mission.pixels.gsd_m_per_px
+        elif mission.pixels.zoom is not None:
+            width = ground_m / float(np.median(grid.ground_m_per_px(layout.lat_deg, mission.pixels.zoom)))
+        elif not mission.pixels.upsample:
             width = min(width, max(ground_m / finest_m, 1.0, aspect))
         size = round(width), round(width / aspect)
         if min(size) < 1:
             raise self._under_one_pixel(width, width / aspect)
-        _check_size(*size, mission, grid, coarsest=mission.zoom == grid.min_zoom)
+        _check_size(*size, mission, grid, coarsest=mission.pixels.zoom == grid.min_zoom)
         return size
 
     def _under_one_pixel(self, width_px: float, height_px: float) -> InvalidInput:
         mission = self.mission
         text = f"picture of {width_px:.3g} x {height_px:.3g} px: under one pixel"
-        if mission.zoom is not None:
+        if mission.pixels.zoom is not None:
             return InvalidInput("{0}; fly higher or choose a higher zoom", text, field="zoom")
-        if mission.gsd_m_per_px is not None:
+        if mission.pixels.gsd_m_per_px is not None:
             return InvalidInput(
                 "{0}; fly higher or choose a smaller ground sample distance", text, field="gsd_m_per_px"
             )
-        if _limit_px(mission, self.grid) < mission.image_px:
+        if _limit_px(mission, self.grid) < mission.pixels.image_px:
             return InvalidInput(
                 "{0}; choose a less extreme aspect ratio or larger pictures (--max-px)", text, field="max_px"
             )
@@ -337,8 +337,8 @@ class CameraFraming:
     def zoom(self, layout: Layout) -> int:
         """Return the zoom asked for, or the one that suits the ground right below the camera."""
         mission, grid = self.mission, self.grid
-        if mission.zoom is not None:
-            return _checked_zoom(mission.zoom, mission, grid)
+        if mission.pixels.zoom is not None:
+            return _checked_zoom(mission.pixels.zoom, mission, grid)
         poses = Poses.level(layout.lat_deg, layout.lon_deg, layout.agl_m)
         scene = Scene(mission.camera, *self.size_px(layout), poses)
         return _nearest_zoom(mission, grid, layout, scene.nadir_px_m)

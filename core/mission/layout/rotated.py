@@ -74,7 +74,9 @@ class Shape(NamedTuple):
 
 def is_rotated(mission: Mission) -> bool:
     """Whether the rows of a mission are turned, or crossed."""
-    return not isinstance(mission.area, Points) and (mission.grid_angle_deg != 0.0 or mission.crosshatch)
+    return not isinstance(mission.area, Points) and (
+        mission.flight.grid_angle_deg != 0.0 or mission.flight.crosshatch
+    )
 
 
 def lay_out_rotated(mission: Mission, ground: Ellipsoid) -> tuple[Layout, tuple[Pass, ...]]:
@@ -89,15 +91,21 @@ def lay_out_rotated(mission: Mission, ground: Ellipsoid) -> tuple[Layout, tuple[
     area = mission.area
     if isinstance(area, Points):
         raise InvalidInput("points have no rows that could be turned")
-    if mission.layout != "cover":
-        what = f"grid angle {mission.grid_angle_deg:g} deg" if mission.grid_angle_deg else "crosshatch"
+    if mission.flight.layout != "cover":
+        what = (
+            f"grid angle {mission.flight.grid_angle_deg:g} deg"
+            if mission.flight.grid_angle_deg
+            else "crosshatch"
+        )
         raise InvalidInput(
-            "{0}: the layout {1} is north-up; use --layout cover", what, mission.layout, field="layout"
+            "{0}: the layout {1} is north-up; use --layout cover", what, mission.flight.layout, field="layout"
         )
     box = area.bounds
     refuse_beyond_mercator(box)
     middle = (box.north_deg + box.south_deg) / 2.0, box.west_deg + box.span_deg / 2.0
-    angles = [mission.grid_angle_deg, mission.grid_angle_deg + _ACROSS_DEG][: 1 + mission.crosshatch]
+    angles = [mission.flight.grid_angle_deg, mission.flight.grid_angle_deg + _ACROSS_DEG][
+        : 1 + mission.flight.crosshatch
+    ]
     parts: list[Layout] = []
     passes: list[Pass] = []
     for angle in angles:
@@ -109,7 +117,9 @@ def lay_out_rotated(mission: Mission, ground: Ellipsoid) -> tuple[Layout, tuple[
     if len(parts) == 1:
         return parts[0], tuple(passes)
     whole = Layout(*(np.concatenate(columns) for columns in zip(*parts)))
-    return whole._replace(agl_m=np.broadcast_to(np.float64(mission.agl_m), whole.row.shape)), tuple(passes)
+    return whole._replace(agl_m=np.broadcast_to(np.float64(mission.flight.agl_m), whole.row.shape)), tuple(
+        passes
+    )
 
 
 def _laid_out(
@@ -118,19 +128,21 @@ def _laid_out(
     """One pass, after so many captures, and the rectangle that its images have in common."""
     sides = _common(mission, _shape(area, plane, _EXTENT_M), plane, ground)
     (width,), (height,) = sides.size_m
-    steps = np.array([width * (1.0 - mission.overlap_along), height * (1.0 - mission.overlap_across)])
+    steps = np.array(
+        [width * (1.0 - mission.flight.overlap_along), height * (1.0 - mission.flight.overlap_across)]
+    )
     step_x, step_y = steps - _MEETING_M
-    refuse_no_step(steps[:1] - _MEETING_M, mission.overlap_along, mission)
-    refuse_no_step(steps[1:] - _MEETING_M, mission.overlap_across, mission)
+    refuse_no_step(steps[:1] - _MEETING_M, mission.flight.overlap_along, mission)
+    refuse_no_step(steps[1:] - _MEETING_M, mission.flight.overlap_across, mission)
     # Without overlap the images' ground sums to the area's at least, but for what the plane enlarges.
-    refuse_too_many(flown + _SURELY * area.area_m2() / float(width * height), mission.max_images)
+    refuse_too_many(flown + _SURELY * area.area_m2() / float(width * height), mission.output.max_images)
     shape = _shape(area, plane, _BEND_SHARE * float(min(width, height)))
     margin = shape.bend_m + _MEETING_M
 
     y = np.concatenate([ring[1] for ring in shape.rings])
     need = float(y.max() - y.min()) + 2.0 * margin
     rows = max(math.ceil((need - height) / step_y), 0.0) + 1.0
-    refuse_too_many(flown + rows, mission.max_images)
+    refuse_too_many(flown + rows, mission.output.max_images)
     tops = float(y.max() + y.min()) / 2.0 + ((rows - 1.0) * step_y + height) / 2.0 - step_y * np.arange(rows)
     edges = sides_of(shape)
     spans = [in_band(edges, float(top - height) - margin, float(top) + margin) for top in tops]
@@ -141,7 +153,7 @@ def _laid_out(
     )
     tops = tops[held]
     counts = np.maximum(np.ceil((high - low + 2.0 * margin - width) / step_x), 0.0) + 1.0
-    refuse_too_many(flown + float(counts.sum()), mission.max_images)
+    refuse_too_many(flown + float(counts.sum()), mission.output.max_images)
     per_row = counts.astype(np.int64)
     row = np.repeat(np.arange(len(per_row), dtype=np.int64), per_row)
     column = np.arange(len(row), dtype=np.int64) - np.repeat(np.cumsum(per_row) - per_row, per_row)
@@ -150,19 +162,21 @@ def _laid_out(
     keep = touching(shape, left - margin, bottom - margin, left + width + margin, bottom + height + margin)
     lat, lon = plane.inverse(left[keep] - sides.left_m, bottom[keep] - sides.bottom_m)
     yaw = _yaws_deg(mission, plane, lat, lon)
-    agl = np.broadcast_to(np.float64(mission.agl_m), lat.shape)
-    return in_order(Layout(column[keep], row[keep], lat, lon, agl, yaw), mission.order), sides
+    agl = np.broadcast_to(np.float64(mission.flight.agl_m), lat.shape)
+    return in_order(Layout(column[keep], row[keep], lat, lon, agl, yaw), mission.flight.order), sides
 
 
 def _yaws_deg(mission: Mission, plane: LocalPlane, lat_deg: Floats, lon_deg: Floats) -> Floats:
     """Yaws of images that lie in the plane as the mission says: those of its middle, less its convergence."""
-    return wrap_lon_deg(mission.yaw_deg - plane.north_deg(lat_deg, lon_deg))
+    return wrap_lon_deg(mission.attitude.yaw_deg - plane.north_deg(lat_deg, lon_deg))
 
 
 def _posed(mission: Mission, plane: LocalPlane, x_m: Floats, y_m: Floats) -> Poses:
     lat, lon = plane.inverse(x_m, y_m)
-    tilt, roll = (np.full(lat.shape, angle) for angle in (mission.tilt_deg, mission.roll_deg))
-    agl = np.full(lat.shape, mission.agl_m)
+    tilt, roll = (
+        np.full(lat.shape, angle) for angle in (mission.attitude.tilt_deg, mission.attitude.roll_deg)
+    )
+    agl = np.full(lat.shape, mission.flight.agl_m)
     return Poses(lat, lon, agl, _yaws_deg(mission, plane, lat, lon), tilt, roll)
 
 
@@ -171,19 +185,19 @@ def _common(mission: Mission, shape: Shape, plane: LocalPlane, ground: Ellipsoid
     middle = _posed(mission, plane, np.zeros(1), np.zeros(1))
     ring, _, whole = image_rings(mission.camera, middle, plane, ground)
     if not whole.all():
-        if mission.tilt_deg or mission.roll_deg:
+        if mission.attitude.tilt_deg or mission.attitude.roll_deg:
             raise InvalidInput(
                 "camera with tilt {0:g}, roll {1:g} deg from {2:g} m: sees past the horizon, where turned "
                 "rows have no frames; tilt it less, fly lower or fly north-up rows",
-                mission.tilt_deg,
-                mission.roll_deg,
-                mission.agl_m,
+                mission.attitude.tilt_deg,
+                mission.attitude.roll_deg,
+                mission.flight.agl_m,
                 field="tilt_deg",
             )
         raise InvalidInput(
             "camera from {0:g} m: sees past the horizon, where turned rows have no frames; fly lower or fly "
             "north-up rows",
-            mission.agl_m,
+            mission.flight.agl_m,
             field="agl_m",
         )
     reach = np.abs(ring).max(axis=(0, 1)) + shape.bend_m
@@ -196,7 +210,7 @@ def _common(mission: Mission, shape: Shape, plane: LocalPlane, ground: Ellipsoid
         raise InvalidInput(
             "grid angle {0:g} deg: turned rows hold to {1:g} km from the area's middle, and the area or its "
             "images reach {2:.4g} km; take a smaller area or north-up rows",
-            mission.grid_angle_deg,
+            mission.flight.grid_angle_deg,
             _REACH_M / 1000.0,
             farthest / 1000.0,
             field="grid_angle_deg",

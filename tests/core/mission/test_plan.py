@@ -104,7 +104,8 @@ def test_no_pixel_of_any_box_is_left_out(box, along, across, fov, ratio):
     lat, west, height, width, agl = box
     east = west + width
     area = Box(lat + height, west, lat, east if east <= 180 else east - 360)
-    mission = Mission(area, agl, Camera(fov, ratio), along, across, max_px=200, max_images=3000)
+    more = {"overlap_along": along, "overlap_across": across, "max_px": 200, "max_images": 3000}
+    mission = Mission(area, agl, Camera(fov, ratio), **more)
     try:
         worked_out = plan(mission, GRID)
     except InvalidInput as refused:

@@ -44,7 +44,7 @@ def planned(module, message, mission, ways, grid=GRID):
     def entry(case: Case) -> None:
         text = case.refused(partial(plan, mission, grid))
         # A camera that is level cannot be tilted less.
-        assert mission.tilt_deg or mission.roll_deg or "tilt" not in text.partition("; ")[2]
+        assert mission.attitude.tilt_deg or mission.attitude.roll_deg or "tilt" not in text.partition("; ")[2]
         named = re.search(r"(?:with|are) ([0-9.e+-]+) (?:px|m)\b", text)
         for what, way in ways.items():
             if isinstance(way, PixelGrid):
@@ -326,7 +326,7 @@ def _sees_the_sky(case: Case) -> None:
 
 
 @remedy(
-    "geodesy/camera.py",
+    "geodesy/lens.py",
     "sensor {} by {} mm and a picture of {} to 1: pixels would not be square; give the part of the "
     "sensor that the picture "
     "shows",
@@ -340,7 +340,7 @@ def _not_square(case: Case) -> None:
 
 
 @remedy(
-    "geodesy/camera.py",
+    "geodesy/lens.py",
     "field of view across the diagonal {} deg: must be between 0 and 180, both excluded; choose a less "
     "extreme field of "
     "view or aspect ratio",
