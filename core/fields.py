@@ -158,9 +158,12 @@ class Field:
         if low is None:
             return Message("at most {0:g}", high) if self.below is None else Message("below {0:g}", high)
         if self.below is None:
-            if self.above is None:
-                return Message("from {0:g} to {1:g}", low, high)
-            return Message("above {0:g} and at most {1:g}", low, high)
+            # Above something, the upper one is where the arithmetic ends, and no range to choose from.
+            return (
+                Message("from {0:g} to {1:g}", low, high)
+                if self.above is None
+                else Message("above {0:g}", low)
+            )
         if self.above is None:
             return Message("at least {0:g} and below {1:g}", low, high)
         return Message("between {0:g} and {1:g}, both excluded", low, high)
@@ -226,11 +229,11 @@ class Field:
         )
         if within and math.isfinite(value):
             return
-        right = Message("a finite number") if within or (math.isnan(value) and not self.right) else self.right
-        if self.above is not None and self.most is not None:
-            # The upper one is where the arithmetic ends, and no range to choose from.
-            beyond_both = not value > self.above
-            right = Message("above {0:g}", self.above) if beyond_both else Message("at most {0:g}", self.most)
+        right = self.right
+        if within or not right:
+            right = Message("a finite number")
+        elif self.above is not None and self.most is not None and value > self.most:
+            right = Message("at most {0:g}", self.most)
         raise self._refused(title, _with_unit(value, self.unit), right)
 
 

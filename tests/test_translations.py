@@ -90,6 +90,7 @@ def test_keys_of_a_menu_or_form_differ(translations):
         "cleaning": "cleaning/panel.py",
         "panel": _PANEL,
     }
+    declared = _declared_with_keys(translations)
     for name, files in together.items():
         texts = {
             text
@@ -101,8 +102,18 @@ def test_keys_of_a_menu_or_form_differ(translations):
             for text in sorted(texts)
             if translations.mnemonics_of(text)
         ]
+        if name == "panel":
+            keys += [known["TerrAInav core", title].partition("&")[2][0].lower() for title in declared]
         assert keys, name
         assert sorted(keys) == sorted(set(keys)), f"{name}: {keys}"
+
+
+def _declared_with_keys(translations):
+    """Titles with a key of the fields that a mission declares: they stand in the panel, too."""
+    texts = translations.core_texts(ROOT / "core" / "mission" / "parts.py")
+    found = {text for text in texts if translations.mnemonics_of(text)}
+    assert found
+    return sorted(found)
 
 
 @pytest.mark.parametrize("panel", ["panel", "viewer", "cleaning"])
@@ -115,6 +126,9 @@ def test_keys_of_a_panel_open_no_menu_of_qgis(translations, panel):
             if translations.mnemonics_of(text):
                 assert text.partition("&")[2][0].lower() not in _MENUS["en"], text
                 assert known["TerrAInav", text].partition("&")[2][0].lower() not in _MENUS["es"], text
+    for title in _declared_with_keys(translations) if panel == "panel" else ():
+        assert title.partition("&")[2][0] not in _MENUS["en"]
+        assert known["TerrAInav core", title].partition("&")[2][0].lower() not in _MENUS["es"]
 
 
 @pytest.mark.parametrize(
@@ -201,6 +215,8 @@ def test_links_of_the_spanish_guide_lead_somewhere(translations):
 def test_the_spanish_guide_names_things_as_the_plugin_does(translations):
     """What is bold there is what is to be pressed, so that it is read somewhere: in the plugin, or in QGIS."""
     texts = {text.replace("&", "") for text in translations.translated("es").values()}
+    # Titles of declared fields begin with a capital where they are shown.
+    texts |= {text[:1].upper() + text[1:] for text in texts}
     of_qgis = set(
         "Complementos|Administrar e instalar complementos…|Instalar a partir de ZIP|Instalar complemento|Ráster|"
         "TerrAInav|Ver|Paneles|Controlador temporal|Opciones…|Configuración|Atajos de teclado…|Estilos|"

@@ -240,7 +240,7 @@ class Imagery(Part):
     date: str = declared(
         "",
         title="date of the imagery",
-        help="date of the imagery as the source writes it, where it has several (see terrainav sources show NAME)",
+        help="as the source writes it, where it has imagery of several dates",
         advanced=True,
         check=_check_date,
     )

@@ -352,6 +352,7 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/entries.py"/>
+        <location filename="../../terrainav_plugin/form/fields.py"/>
         <source>degrees</source>
         <translation>grados</translation>
     </message>
@@ -1015,7 +1016,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/cleaning/panel.py"/>
-        <location filename="../../terrainav_plugin/panel/imagery.py"/>
         <location filename="../../terrainav_plugin/results/viewer.py"/>
         <source>Roadmap</source>
         <translation>Callejero</translation>
@@ -1027,7 +1027,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/cleaning/panel.py"/>
-        <location filename="../../terrainav_plugin/panel/imagery.py"/>
         <location filename="../../terrainav_plugin/results/viewer.py"/>
         <source>Satellite</source>
         <translation>Satélite</translation>
@@ -1065,7 +1064,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../terrainav_plugin/cleaning/panel.py"/>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
-        <location filename="../../terrainav_plugin/panel/imagery.py"/>
         <location filename="../../terrainav_plugin/results/viewer.py"/>
         <source>Terrain</source>
         <translation>Relieve</translation>
@@ -1325,6 +1323,26 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>«{line}» tiene {count} números; si hay varias líneas, deben ser de lat lon agl [guiñada]</translation>
     </message>
     <message>
+        <location filename="../../terrainav_plugin/form/fields.py"/>
+        <source>metres</source>
+        <translation>metros</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/fields.py"/>
+        <source>metres a second</source>
+        <translation>metros por segundo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/fields.py"/>
+        <source>px</source>
+        <translation>px</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/fields.py"/>
+        <source>share</source>
+        <translation>fracción</translation>
+    </message>
+    <message>
         <location filename="../../terrainav_plugin/form/mission_form.py"/>
         <source>aspect ratio</source>
         <translation>relación de aspecto</translation>
@@ -1372,7 +1390,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../terrainav_plugin/form/refusals.py"/>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
         <source>Allow enlarged pixels</source>
         <translation>Permitir píxeles ampliados</translation>
     </message>
@@ -1385,13 +1402,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/form/refusals.py"/>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
         <source>Error budget</source>
         <translation>Error admisible</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/form/refusals.py"/>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
         <source>Go on beyond the budget</source>
         <translation>Seguir aunque se supere el error</translation>
     </message>
@@ -1402,13 +1417,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/form/refusals.py"/>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
         <source>Layout</source>
         <translation>Disposición</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/form/refusals.py"/>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
         <source>Longest side</source>
         <translation>Lado mayor</translation>
     </message>
@@ -1420,14 +1433,12 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/form/refusals.py"/>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
         <source>Source's ground per px</source>
         <translation>Terreno por px de la fuente</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/form/refusals.py"/>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
         <location filename="../../terrainav_plugin/results/viewer.py"/>
         <source>Zoom</source>
         <translation>Zoom</translation>
@@ -1734,11 +1745,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/camera.py"/>
-        <source>Image's lo&amp;nger side</source>
-        <translation>&amp;Lado mayor de la imagen</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/camera.py"/>
         <source>Name of the camera with the values entered:</source>
         <translation>Nombre de la cámara con los valores introducidos:</translation>
     </message>
@@ -1751,11 +1757,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/panel/camera.py"/>
         <source>Picture width to height, without unit: 4:3, 4000x3000 or 1.333</source>
         <translation>Anchura entre altura de la imagen, sin unidad: 4:3, 4000x3000 o 1.333</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/camera.py"/>
-        <source>Pixels (px) along the longer side of the camera's image: the source's pixels are taken that come nearest to the camera's. Cameras by name bring their own.</source>
-        <translation>Píxeles (px) en el lado mayor de la imagen de la cámara: se toman los píxeles de la fuente más próximos a los de la cámara. Las cámaras con nombre traen los suyos.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/camera.py"/>
@@ -1968,6 +1969,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/panel/dock.py"/>
         <source>Write all images; goes on where an earlier run was stopped</source>
         <translation>Escribir todas las imágenes; continúa donde se detuvo una ejecución anterior</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/entries.py"/>
+        <source>percent</source>
+        <translation>tanto por ciento</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
@@ -2272,7 +2278,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/imagery.py"/>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
         <source>Files</source>
         <translation>Archivos</translation>
     </message>
@@ -2280,12 +2285,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/panel/imagery.py"/>
         <source>How QGIS authenticates requests to this source; a configuration of its authentication database</source>
         <translation>Cómo autentica QGIS las peticiones a esta fuente; una configuración de su base de datos de autenticación</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/imagery.py"/>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>Map types</source>
-        <translation>Tipos de mapa</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/imagery.py"/>
@@ -2645,18 +2644,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>Airspeed</source>
-        <translation>Velocidad aérea</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
         <source>Also set: {text}</source>
         <translation>También definido: {text}</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>Also take zooms above the finest that the source has pixels of its own for. Pictures get more pixels (px), and show nothing more.</source>
-        <translation>Tomar también zooms superiores al más fino para el que la fuente tiene píxeles propios. Las imágenes tienen más píxeles (px), pero no muestran nada más.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
@@ -2667,67 +2656,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/panel/sections.py"/>
         <source>Automatic</source>
         <translation>Automático</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>Bicubic</source>
-        <translation>Bicúbico</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>Bilinear</source>
-        <translation>Bilineal</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>Camera frame (as seen)</source>
-        <translation>Encuadre de cámara (como se ve)</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>Cover (no gaps)</source>
-        <translation>Cubrir (sin huecos)</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>Cover: rows that leave nothing out. Paper: the grid in UTM as published.</source>
-        <translation>Cubrir: pasadas que no dejan nada fuera. Artículo: la cuadrícula en UTM tal como se publicó.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>Crosshatch</source>
-        <translation>Cuadrícula cruzada</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>Degrees the camera is rolled about its line of sight, right side down (-180 to 180)</source>
-        <translation>Grados que la cámara gira en torno a su línea de visión, lado derecho hacia abajo (-180 a 180)</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>Degrees the rows are turned clockwise from east (-180 to 180); the pictures turn with them. Points have no rows.</source>
-        <translation>Grados que las pasadas se giran en sentido horario desde el este (-180 a 180); las imágenes giran con ellas. Los puntos no tienen pasadas.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>Degrees the view is lifted from straight down (0) towards the picture's top edge; 90 looks level (-180 to 180)</source>
-        <translation>Grados que la vista se levanta desde la vertical (0) hacia el borde superior de la imagen; 90 mira al horizonte (-180 a 180)</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>Direction of the picture's top edge, in degrees clockwise from north (-360 to 360); counted from the grid's own north where a grid angle turns the rows</source>
-        <translation>Dirección del borde superior de la imagen, en grados en sentido horario desde el norte (-360 a 360); se cuenta desde el norte de la cuadrícula cuando un ángulo de cuadrícula gira las pasadas</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>Direction the wind blows from, in degrees clockwise from north</source>
-        <translation>Dirección desde la que sopla el viento, en grados en sentido horario desde el norte</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>Fly the area a second time, in rows across the first ones: about twice the images</source>
-        <translation>Volar el área por segunda vez, en pasadas que cruzan las primeras: cerca del doble de imágenes</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
@@ -2746,43 +2674,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>Format</source>
-        <translation>Formato</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>Format of the pictures; all three know their coordinate reference system</source>
-        <translation>Formato de las imágenes; los tres conocen su sistema de referencia de coordenadas</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>From</source>
-        <translation>Desde</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>Front overlap: share of a picture that the next one along the flight line shows again, in percent</source>
-        <translation>Solape longitudinal: parte de una imagen que la siguiente de la línea de vuelo vuelve a mostrar, en tanto por ciento</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>GeoTIFF (lossless)</source>
-        <translation>GeoTIFF (sin pérdida)</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
         <source>Grey</source>
         <translation>Grises</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>Grid angle</source>
-        <translation>Ángulo de cuadrícula</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>Ground height</source>
-        <translation>Altura del terreno</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
@@ -2791,18 +2684,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>Ground that a pixel of the source is to show, in metres; the zoom nearest to it is taken</source>
-        <translation>Terreno que debe mostrar un píxel de la fuente, en metros; se toma el zoom más próximo</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
         <source>Gusts move and turn the camera at every exposure: pictures are then as the camera really sees them</source>
         <translation>Las ráfagas mueven y giran la cámara en cada exposición: las imágenes son entonces como las ve realmente la cámara</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>Height above gro&amp;und</source>
-        <translation>Altura sobre el terre&amp;no</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
@@ -2811,48 +2694,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>Height of the ground above the WGS84 ellipsoid, in metres (-12,000 to 9,000)</source>
-        <translation>Altura del terreno sobre el elipsoide WGS84, en metros (-12 000 a 9000)</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
         <source>Height of the resized pictures in pixels (px)</source>
         <translation>Altura de las imágenes redimensionadas en píxeles (px)</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>How camera frames take their values between the source's pixels, from 1 px to 6 px across; map frames are not resampled</source>
-        <translation>Cómo toman los encuadres de cámara sus valores entre los píxeles de la fuente, de 1 px a 6 px de lado; los encuadres de mapa no se remuestrean</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>JPEG (smaller)</source>
-        <translation>JPEG (menor)</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>La&amp;yout</source>
-        <translation>&amp;Disposición</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>Lanczos</source>
-        <translation>Lanczos</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>Map frame (north-up)</source>
-        <translation>Encuadre de mapa (norte arriba)</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>Map frame: a window of the source's own pixels, for cameras that look straight down. Camera frame: the picture as the camera sees it. Automatic: a map frame where its error in px fits the budget.</source>
-        <translation>Encuadre de mapa: una ventana de los propios píxeles de la fuente, para cámaras que miran en vertical. Encuadre de cámara: la imagen como la ve la cámara. Automático: un encuadre de mapa si su error en px cabe en el admisible.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>Mean wind at flight height, in metres a second; below the airspeed</source>
-        <translation>Viento medio a la altura de vuelo, en metros por segundo; menor que la velocidad aérea</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
@@ -2861,48 +2704,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>Most that the errors of all steps may add up to, in pixels of the planned image, by their bounds; above 0. The cheapest methods that fit are used.</source>
-        <translation>Máximo que pueden sumar los errores de todos los pasos, en píxeles de la imagen planificada, según sus cotas; mayor que 0. Se usan los métodos más económicos que caben.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>Nearest pixel</source>
-        <translation>Píxel más próximo</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>No picture gets a longer side than so many pixels (px; of a source's 256 px tiles): where one would, a coarser zoom is taken for all</source>
-        <translation>Ninguna imagen tendrá un lado mayor de tantos píxeles (px, de teselas de 256 px): si alguna lo tuviera, se toma para todas un zoom más grueso</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>One way</source>
-        <translation>Un solo sentido</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>Order</source>
-        <translation>Orden</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
         <source>Output</source>
         <translation>Salida</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>PNG</source>
-        <translation>PNG</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>Paper (UTM grid)</source>
-        <translation>Artículo (cuadrícula UTM)</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>Pictures</source>
-        <translation>Imágenes</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
@@ -2911,29 +2714,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>Resampling</source>
-        <translation>Remuestreo</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
         <source>Resize every picture to the width and height below, in pixels (px)</source>
         <translation>Redimensionar todas las imágenes a la anchura y altura de abajo, en píxeles (px)</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>Roll</source>
-        <translation>Alabeo</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>Serpentine (to and fro)</source>
-        <translation>En zigzag (ida y vuelta)</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>Serpentine: every other row is flown back. One way: every row is flown from its beginning.</source>
-        <translation>En zigzag: una de cada dos pasadas se vuela de vuelta. Un solo sentido: cada pasada se vuela desde su comienzo.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
@@ -2942,59 +2724,13 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>Side overlap: share of a picture that the next flight line shows again, in percent</source>
-        <translation>Solape transversal: parte de una imagen que la siguiente línea de vuelo vuelve a mostrar, en tanto por ciento</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
         <source>Source's pixels</source>
         <translation>Píxeles de la fuente</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>Speed</source>
-        <translation>Velocidad</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>Speed of the flight through the air, in metres a second (0.1 to 340)</source>
-        <translation>Velocidad del vuelo respecto al aire, en metros por segundo (0.1 a 340)</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>Start</source>
-        <translation>Inicio</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>Strength of the gusts: their standard deviation over the mean wind, without unit; about 0.1 over water, 0.2 over fields, 0 for a steady wind</source>
-        <translation>Intensidad de las ráfagas: su desviación típica entre el viento medio, sin unidad; cerca de 0.1 sobre el agua, 0.2 sobre campos, 0 con viento constante</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>Tilt</source>
-        <translation>Inclinación</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>Time of the first image, in UTC as 2024-06-21T10:30:00Z: the clock of the simulated flight</source>
-        <translation>Hora de la primera imagen, en UTC como 2024-06-21T10:30:00Z: el reloj del vuelo simulado</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
         <source>To</source>
         <translation>A</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>Turbulence</source>
-        <translation>Turbulencia</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>Where no methods fit the budget (px), take the most accurate ones instead of refusing</source>
-        <translation>Si ningún método cabe en el error admisible (px), tomar los más exactos en lugar de rechazar la misión</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
@@ -3020,16 +2756,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/panel/sections.py"/>
         <source>Write one channel of grey values instead of three of colours (without unit)</source>
         <translation>Escribir un canal de valores de gris en lugar de tres de color (sin unidad)</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>Yaw</source>
-        <translation>Guiñada</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>Zoom level of the source, without unit: each one has pixels half the size of the one before</source>
-        <translation>Nivel de zoom de la fuente, sin unidad: cada uno tiene píxeles de la mitad del tamaño que el anterior</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
@@ -3747,43 +3473,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>0 for steady wind; gusts are drawn by the seed.</source>
-        <translation>0 con viento constante; las ráfagas se sortean con la semilla.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>0 for still air.</source>
-        <translation>0 con aire en calma.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>0 looks straight down, 90 at the horizon.</source>
-        <translation>0 mira en vertical, 90 al horizonte.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
         <source>A mission as the plan writes it; all parameters above are left aside then.</source>
         <translation>Una misión tal como la escribe el plan; los parámetros anteriores no se tienen en cuenta.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>Accept a larger error</source>
-        <translation>Aceptar un error mayor</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>Airspeed (m/s)</source>
-        <translation>Velocidad aérea (m/s)</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>Allow upsampling</source>
-        <translation>Permitir ampliación</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>Along the longer side of the camera's image; without it, the chosen camera's own, or 640.</source>
-        <translation>En el lado mayor de la imagen de la cámara; sin él, los propios de la cámara elegida, o 640.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
@@ -3812,31 +3503,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>Clockwise from north.</source>
-        <translation>En sentido horario desde el norte.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>Date of the imagery</source>
-        <translation>Fecha de las imágenes</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>Diagonal field of view (degrees)</source>
-        <translation>Campo de visión diagonal (grados)</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>Each is captured into a folder of its own.</source>
-        <translation>Cada uno se captura en una carpeta propia.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>Error budget (px)</source>
-        <translation>Error admisible (px)</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
         <source>Field of heights</source>
         <translation>Campo de las alturas</translation>
     </message>
@@ -3847,53 +3513,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>Fly the area a second time, in rows across the first ones.</source>
-        <translation>Volar el área por segunda vez, en pasadas que cruzan las primeras.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>Go on where no methods fit the error budget.</source>
-        <translation>Seguir cuando ningún método cabe en el error admisible.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>Grid angle (degrees)</source>
-        <translation>Ángulo de cuadrícula (grados)</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>Ground height (metres)</source>
-        <translation>Altura del terreno (metros)</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>Ground sample distance (metres)</source>
-        <translation>Distancia de muestreo del terreno (metros)</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>Height above ground (metres)</source>
-        <translation>Altura sobre el terreno (metros)</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
         <source>Height above ground of each point, metres.</source>
         <translation>Altura de cada punto sobre el terreno, en metros.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>How wrong a pixel may be.</source>
-        <translation>Cuánto puede errar un píxel.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>Image's longer side (px)</source>
-        <translation>Lado mayor de la imagen (px)</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>Instead of a zoom.</source>
-        <translation>En lugar de un zoom.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
@@ -3907,48 +3528,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>Kind of picture</source>
-        <translation>Clase de imagen</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>Limit for all pictures, in pixels of 256 px tiles: where one would be larger, a lower zoom is taken.</source>
-        <translation>Límite para todas las imágenes, en píxeles de teselas de 256 px: si alguna fuera mayor, se toma un zoom más bajo.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>Longest side (px)</source>
-        <translation>Lado mayor (px)</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
         <source>Mission file</source>
         <translation>Archivo de misión</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>More are refused.</source>
-        <translation>Si son más, se rechaza.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>Most images</source>
-        <translation>Máximo de imágenes</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>Of camera frames.</source>
-        <translation>De los encuadres de cámara.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>Of captures over an extent, a polygon, or points without a field of heights. Coordinates have their own.</source>
-        <translation>De las capturas sobre una extensión, un polígono o puntos sin campo de alturas. Las coordenadas llevan la suya.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>Of whatever is random.</source>
-        <translation>De todo lo que es aleatorio.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
@@ -3957,59 +3538,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>Order of rows</source>
-        <translation>Orden de las pasadas</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
         <source>Other source</source>
         <translation>Otra fuente</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>Over the WGS84 ellipsoid.</source>
-        <translation>Sobre el elipsoide WGS84.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>Overlap across rows (share)</source>
-        <translation>Solape transversal a las pasadas (fracción)</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>Overlap along rows (share)</source>
-        <translation>Solape a lo largo de las pasadas (fracción)</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>Resize pictures to</source>
-        <translation>Redimensionar imágenes a</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>Right side down.</source>
-        <translation>Lado derecho hacia abajo.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>Roll (degrees)</source>
-        <translation>Alabeo (grados)</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>Rows, and the pictures with them, are turned clockwise from east.</source>
-        <translation>Las pasadas, y con ellas las imágenes, se giran en sentido horario desde el este.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <location filename="../../terrainav_plugin/processing/split.py"/>
-        <source>Seed</source>
-        <translation>Semilla</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>Share of a picture that the next one shows again, 0 to below 1.</source>
-        <translation>Parte de una imagen que la siguiente vuelve a mostrar, de 0 a menos de 1.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
@@ -4018,63 +3548,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>Start of the flight</source>
-        <translation>Inicio del vuelo</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>Through the air.</source>
-        <translation>Respecto al aire.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>Tilt (degrees)</source>
-        <translation>Inclinación (grados)</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>Top of the pictures, clockwise from north.</source>
-        <translation>Borde superior de las imágenes, en sentido horario desde el norte.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>UTC, such as 2024-06-21T10:30:00Z.</source>
-        <translation>UTC, como 2024-06-21T10:30:00Z.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>Where no camera is chosen.</source>
-        <translation>Donde no se elige ninguna cámara.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
         <source>Where no camera is chosen; such as 4:3, 16:9 or 1.5.</source>
         <translation>Donde no se elige ninguna cámara; como 4:3, 16:9 o 1.5.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>Where the source has several.</source>
-        <translation>Donde la fuente tiene varias.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>Wind from (degrees)</source>
-        <translation>Viento desde (grados)</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>Wind speed (m/s)</source>
-        <translation>Velocidad del viento (m/s)</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>Without it, the one whose pixels come nearest to the camera's.</source>
-        <translation>Sin él, aquel cuyos píxeles se acercan más a los de la cámara.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>Yaw (degrees)</source>
-        <translation>Guiñada (grados)</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
@@ -4083,23 +3558,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>Zooms above the source's own detail.</source>
-        <translation>Zooms por encima del detalle propio de la fuente.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
         <source>aspect ratio {text!r}: must be such as 4:3</source>
         <translation>relación de aspecto {text!r}: debe ser como 4:3</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>auto takes the cheapest that fits the error budget.</source>
-        <translation>auto toma lo más económico que cabe en el error admisible.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>cover leaves nothing out; paper is the published UTM grid.</source>
-        <translation>cover no deja nada fuera; paper es la cuadrícula UTM publicada.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
@@ -4113,21 +3573,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>serpentine flies rows to and fro, one-way each from its beginning.</source>
-        <translation>serpentine vuela las pasadas en ida y vuelta, one-way cada una desde su comienzo.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>tif is lossless and georeferenced in itself; jpg and png have world files beside them.</source>
-        <translation>tif no tiene pérdida y está georreferenciado en sí mismo; jpg y png llevan archivos world al lado.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>width height channels, such as 256 256 3.</source>
-        <translation>anchura altura canales, como 256 256 3.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
         <source>world is the embedded synthetic one, which needs no network.</source>
         <translation>world es la fuente sintética incorporada, que no necesita red.</translation>
     </message>
@@ -4135,6 +3580,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
         <source>{count} areas given: needs one of extent, polygons or points, and coordinates</source>
         <translation>hay {count} áreas dadas: se necesita una sola de entre extensión, polígonos o puntos, y coordenadas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <source>{help} Where no camera is chosen.</source>
+        <translation>{help} Donde no se elige ninguna cámara.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/plan.py"/>
@@ -4365,6 +3815,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/processing/split.py"/>
         <source>Images in no part</source>
         <translation>Imágenes en ninguna parte</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/split.py"/>
+        <source>Seed</source>
+        <translation>Semilla</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/split.py"/>
@@ -5315,11 +4770,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/fields.py"/>
-        <source>above {0} and at most {1}</source>
-        <translation>mayor que {0} y como máximo {1}</translation>
-    </message>
-    <message>
-        <location filename="../../core/fields.py"/>
         <source>at least {0} and below {1}</source>
         <translation>al menos {0} y menor que {1}</translation>
     </message>
@@ -5336,12 +4786,12 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/fields.py"/>
         <source>between {0} and {1}, both excluded</source>
-        <translation>entre {0} y {1}, ambos excluidos</translation>
+        <translation>mayor que {0} y menor que {1}</translation>
     </message>
     <message>
         <location filename="../../core/fields.py"/>
         <source>from {0} to {1}</source>
-        <translation>entre {0} y {1}</translation>
+        <translation>de {0} a {1}</translation>
     </message>
     <message>
         <location filename="../../core/fields.py"/>
@@ -7590,6 +7040,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
+        <source>as the source writes it, where it has imagery of several dates</source>
+        <translation>como la escribe la fuente, donde tiene imágenes de varias fechas</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
         <source>cover: rows that leave nothing out; paper: the grid in UTM as published</source>
         <translation>cubrir: pasadas que no dejan nada fuera; artículo: la cuadrícula en UTM tal como se publicó</translation>
     </message>
@@ -7602,11 +7057,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/parts.py"/>
         <source>date of the imagery</source>
         <translation>fecha de las imágenes</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
-        <source>date of the imagery as the source writes it, where it has several (see terrainav sources show NAME)</source>
-        <translation>fecha de las imágenes como la escribe la fuente, donde tiene varias (véase terrainav sources show NAME)</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>

