@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 from ..errors import InvalidInput
 from ..files import is_there
 from ..geodesy.lens import Lens
+from ..map_types import MAP_TYPES
 from ..mission.options import OPTIONS, Option
 from .caching import opened_cache
 from .exits import DONE, INCOMPLETE, exit_code
@@ -130,7 +131,7 @@ def _add_shared(group: Any) -> None:
 
 def _help_of(option: Option) -> str:
     if option.name == "map_type":
-        return "one of satellite, roadmap, terrain (default satellite)"
+        return f"one of {', '.join(MAP_TYPES)} (default {MAP_TYPES[0]})"
     if option.name == "camera":
         return "camera by name (see terrainav cameras) instead of --fov, with its own aspect ratio"
     if option.name == "fov":

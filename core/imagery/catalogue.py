@@ -10,6 +10,7 @@ from typing import Any, NamedTuple, Protocol
 
 from ..config import config_file, read_named, write_named
 from ..errors import InvalidInput
+from ..map_types import MAP_TYPES
 from .entry import NAME, CatalogueEntry, shipped, shipped_data, shipped_entry, under_provider
 from .opening import EntrySource
 from .placeholder import Placeholder
@@ -260,7 +261,7 @@ def described(
     if files:
         data["placeholder"] = {"sha256": list(files)}
     if "map_type" in template.names:
-        data["map_types"] = ["satellite", "roadmap", "terrain"]
+        data["map_types"] = list(MAP_TYPES)
     if "key" in template.names:
         data["key_env"] = key_env
     if "date" in template.names:

@@ -17,6 +17,7 @@ import numpy as np
 from ..errors import InvalidInput
 from ..geodesy.frames import Windows, window_centres
 from ..geodesy.mercator import PixelGrid
+from ..map_types import MAP_TYPES, SATELLITE
 from .decode import decode
 from .entry import CatalogueEntry
 from .http.client import Client
@@ -28,7 +29,6 @@ from .policy import Policy
 from .source import Part, Pixels, Window
 
 GOOGLE_URL = "https://maps.googleapis.com/maps/api/staticmap"
-MAP_TYPES = ("satellite", "roadmap", "terrain")
 #: Longest side of a picture, before ``scale``.
 MAX_SIZE_PX = 640
 #: Decimals of a degree the service keeps of a centre (0.1 m).
@@ -203,7 +203,7 @@ class StaticMapSource:
             # The default, png8, has 256 colours.
             "format": "png32",
         }
-        if map_type != "satellite":
+        if map_type != SATELLITE:
             query["style"] = _NO_LABELS
         query["key"] = self._key
         url = f"{self._url}?{urlencode(query, quote_via=quote, safe='')}"

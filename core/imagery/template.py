@@ -11,6 +11,7 @@ from urllib.parse import parse_qsl, quote, unquote, urlsplit
 
 from ..errors import InvalidInput, SourceError
 from ..geodesy.mercator import HALF_WORLD_M
+from ..map_types import MAP_TYPES
 
 #: Environment variable with the key of a user's own address, which goes to hosts that the user has named, and to no
 #: other: an address in a mission file, a config file or a server's document may have been written by anybody.
@@ -29,8 +30,6 @@ PLACEHOLDERS = {
     "key": "API key",
     "bbox-epsg-3857": "west,south,east,north of the tile in metres, for a WMS",
 }
-#: What {map_type} may stand for.
-MAP_TYPES = ("satellite", "roadmap", "terrain")
 #: The placeholder that says all of where a tile is, as Mapbox and MapLibre spell it.
 BBOX = "bbox-epsg-3857"
 _BRACES = re.compile(r"\{([^{}]*)\}")

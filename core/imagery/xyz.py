@@ -9,6 +9,7 @@ from typing import Callable
 
 from ..errors import InvalidInput, SourceError
 from ..geodesy.mercator import PixelGrid
+from ..map_types import MAP_TYPES
 from .cache.tile_cache import TileCache
 from .cache.tilestore import TileStore
 from .decode import decode
@@ -20,7 +21,7 @@ from .opening import SourceOptions
 from .placeholder import Placeholder, Received
 from .policy import Policy
 from .source import Part, Pixels, Window, tile_address, tile_parts
-from .template import MAP_TYPES, Template, host_of
+from .template import Template, host_of
 
 #: Hosts whose terms are kept at hand; a template has a few.
 _HOSTS = 64

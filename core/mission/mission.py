@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import json
 import os
 from collections.abc import Iterator, Mapping
@@ -226,6 +225,8 @@ def _by_part(values: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
     found: dict[str, dict[str, Any]] = {}
     for name, value in values.items():
         if name not in _PART_OF:
+            import difflib
+
             near = difflib.get_close_matches(name, _PART_OF, n=1)
             meant = f", did you mean {near[0]!r}" if near else ""
             # As Python says of any other argument that is not known: a fault of the program, and no user's.

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
-from datetime import datetime, timezone
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ..errors import InvalidInput
 from ..fields import Part, declared, field_named
 from ..limits import MAX_PICTURE_PX, MAX_PICTURE_SIDE_PX
+from ..map_types import ROADMAP, SATELLITE, TERRAIN
+
+if TYPE_CHECKING:
+    from datetime import datetime
 
 #: Rows to and fro, or each from its beginning.
 SERPENTINE, ONE_WAY = "serpentine", "one-way"
@@ -38,6 +41,8 @@ def utc_time(text: str) -> datetime:
     InvalidInput
         Another form, or a day or an hour that is not.
     """
+    from datetime import datetime, timezone
+
     if re.fullmatch(_UTC, text):
         form = "%Y-%m-%dT%H:%M:%S.%fZ" if "." in text else "%Y-%m-%dT%H:%M:%SZ"
         try:
@@ -229,10 +234,10 @@ class Imagery(Part):
         schema={"minLength": 1},
     )
     map_types: tuple[str, ...] = declared(
-        ("satellite",),
+        (SATELLITE,),
         title="map types",
         help="kinds of imagery, each captured into a folder of its own",
-        choices={"satellite": "Satellite", "roadmap": "Roadmap", "terrain": "Terrain"},
+        choices={SATELLITE: "Satellite", ROADMAP: "Roadmap", TERRAIN: "Terrain"},
         option="map_type",
         check=_check_map_types,
         schema={"minItems": 1, "uniqueItems": True},

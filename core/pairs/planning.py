@@ -18,7 +18,7 @@ from ..geodesy.mercator import PixelGrid, u_to_lon, v_to_lat
 from ..limits import MAX_PICTURE_PX
 from ..mission.area import Box, Points
 from ..mission.mission import Mission
-from ..mission.parts import Accuracy
+from ..mission.parts import Accuracy, Imagery
 from ..mission.plan import Plan, plan
 from .parts import PARTS, SHARES, check_shares, part_places
 from .places import Place, cartesian_m, spread_places
@@ -74,7 +74,7 @@ class PairSettings:
     size_px: int = DEFAULT_SIZE_PX
     satellite_m: float | None = None
     source: str = "world"
-    map_type: str = "satellite"
+    map_type: str = Imagery.map_types[0]
     date: str = ""
     seed: int = 2024
     shares: tuple[float, float, float] = SHARES

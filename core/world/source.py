@@ -14,6 +14,7 @@ from ..imagery.entry import CatalogueEntry
 from ..imagery.opening import SourceOptions
 from ..imagery.policy import Policy
 from ..imagery.source import Part, Pixels, Window, tile_parts
+from ..map_types import MAP_TYPES, ROADMAP, SATELLITE, TERRAIN
 from .lattice import TILE_PX, Array
 from .paint import Canvas
 from .samples import Grid, Points
@@ -21,18 +22,17 @@ from .scene import Scene
 from .styles import roadmap, satellite, terrain
 
 MAX_ZOOM = 22
-STYLES = ("satellite", "roadmap", "terrain")
 _PAINTERS: dict[str, Callable[[Scene], Canvas]] = {
-    "satellite": satellite,
-    "roadmap": roadmap,
-    "terrain": terrain,
+    SATELLITE: satellite,
+    ROADMAP: roadmap,
+    TERRAIN: terrain,
 }
 _KEPT_BYTES = 1 << 24
 
 
 def _painter(style: str) -> Callable[[Scene], Canvas]:
     if style not in _PAINTERS:
-        raise InvalidInput("map type {0!r}: the synthetic world has {1}", style, ", ".join(STYLES))
+        raise InvalidInput("map type {0!r}: the synthetic world has {1}", style, ", ".join(MAP_TYPES))
     return _PAINTERS[style]
 
 
@@ -137,7 +137,7 @@ class WorldSource:
     name = "world"
     title = "Synthetic (offline)"
     attribution = "Synthetic landscape, TerrAInav"
-    map_types = STYLES
+    map_types = MAP_TYPES
     grid = PixelGrid(tile_px=TILE_PX, max_zoom=MAX_ZOOM, native_zoom=MAX_ZOOM)
     policy = Policy()
     date = ""

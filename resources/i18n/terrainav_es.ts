@@ -1016,20 +1016,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/cleaning/panel.py"/>
-        <location filename="../../terrainav_plugin/results/viewer.py"/>
-        <source>Roadmap</source>
-        <translation>Callejero</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
         <source>S&amp;uggest</source>
         <translation>S&amp;ugerir</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
-        <location filename="../../terrainav_plugin/results/viewer.py"/>
-        <source>Satellite</source>
-        <translation>Satélite</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/cleaning/panel.py"/>
@@ -1060,13 +1048,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/cleaning/panel.py"/>
         <source>TerrAInav: dataset to be cleaned</source>
         <translation>TerrAInav: conjunto de datos que limpiar</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
-        <location filename="../../terrainav_plugin/panel/figures.py"/>
-        <location filename="../../terrainav_plugin/results/viewer.py"/>
-        <source>Terrain</source>
-        <translation>Relieve</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/cleaning/panel.py"/>
@@ -2083,6 +2064,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/panel/figures.py"/>
         <source>Put right what is marked above.</source>
         <translation>Corregir lo marcado arriba.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/figures.py"/>
+        <source>Terrain</source>
+        <translation>Relieve</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>

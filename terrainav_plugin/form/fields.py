@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from ...core.fields import Field
+from ...core.fields import Field, field_named
+from ...core.mission.parts import Imagery
 from ..i18n import tr, translate
 
 
@@ -41,6 +42,11 @@ def tip_of(field: Field, unit: str | None = None) -> str:
 def choices_of(field: Field) -> tuple[tuple[str, str], ...]:
     """Values of a field, each with what people read."""
     return tuple((value, translate(label)) for value, label in field.choices.items())
+
+
+def map_type_title(name: str) -> str:
+    """What a map type is called: its folder's name where it is none of the usual ones."""
+    return translate(field_named(Imagery, "map_types").choices.get(name, name))
 
 
 def unit_words(unit: str) -> str:
