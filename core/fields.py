@@ -183,16 +183,12 @@ class Field:
             self._check_limits(value)
         for one in value if self.kind is tuple else (value,):
             if self.choices and one not in self.choices:
-                raise self._refused(self._one, repr(one), Message("one of {0}", ", ".join(self.choices)))
+                raise self._refused(
+                    Message(self.plain_title), repr(one), Message("one of {0}", ", ".join(self.choices))
+                )
         if self.check is not None:
             self.check(value)
         return value
-
-    @property
-    def _one(self) -> Message:
-        """Title of one value of several."""
-        title = self.plain_title
-        return Message(title[:-1] if self.kind is tuple and self.choices else title)
 
     def _refused(self, title: Message, value: object, right: Message) -> InvalidInput:
         return InvalidInput("{0} {1}: must be {2}", title, value, right, field=self.name)

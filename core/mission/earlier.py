@@ -6,7 +6,7 @@ import re
 from collections.abc import Mapping
 from typing import Any
 
-from ..errors import InvalidInput
+from ..errors import InvalidInput, Message
 from ..fields import declared_fields
 from .parts import AUTO, FLAT_PARTS
 
@@ -55,19 +55,26 @@ def of_schema_1(data: Mapping[str, Any]) -> tuple[dict[str, Any], tuple[str, ...
 
 def _without_old_methods(data: dict[str, Any]) -> tuple[dict[str, Any], tuple[str, ...]]:
     """Fields of a mission file without methods that only earlier versions had, and what there is to say of those."""
-    data, notes = dict(data), []
+    data = dict(data)
+    notes: list[str] = []
     footprint, mesh = data.get("footprint"), data.get("mesh")
     if footprint in _OLD_FOOTPRINTS:
         data.pop("footprint", None)
     if footprint in _CHEAP_FOOTPRINTS:
         notes.append(
-            f"footprint {footprint!r} of the mission file is ignored: footprints are always exact, as cheaper ones "
-            "save no time"
+            Message(
+                "footprint {0!r} of the mission file is ignored: footprints are always exact, as cheaper ones "
+                "save no time",
+                footprint,
+            )
         )
     if isinstance(mesh, str) and _OLD_MESH.fullmatch(mesh):
         data["mesh"] = AUTO
         notes.append(
-            f"mesh {mesh!r} of the mission file is ignored: the mesh is as coarse as the error budget allows"
+            Message(
+                "mesh {0!r} of the mission file is ignored: the mesh is as coarse as the error budget allows",
+                mesh,
+            )
         )
     return data, tuple(notes)
 

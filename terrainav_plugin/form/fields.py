@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from ...core.fields import Field, field_named
 from ...core.mission.parts import Imagery
-from ..i18n import tr, translate
+from ..i18n import begun, tr, translate
 
 
 def label_of(field: Field) -> str:
     """Title that begins a row, with the mark of its key."""
-    return _begun(translate(field.title))
+    return begun(translate(field.title))
 
 
 def title_of(field: Field) -> str:
@@ -21,7 +21,7 @@ def title_of(field: Field) -> str:
 
 def sentence_of(field: Field) -> str:
     """What a field does, as a sentence."""
-    return _begun(translate(field.help)) + "."
+    return begun(translate(field.help)) + "."
 
 
 def tip_of(field: Field, unit: str | None = None) -> str:
@@ -34,7 +34,7 @@ def tip_of(field: Field, unit: str | None = None) -> str:
     """
     numbers = field.kind in (float, int)
     beside = [unit_words(field.unit), translate(field.right)] if unit is None and numbers else [unit or ""]
-    text = _begun(translate(field.help))
+    text = begun(translate(field.help))
     shown = ", ".join(filter(None, beside))
     return f"{text} ({shown})" if shown else text
 
@@ -59,9 +59,3 @@ def unit_words(unit: str) -> str:
         "share": tr("share"),
     }
     return words.get(unit, "")
-
-
-def _begun(text: str) -> str:
-    """Text with a capital at its beginning, after the mark of a key."""
-    at = 1 if text.startswith("&") else 0
-    return text[:at] + text[at : at + 1].upper() + text[at + 1 :]

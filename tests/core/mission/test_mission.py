@@ -258,7 +258,7 @@ def test_a_missing_mission_file_is_named(tmp_path):
         ({"overlap_across": -0.1}, "overlap across rows -0.1"),
         ({"overlap_along": math.nan}, "overlap along rows nan"),
         ({"layout": "spiral"}, "layout 'spiral': must be one of cover, paper"),
-        ({"map_types": ("hybrid",)}, "map type 'hybrid'"),
+        ({"map_types": ("hybrid",)}, "map types 'hybrid'"),
         ({"map_types": ()}, "no map type"),
         ({"map_types": ("terrain", "terrain")}, "once"),
         ({"image_format": "bmp"}, "image format 'bmp'"),

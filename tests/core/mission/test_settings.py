@@ -254,7 +254,7 @@ def test_a_camera_of_the_user_s_own(tmp_path, monkeypatch):
         ({"coords": "1_2_3", "aspect_ratio": ["0", "3"]}, "aspect ratio 0 3"),
         ({"coords": "1_2_3", "fov": "180"}, "field of view 180"),
         ({"coords": "1_2_3", "overlap": ["1"]}, "overlap along rows 1.0"),
-        ({"coords": "1_2_3", "map_type": ["hybrid"]}, "map type 'hybrid'"),
+        ({"coords": "1_2_3", "map_type": ["hybrid"]}, "map types 'hybrid'"),
     ],
 )
 def test_what_is_missing_or_contradicts_is_named(given, says):
