@@ -34,6 +34,7 @@ def declared(
     *,
     title: str,
     help: str,  # noqa: A002  as argparse calls it
+    label: str = "",
     unit: str = "",
     least: float | None = None,
     most: float | None = None,
@@ -53,9 +54,11 @@ def declared(
     default
         None where the mission goes without; left out where the field is needed.
     title : str
-        What people call it: "height above ground". ``&`` stands before the letter that is its key in the panel.
+        What people call it: "height above ground".
     help : str
         What it does, without unit, limits and default, which are said beside it.
+    label : str
+        Title where it begins a row that has a key: ``&`` stands before that letter.
     unit : str
         ``m``, ``deg``, ``px``, ``m/s``, or ``share`` of one.
     least, most, above, below : float or None
@@ -76,6 +79,7 @@ def declared(
     said = {
         "title": title,
         "help": help,
+        "label": label,
         "unit": unit,
         "least": least,
         "most": most,
@@ -110,6 +114,7 @@ class Field:
     default: Any
     title: str
     help: str
+    label: str
     unit: str
     least: float | None
     most: float | None
@@ -138,11 +143,6 @@ class Field:
     def starts_with(self) -> Any:
         """What a form shows of it before anybody has entered anything."""
         return self.suggested if self.suggested is not None else self.default
-
-    @property
-    def plain_title(self) -> str:
-        """Title without the mark of its key."""
-        return self.title.replace("&", "")
 
     @property
     def right(self) -> Message:
@@ -184,7 +184,7 @@ class Field:
         for one in value if self.kind is tuple else (value,):
             if self.choices and one not in self.choices:
                 raise self._refused(
-                    Message(self.plain_title), repr(one), Message("one of {0}", ", ".join(self.choices))
+                    Message(self.title), repr(one), Message("one of {0}", ", ".join(self.choices))
                 )
         if self.check is not None:
             self.check(value)
@@ -210,10 +210,10 @@ class Field:
                 # What is no number is said below; one that no float holds is beyond every limit.
                 if isinstance(value, int):
                     return math.inf
-        raise self._refused(Message(self.plain_title), repr(value), _TYPES[self.kind])
+        raise self._refused(Message(self.title), repr(value), _TYPES[self.kind])
 
     def _check_limits(self, value: float) -> None:
-        title = Message(self.plain_title)
+        title = Message(self.title)
         if self.kind is int and value > MAX_WHOLE_NUMBER:
             beyond = Message("of more than 64 bits")
             raise self._refused(title, beyond, Message("at most {0}", MAX_WHOLE_NUMBER))

@@ -75,9 +75,7 @@ def option_label(name: str) -> str:
         return tr("“{entry}”").format(entry=own[name])
     parts = FLAT_PARTS.values() if name in _ENTERED else ()
     fields = (field for part in parts for field in declared_fields(part) if field.name_of_option == name)
-    return next(
-        (tr("“{entry}”").format(entry=begun(translate(one.title)).replace("&", "")) for one in fields), ""
-    )
+    return next((tr("“{entry}”").format(entry=begun(translate(one.title))) for one in fields), "")
 
 
 def begun(text: str) -> str:

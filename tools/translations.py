@@ -91,7 +91,7 @@ def core_texts(path: Path) -> Iterator[str]:
 def declared_texts(call: ast.Call) -> Iterator[str]:
     """Yield what is said of a field of a mission where it is declared: title, help, and what its choices are called."""
     for keyword in call.keywords:
-        if keyword.arg in ("title", "help"):
+        if keyword.arg in ("title", "label", "help"):
             yield from texts_of(keyword.value)
         elif keyword.arg == "choices" and isinstance(keyword.value, ast.Dict):
             for text in keyword.value.values:

@@ -142,7 +142,8 @@ class Flight(Part):
     """How an area is flown: heights, overlaps, rows, speed and time."""
 
     agl_m: float = declared(
-        title="height above gro&und",
+        title="height above ground",
+        label="height above gro&und",
         help="height of the captures above ground (AGL); coordinates, and points with heights, have their own",
         unit="m",
         above=0.0,
@@ -178,7 +179,8 @@ class Flight(Part):
     )
     layout: str = declared(
         COVER,
-        title="la&yout",
+        title="layout",
+        label="la&yout",
         help="cover: rows that leave nothing out; paper: the grid in UTM as published",
         choices={COVER: "Cover (no gaps)", PAPER: "Paper (UTM grid)"},
     )
@@ -263,7 +265,8 @@ class Pixels(Part):
 
     image_px: int = declared(
         640,
-        title="image's lo&nger side",
+        title="image's longer side",
+        label="image's lo&nger side",
         help="pixels along the longer side of the camera's image: the source's pixels are taken that come nearest to "
         "the camera's; a camera by name brings its own",
         unit="px",

@@ -7599,6 +7599,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
+        <source>height above ground</source>
+        <translation>altura sobre el terreno</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
         <source>height of the captures above ground (AGL); coordinates, and points with heights, have their own</source>
         <translation>altura de las capturas sobre el terreno (AGL); las coordenadas y los puntos con alturas llevan la suya</translation>
     </message>
@@ -7659,6 +7664,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
+        <source>image's longer side</source>
+        <translation>lado mayor de la imagen</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
         <source>kind of image</source>
         <translation>clase de imagen</translation>
     </message>
@@ -7671,6 +7681,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/parts.py"/>
         <source>la&amp;yout</source>
         <translation>&amp;disposición</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>layout</source>
+        <translation>disposición</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>

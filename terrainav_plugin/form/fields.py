@@ -9,13 +9,13 @@ from ..i18n import begun, tr, translate
 
 def label_of(field: Field) -> str:
     """Title that begins a row, with the mark of its key."""
-    return begun(translate(field.title))
+    return begun(translate(field.label or field.title))
 
 
 def title_of(field: Field) -> str:
     """Title without a key, and with the unit of numbers."""
     unit = unit_words(field.unit)
-    title = label_of(field).replace("&", "")
+    title = begun(translate(field.title))
     return f"{title} ({unit})" if unit else title
 
 

@@ -263,7 +263,7 @@ def _pixel_entries(mission: Mission) -> dict[str, Any]:
 def beyond_text(state: FormState) -> str:
     """What a state's mission says that the panel has no entries for, in words; empty for nothing."""
     said = ((SAME[name], getattr(state, name)) for name in WITHOUT_ENTRY)
-    return ", ".join(f"{translate(one.plain_title)}: {value}" for one, value in said if value != one.default)
+    return ", ".join(f"{translate(one.title)}: {value}" for one, value in said if value != one.default)
 
 
 def without_beyond(state: FormState) -> FormState:

@@ -26,7 +26,9 @@ from qgis.PyQt.QtWidgets import (
     QWidget,
 )
 from terrainav.core.errors import InvalidInput, Message, OptionName, OutputError, PartError
+from terrainav.core.fields import field_named
 from terrainav.core.imagery.entry import Dates
+from terrainav.core.mission.parts import Pixels
 from terrainav.terrainav_plugin import i18n
 from terrainav.terrainav_plugin.i18n import tr, translate
 
@@ -199,7 +201,7 @@ def test_a_refusal_of_the_core_is_spanish_at_its_field(spanish_desk, english):
     state = desk.form.state()
     for field, wrong, words in (
         ("north", "95", "latitud 95.0: debe estar entre -90 y 90 grados"),
-        ("tilt_deg", -200.0, "-200.0 grados: debe"),
+        ("tilt_deg", -200.0, "inclinación -200.0 grados: debe ser de -180 a 180"),
         ("start", "mañana", "inicio 'mañana': debe ser UTC como 2024-06-21T10:30:00Z"),
         ("image_px", 0, "lado mayor de la imagen 0 px: debe ser 1 o más"),
         ("south", "36", "el sur queda al norte del norte"),
@@ -307,8 +309,9 @@ def test_words_of_the_core(spanish, message, spanish_text):
 
 
 def test_an_error_is_told_by_its_message(spanish):
-    error = InvalidInput("zoom {0}: must be 0 or more", -1, field="zoom")
-    assert translate(error) == "zoom -1: debe ser 0 o más"
+    with pytest.raises(InvalidInput) as refused:
+        field_named(Pixels, "image_px").settled(0)
+    assert translate(refused.value) == "lado mayor de la imagen 0 px: debe ser 1 o más"
     # And of an error of an error all of it, with what helps.
     wrapped = InvalidInput(
         "{0}: {1}", "f.json", InvalidInput("{0}: is a folder", "g", remedy="name a raster file")
@@ -318,10 +321,9 @@ def test_an_error_is_told_by_its_message(spanish):
 
 def test_options_are_called_what_the_panel_calls_them(spanish):
     remedy = Message("raise {0}, or go on with {1}", OptionName("error_budget"), OptionName("accept_error"))
-    error = InvalidInput("overlap {0}: must be at least 0 and below 1", 2.5, remedy=remedy)
+    error = InvalidInput("{0}: is a folder", "g", remedy=remedy)
     assert translate(error) == (
-        "solape 2.5: debe ser al menos 0 y menor que 1; subir «Error admisible», o seguir con «Seguir aunque se "
-        "supere el error»"
+        "g: es una carpeta; subir «Error admisible», o seguir con «Seguir aunque se supere el error»"
     )
     assert str(error).endswith("; raise --error-budget, or go on with --accept-error")
 

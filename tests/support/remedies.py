@@ -173,7 +173,13 @@ def _messages(tree: ast.Module) -> Iterator[str]:
             aside.update(ast.walk(node))
         elif isinstance(node, ast.JoinedStr):
             aside.update(node.values)
-        elif isinstance(node, ast.keyword) and node.arg in ("help", "title", "description", "epilog"):
+        elif isinstance(node, ast.keyword) and node.arg in (
+            "help",
+            "title",
+            "label",
+            "description",
+            "epilog",
+        ):
             aside.update(ast.walk(node.value))
     for node in ast.walk(tree):
         texts = _of_call(node) if isinstance(node, ast.Call) and node not in aside else []

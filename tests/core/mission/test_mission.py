@@ -106,7 +106,7 @@ def test_every_field_says_what_it_is():
     for part in (*FLAT_PARTS.values(), Camera, Wind):
         for field in declared_fields(part):
             assert field.help == field.help.strip().rstrip(".")
-            assert not field.plain_title[0].isupper()
+            assert not field.title[0].isupper()
             assert field.needed or field.settled(field.default) == field.default
             assert field.settled(field.starts_with) == field.starts_with
             wrong = [object(), *(limit for limit in (field.above, field.below) if limit is not None)]
