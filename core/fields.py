@@ -182,7 +182,8 @@ class Field:
         if self.kind in (float, int):
             self._check_limits(value)
         for one in value if self.kind is tuple else (value,):
-            if self.choices and one not in self.choices:
+            # What a file holds there need not be hashable.
+            if self.choices and one not in tuple(self.choices):
                 raise self._refused(
                     Message(self.title), repr(one), Message("one of {0}", ", ".join(self.choices))
                 )
@@ -223,7 +224,7 @@ class Field:
             and (self.above is None or value > self.above)
             and (self.below is None or value < self.below)
         )
-        if within and math.isfinite(value):
+        if within and (self.kind is int or math.isfinite(value)):
             return
         right = self.right
         if within or not right:

@@ -261,6 +261,8 @@ def test_a_missing_mission_file_is_named(tmp_path):
         ({"map_types": ("hybrid",)}, "map types 'hybrid'"),
         ({"map_types": ()}, "no map type"),
         ({"map_types": ("terrain", "terrain")}, "once"),
+        ({"map_types": (["terrain"],)}, "map types ['terrain']: must be one of"),
+        ({"zoom": -(10**400)}, "must be 0 or more"),
         ({"image_format": "bmp"}, "image format 'bmp'"),
         ({"source": ""}, "source is empty"),
         ({"zoom": 3, "gsd_m_per_px": 1.0}, "give one of the two"),
