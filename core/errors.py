@@ -5,6 +5,7 @@ from __future__ import annotations
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     # The command imports this before it is ready for Ctrl-C: nothing here that Python has not loaded itself.
+    from collections.abc import Sequence
     from typing import Any, Callable
 
 
@@ -25,6 +26,11 @@ class OptionName(str):
         made = super().__new__(cls, f"--{name.replace('_', '-')}")
         made.name = name
         return made
+
+    @property
+    def in_brackets(self) -> Message:
+        """Words that follow an advice which holds without them."""
+        return Message(" ({0})", self)
 
     def __reduce__(self) -> tuple[Any, ...]:
         return OptionName, (self.name,)
@@ -64,13 +70,16 @@ class Message(str):
         return Message, (self.template, *self.values)
 
     def with_texts(self, change: Callable[[str], str]) -> Message:
-        """Return this message with each string among its values changed, as by masking keys in it."""
+        """Return this message with each string among its values changed, as by masking keys in it.
+
+        So is a template without values, which may be somebody else's words.
+        """
         if not self.values:
-            return self
+            return Message(change(self.template))
         return Message(self.template, *(_changed(value, change) for value in self.values))
 
     @classmethod
-    def joined(cls, joint: str, parts: list[str]) -> Message:
+    def joined(cls, joint: str, parts: Sequence[str]) -> Message:
         """Return messages in a row, with a joint such as ``", "`` between them."""
         return cls(joint.join(f"{{{place}}}" for place in range(len(parts))), *parts) if parts else cls("")
 
@@ -84,7 +93,7 @@ class TerrAInavError(Exception):
         What is wrong, as for `Message`; of another error its message, field and remedy are taken over.
     *values : object
     field : str
-        Name of the one field of a mission that is to be put right; empty where it is about no single one.
+        Name of the one field, of a mission or a source, that is to be put right; empty where it is about no single one.
     remedy : str or None
         What helps, for those who can do it: a `Message` that names an option may be left out where there is none.
     """
@@ -103,6 +112,16 @@ class TerrAInavError(Exception):
         self.field = field
         self.remedy = Message(remedy) if remedy else None
         super().__init__(self.message)
+
+    def with_texts(self, change: Callable[[str], str]) -> TerrAInavError:
+        """Return an error of this kind with each string among its values changed, as by masking keys in it."""
+        import copy
+
+        made = copy.copy(self)
+        made.message = self.message.with_texts(change)
+        made.remedy = self.remedy and self.remedy.with_texts(change)
+        made.args = (made.message,)
+        return made
 
     def __str__(self) -> str:
         return f"{self.message}; {self.remedy}" if self.remedy else str(self.message)
@@ -135,13 +154,13 @@ def _kept(value: object) -> object:
 
         # Without its trace, which holds on to all that was under way.
         return copy.copy(value)
+    if isinstance(value, Exception) and len(value.args) == 1 and isinstance(value.args[0], Message):
+        return value.args[0]
     is_number = hasattr(value, "__float__") and not hasattr(value, "__len__")
     return value if is_number or isinstance(value, str) else str(value)
 
 
 def _changed(value: object, change: Callable[[str], str]) -> object:
-    if isinstance(value, TerrAInavError):
-        value = Message(value)
-    if isinstance(value, Message):
+    if isinstance(value, (Message, TerrAInavError)):
         return value.with_texts(change)
     return change(value) if type(value) is str else value

@@ -54,10 +54,15 @@ def make_folder(folder: str | os.PathLike[str]) -> None:
     try:
         Path(folder).mkdir(parents=True, exist_ok=True)
     except FileExistsError as wrong:
-        raise OutputError("folder {0}: a file is in its place; choose another folder", folder) from wrong
+        raise OutputError(
+            "folder {0}: a file is in its place", folder, remedy="choose another folder"
+        ) from wrong
     except OSError as wrong:
         raise OutputError(
-            "folder {0}: cannot be made ({1}); choose another folder", folder, wrong.strerror
+            "folder {0}: cannot be made ({1})",
+            folder,
+            wrong.strerror,
+            remedy="choose another folder",
         ) from wrong
 
 
@@ -208,7 +213,8 @@ def open_locked(path: Path) -> IO[bytes]:
         if wrong.errno in _HELD:
             file.close()
             raise OutputError(
-                "folder {0}: another run is at work in it; wait until it has ended or choose another folder",
+                "folder {0}: another run is at work in it",
                 path.parent,
+                remedy="wait until it has ended or choose another folder",
             ) from wrong
     return file

@@ -39,14 +39,14 @@ class Planner(QObject):
     -------
     planned(object)
         `Planned`, of the latest request.
-    costed(object, str)
+    costed(object, object)
         The same, and what its methods were timed at; after `planned`.
     refused(object)
         The error of the latest request.
     """
 
     planned = pyqtSignal(object)
-    costed = pyqtSignal(object, str)
+    costed = pyqtSignal(object, object)
     refused = pyqtSignal(object)
 
     def __init__(self, parent: QObject | None = None) -> None:

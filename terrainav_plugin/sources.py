@@ -62,8 +62,7 @@ def grid_of(mission: Mission) -> PixelGrid:
             return grid_of_layers(mission.source, QgsProject.instance())
         return _named(mission.source, _options(mission)).grid
     except (InvalidInput, SourceError) as wrong:
-        field = "date" if str(wrong).startswith("date ") else "source"
-        raise FormError({field: translate(wrong).replace(" (--date)", "")}) from wrong
+        raise FormError({"date" if wrong.field == "date" else "source": translate(wrong)}) from wrong
 
 
 def grid_finder(mission: Mission) -> Callable[[], PixelGrid]:
@@ -256,7 +255,7 @@ def terms_problem(mission: Mission, requests: int) -> tuple[str, bool] | None:
     bounds = mission.area.bounds
     east_deg = bounds.east_deg + (360.0 if bounds.east_deg < bounds.west_deg else 0.0)
     others = alternatives(mission.map_types, (bounds.west_deg, bounds.south_deg, east_deg, bounds.north_deg))
-    instead = ", ".join(other.partition(" (")[0] for other in others)
+    instead = ", ".join(map(translate, others))
     return quoted + html.escape(tr("Sources that allow it: {names}.").format(names=instead)), False
 
 

@@ -8,7 +8,7 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 from ..dataset.folder import FOOTPRINTS_FILE, JOURNAL_FILE, MISSION_FILE, PLAN_FILE, REJECTED_FOLDER
-from ..errors import InvalidInput, OutputError
+from ..errors import InvalidInput, Message, OptionName, OutputError
 from ..files import PARTIAL_ENDING, make_folder, open_locked, write_whole
 from ..mission.export import write_plan
 from ..mission.mission import Mission
@@ -45,10 +45,12 @@ def open_folder(folder: str | os.PathLike[str], mission: Mission, *, resume: boo
                 write_whole(path / MISSION_FILE, wanted, durable=True)
                 found, resume = wanted, True
     if not is_of(found, mission):
-        raise OutputError("folder {0}: holds another mission; choose another folder", folder)
+        raise OutputError("folder {0}: holds another mission", folder, remedy="choose another folder")
     if not resume:
         raise OutputError(
-            "folder {0}: already holds this mission; resume it (--resume) or choose another folder", folder
+            "folder {0}: already holds this mission",
+            folder,
+            remedy=Message("resume it{0} or choose another folder", OptionName("resume").in_brackets),
         )
     for map_type in mission.map_types:
         make_folder(path / map_type)
@@ -68,8 +70,9 @@ def check_captured(folder: str | os.PathLike[str]) -> None:
     path = Path(folder)
     if _mark_of(path) is None or not (path / JOURNAL_FILE).is_file():
         raise OutputError(
-            "folder {0}: holds no capture of this mission, so nothing of it has failed; capture it first",
+            "folder {0}: holds no capture of this mission, so nothing of it has failed",
             folder,
+            remedy="capture it first",
         )
 
 
@@ -90,10 +93,11 @@ def _refuse_foreign(path: Path, map_types: Iterable[str]) -> None:
         # What a run makes comes after its mark: one that has begun meanwhile is told from foreign files by that.
         if _mark_of(path) is None:
             raise OutputError(
-                "folder {0}: holds {1} but no {2}, so it is not this mission's; choose another folder",
+                "folder {0}: holds {1} but no {2}, so it is not this mission's",
                 path,
                 name,
                 MISSION_FILE,
+                remedy="choose another folder",
             )
 
 
@@ -141,7 +145,10 @@ def remove_picture(folder: Path, endings: tuple[str, ...], name: str) -> None:
                 path.unlink(missing_ok=True)
             except OSError as wrong:
                 raise OutputError(
-                    "file {0}: cannot be removed ({1}); close what shows it", path, wrong.strerror
+                    "file {0}: cannot be removed ({1})",
+                    path,
+                    wrong.strerror,
+                    remedy="close what shows it",
                 ) from wrong
 
 

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from ..dataset.folder import JOURNAL_FILE, TABLE_FILE
 from ..dataset.table import other_columns
-from ..errors import InvalidInput, OutputError, PartError
+from ..errors import InvalidInput, Message, OutputError, PartError
 from ..imagery.placeholder import PLACEHOLDER_REASON, Provided, Received, Repeats, corner
 from ..imagery.source import Part, Source, Window
 from ..limits import MAX_PICTURES_AT_ONCE_PX
@@ -211,7 +211,7 @@ class CaptureResult:
 
 
 def _check(plan: Plan, source: Source, connections: int, workers: int | None) -> None:
-    for count, what in ((connections, "connections"), (workers, "workers")):
+    for count, what in ((connections, Message("connections")), (workers, Message("workers"))):
         if count is not None and count < 1:
             raise InvalidInput("{0} {1}: must be 1 or more", count, what)
     if source.grid != plan.grid:
@@ -342,10 +342,11 @@ class _Run:
             foreign = min(set(outcomes) - names, default=None)
             if foreign is not None:
                 raise OutputError(
-                    "folder {0}: holds this mission with other pictures, such as {1}, because the source or "
-                    "the version was another; choose another folder",
+                    "folder {0}: holds this mission with other pictures, such as {1}, because the "
+                    "source or the version was another",
                     self._folder,
                     foreign,
+                    remedy="choose another folder",
                 )
             there = complete_pictures(self._folder / map_type, self._endings, outcomes)
             known[map_type] = {n: o for n, o in outcomes.items() if o.status == FAILED or n in there}
@@ -439,7 +440,7 @@ class _Run:
         """Enter what became of a picture."""
         map_type, name = job.description.map_type, job.description.name
         if isinstance(result, PartError):
-            outcome = Outcome(map_type, name, reason=str(result))
+            outcome = Outcome(map_type, name, reason=Message(result))
             failure = Failure(map_type, name, outcome.reason)
             self._failures.append((self._map_types.index(map_type), job.index, failure))
         else:

@@ -81,7 +81,10 @@ def _augmentation(arguments: argparse.Namespace) -> Augmentation | str | None:
     contrast, brightness = arguments.contrast, arguments.brightness
     if arguments.no_augment:
         if contrast is not None or brightness is not None:
-            raise InvalidInput("--no-augment: goes with neither --contrast nor --brightness; leave one out")
+            raise InvalidInput(
+                "--no-augment: goes with neither --contrast nor --brightness",
+                remedy="leave one out",
+            )
         return None
     if contrast is None and brightness is None:
         return "auto"

@@ -222,7 +222,10 @@ def _views(arguments: argparse.Namespace) -> tuple[View, ...]:
     heights, tilts = arguments.heights or HEIGHTS_M, arguments.tilt or (DEFAULT_TILT_DEG,)
     if arguments.yaws is not None:
         if arguments.rounds is not None:
-            raise InvalidInput("--yaws and --rounds: rings have no rounds; give --views for a spiral")
+            raise InvalidInput(
+                "--yaws and --rounds: rings have no rounds",
+                remedy="give --views for a spiral",
+            )
         return rings(heights, arguments.yaws, tilts)
     count = VIEWS if arguments.views is None else arguments.views
     rounds = min(ROUNDS, count) if arguments.rounds is None else arguments.rounds

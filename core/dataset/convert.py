@@ -99,11 +99,13 @@ def _check_places(source: Path, target: Path) -> None:
         raise InvalidInput("folder {0}: must lie outside {1}, which is left as it is", target, source)
     if inner == Path.cwd():
         raise InvalidInput(
-            "folder {0!r}: is the current one, which is in use; give a new one", os.fspath(target)
+            "folder {0!r}: is the current one, which is in use",
+            os.fspath(target),
+            remedy="give a new one",
         )
     try:
         if target.exists() and (not target.is_dir() or any(target.iterdir())):
-            raise OutputError("folder {0}: is there already; choose a new or empty folder", target)
+            raise OutputError("folder {0}: is there already", target, remedy="choose a new or empty folder")
     except OSError as wrong:
         raise OutputError("folder {0}: cannot be read ({1})", target, wrong.strerror) from wrong
 
@@ -147,7 +149,9 @@ def _write(dataset: Dataset, tables: Mapping[str, Table], target: Path, progress
         partial.mkdir()
     except FileExistsError as wrong:
         raise OutputError(
-            "folder {0}: is left of an interrupted conversion, or another is at work; remove it", partial
+            "folder {0}: is left of an interrupted conversion, or another is at work",
+            partial,
+            remedy="remove it",
         ) from wrong
     except OSError as wrong:
         raise OutputError("folder {0}: cannot be made ({1})", partial, wrong.strerror) from wrong

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image, UnidentifiedImageError
 
-from ..errors import InvalidInput, OutputError
+from ..errors import InvalidInput, Message, OptionName, OutputError
 from .folder import (
     LAYOUTS,
     NAME,
@@ -201,11 +201,13 @@ def _check_positions(table: Table, path: Path) -> None:
     if off.size:
         names = [table.img_names[row] for row in off.tolist()]
         raise InvalidInput(
-            "table {0}: {1} {2} not on the Earth, first at Lat {3:g}, Lon {4:g}; Lat must be within 90 "
+            "table {0}: {1} is not on the Earth, first at Lat {2:g}, Lon {3:g}; Lat must be within 90 degrees, "
+            "Lon within 360"
+            if len(names) == 1
+            else "table {0}: {1} are not on the Earth, first at Lat {2:g}, Lon {3:g}; Lat must be within 90 "
             "degrees, Lon within 360",
             path,
             some(names),
-            "is" if len(names) == 1 else "are",
             table.lat_deg[off[0]],
             table.lon_deg[off[0]],
         )
@@ -232,10 +234,11 @@ class Move:
             os.replace(self.origin, self.target)
         except OSError as wrong:
             raise OutputError(
-                "file {0}: cannot be moved to {1} ({2}); run it again to finish, or undo to put all back",
+                "file {0}: cannot be moved to {1} ({2})",
                 self.origin,
                 self.target.parent,
                 wrong.strerror,
+                remedy="run it again to finish, or undo to put all back",
             ) from wrong
 
 
@@ -257,11 +260,13 @@ class Images:
         twice = sorted(self._kept & (self._rejected | beside) | self._rejected & others)
         if twice:
             raise InvalidInput(
-                "folder {0}: {1} {2} in it and in {3} as well; remove one of the two",
+                "folder {0}: {1} is in it and in {2} as well"
+                if len(twice) == 1
+                else "folder {0}: {1} are in it and in {2} as well",
                 folder,
                 some(twice),
-                _is(twice),
                 REJECTED_FOLDER,
+                remedy="remove one of the two",
             )
 
     def check(self, names: Sequence[str], there: NDArray[np.bool_]) -> None:
@@ -291,11 +296,17 @@ class Images:
         lost = [name for name, made in zip(names, there.tolist()) if made and name not in files]
         if lost:
             raise InvalidInput(
-                "folder {0}: {1} of the table {2} not there; put {3} back, or capture again (--resume)",
+                "folder {0}: {1} of the table is not there"
+                if len(lost) == 1
+                else "folder {0}: {1} of the table are not there",
                 self._folder,
                 some(lost),
-                _is(lost),
-                "it" if len(lost) == 1 else "them",
+                remedy=Message(
+                    "put it back, or capture again{0}"
+                    if len(lost) == 1
+                    else "put them back, or capture again{0}",
+                    OptionName("resume").in_brackets,
+                ),
             )
         endings = {Path(name).suffix for name in names}
         unknown = sorted(
@@ -307,11 +318,15 @@ class Images:
         )
         if unknown:
             raise InvalidInput(
-                "folder {0}: {1} {2} not in the table; finish the capture (--resume), or remove what does "
-                "not belong to it",
+                "folder {0}: {1} is not in the table"
+                if len(unknown) == 1
+                else "folder {0}: {1} are not in the table",
                 self._folder,
                 some(unknown),
-                _is(unknown),
+                remedy=Message(
+                    "finish the capture{0}, or remove what does not belong to it",
+                    OptionName("resume").in_brackets,
+                ),
             )
 
     def path(self, name: str) -> Path:
@@ -332,9 +347,10 @@ class Images:
         leaving, returning = set(out), set(back)
         if leaving and self._blocked:
             raise InvalidInput(
-                "folder {0}: {1} in it is no folder, which images are moved to; move it away",
+                "folder {0}: {1} in it is no folder, which images are moved to",
                 self._folder,
                 REJECTED_FOLDER,
+                remedy="move it away",
             )
         return (
             self._moves(self._kept, leaving, self._folder, self._folder / REJECTED_FOLDER),
@@ -391,11 +407,8 @@ def _files_and_others(folder: Path) -> tuple[set[str], set[str]]:
 def some(names: Sequence[str]) -> str:
     """The first names, and how many there are beside them."""
     more = len(names) - _NAMED
-    return ", ".join(names[:_NAMED]) + (f" and {more:,} more" if more > 0 else "")
-
-
-def _is(names: Sequence[str]) -> str:
-    return "is" if len(names) == 1 else "are"
+    first = ", ".join(names[:_NAMED])
+    return Message("{0} and {1:,} more", first, more) if more > 0 else first
 
 
 def open_image(
@@ -449,26 +462,28 @@ def open_image(
         raise
     except FileNotFoundError as wrong:
         raise InvalidInput(
-            "image {0}: is not there; put it back, or capture it again (--resume)", path
+            "image {0}: is not there",
+            path,
+            remedy=Message("put it back, or capture it again{0}", OptionName("resume").in_brackets),
         ) from wrong
     except UnidentifiedImageError as wrong:
         raise InvalidInput("image {0}: cannot be read (of no format that Pillow knows)", path) from wrong
     except UNREADABLE as wrong:
         # Of a compressed TIFF's pixels Pillow tells libtiff's number alone.
-        what = "its pixels are damaged or cut off" if re.fullmatch(r"-?\d+", str(wrong)) else wrong
+        what = Message("its pixels are damaged or cut off") if re.fullmatch(r"-?\d+", str(wrong)) else wrong
         raise InvalidInput("image {0}: cannot be read ({1})", path, what) from wrong
 
 
 def _check_size(path: str | os.PathLike[str], image: Image.Image, said_px: tuple[float, float]) -> None:
     if any(said == said and said != size for said, size in zip(said_px, image.size)):
         raise InvalidInput(
-            "image {0}: has {1} x {2} px, and {3:g} x {4:g} px in the table; capture it again, or put the "
-            "table right",
+            "image {0}: has {1} x {2} px, and {3:g} x {4:g} px in the table",
             path,
             image.width,
             image.height,
             said_px[0],
             said_px[1],
+            remedy="capture it again, or put the table right",
         )
 
 

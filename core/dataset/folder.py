@@ -60,7 +60,10 @@ def map_type_folders(folder: str | os.PathLike[str]) -> dict[str, Path]:
                 deciding != path.resolve().name and (parent / deciding / TABLE_FILE).is_file()
             ):
                 raise InvalidInput(
-                    "folder {0}: is one map type of the dataset {1}; give that one", folder, parent
+                    "folder {0}: is one map type of the dataset {1}",
+                    folder,
+                    parent,
+                    remedy="give that one",
                 )
             return {path.resolve().name: path}
         found = sorted(one for one in path.iterdir() if (one / TABLE_FILE).is_file())
@@ -68,16 +71,16 @@ def map_type_folders(folder: str | os.PathLike[str]) -> dict[str, Path]:
         raise InvalidInput("folder {0}: cannot be read ({1})", folder, wrong.strerror) from wrong
     if not found and (path / SUPPLEMENT_FOLDER).is_dir():
         raise InvalidInput(
-            "folder {0}: is laid out as the Night Vision supplement is; make a dataset of it first "
-            "(terrainav convert --dataset VBN)",
+            "folder {0}: is laid out as the Night Vision supplement is",
             folder,
+            remedy="make a dataset of it first (terrainav convert --dataset VBN)",
         )
     if not found:
         raise InvalidInput(
-            "folder {0}: is no dataset, as neither it nor a folder in it has a {1}; give the folder of a "
-            "capture",
+            "folder {0}: is no dataset, as neither it nor a folder in it has a {1}",
             folder,
             TABLE_FILE,
+            remedy="give the folder of a capture",
         )
     return {one.name: one for one in found}
 
@@ -136,11 +139,12 @@ def image_folder(folder: Path, names: Sequence[str]) -> Path:
     best = [one for one, count in counts.items() if count == most]
     if most and len(best) > 1:
         raise InvalidInput(
-            "folder {0}: the images of its {1} are in {2} and in {3} as well; move one of the two away",
+            "folder {0}: the images of its {1} are in {2} and in {3} as well",
             folder,
             TABLE_FILE,
             best[0].name,
             best[1].name,
+            remedy="move one of the two away",
         )
     return best[0]
 

@@ -139,10 +139,10 @@ def _windows(table: Table, rows: NDArray[np.intp], folder: Path, middle_u: float
     if not (off <= _SAME_PX).all():
         name = table.img_names[rows[int(np.argmax(~(off <= _SAME_PX)))]]
         raise InvalidInput(
-            "folder {0}: the window of {1} in the table lies elsewhere than its Lat and Lon; put the table "
-            "right, or split without blocks",
+            "folder {0}: the window of {1} in the table lies elsewhere than its Lat and Lon",
             folder,
             name,
+            remedy="put the table right, or split without blocks",
         )
     # Whole turns are taken off whole pixels, so that edges that two windows share stay the same number.
     left = left - np.round((left + width / 2.0) / world - middle_u) * world
@@ -250,7 +250,12 @@ def _corners(plan: Path, names: Sequence[str]) -> Floats:
             wrong,
         ) from wrong
     if missing:
-        raise InvalidInput("{0}: has no row of {1}; put back the capture's own", plan, next(iter(missing)))
+        raise InvalidInput(
+            "{0}: has no row of {1}",
+            plan,
+            next(iter(missing)),
+            remedy="put back the capture's own",
+        )
     return corners.reshape(-1, len(_CORNERS), 2)
 
 

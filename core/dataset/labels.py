@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from pyproj import CRS, Geod, Transformer
 from pyproj.exceptions import CRSError
 
-from ..errors import InvalidInput
+from ..errors import InvalidInput, Message
 from ..files import read_limited, write_whole
 from ..geodesy.mercator import HALF_WORLD_M, lat_to_v, lon_to_u, u_to_lon, v_to_lat, wrap_lon_deg
 from ..geodesy.projections import through_proj, utm_zone
@@ -102,7 +102,12 @@ class Labels:
             return ()
         named = ", ".join(zones)
         return (
-            f"the images lie in {len(zones)} UTM zones ({named}): one frame, {self.frame.crs}, is for all of them",
+            Message(
+                "the images lie in {0} UTM zones ({1}): one frame, {2}, is for all of them",
+                len(zones),
+                named,
+                self.frame.crs,
+            ),
         )
 
     def to_json(self) -> str:
@@ -126,12 +131,14 @@ class Labels:
         """Labels of the text of `to_json`; raises InvalidInput, in which ``name`` is what the text is called."""
         if text == _UNFINISHED:
             raise InvalidInput(
-                "{0}: a split was interrupted, so the parts of its map types may disagree; split again", name
+                "{0}: a split was interrupted, so the parts of its map types may disagree",
+                name,
+                remedy="split again",
             )
         try:
             document: dict[str, Any] = parse_json(text)
             if tuple(document["names"]) != NAMES:
-                raise ValueError(f"names {document['names']}, not {list(NAMES)}")
+                raise ValueError(Message("names {0}, not {1}", document["names"], list(NAMES)))
             frame = Frame(
                 str(document["frame"]),
                 float(document["middle_lat_deg"]),
@@ -144,9 +151,9 @@ class Labels:
             return cls(frame, scaler, str(document["fitted_on"]), int(document["images"]))
         except (KeyError, TypeError, ValueError, OverflowError, RuntimeError) as wrong:
             # pyproj's errors are RuntimeErrors.
-            fault = f"has no {wrong}" if isinstance(wrong, KeyError) else str(wrong)
+            fault = Message("has no {0}", wrong) if isinstance(wrong, KeyError) else wrong
             raise InvalidInput(
-                "{0}: cannot be read ({1}); have it made anew by split", name, fault
+                "{0}: cannot be read ({1})", name, fault, remedy="have it made anew by split"
             ) from wrong
 
     def save(self, path: str | os.PathLike[str]) -> None:
@@ -192,7 +199,8 @@ def labels_of(
     fitted = np.ones(lat.shape, np.bool_) if training is None else training
     if not fitted.any():
         raise InvalidInput(
-            "labels: no image is in the training part, which the scaler is fitted on; split anew"
+            "labels: no image is in the training part, which the scaler is fitted on",
+            remedy="split anew",
         )
     return Labels(
         found,
@@ -222,7 +230,8 @@ def labels_of_tables(tables: Iterable[Table], frame: str = "utm") -> Labels:
             places.setdefault(Path(table.img_names[index]).stem, place)
     if not places:
         raise InvalidInput(
-            "labels: the dataset has no image that is there and not rejected; capture or clean anew"
+            "labels: the dataset has no image that is there and not rejected",
+            remedy="capture or clean anew",
         )
     lat, lon = (np.array([place[axis] for place in places.values()], np.float64) for axis in (0, 1))
     training = np.array([place[2] == TRAIN for place in places.values()], np.bool_)
@@ -344,13 +353,16 @@ def _crs_of(frame: str, lat_deg: float, lon_deg: float) -> str:
         crs = _crs(code)
     except CRSError as wrong:
         raise InvalidInput(
-            "frame {0}: PROJ knows no such system; give the code of another one", frame
+            "frame {0}: PROJ knows no such system",
+            frame,
+            remedy="give the code of another one",
         ) from wrong
     if not crs.is_projected or any(axis.unit_name != "metre" for axis in crs.axis_info):
         raise InvalidInput(
-            "frame {0}: is {1}, no projected system in metres, which labels need; give the code of one",
+            "frame {0}: is {1}, no projected system in metres, which labels need",
             frame,
             crs.name,
+            remedy="give the code of one",
         )
     return code
 
@@ -381,17 +393,18 @@ def _check_holds(frame: Frame, asked: str, lat: Floats, lon: Floats) -> None:
         if asked in ("mission", "utm"):
             other = "utm" if asked == "mission" else "mission"
             raise InvalidInput(
-                "frame {0}: {1} cannot hold all positions, such as {2}; choose {3}",
+                "frame {0}: {1} cannot hold all positions, such as {2}",
                 asked,
                 frame.crs,
                 place,
-                other,
+                remedy=Message("choose {0}", other),
             )
         raise InvalidInput(
-            "frame {0}: {1} cannot hold all positions, such as {2}; choose mission or utm",
+            "frame {0}: {1} cannot hold all positions, such as {2}",
             asked,
             frame.crs,
             place,
+            remedy="choose mission or utm",
         )
 
 

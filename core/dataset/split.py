@@ -16,7 +16,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import InvalidInput
+from ..errors import InvalidInput, Message
 from .clean import held
 from .dataset import ImageSet, read_dataset
 from .folder import PARTS, SEED, SHARES, TABLE_FILE, WAYS
@@ -184,7 +184,9 @@ def _checked(
         raise InvalidInput("split {0!r}: must be one of {1}", how, ", ".join(WAYS))
     if how != "blocks" and (block_m is not None or gap_m):
         raise InvalidInput(
-            "split {0!r}: has no blocks and no gap; choose blocks, or leave their sizes out", how
+            "split {0!r}: has no blocks and no gap",
+            how,
+            remedy="choose blocks, or leave their sizes out",
         )
     if block_m is not None and not (math.isfinite(block_m) and block_m > 0.0):
         raise InvalidInput("blocks of {0} m: must be above 0 m", block_m)
@@ -240,9 +242,10 @@ def _by_blocks(
     names = [name for name, there in zip(places, known.tolist()) if there]
     if not names:
         raise InvalidInput(
-            "folder {0}: the ground that its images show is not known (they see the horizon, or come from "
-            "no map), so there are no blocks of it; split shuffled or in-order",
+            "folder {0}: the ground that its images show is not known (they see the horizon, or come "
+            "from no map), so there are no blocks of it",
             folder,
+            remedy="split shuffled or in-order",
         )
     boxes = boxes.take(known)
     base = largest_side_m(boxes) + gap_m
@@ -256,16 +259,17 @@ def _by_blocks(
         if off <= _NEAR_ENOUGH:
             break
     if best is None:
-        tried = f"blocks of {block_m:g} m" if block_m is not None else "blocks"
+        tried = Message("blocks of {0:g} m", block_m) if block_m is not None else Message("blocks")
         asked = ", ".join(part for part, share in zip(PARTS, shares) if share > 0.0)
         raise InvalidInput(
-            "split by {0}: {1} images up to {2:.0f} m wide with a gap of {3:g} m leave one of {4} without "
-            "images; choose a smaller gap, other blocks or shares, or a dataset of more ground",
+            "split by {0}: {1} images up to {2:.0f} m wide with a gap of {3:g} m leave one of {4} "
+            "without images",
             tried,
             len(names),
             base - gap_m,
             gap_m,
             asked,
+            remedy="choose a smaller gap, other blocks or shares, or a dataset of more ground",
         )
     _, side, part, count = best
     of_known = dict(zip(names, (PARTS[one] if one >= 0 else GAP for one in part.tolist())))

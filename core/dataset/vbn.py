@@ -131,7 +131,10 @@ def _paired(folder: Path, images: Sequence[str], texts: Sequence[str]) -> list[t
         counts = Counter((Path(one).suffix.lower(), Path(one).stem) for one in (*images, *texts))
         twice = [stem + ending for (ending, stem), count in counts.items() if count > 1]
         raise InvalidInput(
-            "folder {0}: {1} more than once; remove or rename all but one", folder, _some(twice, ", ")
+            "folder {0}: {1} more than once",
+            folder,
+            _some(twice, ", "),
+            remedy="remove or rename all but one",
         )
     if not stems & by_stem.keys():
         if len(texts) - len(images) not in (0, 1):
@@ -149,11 +152,12 @@ def _paired(folder: Path, images: Sequence[str], texts: Sequence[str]) -> list[t
     without = [image for stem, image in by_stem.items() if stem not in stems]
     if without:
         raise InvalidInput(
-            "folder {0}: {1} of {2} without a text in {3}; put it there, or remove the image",
+            "folder {0}: {1} of {2} without a text in {3}",
             folder,
             _some(without, ", "),
             IMAGE_FOLDER,
             TEXT_FOLDER,
+            remedy="put it there, or remove the image",
         )
     return [(by_stem.get(Path(text).stem, Path(text).stem + _IMAGE_ENDING), text) for text in texts]
 

@@ -105,11 +105,11 @@ class Camera:
         _check_ratio(ratio)
         if abs(own / ratio - 1.0) > SQUARE_PIXELS:
             raise InvalidInput(
-                "sensor {0:g} by {1:g} mm and a picture of {2:.4g} to 1: pixels would not be square; give "
-                "the part of the sensor that the picture shows",
+                "sensor {0:g} by {1:g} mm and a picture of {2:.4g} to 1: pixels would not be square",
                 width_mm,
                 height_mm,
                 ratio,
+                remedy="give the part of the sensor that the picture shows",
             )
         return cls._across(math.hypot(width_mm, height_mm) / 2.0 / focal_length_mm, ratio)
 
@@ -119,9 +119,9 @@ class Camera:
         fov_deg = _fov_deg(half_tangent)
         if not 0.0 < fov_deg < 180.0:
             raise InvalidInput(
-                "field of view across the diagonal {0:g} deg: must be between 0 and 180, both excluded; "
-                "choose a less extreme field of view or aspect ratio",
+                "field of view across the diagonal {0:g} deg: must be between 0 and 180, both excluded",
                 fov_deg,
+                remedy="choose a less extreme field of view or aspect ratio",
             )
         return cls(fov_deg, aspect_ratio)
 

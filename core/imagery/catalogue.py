@@ -9,7 +9,7 @@ from functools import cached_property
 from typing import Any, NamedTuple, Protocol
 
 from ..config import config_file, read_named, write_named
-from ..errors import InvalidInput
+from ..errors import InvalidInput, Message, OptionName
 from .entry import NAME, CatalogueEntry, shipped, shipped_data, shipped_entry, under_provider
 from .opening import EntrySource
 from .placeholder import Placeholder
@@ -79,7 +79,7 @@ def entry_named(name: str) -> CatalogueEntry:
     if wanted in entries:
         return entries[wanted]
     close = difflib.get_close_matches(wanted, [*shipped_data(), *entries], n=3, cutoff=0.5)
-    hint = f"did you mean {' or '.join(close)}? " if close else ""
+    hint = Message("did you mean {0}? ", " or ".join(close)) if close else ""
     raise InvalidInput(
         "source {0!r} is unknown: {1}`terrainav sources` lists the names; a file, a URL template with "
         "{{z}}, {{x}}, {{y}}, wmts:URL and wms:URL work as well",
@@ -110,8 +110,9 @@ def alternatives(
     ]
     # Of those that cover the place, the finer first; the synthetic world, which shows no place, last.
     found.sort(key=lambda entry: (entry.kind == "world", -entry.native_zoom))
+    hint = Message(" (with {0})", OptionName("accept_terms"))
     return tuple(
-        entry.name + (" (with --accept-terms)" if entry.bulk_allowed == "ask" else "") for entry in found
+        Message("{0}{1}", entry.name, hint) if entry.bulk_allowed == "ask" else entry.name for entry in found
     )
 
 
@@ -184,12 +185,12 @@ def shelf(folder: str | os.PathLike[str] | None = None) -> Shelf:
     taken = shipped_data()
     entries: list[CatalogueEntry] = []
     problems: dict[str, str] = {}
-    for name, data in read_named(path, "sources").items():
+    for name, data in read_named(path, Message("sources")).items():
         entry = _entry_or_problem(name, data, taken)
         if isinstance(entry, CatalogueEntry):
             entries.append(entry)
         else:
-            problems[name] = f"{path}: {entry}"
+            problems[name] = Message("{0}: {1}", path, entry)
     return Shelf(tuple(entries), problems)
 
 
@@ -266,7 +267,7 @@ def described(
     if "date" in template.names:
         data["dates"] = {"kind": "any", "default": default_date}
     elif default_date:
-        raise InvalidInput("date {0!r}: the URL has no {{date}} to put it in", default_date)
+        raise InvalidInput("date {0!r}: the URL has no {{date}} to put it in", default_date, field="date")
     return data
 
 
@@ -291,10 +292,13 @@ def add(name: str, data: Mapping[str, Any], folder: str | os.PathLike[str] | Non
     if name in shipped_data():
         raise _of_the_catalogue(name)
     path = config_file(FILE, folder)
-    known = read_named(path, "sources")
+    known = read_named(path, Message("sources"))
     if name in known:
         raise InvalidInput(
-            "source name {0!r}: is taken; choose another, or `terrainav sources remove` it", name
+            "source name {0!r}: is taken",
+            name,
+            field="name",
+            remedy="choose another, or `terrainav sources remove` it",
         )
     entry = _entry(name, data)
     write_named(path, {**known, name: dict(data)})
@@ -310,24 +314,28 @@ def remove(name: str, folder: str | os.PathLike[str] | None = None) -> None:
         There is no such source, or it is one of the catalogue's.
     """
     path = config_file(FILE, folder)
-    known = read_named(path, "sources")
+    known = read_named(path, Message("sources"))
     if name not in known:
         if name in shipped_data():
             raise InvalidInput("source {0!r}: is part of the catalogue, which stays as it is", name)
         raise InvalidInput(
-            "source {0!r}: is none of your own, which are {1}", name, ", ".join(known) or "none"
+            "source {0!r}: is none of your own, which are {1}", name, ", ".join(known) or Message("none")
         )
     write_named(path, {other: data for other, data in known.items() if other != name})
 
 
 def _of_the_catalogue(name: str) -> InvalidInput:
-    return InvalidInput("source name {0!r}: is one of the catalogue's; choose another", name)
+    return InvalidInput(
+        "source name {0!r}: is one of the catalogue's", name, field="name", remedy="choose another"
+    )
 
 
 def _check_name(name: str) -> None:
     if not NAME.fullmatch(name):
         raise InvalidInput(
-            "source name {0!r}: must be lower-case letters, digits, hyphens and underscores, at most 64", name
+            "source name {0!r}: must be lower-case letters, digits, hyphens and underscores, at most 64",
+            name,
+            field="name",
         )
 
 
@@ -343,8 +351,8 @@ def _entry(name: str, data: Any) -> CatalogueEntry:
 
 def _entry_or_problem(name: str, data: Any, taken: Container[str]) -> CatalogueEntry | str:
     if name in taken:
-        return str(_of_the_catalogue(name))
+        return Message(_of_the_catalogue(name))
     try:
         return _entry(name, data)
     except InvalidInput as wrong:
-        return str(wrong)
+        return Message(wrong)

@@ -12,7 +12,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from ..errors import Cancelled, InvalidInput, PartError
+from ..errors import Cancelled, InvalidInput, Message, PartError
 from ..geodesy.mercator import PixelGrid, extent_of_box
 from ..limits import (
     MAX_METADATA_CHARACTERS,
@@ -66,7 +66,9 @@ class MBTilesFile(FileSource):
     def open(self) -> MBTilesSource:
         """Open the file; raises InvalidInput as `open_mbtiles` does, and where a date is asked for."""
         if self.options.date:
-            raise InvalidInput("date {0!r}: {1} has no dates to choose from", self.options.date, self.text)
+            raise InvalidInput(
+                "date {0!r}: {1} has no dates to choose from", self.options.date, self.text, field="date"
+            )
         return open_mbtiles(self.text)
 
 
@@ -197,7 +199,7 @@ def open_mbtiles(path: str | os.PathLike[str]) -> MBTilesSource:
     except FILE_ERRORS as wrong:
         failure = InvalidInput("MBTiles {0}: is no MBTiles file, or is damaged ({1})", file, wrong)
         if clock.is_over():
-            failure = InvalidInput(str(_too_slow(f"MBTiles {file}")))
+            failure = InvalidInput(_too_slow(Message("MBTiles {0}", file)))
     else:
         return source
     if connection is not None:
@@ -227,10 +229,13 @@ class _Clock:
 
 def _too_slow(what: str) -> PartError:
     return PartError(
-        "{0}: takes more than {1:g} s to look a tile up; give the file an index: CREATE UNIQUE INDEX "
-        "tile_index ON tiles (zoom_level, tile_column, tile_row)",
+        "{0}: takes more than {1:g} s to look a tile up",
         what,
         MAX_QUERY_S,
+        remedy=(
+            "give the file an index: CREATE UNIQUE INDEX tile_index ON tiles (zoom_level, "
+            "tile_column, tile_row)"
+        ),
     )
 
 

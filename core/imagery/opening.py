@@ -191,9 +191,9 @@ KINDS = (
 def _kind(text: str) -> Kind:
     if text.startswith(_QGIS):
         raise InvalidInput(
-            "source {0}: is a map of QGIS and can be captured inside QGIS only; name a file, a URL template "
-            "or a name of the catalogue",
+            "source {0}: is a map of QGIS and can be captured inside QGIS only",
             text,
+            remedy="name a file, a URL template or a name of the catalogue",
         )
     return next(kind for kind in KINDS if kind.recognises(text))
 
@@ -245,7 +245,9 @@ class NamedSource(ABC):
     def entry(self) -> CatalogueEntry:
         """All that is known of it; raises InvalidInput for a file, of which no terms are known."""
         raise InvalidInput(
-            "source {0}: a file states no terms; name one of the sources that have some", self.text
+            "source {0}: a file states no terms",
+            self.text,
+            remedy="name one of the sources that have some",
         )
 
     @property

@@ -12,13 +12,13 @@ from typing import Callable, Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import InvalidInput, PartError
+from ..errors import InvalidInput, Message, PartError
 from ..geodesy.mercator import PixelGrid
 from ..text import one_line
 from .source import Pixels, Window
 
 #: Why a picture fails that needs a placeholder.
-PLACEHOLDER_REASON = "no imagery here: the provider's placeholder picture"
+PLACEHOLDER_REASON = Message("no imagery here: the provider's placeholder picture")
 #: Digits of a SHA-256 that name a file as surely as all 64 do, unless somebody makes another for the purpose.
 DIGEST_DIGITS = 16
 _DIGEST = re.compile(rf"[0-9a-f]{{{DIGEST_DIGITS},64}}")
@@ -62,6 +62,7 @@ class Placeholder:
                     "digits or more",
                     digest,
                     DIGEST_DIGITS,
+                    field="placeholder",
                 )
 
     def with_files(self, digests: Iterable[str]) -> Placeholder:
@@ -87,7 +88,7 @@ class Placeholder:
         """Raise PartError for a picture of one of the flat colours."""
         for colour in self.flat_rgb:
             if tuple(pixels[0, 0, :3]) == colour and bool((pixels == pixels[0, 0]).all()):
-                raise PartError("no imagery here: a picture of one colour, rgb({}, {}, {})".format(*colour))
+                raise PartError("no imagery here: a picture of one colour, rgb({0}, {1}, {2})", *colour)
 
 
 @runtime_checkable

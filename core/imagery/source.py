@@ -7,7 +7,7 @@ from typing import NamedTuple, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import InvalidInput, PartError
+from ..errors import InvalidInput, Message, PartError
 from ..geodesy.mercator import PixelGrid
 from .policy import Policy
 
@@ -126,7 +126,7 @@ class Tile(NamedTuple):
     y: int
 
     def __str__(self) -> str:
-        return f"tile {self.zoom}/{self.x}/{self.y}"
+        return Message("tile {0}/{1}/{2}", self.zoom, self.x, self.y)
 
 
 def tile_address(part: Window, grid: PixelGrid, title: str) -> Tile:

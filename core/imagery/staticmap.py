@@ -14,7 +14,7 @@ from urllib.parse import quote, urlencode, urlsplit
 
 import numpy as np
 
-from ..errors import InvalidInput
+from ..errors import InvalidInput, Message
 from ..geodesy.frames import Windows, window_centres
 from ..geodesy.mercator import PixelGrid
 from .decode import decode
@@ -130,7 +130,7 @@ class StaticMapSource:
             As for `XYZSource.fetch`.
         """
         lat_deg, lon_deg = self.centre(part)
-        what = f"picture at {lat_deg},{lon_deg} zoom {part.zoom}"
+        what = Message("picture at {0},{1} zoom {2}", lat_deg, lon_deg, part.zoom)
 
         def read(response: Response) -> Pixels:
             self.placeholder.refuse(response.body, response.headers)
@@ -159,12 +159,12 @@ class StaticMapSource:
             text = f"{degrees:.{CENTRE_DECIMALS}f}"
             if abs(float(text) - degrees) > _CENTRE_TOLERANCE_DEG:
                 raise InvalidInput(
-                    "{0}: its centre {1!r} has more than {2} decimals, which {3} drops; plan with this "
-                    "source's grid",
+                    "{0}: its centre {1!r} has more than {2} decimals, which {3} drops",
                     part,
                     degrees,
                     CENTRE_DECIMALS,
                     self.title,
+                    remedy="plan with this source's grid",
                 )
             texts.append(text.lstrip("-") if float(text) == 0.0 else text)
         return texts[0], texts[1]

@@ -9,7 +9,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from urllib.parse import parse_qsl, quote, unquote, urlsplit
 
-from ..errors import InvalidInput, SourceError
+from ..errors import InvalidInput, Message, SourceError
 from ..geodesy.mercator import HALF_WORLD_M
 
 #: Environment variable with the key of a user's own address, which goes to hosts that the user has named, and to no
@@ -125,7 +125,7 @@ class Template:
         return _BRACES.sub(lambda found: values.get(found.group(1), found.group(0)), self.text)
 
     def _check_url(self) -> None:
-        check_address(self.text, "URL template")
+        check_address(self.text, Message("URL template"))
 
     def _check_placeholders(self) -> None:
         names = self.names
@@ -200,7 +200,7 @@ def check_address(text: str, what: str) -> None:
         raise InvalidInput("{0} of an invalid host or port: must be as in https://tiles.example:8080/", what)
     if parts.scheme not in ("http", "https") or not parts.hostname:
         raise InvalidInput(
-            "{0} of {1} scheme: must start with http:// or https://", what, parts.scheme or "no"
+            "{0} of {1} scheme: must start with http:// or https://", what, parts.scheme or Message("no")
         )
     if parts.username is not None or parts.password is not None:
         raise InvalidInput(
@@ -208,12 +208,11 @@ def check_address(text: str, what: str) -> None:
         )
     for name in keys_in(text):
         raise InvalidInput(
-            "{0} for {1}: holds a key in {2!r}, which would end up in files; write {3}={{key}} and set "
-            "TERRAINAV_KEY",
+            "{0} for {1}: holds a key in {2!r}, which would end up in files",
             what,
             parts.hostname,
             name,
-            name,
+            remedy=Message("write {0}={{key}} and set TERRAINAV_KEY", name),
         )
 
 
@@ -282,11 +281,9 @@ def environment_key(hosts: Iterable[str], *, named_by_user: bool) -> str | None:
     for host in hosts:
         if not any(host == own or host.endswith("." + own) for own in (one.strip(".") for one in known)):
             raise SourceError(
-                "{0}: {1} is not sent there, because a file names this host and not you; set {2}={3} if the "
-                "key is for it",
+                "{0}: {1} is not sent there, because a file names this host and not you",
                 host,
                 KEY_ENV,
-                HOSTS_ENV,
-                host,
+                remedy=Message("set {0}={1} if the key is for it", HOSTS_ENV, host),
             )
     return key

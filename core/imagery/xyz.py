@@ -97,7 +97,9 @@ class XYZSource:
         self.received: Received | None = None
         self._key = key or ""
         if not date and any("date" in template.names for template in self._templates.values()):
-            raise InvalidInput("source {0}: its URL has a {{date}}; say which", self.title)
+            raise InvalidInput(
+                "source {0}: its URL has a {{date}}", self.title, field="date", remedy="say which"
+            )
         self._fetched: Counter[str] = Counter()
         self._terms: dict[str, tuple[str, Policy]] = {}
         self._lock = threading.Lock()

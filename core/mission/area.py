@@ -62,9 +62,10 @@ class Box:
         check_lat_lon(self.south_deg, self.east_deg)
         if self.south_deg > self.north_deg:
             raise InvalidInput(
-                "box from latitude {0} down to {1}: south lies above north; give the top-left corner first",
+                "box from latitude {0} down to {1}: south lies above north",
                 self.north_deg,
                 self.south_deg,
+                remedy="give the top-left corner first",
             )
 
     @property

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 from ..config import config_file, read_named, write_named
-from ..errors import InvalidInput
+from ..errors import InvalidInput, Message
 from ..geodesy.camera import Camera
 from ..resources import read_json
 
@@ -109,7 +109,7 @@ def _check_facts(data: Mapping[str, Any]) -> str:
     given = [fact for fact in _VIEWS if fact in data]
     if len(given) != 1:
         raise InvalidInput(
-            "{0}: give one of {1}", " and ".join(given) or "no field of view", ", ".join(_VIEWS)
+            "{0}: give one of {1}", " and ".join(given) or Message("no field of view"), ", ".join(_VIEWS)
         )
     if (given[0] == "sensor_mm") != ("focal_length_mm" in data):
         raise InvalidInput("sensor_mm and focal_length_mm: one needs the other")
@@ -129,11 +129,14 @@ def _image_px(data: Mapping[str, Any]) -> int | None:
 
 
 def _number(data: Mapping[str, Any], fact: str) -> float:
-    return _real(data[fact], f"{fact} {data[fact]!r}: must be a number above 0")
+    return _real(data[fact], Message("{0} {1!r}: must be a number above 0", fact, data[fact]))
 
 
 def _pair(data: Mapping[str, Any], fact: str) -> tuple[float, float]:
-    pair, wanted = data[fact], f"{fact} {data[fact]!r}: must be a list of width and height, each above 0"
+    pair, wanted = (
+        data[fact],
+        Message("{0} {1!r}: must be a list of width and height, each above 0", fact, data[fact]),
+    )
     if not isinstance(pair, (list, tuple)) or len(pair) != 2:
         raise InvalidInput(wanted)
     return _real(pair[0], wanted), _real(pair[1], wanted)
@@ -190,7 +193,7 @@ def camera_named(name: str) -> CameraPreset:
     names = {key(preset.name): preset.name for preset in presets}
     close = [names[near] for near in difflib.get_close_matches(wanted, names, n=3, cutoff=0.5)]
     close = close or [known for near, known in names.items() if wanted and wanted in near][:3]
-    hint = f"did you mean {' or '.join(close)}? " if close else ""
+    hint = Message("did you mean {0}? ", " or ".join(close)) if close else ""
     raise InvalidInput("camera {0!r} is unknown: {1}`terrainav cameras` lists the names", name, hint)
 
 
@@ -228,13 +231,13 @@ def camera_shelf(folder: str | os.PathLike[str] | None = None) -> Shelf:
     taken = {key(preset.name): preset.name for preset in shipped_cameras()}
     presets: list[CameraPreset] = []
     problems: dict[str, str] = {}
-    for name, data in read_named(path, "cameras").items():
+    for name, data in read_named(path, Message("cameras")).items():
         preset = _preset_or_problem(name, data, taken)
         if isinstance(preset, CameraPreset):
             presets.append(preset)
             taken[key(name)] = name
         else:
-            problems[name] = f"{path}: {preset}"
+            problems[name] = Message("{0}: {1}", path, preset)
     return Shelf(tuple(presets), problems)
 
 
@@ -263,7 +266,7 @@ def add_camera(
         The file cannot be written.
     """
     path = config_file(_FILE, folder)
-    known = read_named(path, "cameras")
+    known = read_named(path, Message("cameras"))
     taken = {key(other): other for other in (*(preset.name for preset in shipped_cameras()), *known)}
     _check_name(name, taken)
     preset = _preset(name, data)
@@ -285,13 +288,13 @@ def remove_camera(name: str, folder: str | os.PathLike[str] | None = None) -> st
         There is no such camera, or it is one that ships.
     """
     path = config_file(_FILE, folder)
-    known = read_named(path, "cameras")
+    known = read_named(path, Message("cameras"))
     found = name if name in known else next((own for own in known if key(own) == key(name)), None)
     if found is None:
         if any(key(preset.name) == key(name) for preset in shipped_cameras()):
             raise InvalidInput("camera {0!r}: comes with TerrAInav, and stays as it is", name)
         raise InvalidInput(
-            "camera {0!r}: is none of your own, which are {1}", name, ", ".join(known) or "none"
+            "camera {0!r}: is none of your own, which are {1}", name, ", ".join(known) or Message("none")
         )
     write_named(path, {other: data for other, data in known.items() if other != found})
     return found
@@ -310,7 +313,7 @@ def _check_name(name: str, taken: Mapping[str, str]) -> None:
             _LONGEST_NAME,
         )
     if key(name) in taken:
-        raise InvalidInput("camera name {0!r}: {1} is taken; choose another", name, taken[key(name)])
+        raise InvalidInput("camera name {0!r}: {1} is taken", name, taken[key(name)], remedy="choose another")
 
 
 def _preset(name: str, data: Any) -> CameraPreset:
@@ -324,4 +327,4 @@ def _preset_or_problem(name: str, data: Any, taken: Mapping[str, str]) -> Camera
         _check_name(name, taken)
         return _preset(name, data)
     except InvalidInput as wrong:
-        return str(wrong)
+        return Message(wrong)

@@ -7,14 +7,16 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
-from ..errors import InvalidInput
+from ..errors import InvalidInput, Message
 from ..files import is_there, read_limited
 from ..limits import MAX_MISSION_BYTES
 from ..safe_json import decoded, parse_json
 from .area import Area, Box, Points, Polygon
 from .options import KINDS, UNITS
 
-_FORMATS = '"lat_lon_agl", "latTL_lonTL_latBR_lonBR_agl", or a text file of "lat lon agl [yaw]" lines'
+_FORMATS = Message(
+    '"lat_lon_agl", "latTL_lonTL_latBR_lonBR_agl", or a text file of "lat lon agl [yaw]" lines'
+)
 _SEPARATORS = re.compile(r"[_,;\s]+")
 _UNICODE_MINUS = {0x2212: "-", 0x2013: "-", 0xFE63: "-", 0xFF0D: "-"}
 
@@ -22,9 +24,17 @@ _UNICODE_MINUS = {0x2212: "-", 0x2013: "-", 0xFE63: "-", 0xFF0D: "-"}
 def _numbers(text: str, where: str) -> list[float]:
     fields = [field for field in _SEPARATORS.split(text.translate(_UNICODE_MINUS).strip()) if field]
     try:
-        return [float(field) for field in fields]
-    except ValueError as wrong:
+        return [_number(field) for field in fields]
+    except InvalidInput as wrong:
         raise InvalidInput("{0} {1!r}: {2}; expected {3}", where, text.strip(), wrong, _FORMATS) from wrong
+
+
+def _number(text: str) -> float:
+    try:
+        return float(text)
+    except ValueError as wrong:
+        # In Python's own words.
+        raise InvalidInput("could not convert string to float: {0!r}", text) from wrong
 
 
 def _scaled(agl: float, unit: str) -> float:
@@ -59,7 +69,7 @@ def parse_coords(text: str, kind: str | None = None, agl_unit: str = "m") -> tup
         raise InvalidInput("coordinates are empty: expected {0}", _FORMATS)
     if is_there(text):
         return _from_file(Path(text), kind, agl_unit)
-    values = _numbers(text, "coordinates")
+    values = _numbers(text, Message("coordinates"))
     if len(values) not in (3, 5):
         raise InvalidInput(
             "coordinates {0!r}: {1} numbers; expected {2}", text.strip(), len(values), _FORMATS
@@ -74,7 +84,7 @@ def parse_coords(text: str, kind: str | None = None, agl_unit: str = "m") -> tup
     return Points(((values[0], values[1], agl),)), agl
 
 
-def parse_points(lines: Iterable[str], where: str = "coordinates", agl_unit: str = "m") -> Points:
+def parse_points(lines: Iterable[str], where: str = Message("coordinates"), agl_unit: str = "m") -> Points:
     """Points from lines of ``lat lon agl``, or ``lat lon agl yaw``; empty lines and those that begin with # are none.
 
     Parameters
@@ -94,7 +104,7 @@ def parse_points(lines: Iterable[str], where: str = "coordinates", agl_unit: str
     for number, line in enumerate(lines, 1):
         if not line.strip() or line.lstrip().startswith("#"):
             continue
-        there = f"{where}, line {number}:"
+        there = Message("{0}, line {1}:", where, number)
         pose, yaw = _pose(line, there, agl_unit)
         if poses and bool(yaw) != bool(yaws):
             raise InvalidInput(
@@ -123,7 +133,7 @@ def _from_file(path: Path, kind: str | None, agl_unit: str) -> tuple[Area, float
     if kind == "single":
         held = (at for at, line in enumerate(lines) if line.strip() and not line.lstrip().startswith("#"))
         lines = lines[: next(held, 0) + 1]
-    points = parse_points(lines, f"file {path}", agl_unit)
+    points = parse_points(lines, Message("file {0}", path), agl_unit)
     return points, points.poses[0][2]
 
 
@@ -156,7 +166,7 @@ def load_polygon(path: str) -> Polygon:
         raise InvalidInput("area file {0}: cannot be read as GeoJSON ({1})", path, wrong) from wrong
     geometry = _first_polygon(data)
     if geometry is None:
-        raise InvalidInput("area file {0}: holds no Polygon; give a GeoJSON with one", path)
+        raise InvalidInput("area file {0}: holds no Polygon", path, remedy="give a GeoJSON with one")
     try:
         rings = tuple(tuple((float(p[0]), float(p[1])) for p in ring) for ring in geometry)
     except (TypeError, ValueError, IndexError, KeyError) as wrong:

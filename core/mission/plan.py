@@ -390,11 +390,11 @@ def _disturbed(mission: Mission, layout: Layout, nominal: Poses) -> Poses:
     agl = nominal.agl_m + off.up_m
     if (agl <= 0.0).any():
         raise InvalidInput(
-            "wind of {0:g} m/s at {1:g} m: the gusts throw the camera to the ground; fly higher or in less "
-            "turbulence",
+            "wind of {0:g} m/s at {1:g} m: the gusts throw the camera to the ground",
             mission.wind.speed_m_per_s,
             mission.agl_m,
             field="wind",
+            remedy="fly higher or in less turbulence",
         )
     return Poses(
         lat + north,

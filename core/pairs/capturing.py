@@ -14,7 +14,7 @@ from pathlib import Path
 from ..capture.journal import FAILED, Journal, Outcome
 from ..capture.runner import DEFAULT_CONNECTIONS, CaptureResult, Failure, Progress, Repeat, capture
 from ..dataset.folder import JOURNAL_FILE, MISSION_FILE, REJECTED_FOLDER
-from ..errors import InvalidInput, OutputError
+from ..errors import InvalidInput, Message, OptionName, OutputError
 from ..files import make_folder, open_locked, write_whole
 from ..geodesy.mercator import wrap_lon_deg
 from ..imagery.source import Source
@@ -161,10 +161,16 @@ def _refuse(path: Path, wanted: bytes, *, resume: bool, ours: bool = False) -> N
         raise OutputError("folder {0}: cannot read {1} ({2})", path, SETTINGS_FILE, wrong.strerror) from wrong
     if found is not None:
         if found != wanted:
-            raise OutputError("folder {0}: holds pairs of other settings; choose another folder", path)
+            raise OutputError(
+                "folder {0}: holds pairs of other settings",
+                path,
+                remedy="choose another folder",
+            )
         if not resume:
             raise OutputError(
-                "folder {0}: already holds these pairs; resume them (--resume) or choose another folder", path
+                "folder {0}: already holds these pairs",
+                path,
+                remedy=Message("resume them{0} or choose another folder", OptionName("resume").in_brackets),
             )
         return
     inside = path / CAPTURES_FOLDER
@@ -178,10 +184,11 @@ def _refuse(path: Path, wanted: bytes, *, resume: bool, ours: bool = False) -> N
         )
     if foreign:
         raise OutputError(
-            "folder {0}: holds {1} but no {2}, so it is not of these pairs; choose another folder",
+            "folder {0}: holds {1} but no {2}, so it is not of these pairs",
             path,
             foreign[0].relative_to(path).as_posix(),
             SETTINGS_FILE,
+            remedy="choose another folder",
         )
 
 
@@ -284,9 +291,10 @@ def _put(target: Path, captured: Path) -> None:
             if target.samefile(captured) or filecmp.cmp(target, captured, shallow=False):
                 return
             raise OutputError(
-                "image {0}: is not the one that was captured ({1}), and nothing is overwritten; move it away",
+                "image {0}: is not the one that was captured ({1}), and nothing is overwritten",
                 target,
                 captured,
+                remedy="move it away",
             )
         make_folder(target.parent)
         try:

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import InvalidInput
+from ..errors import InvalidInput, Message
 from .places import Place, cartesian_m
 
 Floats = NDArray[np.float64]
@@ -39,7 +39,9 @@ def check_shares(shares: Sequence[float]) -> None:
         raise InvalidInput("split {0}: shares must be 0 or more and finite, and one above 0", _text(shares))
     if shares[2] > 0.0 and shares[1] == 0.0:
         raise InvalidInput(
-            "split {0}: distractors are of a test; give it a share, or them none", _text(shares)
+            "split {0}: distractors are of a test",
+            _text(shares),
+            remedy="give it a share, or them none",
         )
 
 
@@ -84,10 +86,11 @@ def part_places(
     for name, share, count in zip(PARTS[:2], shares, wanted):
         if share > 0.0 and count == 0:
             raise InvalidInput(
-                "{0} places, split {1}: none is left for {2}; give more places, or other shares",
+                "{0} places, split {1}: none is left for {2}",
                 len(places),
                 _text(shares),
                 name,
+                remedy="give more places, or other shares",
             )
     together = _neighbours(places, reach_m, gap_m)
     order = _order(places, seed)
@@ -98,14 +101,16 @@ def part_places(
             apart = "" if math.isinf(float(np.max(reach_m))) else "places farther apart, "
             nearer = "a smaller --gap, " if apart and gap_m > 0.0 else ""
             raise InvalidInput(
-                "{0} places, split {1}: {2}, and none is left for {3}; give {4}views that see less (lower, "
-                "less tilted), {5}or --allow-shared-ground",
+                "{0} places, split {1}: {2}, and none is left for {3}",
                 len(places),
                 _text(shares),
                 _crowd(reach_m, gap_m),
                 name,
-                apart,
-                nearer,
+                remedy=Message(
+                    "give {0}views that see less (lower, less tilted), {1}or --allow-shared-ground",
+                    apart,
+                    nearer,
+                ),
             )
     shared = any(len(set(part[together == group].tolist())) > 1 for group in np.unique(together))
     return Parts(tuple(PARTS[index] for index in part.tolist()), shared)

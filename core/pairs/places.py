@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import InvalidInput
+from ..errors import InvalidInput, Message
 from ..geodesy.ellipsoid import WGS84
 from ..geodesy.mercator import MAX_LAT_DEG
 from ..mission.area import Box, check_lat_lon
@@ -77,7 +77,10 @@ def read_places(path: str | Path) -> tuple[Place, ...]:
         lines = Path(path).read_text(encoding="utf-8-sig").splitlines()
     except (OSError, UnicodeDecodeError) as wrong:
         raise InvalidInput(
-            "places {0}: cannot be read as text ({1}); give {2}", path, wrong, _FORMATS
+            "places {0}: cannot be read as text ({1})",
+            path,
+            wrong,
+            remedy=Message("give {0}", _FORMATS),
         ) from wrong
     places: list[Place] = []
     met: dict[tuple[float, float], int] = {}
@@ -88,11 +91,15 @@ def read_places(path: str | Path) -> tuple[Place, ...]:
         before = met.setdefault((place.lat_deg, place.lon_deg), number)
         if before != number:
             raise InvalidInput(
-                "places {0}, line {1}: the place of line {2} again; give each once", path, number, before
+                "places {0}, line {1}: the place of line {2} again",
+                path,
+                number,
+                before,
+                remedy="give each once",
             )
         places.append(place)
     if not places:
-        raise InvalidInput("places {0}: holds none; give {1}", path, _FORMATS)
+        raise InvalidInput("places {0}: holds none", path, remedy=Message("give {0}", _FORMATS))
     heights = [_HEIGHT.fullmatch(place.name) for place in places]
     if all(heights):
         for number, place, height in zip(met.values(), places, heights):
@@ -135,9 +142,18 @@ def read_box(text: str) -> Box:
     try:
         values = [float(field) for field in fields]
     except ValueError as wrong:
-        raise InvalidInput("places {0!r}: no such file, and no box; give {1}", text, _FORMATS) from wrong
+        raise InvalidInput(
+            "places {0!r}: no such file, and no box",
+            text,
+            remedy=Message("give {0}", _FORMATS),
+        ) from wrong
     if len(values) not in (4, 5):
-        raise InvalidInput("places {0!r}: {1} numbers; give {2}", text, len(values), _FORMATS)
+        raise InvalidInput(
+            "places {0!r}: {1} numbers",
+            text,
+            len(values),
+            remedy=Message("give {0}", _FORMATS),
+        )
     return Box(*values[:4])
 
 
@@ -184,12 +200,11 @@ def spread_places(
             return tuple(places)
     views = "views that see less, " if by_views else ""
     raise InvalidInput(
-        "{0:,} places {1:,.0f} m apart: the box has room for {2:,}; give a larger box, fewer places, {3}or "
-        "a smaller --spacing",
+        "{0:,} places {1:,.0f} m apart: the box has room for {2:,}",
         count,
         spacing_m,
         len(places),
-        views,
+        remedy=Message("give a larger box, fewer places, {0}or a smaller --spacing", views),
     )
 
 

@@ -158,10 +158,10 @@ def standing_poses(lat_deg: Floats, lon_deg: Floats, view: View, ground: Ellipso
                 np.round(lat, _DECIMALS), np.round(lon, _DECIMALS), agl, view.yaw_deg, view.tilt_deg, 0.0
             )
     raise InvalidInput(
-        "view from {0:g} m at a tilt of {1:g} deg: the camera cannot look at the place; fly lower or tilt "
-        "less",
+        "view from {0:g} m at a tilt of {1:g} deg: the camera cannot look at the place",
         view.agl_m,
         view.tilt_deg,
+        remedy="fly lower or tilt less",
     )
 
 

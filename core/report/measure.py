@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..errors import Message
 from ..geodesy.accuracy import Scene, outside_flat_domain
 from ..geodesy.footprint import ground_corners
 from ..imagery.source import Source
@@ -42,7 +43,7 @@ _OF_MESHES = "bilinear"
 _FLOWN = 20_000
 #: What stands for a mission's wind where it has no gusts, for what leaving it out saves; flown at the usual airspeed.
 _USUAL = Wind(5.0, 0.0, 0.15)
-_BY_CENTRE = "the source gives pictures by their centre, not tiles that others can be made from"
+_BY_CENTRE = Message("the source gives pictures by their centre, not tiles that others can be made from")
 
 
 @dataclass(frozen=True)
@@ -194,25 +195,25 @@ def measure(
     say = progress or (lambda _: None)
     effort = QUICK if quick else THOROUGH
     map_type = map_type or plan.mission.map_types[0]
-    say("footprints")
+    say(Message("footprints"))
     stages = {"footprint": _footprints(plan, effort)}
-    say("a picture")
+    say(Message("a picture"))
     bench = Bench.of(plan, Tiles(source, map_type), effort)
-    say("camera frames")
+    say(Message("camera frames"))
     by_tiles = plan.grid.centre_decimals is None
     pictures, meshes, kernels = _pictures(bench, by_tiles=by_tiles)
     stages["picture"] = pictures
     if meshes:
         stages["pixels"] = meshes
-    say("resampling")
+    say(Message("resampling"))
     greys = resampling(plan, bench.tiles, bench.index) if by_tiles else None
-    say("file formats")
+    say(Message("file formats"))
     files = tuple(encodings(plan, source, bench.index, map_type, bench.own_picture(), effort))
     wind, effect = plan.mission.wind, None
     if wind is not None and wind.speed_m_per_s > 0.0:
-        say("wind")
+        say(Message("wind"))
         effect = wind_effect(plan)
-    say("what was left out")
+    say(Message("what was left out"))
     floor = floor_px(positions.bounds_scene(plan))
     return Measurement(
         map_type=map_type,
@@ -335,7 +336,7 @@ def _left_out(bench: Bench, stages: dict[str, tuple[Measured, ...]]) -> list[Sav
     pictures = len(plan) * len(plan.mission.map_types)
     compared = {
         "resampling": ("picture", "camera"),
-        "rays for every pixel": ("pixels", "rays"),
+        Message("rays for every pixel"): ("pixels", "rays"),
     }
     for what, why in plan.accuracy.left_out:
         if what == "wind":

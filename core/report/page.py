@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Union
 
 from ..drawing import check_matplotlib
+from ..errors import Message
 from ..files import make_folder, write_whole
 from ..imagery.source import Source
 from ..mission.plan import Plan
@@ -72,7 +73,7 @@ def write_report(
     make_folder(folder)
     found = measure(plan, source, map_type=map_type, quick=quick, progress=progress)
     if progress is not None:
-        progress("page")
+        progress(Message("page"))
     files = {**csv_files(found), **drawings(plan, found)}
     text = _page(plan, source, found, sorted(name for name in files if name.endswith(".csv")))
     for name, data in files.items():

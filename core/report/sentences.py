@@ -242,7 +242,7 @@ def wind_effect_text(effect: WindEffect) -> list[str]:
         )
     figures = effect.figures
     if "coverage" in figures:
-        calm, wind = (percent(share, exact=share == 1.0) for share in figures["coverage"])
+        calm, wind = map(str, (percent(share, exact=share == 1.0) for share in figures["coverage"]))
         said = [f"Coverage is {wind} in this wind, {calm} in still air"]
         for way in ("along", "across"):
             if f"least_overlap_{way}_rows" in figures:

@@ -20,7 +20,7 @@ from osgeo import gdal
 from ...core.capture.georeference import WEB_MERCATOR_WKT
 from ...core.capture.metadata import xml_text
 from ...core.dataset.folder import JOURNAL_FILE, NAME, TABLE_FILE
-from ...core.errors import Cancelled, OutputError
+from ...core.errors import Cancelled, Message, OutputError
 from ...core.files import partial_file, write_whole
 from ..i18n import tr
 
@@ -289,7 +289,10 @@ def _replacing(path: Path) -> Iterator[None]:
         yield
     except OSError as wrong:
         raise OutputError(
-            "file {0}: cannot be replaced ({1}); close what shows it", path, wrong.strerror
+            "file {0}: cannot be replaced ({1})",
+            path,
+            wrong.strerror,
+            remedy="close what shows it",
         ) from wrong
 
 
@@ -468,4 +471,4 @@ def _reduce(raster: gdal.Dataset, size: tuple[int, int], progress: Callable[[flo
 
 def _failed(path: Path) -> OutputError:
     reason = " ".join(gdal.GetLastErrorMsg().split())
-    return OutputError("mosaic {0}: cannot be made ({1})", path, reason or "no reason given")
+    return OutputError("mosaic {0}: cannot be made ({1})", path, reason or Message("no reason given"))

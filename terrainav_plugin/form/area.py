@@ -276,7 +276,7 @@ def _points(lines: list[tuple[int, str]], agl: float, agl_unit: str) -> tuple[Po
         except InvalidInput as wrong:
             raise InvalidInput("{0} {1}", where, wrong) from wrong
         if yaws and len(yaws) != len(poses):
-            raise InvalidInput(f"{where} " + tr("give every point a yaw, or none"))
+            raise InvalidInput("{0} {1}", where, tr("give every point a yaw, or none"))
     return Points(tuple(poses), tuple(yaws)), poses[0][2] if given else None
 
 

@@ -24,7 +24,7 @@ from qgis.core import (
 )
 from qgis.PyQt.QtGui import QImage, QPainter
 
-from ...core.errors import Cancelled, PartError
+from ...core.errors import Cancelled, Message, PartError
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 LONGEST_JOB_S = 150.0
 #: Seconds between two looks at what is being drawn.
 _LOOK_S = 0.1
-_CANCELLED, _WORDS = "cancelled", "cancelled while drawing the map"
+_CANCELLED, _WORDS = "cancelled", Message("cancelled while drawing the map")
 _FORMAT = QImage.Format.Format_ARGB32_Premultiplied
 #: Copies of a layer's pipe: as many as a capture has connections. More threads than these wait for one another.
 _COPIES = 8
@@ -135,7 +135,7 @@ class Jobs:
         if self._closed.is_set():
             return _CANCELLED
         if time.monotonic() > job.until_s:
-            return f"QGIS had not drawn it after {self._longest_s:.0f} s"
+            return Message("QGIS had not drawn it after {0:.0f} s", self._longest_s)
         return ""
 
 
@@ -211,7 +211,9 @@ class Pipes:
             raise PartError("QGIS could not read it: {0}", feedback.errors()[0])
         image = block.image()
         if not block.isValid() or image.isNull():
-            raise PartError("QGIS could not read it: {0}", block.error().summary() or "no reason given")
+            raise PartError(
+                "QGIS could not read it: {0}", block.error().summary() or Message("no reason given")
+            )
         return to_array(image)
 
 

@@ -177,12 +177,13 @@ def _reflected(image: Image.Image, beside: int, above: int) -> Image.Image:
     width, height = image.size
     if (width + 2 * beside) * (height + 2 * above) > _MOST_PX:
         raise InvalidInput(
-            "image of {0} x {1} px: augmented, it needs {2} x {3} px with its reflections, which is too "
-            "much memory; take smaller or less narrow images, or do not augment",
+            "image of {0} x {1} px: augmented, it needs {2} x {3} px with its reflections, which is "
+            "too much memory",
             width,
             height,
             width + 2 * beside,
             height + 2 * above,
+            remedy="take smaller or less narrow images, or do not augment",
         )
     mirrored = image.transpose(Image.FLIP_LEFT_RIGHT)
     copies = (

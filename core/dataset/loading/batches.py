@@ -16,7 +16,7 @@ from typing import Any, Union
 import numpy as np
 from numpy.typing import NDArray
 
-from ...errors import InvalidInput, OutputError
+from ...errors import InvalidInput, Message, OptionName, OutputError
 from ..dataset import Dataset, ImageSet, open_image, read_dataset, some
 from ..folder import PARTS, TABLE_FILE, TRAIN
 from ..labels import LABELS_FILE, Labels, labels_of_tables
@@ -176,12 +176,12 @@ class Samples:
         except MemoryError as wrong:
             height, width, channels = self.shape
             raise InvalidInput(
-                "batch of {0:,} images of {1} x {2} px and {3} channels: does not fit into memory; take "
-                "smaller batches, or smaller images",
+                "batch of {0:,} images of {1} x {2} px and {3} channels: does not fit into memory",
                 len(indices),
                 width,
                 height,
                 channels,
+                remedy="take smaller batches, or smaller images",
             ) from wrong
         for one, index in zip(images, indices):
             one[...] = self.image(int(index), epoch)
@@ -295,12 +295,14 @@ def optional_module(name: str, title: str, extra: str) -> Any:
     except ImportError as missing:
         if name == "keras" and missing.name and missing.name.partition(".")[0] != name:
             raise OutputError(
-                "loader: Keras cannot be used with its backend ({0}); set KERAS_BACKEND to one that is "
-                "installed, such as torch, before Python starts",
+                "loader: Keras cannot be used with its backend ({0})",
                 missing,
+                remedy=("set KERAS_BACKEND to one that is installed, such as torch, before Python starts"),
             ) from missing
         raise OutputError(
-            "loader: {0} is not installed; get it with: pip install 'terrainav[{1}]'", title, extra
+            "loader: {0} is not installed",
+            title,
+            remedy=Message("get it with: pip install 'terrainav[{0}]'", extra),
         ) from missing
 
 
@@ -351,10 +353,10 @@ def _rows(images: ImageSet, part: str) -> NDArray[np.int64]:
     parts = part_of(images.table)
     if part != ALL and parts is None:
         raise InvalidInput(
-            "part {0!r}: {1} is not split; run terrainav split, or take the part {2!r}",
+            "part {0!r}: {1} is not split",
             part,
             images.folder,
-            ALL,
+            remedy=Message("run terrainav split, or take the part {0!r}", ALL),
         )
     chosen = taken(images.table)
     if part != ALL and parts is not None:
@@ -363,7 +365,10 @@ def _rows(images: ImageSet, part: str) -> NDArray[np.int64]:
     if not chosen.any():
         what = "that are there and not rejected" if part == ALL else f"in the part {part!r}"
         raise InvalidInput(
-            "folder {0}: has no images {1}; split, clean or capture it anew", images.folder, what
+            "folder {0}: has no images {1}",
+            images.folder,
+            what,
+            remedy="split, clean or capture it anew",
         )
     return np.flatnonzero(chosen)
 
@@ -410,10 +415,11 @@ def _check_fit(labels: Labels, images: ImageSet, path: Path) -> None:
     if far[worst] > math.sqrt(max(labels.images, 1)):
         raise InvalidInput(
             "{0}: is of another dataset or split, as {1} of the training part lies {2:,.0f} standard "
-            "deviations from its mean; have it made anew by split",
+            "deviations from its mean",
             path,
             table.img_names[rows[worst]],
             far[worst],
+            remedy="have it made anew by split",
         )
 
 
@@ -425,10 +431,11 @@ def _values(labels: Labels, images: ImageSet, rows: NDArray[np.int64]) -> NDArra
     if lost.size:
         first = int(lost[0])
         raise InvalidInput(
-            "labels: {0} cannot be had in {1}, first Lat {2:g}, Lon {3:g}; split with another --frame",
+            "labels: {0} cannot be had in {1}, first Lat {2:g}, Lon {3:g}",
             some([images.table.img_names[row] for row in rows[lost].tolist()]),
             labels.frame.crs,
             lat_deg[first],
             lon_deg[first],
+            remedy=Message("split with another {0}", OptionName("frame")),
         )
     return values

@@ -99,7 +99,9 @@ class TileCache:
     ) -> None:
         if limit_bytes < 1:
             raise InvalidInput(
-                "cache of {0} bytes: must be 1 or more; leave the cache out for none", limit_bytes
+                "cache of {0} bytes: must be 1 or more",
+                limit_bytes,
+                remedy="leave the cache out for none",
             )
         self.folder = Path(folder) if folder is not None else default_folder()
         self.limit_bytes = limit_bytes

@@ -115,7 +115,7 @@ class RequestsTransport:
             raise Cancelled("cancelled while waiting for the network")
         if exchange.ended == "late":
             raise TransportError("no whole answer within {0:g} s", self._timeouts.whole_s, late=True)
-        raise TransportError(str(problem), again=problem.again, away=problem.away, late=problem.late)
+        raise TransportError(problem, again=problem.again, away=problem.away, late=problem.late)
 
     def close(self) -> None:
         """Free the connections and end what is under way."""

@@ -39,10 +39,10 @@ class Place:
 
     def __init__(self, facts: Facts) -> None:
         if facts.geotransform is None:
+            if facts.by_points:
+                raise InvalidInput("only ground control points place it: make a map of it first, by gdalwarp")
             raise InvalidInput(
-                "only ground control points place it: make a map of it first, by gdalwarp"
-                if facts.by_points
-                else "it does not say where its pixels lie: it has no geotransform and no world file"
+                "it does not say where its pixels lie: it has no geotransform and no world file"
             )
         if not facts.crs_wkt:
             raise InvalidInput(

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ...errors import InvalidInput, PartError, SourceError
+from ...errors import InvalidInput, Message, PartError, SourceError
 from ...geodesy.mercator import PixelGrid
 from ...limits import MAX_METADATA_CHARACTERS
 from ...text import printable
@@ -116,8 +116,8 @@ class RasterSource:
 
     def __init__(self, name: str, path: str, date: str, facts: Facts, pool: Pool) -> None:
         if not facts.bands:
-            inside = f"; name one of those within, such as {facts.parts[0]}" if facts.parts else ""
-            raise InvalidInput("is no raster itself{0}", inside)
+            inside = Message("name one of those within, such as {0}", facts.parts[0]) if facts.parts else None
+            raise InvalidInput("is no raster itself", remedy=inside)
         self.name = name
         self.title = Path(path).name
         self.date = date
@@ -167,9 +167,9 @@ class RasterSource:
             )
         if _state(self._path) != self._state:
             gone = self._state is not None and _state(self._path) is None
-            raise SourceError(
-                f"{self._path}: " + ("is gone" if gone else "has changed since it was opened; start anew")
-            )
+            if gone:
+                raise SourceError("{0}: is gone", self._path)
+            raise SourceError("{0}: has changed since it was opened", self._path, remedy="start anew")
         picture = self._mean_colours(boxes(*self._place.positions(part, self.grid)), part)
         return np.ascontiguousarray(picture[..., :3]) if bool(picture[..., 3].all()) else picture
 
@@ -198,12 +198,12 @@ class RasterSource:
             return np.zeros((part.height_px, part.width_px, 4), np.uint8)
         if box.width * box.height > MOST_PX:
             raise PartError(
-                "{0}: a part of zoom {1} covers {2}x{3} px of it, which are too many; give it overviews, by "
-                "gdaladdo",
+                "{0}: a part of zoom {1} covers {2}x{3} px of it, which are too many",
                 self.title,
                 part.zoom,
                 box.width,
                 box.height,
+                remedy="give it overviews, by gdaladdo",
             )
         return means(self._read(level, box, x, y), over.scaled(box.left, box.top, x, y), x * y)
 
@@ -244,7 +244,7 @@ def _check_there(path: str) -> None:
         return
     try:
         if Path(path).is_dir():
-            raise InvalidInput("{0}: is a folder; name a raster file", path)
+            raise InvalidInput("{0}: is a folder", path, remedy="name a raster file")
         if not Path(path).is_file():
             raise InvalidInput("{0}: there is no such file", path)
     except OSError as wrong:
@@ -304,7 +304,7 @@ def checked_date(text: str) -> str:
     except (ValueError, TypeError):
         numbers = []
     if not numbers:
-        raise InvalidInput("date {0!r}: must be YYYY-MM-DD, YYYY-MM or YYYY", text)
+        raise InvalidInput("date {0!r}: must be YYYY-MM-DD, YYYY-MM or YYYY", text, field="date")
     return "-".join(numbers)
 
 
@@ -342,16 +342,17 @@ def file_of(path: str, date: str) -> tuple[str, str]:
         return path, date
     if path.startswith("/vsi"):
         if not date:
-            raise InvalidInput("{0}: say which date", path)
+            raise InvalidInput("{0}: say which date", path, field="date")
         return path.replace(PLACEHOLDER, date), date
     files = _files(path)
     if date in files:
         return files[date], date
     dates = sorted(files)
-    named = ", ".join(dates[-_MOST_NAMED:]) or "none"
-    more = f"{len(dates) - _MOST_NAMED} earlier ones and " if len(dates) > _MOST_NAMED else ""
-    missing = f"there is none of {date}" if date else "say which date"
-    raise InvalidInput("{0}: {1}; dates there are: {2}{3}", path, missing, more, named)
+    named: str = ", ".join(dates[-_MOST_NAMED:]) or Message("none")
+    if len(dates) > _MOST_NAMED:
+        named = Message("{0} earlier ones and {1}", len(dates) - _MOST_NAMED, named)
+    missing = Message("there is none of {0}", date) if date else Message("say which date")
+    raise InvalidInput("{0}: {1}; dates there are: {2}", path, missing, named, field="date")
 
 
 def _files(path: str) -> dict[str, str]:

@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import unquote
 
-from ...errors import InvalidInput
+from ...errors import InvalidInput, Message
 from ...files import is_there
 from ...limits import MAX_VRT_BYTES, MAX_VRT_DEPTH
 from ..template import check_address
@@ -70,7 +70,7 @@ _TEXTS = frozenset("srs mdi description copyright targetsrs sourcesrs category".
 _ELSEWHERE = re.compile(r"/vsi|://|<|\bvrt:|^[a-z][a-z0-9_]+:", re.IGNORECASE)
 #: Metadata by which a raster of any format names a file that GDAL then reads as its overviews.
 OVERVIEW_FILE, OVERVIEW_DOMAIN = "OVERVIEW_FILE", "OVERVIEWS"
-NAMES_OVERVIEWS = "names another file for its overviews, which is not read"
+NAMES_OVERVIEWS = Message("names another file for its overviews, which is not read")
 #: What names other files in metadata that GDAL writes beside and into rasters.
 _NAMED_BESIDE = re.compile(f"{OVERVIEW_FILE}|/vsi|_DATASET", re.IGNORECASE)
 _NAMED_WITHIN = re.compile(OVERVIEW_FILE, re.IGNORECASE)
@@ -113,7 +113,9 @@ def check_virtual(path: str) -> None:
         raise InvalidInput("raster file /vsi…: holds credentials; no credentials may stand in it")
     # Of whatever scheme, with however many slashes, as curl takes them; a letter alone is a drive.
     for found in re.finditer(r"[a-z][a-z0-9+.-]+:/+", plain, re.IGNORECASE):
-        check_address(f"http://{plain[found.end() :]}".replace(" ", "%20"), "address of a raster file")
+        check_address(
+            f"http://{plain[found.end() :]}".replace(" ", "%20"), Message("address of a raster file")
+        )
 
 
 def drivers_for(path: str) -> list[str]:
@@ -155,9 +157,9 @@ def _check(file: Path, folders: tuple[Path, ...], depth: int, seen: set[Path]) -
                 _check_source(file, source, folders, depth, seen)
     elif _DESCRIPTIONS.search(head):
         raise InvalidInput(
-            "{0} describes a service or a collection, whose requests keep to no terms; name the service "
-            "itself: wms:URL, wmts:URL or a URL template",
+            "{0} describes a service or a collection, whose requests keep to no terms",
             file.name,
+            remedy="name the service itself: wms:URL, wmts:URL or a URL template",
         )
     elif depth and head and not head.startswith(_MAGIC):
         raise InvalidInput("{0} is of no format of pictures that a VRT may read here", file.name)
@@ -210,11 +212,10 @@ def _check_source(vrt: Path, source: Path, folders: tuple[Path, ...], depth: int
     within = _real(source)
     if not any(_is_within(within, _real(folder)) for folder in folders):
         raise InvalidInput(
-            "{0} reads {1}, which is not beside it; set {2}={3} if that is right",
+            "{0} reads {1}, which is not beside it",
             vrt.name,
             source,
-            FOLDERS_ENV,
-            source.parent,
+            remedy=Message("set {0}={1} if that is right", FOLDERS_ENV, source.parent),
         )
     if is_there(source):
         _check(source, folders, depth + 1, seen)

@@ -10,7 +10,7 @@ from itertools import chain
 from pathlib import Path
 from typing import Any
 
-from ...errors import OutputError
+from ...errors import Message, OutputError
 from ...files import partial_file
 from ..plan import Plan
 from .rows import POSE_COLUMNS, Corners, batches, clock, closed_rings, parts
@@ -30,7 +30,9 @@ def geopackage_notes(plan: Plan) -> tuple[str, ...]:
     if plan.nominal is None:
         return ()
     return (
-        "footprints and captures are those of the flight in wind, the flight line is the one that was meant",
+        Message(
+            "footprints and captures are those of the flight in wind, the flight line is the one that was meant"
+        ),
     )
 
 
@@ -46,9 +48,9 @@ def write_geopackage(plan: Plan, path: Path) -> None:
         from osgeo import ogr
     except ImportError as missing:
         raise OutputError(
-            "{0}: GeoPackages need GDAL's Python module (osgeo), which QGIS brings along; install it, or "
-            "choose .geojson",
+            "{0}: GeoPackages need GDAL's Python module (osgeo), which QGIS brings along",
             path,
+            remedy="install it, or choose .geojson",
         ) from missing
     try:
         with (

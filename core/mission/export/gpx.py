@@ -9,6 +9,7 @@ from __future__ import annotations
 import html
 from collections.abc import Iterator
 
+from ...errors import Message
 from ..plan import Plan
 from .rows import parts
 from .waypoints import Waypoint, not_flown, waypoints
@@ -36,7 +37,7 @@ def gpx_notes(plan: Plan) -> tuple[str, ...]:
     """What the route leaves out, one line each."""
     return (
         *not_flown(plan),
-        "heights are above ground, in each point's description; GPX's own are above the sea",
+        Message("heights are above ground, in each point's description; GPX's own are above the sea"),
     )
 
 

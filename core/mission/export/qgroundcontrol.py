@@ -11,7 +11,7 @@ from collections.abc import Iterator, Sequence
 from itertools import chain, islice
 from typing import Any, Union
 
-from ...errors import InvalidInput
+from ...errors import InvalidInput, Message
 from ..plan import Plan
 from .rows import BATCH
 from .waypoints import not_flown, waypoints
@@ -38,10 +38,10 @@ def check_qgroundcontrol(plan: Plan) -> None:
     most = (MOST_ITEMS - _AROUND) // _EACH
     if len(plan) > most:
         raise InvalidInput(
-            "QGroundControl plan of {0:,} waypoints: takes {1:,} or fewer; plan a smaller area, a greater "
-            "height or less overlap",
+            "QGroundControl plan of {0:,} waypoints: takes {1:,} or fewer",
             len(plan),
             most,
+            remedy="plan a smaller area, a greater height or less overlap",
         )
 
 
@@ -66,7 +66,9 @@ def qgroundcontrol_notes(plan: Plan) -> tuple[str, ...]:
     """What the plan cannot say, one line each."""
     return (
         *not_flown(plan),
-        "heights are over the place of take-off: as high above the ground only where the ground is level with it",
+        Message(
+            "heights are over the place of take-off: as high above the ground only where the ground is level with it"
+        ),
     )
 
 

@@ -10,7 +10,7 @@ from typing import NamedTuple, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from ...errors import InvalidInput
+from ...errors import InvalidInput, Message, OptionName
 from ...geodesy.accuracy import Scene
 from ...geodesy.camera import Poses
 from ...geodesy.ellipsoid import WGS84, Ellipsoid, trace
@@ -171,31 +171,31 @@ def _limit_px(mission: Mission, grid: PixelGrid) -> int:
 def _check_size(width_px: int, height_px: int, mission: Mission, grid: PixelGrid, *, coarsest: bool) -> None:
     """Refuse pictures that are larger than allowed; ``coarsest`` says that there are no coarser pixels to be had."""
     limit, longest_px = _limit_px(mission, grid), max(width_px, height_px)
-    ways_out = ["fly lower"]
+    way_out = Message("fly lower")
     if not coarsest:
-        coarser = "choose a lower zoom", "choose a larger ground sample distance"
-        ways_out = [coarser[mission.gsd_m_per_px is not None]]
+        coarser = Message("choose a lower zoom"), Message("choose a larger ground sample distance")
+        way_out = coarser[mission.gsd_m_per_px is not None]
     if longest_px <= limit:
         if width_px * height_px <= MAX_PICTURE_PX:
             return
         if not coarsest and mission.zoom is None and mission.gsd_m_per_px is None:
-            ways_out.append("or make them smaller (--max-px)")
+            way_out = Message("{0}, or make them smaller ({1})", way_out, OptionName("max_px"))
         raise InvalidInput(
-            "pictures of {0:,} x {1:,} px: {2:,} px in all are allowed; {3}",
+            "pictures of {0:,} x {1:,} px: {2:,} px in all are allowed",
             width_px,
             height_px,
             MAX_PICTURE_PX,
-            ", ".join(ways_out),
             field="max_px",
+            remedy=way_out,
         )
     if mission.limit_px is not None and mission.limit_px * grid.scale == limit:
-        ways_out.append("or allow larger pictures (--max-px)")
+        way_out = Message("{0}, or allow larger pictures ({1})", way_out, OptionName("max_px"))
     raise InvalidInput(
-        "pictures of {0:,} px: the longest side allowed here is {1:,} px; {2}",
+        "pictures of {0:,} px: the longest side allowed here is {1:,} px",
         longest_px,
         limit,
-        ", ".join(ways_out),
         field="max_px",
+        remedy=way_out,
     )
 
 
@@ -223,11 +223,11 @@ def _checked_zoom(zoom: int, mission: Mission, grid: PixelGrid) -> int:
         )
     if zoom > _highest(mission, grid):
         raise InvalidInput(
-            "zoom {0}: the source's own pixels end at zoom {1}; ask for that, or allow enlarged pixels "
-            "(--upsample)",
+            "zoom {0}: the source's own pixels end at zoom {1}",
             zoom,
             grid.native_zoom,
             field="zoom",
+            remedy=Message("ask for that, or allow enlarged pixels ({0})", OptionName("upsample")),
         )
     return zoom
 
@@ -319,19 +319,29 @@ class CameraFraming:
 
     def _under_one_pixel(self, width_px: float, height_px: float) -> InvalidInput:
         mission = self.mission
-        text = f"picture of {width_px:.3g} x {height_px:.3g} px: under one pixel"
+        text = Message("picture of {0:.3g} x {1:.3g} px: under one pixel", width_px, height_px)
         if mission.zoom is not None:
-            return InvalidInput("{0}; fly higher or choose a higher zoom", text, field="zoom")
+            return InvalidInput(text, field="zoom", remedy="fly higher or choose a higher zoom")
         if mission.gsd_m_per_px is not None:
             return InvalidInput(
-                "{0}; fly higher or choose a smaller ground sample distance", text, field="gsd_m_per_px"
+                text,
+                field="gsd_m_per_px",
+                remedy="fly higher or choose a smaller ground sample distance",
             )
         if _limit_px(mission, self.grid) < mission.image_px:
             return InvalidInput(
-                "{0}; choose a less extreme aspect ratio or larger pictures (--max-px)", text, field="max_px"
+                text,
+                field="max_px",
+                remedy=Message(
+                    "choose a less extreme aspect ratio or larger pictures ({0})", OptionName("max_px")
+                ),
             )
         return InvalidInput(
-            "{0}; choose a less extreme aspect ratio or a larger image (--image-px)", text, field="image_px"
+            text,
+            field="image_px",
+            remedy=Message(
+                "choose a less extreme aspect ratio or a larger image ({0})", OptionName("image_px")
+            ),
         )
 
     def zoom(self, layout: Layout) -> int:
@@ -366,11 +376,11 @@ def _too_fine(gsd_m_per_px: float, finest_m: float) -> InvalidInput:
     unit = 10.0 ** (math.floor(math.log10(finest_m)) - 2)
     finest_m = math.ceil(finest_m / unit) * unit
     return InvalidInput(
-        "ground sample distance {0} m: the source's own pixels are {1:.3g} m here; ask for that or more, or "
-        "allow enlarged pixels (--upsample)",
+        "ground sample distance {0} m: the source's own pixels are {1:.3g} m here",
         gsd_m_per_px,
         finest_m,
         field="gsd_m_per_px",
+        remedy=Message("ask for that or more, or allow enlarged pixels ({0})", OptionName("upsample")),
     )
 
 
@@ -409,17 +419,23 @@ def check_windows(framed: Framed, mission: Mission, grid: PixelGrid) -> None:
     if framed.size_px is not None and len(beyond):
         beyond = beyond[~_sees_the_map(mission, poses.take(beyond))]
     if len(beyond):
-        place = f"picture at latitude {float(poses.lat_deg[beyond[0]])!r} from {float(poses.agl_m[beyond[0]]):g} m"
+        place = Message(
+            "picture at latitude {0!r} from {1:g} m",
+            float(poses.lat_deg[beyond[0]]),
+            float(poses.agl_m[beyond[0]]),
+        )
         if framed.size_px is not None:
             raise InvalidInput(
-                "{0}: lies beyond the map, which ends at ±{1:.4f}; fly higher or nearer to the equator",
+                "{0}: lies beyond the map, which ends at ±{1:.4f}",
                 place,
                 MAX_LAT_DEG,
+                remedy="fly higher or nearer to the equator",
             )
         raise InvalidInput(
-            "{0}: reaches beyond the map, which ends at ±{1:.4f}; fly lower or nearer to the equator",
+            "{0}: reaches beyond the map, which ends at ±{1:.4f}",
             place,
             MAX_LAT_DEG,
+            remedy="fly lower or nearer to the equator",
         )
     if framed.size_px is not None:
         return
@@ -427,8 +443,9 @@ def check_windows(framed: Framed, mission: Mission, grid: PixelGrid) -> None:
     if small.any():
         at = int(np.flatnonzero(small)[0])
         raise InvalidInput(
-            "picture from {0:g} m at zoom {1}: under one pixel; fly higher or choose a higher zoom",
+            "picture from {0:g} m at zoom {1}: under one pixel",
             float(poses.agl_m[at]),
             zoom,
             field="agl_m",
+            remedy="fly higher or choose a higher zoom",
         )

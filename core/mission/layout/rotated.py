@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ...errors import InvalidInput
+from ...errors import InvalidInput, Message, OptionName
 from ...geodesy.camera import Poses
 from ...geodesy.ellipsoid import Ellipsoid
 from ...geodesy.mercator import wrap_lon_deg
@@ -90,9 +90,17 @@ def lay_out_rotated(mission: Mission, ground: Ellipsoid) -> tuple[Layout, tuple[
     if isinstance(area, Points):
         raise InvalidInput("points have no rows that could be turned")
     if mission.layout != "cover":
-        what = f"grid angle {mission.grid_angle_deg:g} deg" if mission.grid_angle_deg else "crosshatch"
+        what = (
+            Message("grid angle {0:g} deg", mission.grid_angle_deg)
+            if mission.grid_angle_deg
+            else Message("crosshatch")
+        )
         raise InvalidInput(
-            "{0}: the layout {1} is north-up; use --layout cover", what, mission.layout, field="layout"
+            "{0}: the layout {1} is north-up",
+            what,
+            mission.layout,
+            field="layout",
+            remedy=Message("use {0} {1}", OptionName("layout"), "cover"),
         )
     box = area.bounds
     refuse_beyond_mercator(box)
@@ -173,18 +181,19 @@ def _common(mission: Mission, shape: Shape, plane: LocalPlane, ground: Ellipsoid
     if not whole.all():
         if mission.tilt_deg or mission.roll_deg:
             raise InvalidInput(
-                "camera with tilt {0:g}, roll {1:g} deg from {2:g} m: sees past the horizon, where turned "
-                "rows have no frames; tilt it less, fly lower or fly north-up rows",
+                "camera with tilt {0:g}, roll {1:g} deg from {2:g} m: sees past the horizon, where "
+                "turned rows have no frames",
                 mission.tilt_deg,
                 mission.roll_deg,
                 mission.agl_m,
                 field="tilt_deg",
+                remedy="tilt it less, fly lower or fly north-up rows",
             )
         raise InvalidInput(
-            "camera from {0:g} m: sees past the horizon, where turned rows have no frames; fly lower or fly "
-            "north-up rows",
+            "camera from {0:g} m: sees past the horizon, where turned rows have no frames",
             mission.agl_m,
             field="agl_m",
+            remedy="fly lower or fly north-up rows",
         )
     reach = np.abs(ring).max(axis=(0, 1)) + shape.bend_m
     ends = [
@@ -194,12 +203,13 @@ def _common(mission: Mission, shape: Shape, plane: LocalPlane, ground: Ellipsoid
     farthest = math.hypot(*(max(abs(low), abs(high)) for low, high in ends))
     if not farthest <= _REACH_M:
         raise InvalidInput(
-            "grid angle {0:g} deg: turned rows hold to {1:g} km from the area's middle, and the area or its "
-            "images reach {2:.4g} km; take a smaller area or north-up rows",
+            "grid angle {0:g} deg: turned rows hold to {1:g} km from the area's middle, and the area "
+            "or its images reach {2:.4g} km",
             mission.grid_angle_deg,
             _REACH_M / 1000.0,
             farthest / 1000.0,
             field="grid_angle_deg",
+            remedy="take a smaller area or north-up rows",
         )
     x, y = (places.ravel() for places in np.meshgrid(*(np.linspace(*end, _PLACES) for end in ends)))
     poses = _posed(mission, plane, x, y)

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ...errors import InvalidInput
+from ...errors import InvalidInput, Message, OptionName
 from ...geodesy.ellipsoid import gauss_legendre
 from ...geodesy.frames import FrameEdges
 from ...geodesy.mercator import MAX_LAT_DEG, lat_to_v, lon_to_u, u_to_lon, v_to_lat
@@ -106,11 +106,11 @@ def refuse_too_many(count: float, limit: int) -> None:
     """Refuse more images than a mission may have."""
     if count > limit:
         raise InvalidInput(
-            "mission of {0:,.0f} images: the limit is {1:,}; fly higher, draw a smaller area, or raise it "
-            "(--max-images)",
+            "mission of {0:,.0f} images: the limit is {1:,}",
             count,
             limit,
             field="max_images",
+            remedy=Message("fly higher, draw a smaller area, or raise it ({0})", OptionName("max_images")),
         )
 
 
@@ -180,17 +180,21 @@ def refuse_no_step(step: Floats, overlap: float, mission: Mission) -> None:
         if overlap == 0.0:
             if mission.tilt_deg or mission.roll_deg:
                 raise InvalidInput(
-                    "images without a thousandth of a pixel of ground to count on: the camera looks past the map or "
-                    "the Earth; tilt it less or fly lower",
+                    "images without a thousandth of a pixel of ground to count on: the camera looks "
+                    "past the map or the Earth",
                     field="tilt_deg",
+                    remedy="tilt it less or fly lower",
                 )
             raise InvalidInput(
-                "images without a thousandth of a pixel of ground to count on: the camera looks past the map or the "
-                "Earth; fly lower",
+                "images without a thousandth of a pixel of ground to count on: the camera looks past "
+                "the map or the Earth",
                 field="agl_m",
+                remedy="fly lower",
             )
         raise InvalidInput(
-            "overlap {0}: leaves under a thousandth of a pixel between captures; overlap less", overlap
+            "overlap {0}: leaves under a thousandth of a pixel between captures",
+            overlap,
+            remedy="overlap less",
         )
 
 
@@ -248,10 +252,10 @@ class _Rows:
         sees = (edges.size[1] > 0.0) & (edges.bottom_v >= self._north) & (edges.top_v <= self._south)
         if not sees.any():
             raise InvalidInput(
-                "camera at {0:g} m, tilted so: from nowhere on the map does it see this area; tilt it less "
-                "or fly lower",
+                "camera at {0:g} m, tilted so: from nowhere on the map does it see this area",
                 self._mission.agl_m,
                 field="tilt_deg",
+                remedy="tilt it less or fly lower",
             )
         places = tried[sees]
         highest, lowest = (
@@ -271,14 +275,14 @@ class _Rows:
     def _gaps(self) -> InvalidInput:
         if self._mission.tilt_deg or self._mission.roll_deg:
             return InvalidInput(
-                "rows from {0:g} m cannot be placed so that their images cover this area; tilt the camera "
-                "less, fly lower or take a smaller area",
+                "rows from {0:g} m cannot be placed so that their images cover this area",
                 self._mission.agl_m,
+                remedy="tilt the camera less, fly lower or take a smaller area",
             )
         return InvalidInput(
-            "rows from {0:g} m cannot be placed so that their images cover this area; fly lower or take a "
-            "smaller area",
+            "rows from {0:g} m cannot be placed so that their images cover this area",
             self._mission.agl_m,
+            remedy="fly lower or take a smaller area",
         )
 
     def refuse_gaps(self, centres: Floats) -> None:
@@ -351,8 +355,9 @@ class _Rows:
             if stalled == _STALLED:
                 break
         raise InvalidInput(
-            "rows from {0:g} m cannot be placed so near to a pole; fly lower or farther from it",
+            "rows from {0:g} m cannot be placed so near to a pole",
             self._mission.agl_m,
+            remedy="fly lower or farther from it",
         )
 
     def centring_shift(self, count: int, spare: float) -> float:
@@ -417,10 +422,11 @@ def _paper(mission: Mission, area: Box | Polygon, frames: Frames) -> Layout:
     if reach > _UTM_REACH_DEG:
         raise InvalidInput(
             "paper layout over {0:g} deg of longitude: its UTM grid holds to {1:g} deg from the zone's "
-            "meridian; use --layout cover",
+            "meridian",
             box.span_deg,
             _UTM_REACH_DEG,
             field="layout",
+            remedy=Message("use {0} {1}", OptionName("layout"), "cover"),
         )
     (left, right), (top, bottom) = zone.forward(
         np.array([box.west_deg, box.continuous_east_deg]) - turn, np.array([box.north_deg, box.south_deg])

@@ -78,7 +78,7 @@ planned(
     PixelGrid(centre_decimals=6, max_size_px=640),
 )
 
-LARGER_PICTURES = "or allow larger pictures (--max-px)"
+LARGER_PICTURES = "{}, or allow larger pictures (--max-px)"
 #: What is put together of parts: how many px are too many for a mission on a grid, and each thing advised for it.
 TOO_LARGE = {
     "fly lower": (Mission(AREA, 120.0, max_px=640), PixelGrid(min_zoom=19), {"agl_m": 60.0}),
@@ -103,7 +103,7 @@ for _advice, (_mission, _grid, _change) in TOO_LARGE.items():
 
 planned(
     "layout/framing.py",
-    "or make them smaller (--max-px)",
+    "{}, or make them smaller (--max-px)",
     at(35.0, 9e3, image_px=20_000, accept_error=True),
     {"make them smaller (--max-px)": {"max_px": 10_000}},
 )
