@@ -10,7 +10,7 @@ from dataclasses import MISSING, asdict, dataclass, field, fields, replace
 from datetime import datetime, timezone
 from typing import Any, TypeVar
 
-from ..errors import InvalidInput
+from ..errors import InvalidInput, Message
 from ..files import read_limited, write_whole
 from ..geodesy.camera import Camera
 from ..limits import MAX_MISSION_BYTES, MAX_PICTURE_PX, MAX_PICTURE_SIDE_PX, MAX_WHOLE_NUMBER
@@ -191,13 +191,13 @@ class Mission:
         for name in ("overlap_along", "overlap_across"):
             if not 0.0 <= getattr(self, name) < 1.0:
                 raise InvalidInput("overlap {0}: must be at least 0 and below 1", getattr(self, name))
-        _choice("layout", self.layout, LAYOUTS)
-        _choice("order of flight", self.order, ORDERS)
-        _choice("image format", self.image_format, FORMATS)
+        _choice(Message("layout"), self.layout, LAYOUTS)
+        _choice(Message("order of flight"), self.order, ORDERS)
+        _choice(Message("image format"), self.image_format, FORMATS)
         if not self.map_types:
             raise InvalidInput("no map type: give one or more of {0}", ", ".join(MAP_TYPES))
         for map_type in self.map_types:
-            _choice("map type", map_type, MAP_TYPES)
+            _choice(Message("map type"), map_type, MAP_TYPES)
         if len(set(self.map_types)) != len(self.map_types):
             raise InvalidInput("map types {0}: each may be named once", " ".join(self.map_types))
         if not self.source:
@@ -225,10 +225,16 @@ class Mission:
         utc_time(self.start)
 
     def _check_accuracy(self) -> None:
-        for name, limit in (("yaw", 360.0), ("tilt", 180.0), ("roll", 180.0)):
-            angle = getattr(self, f"{name}_deg")
+        for name, what, limit in (
+            ("yaw_deg", Message("yaw"), 360.0),
+            ("tilt_deg", Message("tilt"), 180.0),
+            ("roll_deg", Message("roll"), 180.0),
+        ):
+            angle = getattr(self, name)
             if not -limit <= angle <= limit:
-                raise InvalidInput("{0} {1} deg: must be from {2:g} to {3:g}", name, angle, -limit, limit)
+                raise InvalidInput(
+                    "{0} {1} deg: must be from {2:g} to {3:g}", what, angle, -limit, limit, field=name
+                )
         if not -LOWEST_GROUND_M <= self.ground_height_m <= HIGHEST_GROUND_M:
             raise InvalidInput(
                 "ground height {0} m: must be from {1:g} to {2:g}",
@@ -238,9 +244,9 @@ class Mission:
             )
         if not (math.isfinite(self.error_budget_px) and self.error_budget_px > 0.0):
             raise InvalidInput("error budget {0} px: must be a number above 0", self.error_budget_px)
-        _choice("frame", self.frame, (AUTO, *FRAMES))
-        _choice("mesh", self.mesh, (AUTO, RAYS))
-        _choice("resampling", self.resampling, RESAMPLINGS)
+        _choice(Message("frame"), self.frame, (AUTO, *FRAMES))
+        _choice(Message("mesh"), self.mesh, (AUTO, RAYS))
+        _choice(Message("resampling"), self.resampling, RESAMPLINGS)
 
     def _check_pixels(self) -> None:
         for name in ("zoom", "image_px", "max_px", "max_images", "seed"):
@@ -390,10 +396,10 @@ class Mission:
         write_whole(path, self.to_json().encode())
 
 
-_NUMBER: tuple[tuple[type, ...], str] = ((int, float), "a number")
-_WHOLE: tuple[tuple[type, ...], str] = ((int,), "a whole number")
-_TEXT: tuple[tuple[type, ...], str] = ((str,), "text")
-_LIST: tuple[tuple[type, ...], str] = ((list, tuple), "a list")
+_NUMBER: tuple[tuple[type, ...], str] = ((int, float), Message("a number"))
+_WHOLE: tuple[tuple[type, ...], str] = ((int,), Message("a whole number"))
+_TEXT: tuple[tuple[type, ...], str] = ((str,), Message("text"))
+_LIST: tuple[tuple[type, ...], str] = ((list, tuple), Message("a list"))
 #: What JSON may hold in the fields that are neither area nor camera; null stands for the default.
 _JSON_TYPES: dict[str, tuple[Any, str]] = {
     "agl_m": _NUMBER,
@@ -407,7 +413,7 @@ _JSON_TYPES: dict[str, tuple[Any, str]] = {
     "gsd_m_per_px": _NUMBER,
     "image_px": _WHOLE,
     "max_px": _WHOLE,
-    "upsample": (bool, "true or false"),
+    "upsample": (bool, Message("true or false")),
     "image_format": _TEXT,
     "img_size": _LIST,
     "seed": _WHOLE,
@@ -417,13 +423,13 @@ _JSON_TYPES: dict[str, tuple[Any, str]] = {
     "roll_deg": _NUMBER,
     "ground_height_m": _NUMBER,
     "error_budget_px": _NUMBER,
-    "accept_error": (bool, "true or false"),
+    "accept_error": (bool, Message("true or false")),
     "frame": _TEXT,
     "mesh": _TEXT,
     "resampling": _TEXT,
-    "wind": ((dict,), "an object"),
+    "wind": ((dict,), Message("an object")),
     "grid_angle_deg": _NUMBER,
-    "crosshatch": (bool, "true or false"),
+    "crosshatch": (bool, Message("true or false")),
     "order": _TEXT,
     "airspeed_m_per_s": _NUMBER,
     "start": _TEXT,
@@ -446,19 +452,26 @@ def _made(kind: type[_Part], name: str, values: Any) -> _Part:
 
 def _without_old_methods(data: dict[str, Any]) -> tuple[dict[str, Any], tuple[str, ...]]:
     """Fields of a mission file without methods that only earlier versions had, and what there is to say of those."""
-    data, notes = dict(data), []
+    data = dict(data)
+    notes: list[str] = []
     footprint, mesh = data.get("footprint"), data.get("mesh")
     if footprint in _OLD_FOOTPRINTS:
         data.pop("footprint", None)
     if footprint in _CHEAP_FOOTPRINTS:
         notes.append(
-            f"footprint {footprint!r} of the mission file is ignored: footprints are always exact, as cheaper ones "
-            "save no time"
+            Message(
+                "footprint {0!r} of the mission file is ignored: footprints are always exact, as cheaper ones "
+                "save no time",
+                footprint,
+            )
         )
     if isinstance(mesh, str) and _OLD_MESH.fullmatch(mesh):
         data["mesh"] = AUTO
         notes.append(
-            f"mesh {mesh!r} of the mission file is ignored: the mesh is as coarse as the error budget allows"
+            Message(
+                "mesh {0!r} of the mission file is ignored: the mesh is as coarse as the error budget allows",
+                mesh,
+            )
         )
     return data, tuple(notes)
 

@@ -5808,21 +5808,25 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/entry.py"/>
+        <location filename="../../core/mission/mission.py"/>
         <source>a list</source>
         <translation>una lista</translation>
     </message>
     <message>
         <location filename="../../core/imagery/entry.py"/>
+        <location filename="../../core/mission/mission.py"/>
         <source>a number</source>
         <translation>un número</translation>
     </message>
     <message>
         <location filename="../../core/imagery/entry.py"/>
+        <location filename="../../core/mission/mission.py"/>
         <source>a whole number</source>
         <translation>un número entero</translation>
     </message>
     <message>
         <location filename="../../core/imagery/entry.py"/>
+        <location filename="../../core/mission/mission.py"/>
         <source>an object</source>
         <translation>un objeto</translation>
     </message>
@@ -5934,6 +5938,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/entry.py"/>
+        <location filename="../../core/mission/mission.py"/>
         <source>text</source>
         <translation>texto</translation>
     </message>
@@ -5959,6 +5964,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/entry.py"/>
+        <location filename="../../core/mission/mission.py"/>
         <source>true or false</source>
         <translation>verdadero o falso</translation>
     </message>
@@ -7786,6 +7792,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/methods.py"/>
+        <location filename="../../core/mission/mission.py"/>
         <location filename="../../core/report/measure.py"/>
         <source>resampling</source>
         <translation>remuestreo</translation>
@@ -7869,6 +7876,16 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/mission.py"/>
+        <source>footprint {0!r} of the mission file is ignored: footprints are always exact, as cheaper ones save no time</source>
+        <translation>se pasa por alto la huella {0!r} del archivo de misión: las huellas son siempre exactas, pues otras más baratas no ahorran tiempo</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/mission.py"/>
+        <source>frame</source>
+        <translation>encuadre</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/mission.py"/>
         <source>grid angle {0} deg: must be from -180 to 180</source>
         <translation>ángulo de cuadrícula de {0} grados: debe estar entre -180 y 180</translation>
     </message>
@@ -7884,6 +7901,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/mission.py"/>
+        <source>image format</source>
+        <translation>formato de imagen</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/mission.py"/>
         <source>image size {0} x {1} px: must be at most {2:,} px along a side and {3:,} px in all</source>
         <translation>tamaño de imagen {0} x {1} px: debe ser como máximo {2:,} px por lado y {3:,} px en total</translation>
     </message>
@@ -7891,6 +7913,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/mission.py"/>
         <source>image size {0} {1} {2}: needs a width and a height of 1 px or more, and 1 or 3 channels</source>
         <translation>tamaño de imagen {0} {1} {2}: necesita una anchura y una altura de 1 px o más, y 1 o 3 canales</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/mission.py"/>
+        <source>layout</source>
+        <translation>disposición</translation>
     </message>
     <message>
         <location filename="../../core/mission/mission.py"/>
@@ -7909,8 +7936,23 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/mission.py"/>
+        <source>map type</source>
+        <translation>tipo de mapa</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/mission.py"/>
         <source>map types {0}: each may be named once</source>
         <translation>tipos de mapa {0}: cada uno se puede nombrar una vez</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/mission.py"/>
+        <source>mesh</source>
+        <translation>malla</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/mission.py"/>
+        <source>mesh {0!r} of the mission file is ignored: the mesh is as coarse as the error budget allows</source>
+        <translation>se pasa por alto la malla {0!r} del archivo de misión: la malla es tan gruesa como permite el error admisible</translation>
     </message>
     <message>
         <location filename="../../core/mission/mission.py"/>
@@ -7984,8 +8026,18 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/mission.py"/>
+        <source>order of flight</source>
+        <translation>orden de vuelo</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/mission.py"/>
         <source>overlap {0}: must be at least 0 and below 1</source>
         <translation>solape {0}: debe ser al menos 0 y menor que 1</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/mission.py"/>
+        <source>roll</source>
+        <translation>alabeo</translation>
     </message>
     <message>
         <location filename="../../core/mission/mission.py"/>
@@ -8001,6 +8053,16 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/mission.py"/>
         <source>start {0!r}: no such time ({1})</source>
         <translation>inicio {0!r}: no existe tal hora ({1})</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/mission.py"/>
+        <source>tilt</source>
+        <translation>inclinación</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/mission.py"/>
+        <source>yaw</source>
+        <translation>guiñada</translation>
     </message>
     <message>
         <location filename="../../core/mission/mission.py"/>

@@ -196,6 +196,7 @@ def test_a_refusal_of_the_core_is_spanish_at_its_field(spanish_desk, english):
     state = desk.form.state()
     for field, wrong, words in (
         ("north", "95", "latitud 95.0: debe estar entre -90 y 90 grados"),
+        ("tilt_deg", -200.0, "inclinación de -200.0 grados: debe estar entre -180 y 180"),
         ("start", "mañana", "inicio 'mañana': debe ser UTC como 2024-06-21T10:30:00Z"),
         ("image_px", 0, "lado mayor de la imagen de la cámara de 0 px: debe ser 1 o más"),
         ("south", "36", "el sur queda al norte del norte"),
