@@ -4,20 +4,19 @@ from __future__ import annotations
 
 import re
 from string import Formatter
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from qgis.core import QgsApplication
 from qgis.PyQt.QtCore import QCoreApplication, QLocale, QTranslator
 
-from ..core.errors import Message, OptionName, TerrAInavError
-from ..core.fields import declared_fields
-from ..core.mission.parts import FLAT_PARTS
 from .paths import RESOURCES
+
+if TYPE_CHECKING:
+    from ..core.errors import Message
 
 _FOLDER = RESOURCES / "i18n"
 #: Contexts of the translation files: texts of the plugin, and of the core.
 _PLUGIN, _CORE = "TerrAInav", "TerrAInav core"
-
 #: Options in advice of the core that the panel has an entry for under the declared title.
 _ENTERED = ("error_budget", "accept_error", "upsample", "image_px", "max_px", "zoom", "gsd", "layout")
 
@@ -51,25 +50,28 @@ def translate(message: object) -> str:
     Options are called what the panel calls them. An advice that names one which the panel has no entry for is left
     out, and so is a message within another that does. A plain string is looked up as a whole.
     """
+    from ..core.errors import Message, TerrAInavError
+
     if isinstance(message, TerrAInavError):
-        remedy = (
-            "" if message.remedy is None or _names_no_entry(message.remedy) else translate(message.remedy)
-        )
-        return f"{translate(message.message)}; {remedy}" if remedy else translate(message.message)
+        parts = [message.message]
+        if message.remedy is not None and not _names_no_entry(message.remedy):
+            parts.append(message.remedy)
+        return "; ".join(map(translate, parts))
     if not isinstance(message, Message):
         return QCoreApplication.translate(_CORE, str(message))
     template = QCoreApplication.translate(_CORE, message.template)
-    return (
-        _FORMATTER.vformat(template, [_shown(value) for value in message.values], {})
-        if message.values
-        else template
-    )
+    if not message.values:
+        return template
+    return _FORMATTER.vformat(template, [_shown(value) for value in message.values], {})
 
 
 def option_label(name: str) -> str:
     """What the panel calls an option of a mission, quoted; empty where it has no entry for it."""
     if name == "max_images":
         return tr("“Most images” of the algorithm “Plan a mission”, or max_images in the mission's file")
+    from ..core.fields import declared_fields
+    from ..core.mission.parts import FLAT_PARTS
+
     own = {"img_size": tr("Resize pictures"), "date": tr("Date")}
     if name in own:
         return tr("“{entry}”").format(entry=own[name])
@@ -131,6 +133,8 @@ _FORMATTER = _Formatter()
 
 def _shown(value: object) -> object:
     """Value of a message as it is put into the translation."""
+    from ..core.errors import Message, OptionName, TerrAInavError
+
     if isinstance(value, OptionName):
         return option_label(value.name) or str(value)
     if isinstance(value, Message):
@@ -140,4 +144,6 @@ def _shown(value: object) -> object:
 
 def _names_no_entry(message: Message) -> bool:
     """Whether a message names an option that the panel has no entry for."""
+    from ..core.errors import OptionName
+
     return any(isinstance(value, OptionName) and not option_label(value.name) for value in message.values)
