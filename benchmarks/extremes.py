@@ -35,7 +35,7 @@ def row(outcome: Outcome) -> str:
         return (
             f"| {name} | refused: {outcome.refusal.replace('|', '/')} | | | | {outcome.seconds * 1e3:.0f} |"
         )
-    bound = bound_text(outcome.bound_px) if mission.error_budget_px else ""
+    bound = bound_text(outcome.bound_px) if mission.accuracy.error_budget_px else ""
     return (
         f"| {name} | {outcome.methods} | {bound} | {number(outcome.error_px)} | {number(outcome.condition)} | "
         f"{outcome.seconds * 1e3:.0f} |"

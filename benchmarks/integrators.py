@@ -211,7 +211,7 @@ def flight_of(plan: Plan, effort: Effort) -> Flight:
     if wind is None:
         raise InvalidInput("flight in still air: there is nothing to integrate")
     agl_m = float(np.median(plan.agl_m))
-    return measure_flight(wind, plan.mission.airspeed_m_per_s, _interval_s(plan), agl_m, effort)
+    return measure_flight(wind, plan.mission.flight.airspeed_m_per_s, _interval_s(plan), agl_m, effort)
 
 
 def measure_flight(

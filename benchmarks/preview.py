@@ -86,7 +86,7 @@ def measure(count: int, folder: Path) -> Figures:
     project.setCrs(QgsCoordinateReferenceSystem("EPSG:3857"))
     start = time.perf_counter()
     planned = plan(mission, grid_of(mission))
-    estimate(planned, costs_of(mission.source))
+    estimate(planned, costs_of(mission.imagery.source))
     plan_s = time.perf_counter() - start
 
     steps = Steps()

@@ -85,7 +85,7 @@ def run(quick: bool) -> Iterator[Result]:
     """Measure all scenes, saying which on the error output."""
     for scene in scenes():
         print(f"{scene.title} …", file=sys.stderr, flush=True)
-        source = WorldSource(scene.mission.seed)
+        source = WorldSource(scene.mission.imagery.seed)
         worked_out = plan(scene.mission, source.grid)
         yield Result(scene, worked_out, measure(worked_out, source, quick=quick))
 

@@ -55,11 +55,21 @@ def read_named(path: Path, what: str) -> dict[str, Any]:
     except FileNotFoundError:
         return {}
     except OSError as wrong:
-        raise InvalidInput(f"{path}: cannot be read ({wrong.strerror}); mend it, or move it away") from wrong
+        raise InvalidInput(
+            "{0}: cannot be read ({1})",
+            path,
+            wrong.strerror,
+            remedy="mend it, or move it away",
+        ) from wrong
     except InvalidInput as wrong:
-        raise InvalidInput(f"{path}: cannot be read as JSON ({wrong}); mend it, or move it away") from wrong
+        raise InvalidInput(
+            "{0}: cannot be read as JSON ({1})",
+            path,
+            wrong,
+            remedy="mend it, or move it away",
+        ) from wrong
     if not isinstance(data, dict):
-        raise InvalidInput(f"{path}: must hold a JSON object of {what}")
+        raise InvalidInput("{0}: must hold a JSON object of {1}", path, what)
     return data
 
 
@@ -75,4 +85,4 @@ def write_named(path: Path, data: Mapping[str, Any]) -> None:
         make_folder(path.parent)
         write_whole(path, (json.dumps(data, indent=1, ensure_ascii=False) + "\n").encode())
     except OutputError as wrong:
-        raise OutputError(f"{wrong}; {FOLDER_ENV} names another folder") from wrong
+        raise OutputError("{0}; {1} names another folder", wrong, FOLDER_ENV) from wrong

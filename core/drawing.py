@@ -35,7 +35,8 @@ def _figure_class() -> Any:
         return importlib.import_module("matplotlib.figure").Figure
     except ImportError as missing:
         raise OutputError(
-            "matplotlib, which draws the diagrams, is not installed; get it with: pip install 'terrainav[report]'"
+            "matplotlib, which draws the diagrams, is not installed",
+            remedy="get it with: pip install 'terrainav[report]'",
         ) from missing
 
 

@@ -54,10 +54,15 @@ def make_folder(folder: str | os.PathLike[str]) -> None:
     try:
         Path(folder).mkdir(parents=True, exist_ok=True)
     except FileExistsError as wrong:
-        raise OutputError(f"folder {folder}: a file is in its place; choose another folder") from wrong
+        raise OutputError(
+            "folder {0}: a file is in its place", folder, remedy="choose another folder"
+        ) from wrong
     except OSError as wrong:
         raise OutputError(
-            f"folder {folder}: cannot be made ({wrong.strerror}); choose another folder"
+            "folder {0}: cannot be made ({1})",
+            folder,
+            wrong.strerror,
+            remedy="choose another folder",
         ) from wrong
 
 
@@ -102,7 +107,7 @@ def read_limited(path: str | os.PathLike[str], most_bytes: int) -> bytes:
     with Path(path).open("rb") as file:
         data = file.read(most_bytes + 1)
     if len(data) > most_bytes:
-        raise InvalidInput(f"larger than {most_bytes / 1e6:,.0f} MB")
+        raise InvalidInput("larger than {0:,.0f} MB", most_bytes / 1000000.0)
     return data
 
 
@@ -136,7 +141,9 @@ def write_whole(
         if durable:
             _sync_folder(target.parent)
     except OSError as wrong:
-        raise OutputError(f"folder {target.parent}: cannot write {target.name} ({wrong.strerror})") from wrong
+        raise OutputError(
+            "folder {0}: cannot write {1} ({2})", target.parent, target.name, wrong.strerror
+        ) from wrong
 
 
 @contextlib.contextmanager
@@ -197,14 +204,17 @@ def open_locked(path: Path) -> IO[bytes]:
         # Not inherited by programs that the run starts, which may outlive it.
         file = open_own(path, "ab", buffering=0)
     except OSError as wrong:
-        raise OutputError(f"folder {path.parent}: cannot write {path.name} ({wrong.strerror})") from wrong
+        raise OutputError(
+            "folder {0}: cannot write {1} ({2})", path.parent, path.name, wrong.strerror
+        ) from wrong
     try:
         _lock(file.fileno())
     except OSError as wrong:
         if wrong.errno in _HELD:
             file.close()
             raise OutputError(
-                f"folder {path.parent}: another run is at work in it; wait until it has ended or choose "
-                "another folder"
+                "folder {0}: another run is at work in it",
+                path.parent,
+                remedy="wait until it has ended or choose another folder",
             ) from wrong
     return file

@@ -45,7 +45,7 @@ def decoded(data: bytes) -> str:
     try:
         return data.decode("utf-8-sig")
     except UnicodeDecodeError as wrong:
-        raise InvalidInput(f"no text in UTF-8: byte {wrong.start} does not belong there") from wrong
+        raise InvalidInput("no text in UTF-8: byte {0} does not belong there", wrong.start) from wrong
 
 
 def _check(value: Any) -> None:
@@ -69,16 +69,16 @@ def _check_text(text: str) -> None:
         text.encode("utf-8")
     except UnicodeEncodeError as wrong:
         half = f"\\u{ord(text[wrong.start]):04x}"
-        raise InvalidInput(f"{half} alone is half a character") from wrong
+        raise InvalidInput("{0} alone is half a character", half) from wrong
 
 
 def _too_deep() -> InvalidInput:
-    return InvalidInput(f"nested too deep: {MAX_JSON_DEPTH} levels at most")
+    return InvalidInput("nested too deep: {0} levels at most", MAX_JSON_DEPTH)
 
 
 def _whole(digits: str) -> int:
     if len(digits) > MAX_JSON_DIGITS:
-        raise InvalidInput(f"a whole number of {len(digits):,} digits: {MAX_JSON_DIGITS} at most")
+        raise InvalidInput("a whole number of {0:,} digits: {1} at most", len(digits), MAX_JSON_DIGITS)
     return int(digits)
 
 
@@ -86,12 +86,12 @@ def _real(digits: str) -> float:
     number = float(digits)
     if math.isinf(number):
         shown = digits if len(digits) <= MAX_JSON_DIGITS else f"{digits[:20]}…"
-        raise InvalidInput(f"number {shown}: too large")
+        raise InvalidInput("number {0}: too large", shown)
     return number
 
 
 def _no_constant(name: str) -> NoReturn:
-    raise InvalidInput(f"{name}: JSON has finite numbers only")
+    raise InvalidInput("{0}: JSON has finite numbers only", name)
 
 
 _DECODER = json.JSONDecoder(parse_int=_whole, parse_float=_real, parse_constant=_no_constant)

@@ -41,4 +41,4 @@ class UnexpectedErrors:
             trace = "".join(traceback.format_exception(type(wrong), wrong, wrong.__traceback__))
             _log.error("unexpected error, further ones of its kind are not logged:\n%s", hide(trace))
         words = one_line(": ".join(filter(None, (type(wrong).__name__, hide(str(wrong))))))
-        return PartError(f"unexpected error ({words})")
+        return PartError("unexpected error ({0})", words)

@@ -2,32 +2,23 @@
 
 from __future__ import annotations
 
-import json
 import re
-from functools import lru_cache, partial
+from string import Formatter
+from typing import TYPE_CHECKING, Any
 
 from qgis.core import QgsApplication
 from qgis.PyQt.QtCore import QCoreApplication, QLocale, QTranslator
 
 from .paths import RESOURCES
 
+if TYPE_CHECKING:
+    from ..core.errors import Message
+
 _FOLDER = RESOURCES / "i18n"
 #: Contexts of the translation files: texts of the plugin, and of the core.
 _PLUGIN, _CORE = "TerrAInav", "TerrAInav core"
-#: Numbers as English writes them, with thousands kept apart or with decimals; not parts of names and addresses.
-_NUMBER = re.compile(r"(?<![\w.,])(?:\d{1,3}(?:,\d{3})+(?:\.\d+)?|\d+\.\d+)(?:e[+-]?\d+)?(?!\w|[.,]\d)")
-_ENGLISH = (",", ".")
-#: Places for values in a message of the core.
-_PLACE = re.compile(r"\{(\d+)\}")
-#: Messages within messages: this deep and no deeper.
-_DEPTH = 6
-#: Joints of what the core puts together of several messages, beside the colon.
-_JOINTS = ("; ", ", ")
-_BRACKET = " ("
-#: Longest message that is taken apart; what servers say in those of the core is cut short before.
-_MOST_CHARACTERS = 5000
-#: What ends a reason, whatever brackets it has itself.
-_TRIED = re.compile(r"(.+)( \(tried \d+ times\))", re.DOTALL)
+#: Options in advice of the core that the panel has an entry for under the declared title.
+_ENTERED = ("error_budget", "accept_error", "upsample", "image_px", "max_px", "zoom", "gsd", "layout")
 
 
 def tr(text: str) -> str:
@@ -44,7 +35,6 @@ def install_translator() -> QTranslator | None:
     if not translator.load(str(path)):
         return None
     QCoreApplication.installTranslator(translator)
-    _templates.cache_clear()
     return translator
 
 
@@ -52,19 +42,48 @@ def remove_translator(translator: QTranslator | None) -> None:
     """Undo `install_translator`."""
     if translator is not None:
         QCoreApplication.removeTranslator(translator)
-        _templates.cache_clear()
 
 
 def translate(message: object) -> str:
-    """Message or words of the core in the user's language, its numbers as the user writes them.
+    """Message, error or word of the core in the user's language, its numbers as the user writes them.
 
-    The core speaks English. Its messages are recognised by their fixed words; a value that is itself a message is
-    translated too. What is not recognised stays as it is.
+    Options are called what the panel calls them. An advice that names one which the panel has no entry for is left
+    out, and so is a message within another that does. A plain string is looked up as a whole.
     """
-    text = str(message)
-    if len(text) > _MOST_CHARACTERS:
-        return text
-    return text if _is_english() and _separators() == _ENGLISH else _translated(text, _DEPTH, whole=True)
+    from ..core.errors import Message, TerrAInavError
+
+    if isinstance(message, TerrAInavError):
+        parts = [message.message]
+        if message.remedy is not None and not _names_no_entry(message.remedy):
+            parts.append(message.remedy)
+        return "; ".join(map(translate, parts))
+    if not isinstance(message, Message):
+        return QCoreApplication.translate(_CORE, str(message))
+    template = QCoreApplication.translate(_CORE, message.template)
+    if not message.values:
+        return template
+    return _FORMATTER.vformat(template, [_shown(value) for value in message.values], {})
+
+
+def option_label(name: str) -> str:
+    """What the panel calls an option of a mission, quoted; empty where it has no entry for it."""
+    if name == "max_images":
+        return tr("“Most images” of the algorithm “Plan a mission”, or max_images in the mission's file")
+    from ..core.fields import declared_fields
+    from ..core.mission.parts import FLAT_PARTS
+
+    own = {"img_size": tr("Resize pictures"), "date": tr("Date")}
+    if name in own:
+        return tr("“{entry}”").format(entry=own[name])
+    parts = FLAT_PARTS.values() if name in _ENTERED else ()
+    fields = (field for part in parts for field in declared_fields(part) if field.name_of_option == name)
+    return next((tr("“{entry}”").format(entry=begun(translate(one.title))) for one in fields), "")
+
+
+def begun(text: str) -> str:
+    """Text with a capital at its beginning, after the mark of a key."""
+    at = 1 if text.startswith("&") else 0
+    return text[:at] + text[at : at + 1].upper() + text[at + 1 :]
 
 
 def number_text(value: float, form: str = ",") -> str:
@@ -80,19 +99,11 @@ def number_text(value: float, form: str = ",") -> str:
     return localized(format(value, form))
 
 
-def localized(text: str) -> str:
-    """Words of the core, or of Python, with their numbers as the user writes them."""
-    separators = _separators()
-    if separators == _ENGLISH:
-        return text
-    written = dict(zip(_ENGLISH, separators))
-    return _NUMBER.sub(lambda found: "".join(written.get(sign, sign) for sign in found[0]), text)
-
-
-def _separators() -> tuple[str, str]:
-    """What stands between thousands, and before decimals."""
+def localized(number: str) -> str:
+    """Number that Python has written, as the user writes it."""
     locale = QLocale()
-    return locale.groupSeparator(), locale.decimalPoint()
+    written = {",": locale.groupSeparator(), ".": locale.decimalPoint()}
+    return "".join(written.get(sign, sign) for sign in number)
 
 
 def language() -> str:
@@ -105,86 +116,34 @@ def _locale() -> str:
     return QgsApplication.instance().translation() or QgsApplication.locale()
 
 
-def _is_english() -> bool:
-    # Translated as the name of the language that texts are in.
-    return tr("English") == "English"
+class _Formatter(Formatter):
+    """Fills values into a message; numbers come out as the user writes them."""
+
+    def convert_field(self, value: Any, conversion: str) -> Any:
+        converted = super().convert_field(value, conversion)
+        return converted if isinstance(value, str) or conversion is None else localized(converted)
+
+    def format_field(self, value: Any, form: str) -> str:
+        text = super().format_field(value, form)
+        return text if isinstance(value, str) else localized(text)
 
 
-def _translated(text: str, depth: int, *, whole: bool) -> str:
-    """Message in the user's language; of a value in one, ``whole`` is false: a single word may be a name."""
-    if " " not in text and not whole:
-        return text
-    translated = QCoreApplication.translate(_CORE, text)
-    if translated != text or " " not in text or not depth:
-        return translated
-    tried = _TRIED.fullmatch(text)
-    if tried is not None:
-        return _translated(tried[1], depth - 1, whole=whole) + _translated(tried[2], depth - 1, whole=True)
-    for fixed, template in _templates():
-        found = _values(fixed, text)
-        if found is not None:
-            values = [
-                localized(value) if _NUMBER.fullmatch(value) else _translated(value, depth - 1, whole=False)
-                for value in found
-            ]
-            translated = QCoreApplication.translate(_CORE, template)
-            return _PLACE.sub(partial(_value_at, values), translated)
-    return _joined(text, depth - 1)
+_FORMATTER = _Formatter()
 
 
-def _joined(text: str, depth: int) -> str:
-    """Messages that the core has put together, one by one."""
-    first, found, rest = text.partition(": ")
-    if found:
-        return f"{_translated(first, depth, whole=True)}: {_translated(rest, depth, whole=True)}"
-    for joint in _JOINTS:
-        if joint in text:
-            return joint.join(_translated(part, depth, whole=True) for part in text.split(joint))
-    at = text.find(_BRACKET, 1)
-    inner = text[at + len(_BRACKET) : -1]
-    if at < 0 or not inner or not text.endswith(")"):
-        return text
-    return f"{_translated(text[:at], depth, whole=True)} ({_translated(inner, depth, whole=True)})"
+def _shown(value: object) -> object:
+    """Value of a message as it is put into the translation."""
+    from ..core.errors import Message, OptionName, TerrAInavError
+
+    if isinstance(value, OptionName):
+        return option_label(value.name) or str(value)
+    if isinstance(value, Message):
+        return "" if _names_no_entry(value) else translate(value)
+    return translate(value) if isinstance(value, TerrAInavError) else value
 
 
-def _value_at(values: list[str], place: re.Match[str]) -> str:
-    return values[int(place[1])]
+def _names_no_entry(message: Message) -> bool:
+    """Whether a message names an option that the panel has no entry for."""
+    from ..core.errors import OptionName
 
-
-@lru_cache(maxsize=1)
-def _templates() -> tuple[tuple[tuple[str, ...], str], ...]:
-    """Messages with places for values, each after its fixed parts; those with the most fixed words first."""
-    texts = json.loads((_FOLDER / "messages.json").read_text(encoding="utf-8"))
-    # Every other part is the number of a place.
-    found = [(tuple(_PLACE.split(text)[::2]), text) for text in texts if _PLACE.search(text)]
-    found.sort(key=lambda one: -sum(map(len, one[0])))
-    return tuple(found)
-
-
-def _values(fixed: tuple[str, ...], text: str) -> list[str] | None:
-    """Values that stand in a text between the fixed parts of a message; None where it is no such message.
-
-    Each is the shortest that fits, from left to right. Not a pattern: one with several places takes time that grows
-    with a power of the text's length.
-    """
-    first, *between, last = fixed
-    begin, end = len(first), len(text) - len(last)
-    if begin > end or not text.startswith(first) or not text.endswith(last):
-        return None
-    values = []
-    if between and fixed[:2] == ("", " "):
-        # What is wrong with its value after it: words, and the value is one word.
-        at = end
-        for part in reversed(between):
-            at = text.rfind(part, 0, at)
-            if at < 0:
-                return None
-        values.append(text[:at])
-        begin = at + len(between.pop(0))
-    for part in between:
-        at = text.find(part, begin, end)
-        if at < 0:
-            return None
-        values.append(text[begin:at])
-        begin = at + len(part)
-    return [*values, text[begin:end]]
+    return any(isinstance(value, OptionName) and not option_label(value.name) for value in message.values)

@@ -39,14 +39,14 @@ class Planner(QObject):
     -------
     planned(object)
         `Planned`, of the latest request.
-    costed(object, str)
+    costed(object, object)
         The same, and what its methods were timed at; after `planned`.
     refused(object)
         The error of the latest request.
     """
 
     planned = pyqtSignal(object)
-    costed = pyqtSignal(object, str)
+    costed = pyqtSignal(object, object)
     refused = pyqtSignal(object)
 
     def __init__(self, parent: QObject | None = None) -> None:
@@ -100,7 +100,7 @@ def _plan(
     from .sources import costs_of
 
     steps = plan(mission, find_grid())
-    return None if overtaken() else Planned(mission, steps, estimate(steps, costs_of(mission.source)))
+    return None if overtaken() else Planned(mission, steps, estimate(steps, costs_of(mission.imagery.source)))
 
 
 def _time(planned: Planned, _overtaken: Callable[[], bool]) -> str:
@@ -111,4 +111,4 @@ def _time(planned: Planned, _overtaken: Callable[[], bool]) -> str:
     if int(plan.width_px[0]) * int(plan.height_px[0]) > _MOST_TIMED_PX:
         return tr("not timed, as the pictures are large")
     # A copy: what the plan keeps of its views belongs to whoever captures it.
-    return timed_cost(replace(plan)).text(len(plan) * len(planned.mission.map_types))
+    return timed_cost(replace(plan)).text(len(plan) * len(planned.mission.imagery.map_types))

@@ -58,17 +58,16 @@ def grid_of(mission: Mission) -> PixelGrid:
         For the field ``source`` or ``date``, where there is no such source.
     """
     try:
-        if is_of_qgis(mission.source):
-            return grid_of_layers(mission.source, QgsProject.instance())
-        return _named(mission.source, _options(mission)).grid
+        if is_of_qgis(mission.imagery.source):
+            return grid_of_layers(mission.imagery.source, QgsProject.instance())
+        return _named(mission.imagery.source, _options(mission)).grid
     except (InvalidInput, SourceError) as wrong:
-        field = "date" if str(wrong).startswith("date ") else "source"
-        raise FormError({field: translate(wrong).replace(" (--date)", "")}) from wrong
+        raise FormError({"date" if wrong.field == "date" else "source": translate(wrong)}) from wrong
 
 
 def grid_finder(mission: Mission) -> Callable[[], PixelGrid]:
     """Return what gives `grid_of` on any thread; made on the main thread, which the project's layers belong to."""
-    if not (is_of_qgis(mission.source) or is_connection(mission.source)):
+    if not (is_of_qgis(mission.imagery.source) or is_connection(mission.imagery.source)):
         return lambda: grid_of(mission)
     try:
         grid = grid_of(mission)
@@ -114,7 +113,11 @@ def snapshot_for(mission: Mission) -> Snapshot | None:
     InvalidInput
         Where the project has no such layer.
     """
-    return take_snapshot(mission.source, QgsProject.instance()) if is_of_qgis(mission.source) else None
+    return (
+        take_snapshot(mission.imagery.source, QgsProject.instance())
+        if is_of_qgis(mission.imagery.source)
+        else None
+    )
 
 
 def open_for_capture(
@@ -138,7 +141,7 @@ def open_for_capture(
         cache=Settings().tile_cache(),
         placeholders=(*Settings().missing_tiles, *placeholders),
     )
-    return _named(mission.source, options).open()
+    return _named(mission.imagery.source, options).open()
 
 
 def transport_for(source: str, connections: int | None = None) -> QgisTransport:
@@ -211,7 +214,10 @@ def _options(mission: Mission, **how: Any) -> SourceOptions:
     from ..core.imagery.opening import SourceOptions
 
     return SourceOptions(
-        seed=mission.seed, date=mission.date or None, connections=Settings().connections, **how
+        seed=mission.imagery.seed,
+        date=mission.imagery.date or None,
+        connections=Settings().connections,
+        **how,
     )
 
 
@@ -231,10 +237,10 @@ def terms_problem(mission: Mission, requests: int) -> tuple[str, bool] | None:
     from ..core.imagery.catalogue import alternatives
     from ..core.imagery.policy import TermsError
 
-    if is_of_qgis(mission.source):
-        terms = policies_of_layers(mission.source, QgsProject.instance())
+    if is_of_qgis(mission.imagery.source):
+        terms = policies_of_layers(mission.imagery.source, QgsProject.instance())
     else:
-        source = _named(mission.source, _options(mission))
+        source = _named(mission.imagery.source, _options(mission))
         terms = [(source.policy, source.title)]
     try:
         for policy, title in terms:
@@ -255,8 +261,10 @@ def terms_problem(mission: Mission, requests: int) -> tuple[str, bool] | None:
         return quoted, True
     bounds = mission.area.bounds
     east_deg = bounds.east_deg + (360.0 if bounds.east_deg < bounds.west_deg else 0.0)
-    others = alternatives(mission.map_types, (bounds.west_deg, bounds.south_deg, east_deg, bounds.north_deg))
-    instead = ", ".join(other.partition(" (")[0] for other in others)
+    others = alternatives(
+        mission.imagery.map_types, (bounds.west_deg, bounds.south_deg, east_deg, bounds.north_deg)
+    )
+    instead = ", ".join(map(translate, others))
     return quoted + html.escape(tr("Sources that allow it: {names}.").format(names=instead)), False
 
 

@@ -20,7 +20,7 @@ from typing import Any, Generic, TypeVar
 from qgis.core import QgsApplication, QgsCoordinateReferenceSystem, QgsTask
 from qgis.PyQt.QtCore import QObject, QTimer, pyqtSignal
 
-from ..core.errors import Cancelled, TerrAInavError
+from ..core.errors import Cancelled, Message, TerrAInavError
 from .compat import TASK_FLAGS
 from .i18n import tr
 
@@ -51,7 +51,7 @@ class Task(QgsTask):
         hold_crs()
         # QGIS shows it in a tooltip, which finds out by itself whether it is HTML.
         super().__init__(description.replace("<", "‹"), TASK_FLAGS)
-        self.error = ""
+        self.error: str = ""
         self.trace = ""
 
     def work(self) -> None:
@@ -76,7 +76,7 @@ class Task(QgsTask):
             # Asked for: QGIS would say that the task has failed.
             return True
         except TerrAInavError as wrong:
-            self.error = str(wrong)
+            self.error = Message(wrong)
         except Exception as wrong:  # noqa: BLE001  an exception that leaves run() ends QGIS; it is reported instead
             self.error = tr("unexpected error: {error}").format(error=repr(wrong))
             self.trace = traceback.format_exc()
@@ -168,7 +168,7 @@ class LatestWorker(QObject):
 
 def reason_of(error: BaseException) -> str:
     """Why work has failed: in words, or as Python has it where that should not have happened."""
-    return str(error) if isinstance(error, TerrAInavError) else repr(error)
+    return Message(error) if isinstance(error, TerrAInavError) else repr(error)
 
 
 def single_shot(act: Callable[[], None], parent: QObject, pause_ms: int = 0) -> QTimer:

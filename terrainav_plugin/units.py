@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from ..core.mission.estimate import area_text as metric_area_text
 from ..core.mission.estimate import length_text as metric_length_text
-from .i18n import localized, number_text, tr
+from .i18n import number_text, tr, translate
 
 METRES, FEET = "m", "ft"
 _FT_PER_MILE, _INCHES_PER_FT = 5280.0, 12.0
@@ -17,7 +17,7 @@ M_PER_FT = 0.3048
 def length_text(value_m: float, unit: str) -> str:
     """Length in the unit that suits it: of kilometres to millimetres, or of miles, feet and inches."""
     if unit != FEET:
-        return localized(metric_length_text(value_m))
+        return translate(metric_length_text(value_m))
     feet = value_m / M_PER_FT
     if feet >= _FT_PER_MILE:
         return f"{_number(feet / _FT_PER_MILE)} mi"
@@ -27,7 +27,7 @@ def length_text(value_m: float, unit: str) -> str:
 def gsd_text(value_m: float, unit: str) -> str:
     """Ground sample distance: in inches with feet, however many."""
     if unit != FEET:
-        return localized(metric_length_text(value_m))
+        return translate(metric_length_text(value_m))
     inches = value_m / M_PER_FT * _INCHES_PER_FT
     return f"{_number(inches)} in" if inches < _FT_PER_MILE else length_text(value_m, unit)
 
@@ -35,7 +35,7 @@ def gsd_text(value_m: float, unit: str) -> str:
 def area_text(value_m2: float, unit: str) -> str:
     """Area in km² or m², or in square miles or acres."""
     if unit != FEET:
-        return localized(metric_area_text(value_m2))
+        return translate(metric_area_text(value_m2))
     acres = value_m2 / _M2_PER_ACRE
     return (
         tr("{count} sq mi").format(count=_number(acres / _ACRES_PER_SQ_MI))

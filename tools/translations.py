@@ -1,8 +1,8 @@
 """Keeps the translations of what users of the plugin read: ``resources/i18n/terrainav_LANGUAGE.ts``.
 
-The words are found in the source itself: the texts given to ``tr`` in the plugin, and the messages and words of the
-core that the plugin shows, whose places for values become ``{0}``, ``{1}`` and so on. pylupdate knows neither a ``tr``
-that is a function of its own nor f-strings. The files are Qt Linguist's, and Qt's ``lrelease`` compiles them.
+The texts are found in the source itself: those given to ``tr`` in the plugin, and the templates of the core's messages
+and errors, with their places for values (``{0}``, ``{1:g}``), as ``terrainav_plugin/i18n.py`` looks them up. pylupdate
+knows neither. The files are Qt Linguist's, and Qt's ``lrelease`` compiles them.
 
 Examples
 --------
@@ -17,140 +17,33 @@ from __future__ import annotations
 
 import argparse
 import ast
-import json
+import builtins
 import re
 import shutil
 import subprocess  # nosec B404
 import sys
 from collections.abc import Iterable, Iterator
 from functools import cache
-from itertools import count
 from pathlib import Path
 from xml.etree import ElementTree as ET  # nosec B405  only this project's own files are read
 from xml.sax.saxutils import escape, quoteattr  # nosec B406
 
 ROOT = Path(__file__).resolve().parent.parent
 FOLDER = ROOT / "resources" / "i18n"
-#: Texts of the core, which the plugin recognises in what it is told; see ``terrainav_plugin/i18n.py``.
-MESSAGES = FOLDER / "messages.json"
 LANGUAGES = ("es",)
 #: Contexts: texts of the plugin, and of the core.
 PLUGIN, CORE = "TerrAInav", "TerrAInav core"
-#: Rooms whose errors are told in the plugin, and not only by the command.
-TOLD = (
-    "core/capture",
-    "core/dataset",
-    "core/drawing.py",
-    "core/geodesy",
-    "core/imagery",
-    "core/mission",
-    "core/picture",
-    "core/report",
-    "core/safe_json.py",
-    "core/unexpected.py",
-    "terrainav_plugin",
-)
-#: Modules in them of which the plugin makes no use.
+#: What only the command shows; all else of the core the plugin may.
 UNTOLD = (
+    "core/cli",
     "core/dataset/convert.py",
-    "core/dataset/loading/augment.py",
-    "core/dataset/loading/batches.py",
-    "core/dataset/loading/keras_loader.py",
-    "core/dataset/loading/torch_loader.py",
+    "core/dataset/loading",
     "core/dataset/vbn.py",
+    "core/pairs",
 )
-#: Modules whose texts are all for users: the parts of messages and figures, and reasons that others put into theirs.
-WORDS = (
-    "core/picture/cost.py",
-    "core/capture/pipeline.py",
-    "core/dataset/clean.py",
-    "core/dataset/entropy.py",
-    "core/dataset/dataset.py",
-    "core/dataset/table.py",
-    "core/geodesy/accuracy.py",
-    "core/imagery/cache/tilestore.py",
-    "core/imagery/entry.py",
-    "core/imagery/catalogue.py",
-    "core/imagery/policy.py",
-    "core/imagery/raster/source.py",
-    "core/imagery/services/capabilities.py",
-    "core/imagery/services/wms.py",
-    "core/imagery/source.py",
-    "core/mission/cameras.py",
-    "core/mission/coords.py",
-    "core/mission/estimate.py",
-    "core/mission/export/waypoints.py",
-    "core/mission/export/writing.py",
-    "core/mission/layout/framing.py",
-    "core/mission/methods.py",
-    "core/mission/mission.py",
-    "core/mission/layout/rotated.py",
-    "terrainav_plugin/network/answers.py",
-    "terrainav_plugin/network/worker.py",
-    "terrainav_plugin/qgis_source/renderer.py",
-    "terrainav_plugin/qgis_source/source.py",
-    "terrainav_plugin/settings.py",
-)
-#: Single words for users, which nothing tells apart from names, and phrases of modules that have other texts too.
-PHRASES = {
-    "core/imagery/http/client.py": (
-        " (tried {0} times)",
-        "{0}: not asked for, as the last {1} parts had no answer in time; resume later",
-    ),
-    "core/imagery/decode.py": (
-        "a WebP picture, which libwebp {0} would not read safely: install Pillow 10.0.1 or later",
-    ),
-    "core/imagery/placeholder.py": ("no imagery here: the provider's placeholder picture",),
-    "core/imagery/staticmap.py": ("picture at {0},{1} zoom {2}",),
-    "core/imagery/template.py": ("URL template",),
-    "core/imagery/mbtiles.py": ("the source was closed",),
-    "core/mission/estimate.py": (
-        "images",
-        "picture",
-        "coverage",
-        "imagery",
-        "tiles",
-        "download",
-        "files",
-        "time",
-        "warning",
-        "complete",
-        "complete but for missing imagery",
-    ),
-    "core/mission/methods.py": (
-        "footprint",
-        "picture",
-        "pixels",
-        "error",
-        "terrain",
-        "nothing",
-        "resampling",
-        "wind",
-    ),
-    "core/report/measure.py": (
-        "footprints",
-        "a picture",
-        "camera frames",
-        "resampling",
-        "file formats",
-        "wind",
-        "what was left out",
-    ),
-    "core/report/page.py": ("page",),
-}
-#: What the core says with a word in place of a value, and what Python says in its messages.
-BESIDES = (
-    "tilt {0} deg: must be from {1} to {2}",
-    "roll {0} deg: must be from {1} to {2}",
-    "{0} from {1} to now; {2}",
-    "date {0}: must be {1}, from {2} to now",
-    "could not convert string to float: {0}",
-)
-#: A text worth translating has a word in it, and is no query, markup or pattern.
+#: A text worth translating has a word in it.
 _WORD = re.compile(r"[A-Za-z]{2,}")
-_CODE = re.compile(r"^(SELECT|PRAGMA) |[<>\\|]|\n")
-_PLACE = re.compile(r"\{\d+\}")
-_FIELD = re.compile(r"(\{\w*\})")
+_PLACE = re.compile(r"\{\d+[^{}]*\}")
 
 Texts = dict[str, dict[str, list[str]]]
 
@@ -159,29 +52,15 @@ class TranslationError(Exception):
     """A text that cannot be extracted, or a file that cannot be read."""
 
 
-def templates_of(node: ast.expr) -> Iterator[str]:
-    """Yield the texts that an expression may give, with ``{0}``, ``{1}``, ... for the values in them."""
-    for parts in _variants(node):
-        places = count()
-        yield "".join(f"{{{next(places)}}}" if part is None else part for part in parts)
-
-
-def _variants(node: ast.expr) -> list[list[str | None]]:
-    """Parts of each text that an expression may give; None for a value."""
-    if isinstance(node, ast.Constant) and isinstance(node.value, str):
-        return [[node.value]]
-    if isinstance(node, ast.JoinedStr):
-        return [[str(part.value) if isinstance(part, ast.Constant) else None for part in node.values]]
-    if isinstance(node, ast.BinOp) and isinstance(node.op, ast.Add):
-        return [left + right for left in _variants(node.left) for right in _variants(node.right)]
+def texts_of(node: ast.expr) -> Iterator[str]:
+    """Yield the texts that an expression may give, where they stand there: others are found where they are made."""
     if isinstance(node, ast.IfExp):
-        return _variants(node.body) + _variants(node.orelse)
-    if isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute) and node.func.attr == "format":
-        return [
-            [None if place % 2 else part for place, part in enumerate(_FIELD.split(text))]
-            for text in templates_of(node.func.value)
-        ]
-    return [[None]]
+        yield from texts_of(node.body)
+        yield from texts_of(node.orelse)
+    elif isinstance(node, ast.Constant) and isinstance(node.value, str):
+        yield node.value
+    elif isinstance(node, (ast.JoinedStr, ast.BinOp)):
+        raise TranslationError("a text that is put together cannot be translated: give a template and values")
 
 
 def plugin_texts(path: Path) -> Iterator[str]:
@@ -196,28 +75,39 @@ def plugin_texts(path: Path) -> Iterator[str]:
 
 
 def core_texts(path: Path) -> Iterator[str]:
-    """Yield the messages of errors, and of modules in `WORDS` and `PHRASES` what these say."""
-    name, tree = path.relative_to(ROOT).as_posix(), _tree(path)
-    phrases = PHRASES.get(name, ())
-    left_out = _left_out(tree)
-    seen = set()
-    for node in ast.walk(tree):
-        if isinstance(node, ast.Call) and _names_error(node.func) and node.args:
-            yield from filter(_is_worded, templates_of(node.args[0]))
-        if id(node) in left_out or not isinstance(node, (ast.Constant, ast.JoinedStr)):
-            continue
-        for text in templates_of(node):
-            seen.add(text)
-            if text in phrases or (name in WORDS and _is_worded(text)):
-                yield text
-    if not seen.issuperset(phrases):
-        raise TranslationError(f"{name}: has no text {min(set(phrases) - seen)!r} any more")
+    """Yield the templates of messages, and of errors and their remedies."""
+    for call in ast.walk(_tree(path)):
+        if isinstance(call, ast.Call) and getattr(call.func, "id", "") == "declared":
+            yield from declared_texts(call)
+        if isinstance(call, ast.Call) and _makes_message(call.func):
+            remedies = [keyword.value for keyword in call.keywords if keyword.arg == "remedy"]
+            try:
+                for node in (*call.args[:1], *remedies):
+                    yield from filter(_is_worded, texts_of(node))
+            except TranslationError as wrong:
+                raise TranslationError(f"{path.relative_to(ROOT)}:{call.lineno}: {wrong}") from wrong
+
+
+def declared_texts(call: ast.Call) -> Iterator[str]:
+    """Yield what is said of a field of a mission where it is declared: title, help, and what its choices are called."""
+    for keyword in call.keywords:
+        if keyword.arg in ("title", "label", "help"):
+            yield from texts_of(keyword.value)
+        elif keyword.arg == "choices" and isinstance(keyword.value, ast.Dict):
+            for text in keyword.value.values:
+                yield from texts_of(text)
 
 
 def _is_worded(text: str) -> bool:
-    """Whether a text has words, and so is no name, number or mark."""
-    words = _PLACE.sub("", text)
-    return " " in text.strip() and _WORD.search(words) is not None and not _CODE.search(words)
+    """Whether a text has words, and so is more than places and marks."""
+    return _WORD.search(_PLACE.sub("", text)) is not None
+
+
+def _makes_message(function: ast.expr) -> bool:
+    """Whether a function's first argument is a template: `Message` and errors of our own."""
+    name = getattr(function, "id", getattr(function, "attr", ""))
+    own = name.endswith("Error") and not hasattr(builtins, name)
+    return own or name in ("Message", "InvalidInput", "Cancelled", "OutOfReach", "NotThere")
 
 
 @cache
@@ -231,36 +121,15 @@ def _translated_calls(path: Path) -> Iterator[ast.Call]:
             yield node
 
 
-def _left_out(tree: ast.Module) -> set[int]:
-    """Nodes that are no texts of their own: documentation, parts of f-strings, what ``tr`` takes, ``__repr__``."""
-    found: set[int] = set()
-    for node in ast.walk(tree):
-        if isinstance(node, ast.Expr):
-            found.add(id(node.value))
-        elif isinstance(node, ast.JoinedStr):
-            found.update(id(part) for part in node.values)
-        elif isinstance(node, ast.Call) and getattr(node.func, "id", "") == "tr":
-            found.update(id(part) for part in node.args)
-        elif isinstance(node, ast.FunctionDef) and node.name == "__repr__":
-            found.update(id(part) for part in ast.walk(node))
-    return found
-
-
-def _names_error(function: ast.expr) -> bool:
-    name = getattr(function, "id", getattr(function, "attr", ""))
-    return name in ("InvalidInput", "Cancelled") or name.endswith("Error")
-
-
 def found() -> Texts:
     """Texts by context, each with the files it is in."""
     texts: Texts = {PLUGIN: {}, CORE: {}}
     for path in sorted((ROOT / "terrainav_plugin").rglob("*.py")):
         _add(texts[PLUGIN], plugin_texts(path), path)
-    for room in TOLD:
-        for path in sorted((ROOT / room).rglob("*.py")) or [ROOT / room]:
-            if path.relative_to(ROOT).as_posix() not in UNTOLD:
+    for room in ("core", "terrainav_plugin"):
+        for path in sorted((ROOT / room).rglob("*.py")):
+            if not path.relative_to(ROOT).as_posix().startswith(UNTOLD):
                 _add(texts[CORE], core_texts(path), path)
-    _add(texts[CORE], BESIDES, Path(__file__).resolve())
     return texts
 
 
@@ -318,7 +187,6 @@ def update() -> None:
     FOLDER.mkdir(exist_ok=True)
     for language in LANGUAGES:
         write(language, texts, translated(language))
-    MESSAGES.write_text(json.dumps(list(texts[CORE]), indent=0, ensure_ascii=False) + "\n", encoding="utf-8")
 
 
 def places_of(text: str) -> list[str]:

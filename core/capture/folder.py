@@ -8,7 +8,7 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 from ..dataset.folder import FOOTPRINTS_FILE, JOURNAL_FILE, MISSION_FILE, PLAN_FILE, REJECTED_FOLDER
-from ..errors import InvalidInput, OutputError
+from ..errors import InvalidInput, Message, OptionName, OutputError
 from ..files import PARTIAL_ENDING, make_folder, open_locked, write_whole
 from ..mission.export import write_plan
 from ..mission.mission import Mission
@@ -37,7 +37,7 @@ def open_folder(folder: str | os.PathLike[str], mission: Mission, *, resume: boo
     wanted = mission.to_json().encode("utf-8")
     found = _mark_of(path)
     if found is None:
-        _refuse_foreign(path, mission.map_types)
+        _refuse_foreign(path, mission.imagery.map_types)
         # Of two runs that find the folder empty at the same time, one makes it its own and the other finds it so.
         with open_locked(path / JOURNAL_FILE):
             found = _mark_of(path)
@@ -45,12 +45,14 @@ def open_folder(folder: str | os.PathLike[str], mission: Mission, *, resume: boo
                 write_whole(path / MISSION_FILE, wanted, durable=True)
                 found, resume = wanted, True
     if not is_of(found, mission):
-        raise OutputError(f"folder {folder}: holds another mission; choose another folder")
+        raise OutputError("folder {0}: holds another mission", folder, remedy="choose another folder")
     if not resume:
         raise OutputError(
-            f"folder {folder}: already holds this mission; resume it (--resume) or choose another folder"
+            "folder {0}: already holds this mission",
+            folder,
+            remedy=Message("resume it{0} or choose another folder", OptionName("resume").in_brackets),
         )
-    for map_type in mission.map_types:
+    for map_type in mission.imagery.map_types:
         make_folder(path / map_type)
     return path
 
@@ -68,7 +70,9 @@ def check_captured(folder: str | os.PathLike[str]) -> None:
     path = Path(folder)
     if _mark_of(path) is None or not (path / JOURNAL_FILE).is_file():
         raise OutputError(
-            f"folder {folder}: holds no capture of this mission, so nothing of it has failed; capture it first"
+            "folder {0}: holds no capture of this mission, so nothing of it has failed",
+            folder,
+            remedy="capture it first",
         )
 
 
@@ -77,7 +81,7 @@ def _mark_of(path: Path) -> bytes | None:
     try:
         return mark.read_bytes() if mark.exists() else None
     except OSError as wrong:
-        raise OutputError(f"folder {path}: cannot read {MISSION_FILE} ({wrong.strerror})") from wrong
+        raise OutputError("folder {0}: cannot read {1} ({2})", path, MISSION_FILE, wrong.strerror) from wrong
 
 
 def _refuse_foreign(path: Path, map_types: Iterable[str]) -> None:
@@ -89,7 +93,11 @@ def _refuse_foreign(path: Path, map_types: Iterable[str]) -> None:
         # What a run makes comes after its mark: one that has begun meanwhile is told from foreign files by that.
         if _mark_of(path) is None:
             raise OutputError(
-                f"folder {path}: holds {name} but no {MISSION_FILE}, so it is not this mission's; choose another folder"
+                "folder {0}: holds {1} but no {2}, so it is not this mission's",
+                path,
+                name,
+                MISSION_FILE,
+                remedy="choose another folder",
             )
 
 
@@ -137,7 +145,10 @@ def remove_picture(folder: Path, endings: tuple[str, ...], name: str) -> None:
                 path.unlink(missing_ok=True)
             except OSError as wrong:
                 raise OutputError(
-                    f"file {path}: cannot be removed ({wrong.strerror}); close what shows it"
+                    "file {0}: cannot be removed ({1})",
+                    path,
+                    wrong.strerror,
+                    remedy="close what shows it",
                 ) from wrong
 
 
@@ -146,4 +157,4 @@ def _sizes(folder: Path) -> dict[str, int]:
         with os.scandir(folder) as entries:
             return {entry.name: entry.stat().st_size for entry in entries}
     except OSError as wrong:
-        raise OutputError(f"folder {folder}: cannot be read ({wrong.strerror})") from wrong
+        raise OutputError("folder {0}: cannot be read ({1})", folder, wrong.strerror) from wrong

@@ -63,10 +63,12 @@ class Georeference:
         edges = (self.west_m, self.south_m, self.east_m, self.north_m)
         if not (all(map(math.isfinite, edges)) and self.west_m < self.east_m and self.south_m < self.north_m):
             raise InvalidInput(
-                f"edges {edges} m (west, south, east, north): need west < east and south < north"
+                "edges {0} m (west, south, east, north): need west < east and south < north", edges
             )
         if self.width_px < 1 or self.height_px < 1:
-            raise InvalidInput(f"picture of {self.width_px} x {self.height_px} px: needs a pixel at least")
+            raise InvalidInput(
+                "picture of {0} x {1} px: needs a pixel at least", self.width_px, self.height_px
+            )
 
     @property
     def pixel_size_m(self) -> tuple[float, float]:
@@ -148,7 +150,7 @@ class ControlPoints:
                 (1.0 - y) / 2.0 * height_px,
                 np.array(lon),
                 np.array(lat),
-                np.full(len(x), mission.ground_height_m),
+                np.full(len(x), mission.flight.ground_height_m),
             )
             found = np.stack(columns, axis=1)[hit]
             if len(found) >= _FEWEST:

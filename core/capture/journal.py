@@ -130,7 +130,7 @@ class Journal:
         except FileNotFoundError:
             return
         except OSError as wrong:
-            raise OutputError(f"journal {self._path}: cannot be read ({wrong.strerror})") from wrong
+            raise OutputError("journal {0}: cannot be read ({1})", self._path, wrong.strerror) from wrong
 
     def _take(self, line: bytes) -> None:
         """Take what a line says; of one that is longer than any of ours each piece is torn."""
@@ -169,7 +169,7 @@ class Journal:
     def add(self, outcome: Outcome) -> None:
         """Append an outcome."""
         if self._file is None:
-            raise OutputError(f"journal {self._path}: is not open")
+            raise OutputError("journal {0}: is not open", self._path)
         line = outcome.to_line()
         try:
             written = self._file.write(line)
@@ -183,4 +183,6 @@ class Journal:
         self.outcomes[outcome.map_type, outcome.name] = outcome
 
     def _unwritable(self, wrong: OSError) -> OutputError:
-        return OutputError(f"folder {self._path.parent}: cannot write {self._path.name} ({wrong.strerror})")
+        return OutputError(
+            "folder {0}: cannot write {1} ({2})", self._path.parent, self._path.name, wrong.strerror
+        )

@@ -90,7 +90,7 @@ def make_picture(job: PictureJob, parts: Sequence[Part], pixels: Mapping[Window,
 
 def exposures_of(plan: Plan) -> Exposures | None:
     """What the pictures' tags say of the camera, where their format has room for it."""
-    return Exposures(plan) if plan.mission.image_format == "jpg" else None
+    return Exposures(plan) if plan.mission.output.image_format == "jpg" else None
 
 
 def job_of(
@@ -104,8 +104,8 @@ def job_of(
     """Job of one capture; with ``exposures`` its picture is tagged as a drone's."""
     mission = plan.mission
     width, height = int(plan.width_px[index]), int(plan.height_px[index])
-    if mission.img_size:
-        width, height = mission.img_size[:2]
+    if mission.output.img_size:
+        width, height = mission.output.img_size[:2]
     shot = shot_of(plan, index)
     place: Place
     if plan.size_px is None:
@@ -117,11 +117,11 @@ def job_of(
     return PictureJob(
         index,
         folder,
-        mission.image_format,
-        mission.img_size,
+        mission.output.image_format,
+        mission.output.img_size,
         shot,
         # The channels that were asked for are the channels that are written, and a JPEG has no room for a mask.
-        plan.masked and mission.img_size is None and mission.image_format != "jpg",
+        plan.masked and mission.output.img_size is None and mission.output.image_format != "jpg",
         place,
         Description(
             name=plan.names[index],
@@ -148,8 +148,8 @@ def _effective_gsd_m(plan: Plan, index: int) -> float:
         lat = np.asarray(plan.lat_deg[index])
         own = mission.camera.ground_size_m(float(plan.agl_m[index]))[0] / plan.size_px[0]
         zoom = sampled_zooms(mission, grid)[1]
-    if mission.img_size is not None:
-        own *= float(plan.width_px[index]) / mission.img_size[0]
+    if mission.output.img_size is not None:
+        own *= float(plan.width_px[index]) / mission.output.img_size[0]
     return max(own, float(grid.ground_m_per_px(lat, min(zoom, grid.native_zoom))))
 
 
@@ -162,7 +162,7 @@ def _camera_metadata(plan: Plan, shot: Window | Shot) -> tuple[tuple[str, str], 
         ("FRAME", "camera"),
         ("FOV_DEG", repr(degrees(camera.fov_deg))),
         ("ASPECT_RATIO", repr(figure(camera.aspect_ratio))),
-        ("GROUND_HEIGHT_M", repr(figure(plan.mission.ground_height_m))),
+        ("GROUND_HEIGHT_M", repr(figure(plan.mission.flight.ground_height_m))),
         ("RESAMPLING", shot.kernel),
         ("SKY_SHARE", repr(figure(shot.view.sky_share))),
         ("ERROR_BOUND_PX", repr(figure(plan.accuracy.bound_px))),
@@ -186,10 +186,12 @@ def table_of(plan: Plan, source: Source, outcomes: Mapping[str, Outcome]) -> Tab
     poses = plan.poses.take(at)
     unknown = np.full(len(at), np.nan)
     nominal = Poses(*(unknown,) * 6) if plan.nominal is None else plan.nominal.take(at)
-    if plan.mission.img_size:
-        image_width, image_height = (np.full(len(at), float(size)) for size in plan.mission.img_size[:2])
+    if plan.mission.output.img_size:
+        image_width, image_height = (
+            np.full(len(at), float(size)) for size in plan.mission.output.img_size[:2]
+        )
     return Table(
-        img_names=tuple(f"{row.name}.{plan.mission.image_format}" for row in rows),
+        img_names=tuple(f"{row.name}.{plan.mission.output.image_format}" for row in rows),
         columns=plan.column[at],
         rows=plan.row[at],
         lat_deg=centre_lat[at],

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from ..dataset.folder import JOURNAL_FILE, TABLE_FILE
 from ..dataset.table import other_columns
-from ..errors import InvalidInput, OutputError, PartError
+from ..errors import InvalidInput, Message, OutputError, PartError
 from ..imagery.placeholder import PLACEHOLDER_REASON, Provided, Received, Repeats, corner
 from ..imagery.source import Part, Source, Window
 from ..limits import MAX_PICTURES_AT_ONCE_PX
@@ -111,7 +111,7 @@ def capture(
         write_plan_files(path, plan)
         complete = all(
             run.capture_map_type(map_type, connections, workers or os.cpu_count() or 1)
-            for map_type in plan.mission.map_types
+            for map_type in plan.mission.imagery.map_types
         )
     return run.result(listener.active_s(), cancelled=not complete)
 
@@ -211,21 +211,23 @@ class CaptureResult:
 
 
 def _check(plan: Plan, source: Source, connections: int, workers: int | None) -> None:
-    for count, what in ((connections, "connections"), (workers, "workers")):
+    for count, what in ((connections, Message("connections")), (workers, Message("workers"))):
         if count is not None and count < 1:
-            raise InvalidInput(f"{count} {what}: must be 1 or more")
+            raise InvalidInput("{0} {1}: must be 1 or more", count, what)
     if source.grid != plan.grid:
         raise InvalidInput(
-            f"plan is for another pixel grid than that of {source.title}: plan with the source's own"
+            "plan is for another pixel grid than that of {0}: plan with the source's own", source.title
         )
-    for map_type in plan.mission.map_types:
+    for map_type in plan.mission.imagery.map_types:
         if source.map_types and map_type not in source.map_types:
-            raise InvalidInput(f"map type {map_type!r}: {source.title} has {', '.join(source.map_types)}")
+            raise InvalidInput(
+                "map type {0!r}: {1} has {2}", map_type, source.title, ", ".join(source.map_types)
+            )
 
 
 def _largest_px(plan: Plan) -> int:
     """Pixels of the largest picture, as it is planned or as it is resized to."""
-    width, height, _ = plan.mission.img_size or (1, 1, 1)
+    width, height, _ = plan.mission.output.img_size or (1, 1, 1)
     return max(int((plan.width_px * plan.height_px).max()), width * height)
 
 
@@ -235,7 +237,7 @@ def _chosen(plan: Plan, only: Iterable[int] | None) -> Numbers:
     chosen = np.unique(np.array(list(only), np.int64))
     outside = chosen[(chosen < 0) | (chosen >= len(plan))]
     if len(outside):
-        raise InvalidInput(f"capture {outside[0]} of the plan: it has 0 to {len(plan) - 1}")
+        raise InvalidInput("capture {0} of the plan: it has 0 to {1}", outside[0], len(plan) - 1)
     return chosen
 
 
@@ -312,11 +314,11 @@ class _Run:
     ) -> None:
         self._plan, self._source, self._folder = plan, source, folder
         self._journal, self._listener = journal, listener
-        self._map_types = plan.mission.map_types
+        self._map_types = plan.mission.imagery.map_types
         self._done = self._requests = self._unique_parts = 0
         self._failures: list[tuple[int, int, Failure]] = []
         self._repeated: list[Repeat] = []
-        self._endings = file_endings(plan.mission.image_format, on_map=plan.size_px is None)
+        self._endings = file_endings(plan.mission.output.image_format, on_map=plan.size_px is None)
         self._outcomes = self._known_outcomes()
         self._drop_placeholders()
         self._other_columns = {
@@ -340,8 +342,11 @@ class _Run:
             foreign = min(set(outcomes) - names, default=None)
             if foreign is not None:
                 raise OutputError(
-                    f"folder {self._folder}: holds this mission with other pictures, such as {foreign}, because the "
-                    "source or the version was another; choose another folder"
+                    "folder {0}: holds this mission with other pictures, such as {1}, because the "
+                    "source or the version was another",
+                    self._folder,
+                    foreign,
+                    remedy="choose another folder",
                 )
             there = complete_pictures(self._folder / map_type, self._endings, outcomes)
             known[map_type] = {n: o for n, o in outcomes.items() if o.status == FAILED or n in there}
@@ -407,7 +412,7 @@ class _Run:
         folder, outcomes = self._folder / map_type, self._outcomes[map_type]
         table = table_of(self._plan, self._source, outcomes)
         table.with_other(self._other_columns[map_type]).save(folder / TABLE_FILE)
-        if self._plan.mission.image_format == "jpg":
+        if self._plan.mission.output.image_format == "jpg":
             there = [
                 index
                 for index in range(len(self._plan))
@@ -435,7 +440,7 @@ class _Run:
         """Enter what became of a picture."""
         map_type, name = job.description.map_type, job.description.name
         if isinstance(result, PartError):
-            outcome = Outcome(map_type, name, reason=str(result))
+            outcome = Outcome(map_type, name, reason=Message(result))
             failure = Failure(map_type, name, outcome.reason)
             self._failures.append((self._map_types.index(map_type), job.index, failure))
         else:

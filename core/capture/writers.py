@@ -200,8 +200,10 @@ def _segment(mark: bytes, data: bytes) -> bytes:
     length = _LENGTH_BYTES + len(mark) + len(data)
     if length > _LONGEST_SEGMENT:
         raise InvalidInput(
-            f"description of a picture in {len(data)} bytes: a JPEG has room for {_LONGEST_SEGMENT - len(mark)}; "
-            "choose tif or png, or shorten the source's attribution"
+            "description of a picture in {0} bytes: a JPEG has room for {1}",
+            len(data),
+            _LONGEST_SEGMENT - len(mark),
+            remedy="choose tif or png, or shorten the source's attribution",
         )
     return b"".join([_APP1, length.to_bytes(_LENGTH_BYTES, "big"), mark, data])
 

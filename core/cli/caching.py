@@ -20,7 +20,7 @@ def opened_cache(values: dict[str, Any]) -> TileCache | None:
     """Cache that the options of a run ask for; None for none."""
     limit_mb = values["cache_limit"]
     if limit_mb is not None and limit_mb < 1:
-        raise InvalidInput(f"cache limit {limit_mb} MB: must be 1 or more; --no-cache keeps nothing")
+        raise InvalidInput("cache limit {0} MB: must be 1 or more; --no-cache keeps nothing", limit_mb)
     if values["no_cache"]:
         return None
     _check_folder(values["cache_dir"])

@@ -50,7 +50,9 @@ def _settings(arguments: argparse.Namespace) -> tuple[Mission, dict[str, Any]]:
     for name, value in given.items():
         if value is not None and name not in RUN_OPTIONS:
             raise InvalidInput(
-                f"mission file {arguments.mission_file!r} and --{name.replace('_', '-')}: give one of the two"
+                "mission file {0!r} and --{1}: give one of the two",
+                arguments.mission_file,
+                name.replace("_", "-"),
             )
     return Mission.load(arguments.mission_file), {**resolve(given, config=arguments.config), NAMED: False}
 
@@ -59,10 +61,10 @@ def _named(mission: Mission, values: dict[str, Any], cache: TileCache | None = N
     from ..imagery.opening import SourceOptions, named_source
 
     return named_source(
-        mission.source,
+        mission.imagery.source,
         SourceOptions(
-            seed=mission.seed,
-            date=mission.date or None,
+            seed=mission.imagery.seed,
+            date=mission.imagery.date or None,
             connections=values["connections"],
             cache=cache,
             placeholders=tuple(values["placeholder"] or ()),
@@ -88,7 +90,7 @@ def _check_terms(worked_out: Plan, source: Source, requests: int, accept_terms: 
         source,
         requests,
         accept_terms=accept_terms,
-        map_types=worked_out.mission.map_types,
+        map_types=worked_out.mission.imagery.map_types,
         bounds_deg=_bounds_deg(worked_out),
     )
 
@@ -108,7 +110,7 @@ def _print_summary(worked_out: Plan, source: NamedSource, values: dict[str, Any]
         return
     lines = [("source", source.title + (f", {source.date}" if source.date else ""))]
     if not source.is_local:
-        needed = worked_out.requests * len(worked_out.mission.map_types)
+        needed = worked_out.requests * len(worked_out.mission.imagery.map_types)
         more = f"; this mission takes {needed:,}" if policy.stops(needed) else ""
         lines.append(("terms", f"{policy.licence or 'licence not stated'}; {policy.text()}{more}"))
     for label, text in [*lines, *summary.lines(), ("cost", cost.text(len(worked_out)))]:
@@ -202,7 +204,9 @@ def _run(
     from ..mission.plan import plan
 
     worked_out = plan(mission, source.grid)
-    _check_terms(worked_out, source, worked_out.requests * len(mission.map_types), arguments.accept_terms)
+    _check_terms(
+        worked_out, source, worked_out.requests * len(mission.imagery.map_types), arguments.accept_terms
+    )
     try:
         result = capture(
             worked_out,
@@ -217,7 +221,7 @@ def _run(
     finally:
         bar.close()
     if not source.map_types:
-        kinds = ", ".join(mission.map_types)
+        kinds = ", ".join(mission.imagery.map_types)
         print(f"{printable(source.title)} has one kind of picture; it is written as {kinds}", file=sys.stderr)
     return result
 

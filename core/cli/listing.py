@@ -62,7 +62,7 @@ def _show(arguments: argparse.Namespace) -> int:
             print(json.dumps([{"name": layer.name, "title": layer.title} for layer in offered], indent=1))
             return DONE
         if not offered:
-            raise SourceError(f"{arguments.source}: offers no layers")
+            raise SourceError("{0}: offers no layers", arguments.source)
         for layer in offered:
             print(printable(f"{layer.name:{_COLUMN}s} {layer.title}"))
         return DONE

@@ -65,7 +65,7 @@ def _opened(
 
         if workers:
             raise InvalidInput(
-                f"workers {workers}: must be 0 with keras, which starts its own when it trains"
+                "workers {0}: must be 0 with keras, which starts its own when it trains", workers
             )
         of_keras = keras_loader.KerasDataset(arguments.folder, size, **choice)
         return of_keras.samples, (of_keras[index] for index in range(len(of_keras)))
@@ -81,7 +81,10 @@ def _augmentation(arguments: argparse.Namespace) -> Augmentation | str | None:
     contrast, brightness = arguments.contrast, arguments.brightness
     if arguments.no_augment:
         if contrast is not None or brightness is not None:
-            raise InvalidInput("--no-augment: goes with neither --contrast nor --brightness; leave one out")
+            raise InvalidInput(
+                "--no-augment: goes with neither --contrast nor --brightness",
+                remedy="leave one out",
+            )
         return None
     if contrast is None and brightness is None:
         return "auto"

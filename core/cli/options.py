@@ -113,16 +113,13 @@ def _add_mission_options(command: argparse.ArgumentParser) -> None:
     )
     for option in OPTIONS:
         name = "--" + option.name.replace("_", "-")
-        default = option.default
-        shown = " ".join(map(str, default)) if isinstance(default, tuple) else default
-        text = option.help + (f" (default {shown})" if default not in (None, False) else "")
         if option.flag:
-            group.add_argument(name, action="store_true", default=None, help=text)
+            group.add_argument(name, action="store_true", default=None, help=option.told)
             continue
         low, high = option.count or (1, 1)
         many: Any = None if option.count is None else high if low == high else "+"
         metavar = option.metavar or (f"{{{','.join(option.choices)}}}" if option.choices else None)
-        group.add_argument(name, nargs=many, metavar=metavar if many != "+" else None, help=text)
+        group.add_argument(name, nargs=many, metavar=metavar if many != "+" else None, help=option.told)
 
 
 def _add_sources(commands: Any) -> None:

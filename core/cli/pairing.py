@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 from ..errors import InvalidInput
 from ..files import is_there
+from ..geodesy.lens import Lens
+from ..map_types import MAP_TYPES
 from ..mission.options import OPTIONS, Option
 from .caching import opened_cache
 from .exits import DONE, INCOMPLETE, exit_code
@@ -29,7 +31,6 @@ _SHARED = (
     *("source", "map_type", "date", "seed", "camera", "fov", "upsample", "ground_height", "error_budget"),
     *("accept_error", "resampling", "connections", "placeholder", "cache_dir", "cache_limit", "no_cache"),
 )
-_DEFAULT_FOV_DEG = 78.8
 _HELP = """
 PLACES is a file of lines `lat lon` or `lat lon name` (the paper's `lat lon agl` too, whose heights are not used), or
 a box "latTL_lonTL_latBR_lonBR" with --count; write a box that begins with a minus with spaces: "-33.8 18.4 -34.0 18.7".
@@ -123,19 +124,19 @@ def _add_shared(group: Any) -> None:
     for option in _shared_options():
         name = "--" + option.name.replace("_", "-")
         if option.flag:
-            group.add_argument(name, action="store_true", default=None, help=option.help)
+            group.add_argument(name, action="store_true", default=None, help=option.told)
         else:
             group.add_argument(name, metavar=option.metavar, help=_help_of(option))
 
 
 def _help_of(option: Option) -> str:
     if option.name == "map_type":
-        return "one of satellite, roadmap, terrain (default satellite)"
+        return f"one of {', '.join(MAP_TYPES)} (default {MAP_TYPES[0]})"
     if option.name == "camera":
         return "camera by name (see terrainav cameras) instead of --fov, with its own aspect ratio"
     if option.name == "fov":
-        return "diagonal field of view of a square picture in degrees (78.8)"
-    return option.help + (f" (default {option.default})" if option.default is not None else "")
+        return f"diagonal field of view of a square picture in degrees ({Lens.fov_deg})"
+    return option.told
 
 
 def _shared_options() -> list[Option]:
@@ -191,10 +192,10 @@ def _settings(arguments: argparse.Namespace, values: dict[str, Any]) -> PairSett
 
     (map_type,) = values["map_type"] if len(values["map_type"]) == 1 else (None,)
     if map_type is None:
-        raise InvalidInput(f"map types {' '.join(values['map_type'])}: pairs are of one")
+        raise InvalidInput("map types {0}: pairs are of one", " ".join(values["map_type"]))
     if values["camera"] is not None and values["fov"] is not None:
-        raise InvalidInput(f"camera {values['camera']!r} and fov {values['fov']:g}: give one of the two")
-    fov_deg = _DEFAULT_FOV_DEG if values["fov"] is None else values["fov"]
+        raise InvalidInput("camera {0!r} and fov {1:g}: give one of the two", values["camera"], values["fov"])
+    fov_deg = Camera.fov_deg if values["fov"] is None else values["fov"]
     more: dict[str, Any] = {} if arguments.split is None else {"shares": tuple(arguments.split)}
     return PairSettings(
         views=_views(arguments),
@@ -222,7 +223,10 @@ def _views(arguments: argparse.Namespace) -> tuple[View, ...]:
     heights, tilts = arguments.heights or HEIGHTS_M, arguments.tilt or (DEFAULT_TILT_DEG,)
     if arguments.yaws is not None:
         if arguments.rounds is not None:
-            raise InvalidInput("--yaws and --rounds: rings have no rounds; give --views for a spiral")
+            raise InvalidInput(
+                "--yaws and --rounds: rings have no rounds",
+                remedy="give --views for a spiral",
+            )
         return rings(heights, arguments.yaws, tilts)
     count = VIEWS if arguments.views is None else arguments.views
     rounds = min(ROUNDS, count) if arguments.rounds is None else arguments.rounds
@@ -237,11 +241,11 @@ def _places(arguments: argparse.Namespace, settings: PairSettings) -> tuple[Plac
     if is_there(text):
         if arguments.count is not None or arguments.spacing is not None:
             option = "count" if arguments.count is not None else "spacing"
-            raise InvalidInput(f"--{option} and the file {text}: it is for places of a box")
+            raise InvalidInput("--{0} and the file {1}: it is for places of a box", option, text)
         return read_places(text)
     box = read_box(text)
     if arguments.count is None:
-        raise InvalidInput(f"box {text!r}: needs a number of places, --count")
+        raise InvalidInput("box {0!r}: needs a number of places, --count", text)
     return places_in_box(box, arguments.count, settings, arguments.spacing)
 
 

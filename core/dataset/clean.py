@@ -105,7 +105,7 @@ def clean(
         ``progress`` said so: to be finished by the next run, or taken back.
     """
     if not 0.0 <= threshold <= HIGHEST_ENTROPY:
-        raise InvalidInput(f"entropy {threshold}: must be from 0 to {HIGHEST_ENTROPY:g} bits")
+        raise InvalidInput("entropy {0}: must be from 0 to {1:g} bits", threshold, HIGHEST_ENTROPY)
     if plot is not None:
         check_matplotlib()
     with held(folder, only_read=dry_run):

@@ -93,26 +93,28 @@ def convert(
 
 def _check_places(source: Path, target: Path) -> None:
     if (source / MISSION_FILE).is_file():
-        raise InvalidInput(f"folder {source}: is a capture, whose tables are ours already")
+        raise InvalidInput("folder {0}: is a capture, whose tables are ours already", source)
     inner, outer = target.resolve(), source.resolve()
     if outer == inner or outer in inner.parents or inner in outer.parents:
-        raise InvalidInput(f"folder {target}: must lie outside {source}, which is left as it is")
+        raise InvalidInput("folder {0}: must lie outside {1}, which is left as it is", target, source)
     if inner == Path.cwd():
         raise InvalidInput(
-            f"folder {os.fspath(target)!r}: is the current one, which is in use; give a new one"
+            "folder {0!r}: is the current one, which is in use",
+            os.fspath(target),
+            remedy="give a new one",
         )
     try:
         if target.exists() and (not target.is_dir() or any(target.iterdir())):
-            raise OutputError(f"folder {target}: is there already; choose a new or empty folder")
+            raise OutputError("folder {0}: is there already", target, remedy="choose a new or empty folder")
     except OSError as wrong:
-        raise OutputError(f"folder {target}: cannot be read ({wrong.strerror})") from wrong
+        raise OutputError("folder {0}: cannot be read ({1})", target, wrong.strerror) from wrong
 
 
 def _converted(images: ImageSet, layout: str) -> Table:
     """Table with the sizes of the images, and their windows and poses where the layout tells them."""
     if not images.there.any():
         raise InvalidInput(
-            f"table {images.folder / TABLE_FILE}: names no image that is there; nothing to convert"
+            "table {0}: names no image that is there; nothing to convert", images.folder / TABLE_FILE
         )
     width, height = _sizes(images)
     status = tuple("done" if made else "failed" for made in images.there.tolist())
@@ -135,7 +137,7 @@ def _sizes(images: ImageSet) -> tuple[Floats, Floats]:
         except UNREADABLE:
             wrong.append(path.name)
     if wrong:
-        raise InvalidInput(f"folder {images.image_folder}: no images that can be read: {some(wrong)}")
+        raise InvalidInput("folder {0}: no images that can be read: {1}", images.image_folder, some(wrong))
     return sizes[:, 0], sizes[:, 1]
 
 
@@ -147,17 +149,19 @@ def _write(dataset: Dataset, tables: Mapping[str, Table], target: Path, progress
         partial.mkdir()
     except FileExistsError as wrong:
         raise OutputError(
-            f"folder {partial}: is left of an interrupted conversion, or another is at work; remove it"
+            "folder {0}: is left of an interrupted conversion, or another is at work",
+            partial,
+            remedy="remove it",
         ) from wrong
     except OSError as wrong:
-        raise OutputError(f"folder {partial}: cannot be made ({wrong.strerror})") from wrong
+        raise OutputError("folder {0}: cannot be made ({1})", partial, wrong.strerror) from wrong
     try:
         _fill(partial, dataset.image_sets, tables, progress)
         if target.exists():
             target.rmdir()
         os.replace(partial, target)
     except OSError as wrong:
-        raise OutputError(f"folder {target}: cannot be written ({wrong.strerror})") from wrong
+        raise OutputError("folder {0}: cannot be written ({1})", target, wrong.strerror) from wrong
     finally:
         shutil.rmtree(partial, ignore_errors=True)
 

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image, UnidentifiedImageError
 
-from ..errors import InvalidInput, OutputError
+from ..errors import InvalidInput, Message, OptionName, OutputError
 from .folder import (
     LAYOUTS,
     NAME,
@@ -106,7 +106,7 @@ class ImageSet:
             An image that is not there, cannot be read, or is not of the size that the table says.
         """
         if channels is not None and channels not in _MODES:
-            raise InvalidInput(f"channels {channels}: must be 1 or 3")
+            raise InvalidInput("channels {0}: must be 1 or 3", channels)
         image = open_image(self.path(index), said_px=self.said_px(index))
         mode = image.mode if channels is None else _MODES[channels]
         return np.asarray(image if image.mode == mode else image.convert(mode), np.uint8)
@@ -136,7 +136,9 @@ class Dataset:
     def image_set(self, map_type: str) -> ImageSet:
         """Images of a map type; raises InvalidInput where there are none, with those that are there."""
         if map_type not in self.image_sets:
-            raise InvalidInput(f"map type {map_type!r}: {self.folder} has {', '.join(self.image_sets)}")
+            raise InvalidInput(
+                "map type {0!r}: {1} has {2}", map_type, self.folder, ", ".join(self.image_sets)
+            )
         return self.image_sets[map_type]
 
 
@@ -163,7 +165,7 @@ def read_dataset(
     """
     path = Path(folder)
     if layout not in LAYOUTS:
-        raise InvalidInput(f"layout {layout!r}: must be one of {', '.join(LAYOUTS)}")
+        raise InvalidInput("layout {0!r}: must be one of {1}", layout, ", ".join(LAYOUTS))
     if layout == "VBN":
         table, images = read_vbn(path)
         return _only(
@@ -176,7 +178,7 @@ def read_dataset(
     sets = {key: _read_set(map_type_of(name), folders[name]) for key, name in wanted.items()}
     missing = [one for one in map_types or () if one not in keys]
     if missing:
-        raise InvalidInput(f"map type {missing[0]!r}: {folder} has {', '.join(keys)}")
+        raise InvalidInput("map type {0!r}: {1} has {2}", missing[0], folder, ", ".join(keys))
     return Dataset(path, layout, sets)
 
 
@@ -199,8 +201,15 @@ def _check_positions(table: Table, path: Path) -> None:
     if off.size:
         names = [table.img_names[row] for row in off.tolist()]
         raise InvalidInput(
-            f"table {path}: {some(names)} {'is' if len(names) == 1 else 'are'} not on the Earth, first at Lat "
-            f"{table.lat_deg[off[0]]:g}, Lon {table.lon_deg[off[0]]:g}; Lat must be within 90 degrees, Lon within 360"
+            "table {0}: {1} is not on the Earth, first at Lat {2:g}, Lon {3:g}; Lat must be within 90 degrees, "
+            "Lon within 360"
+            if len(names) == 1
+            else "table {0}: {1} are not on the Earth, first at Lat {2:g}, Lon {3:g}; Lat must be within 90 "
+            "degrees, Lon within 360",
+            path,
+            some(names),
+            table.lat_deg[off[0]],
+            table.lon_deg[off[0]],
         )
 
 
@@ -225,8 +234,11 @@ class Move:
             os.replace(self.origin, self.target)
         except OSError as wrong:
             raise OutputError(
-                f"file {self.origin}: cannot be moved to {self.target.parent} ({wrong.strerror}); run it again to "
-                "finish, or undo to put all back"
+                "file {0}: cannot be moved to {1} ({2})",
+                self.origin,
+                self.target.parent,
+                wrong.strerror,
+                remedy="run it again to finish, or undo to put all back",
             ) from wrong
 
 
@@ -248,8 +260,13 @@ class Images:
         twice = sorted(self._kept & (self._rejected | beside) | self._rejected & others)
         if twice:
             raise InvalidInput(
-                f"folder {folder}: {some(twice)} {_is(twice)} in it and in {REJECTED_FOLDER} as well; remove one "
-                "of the two"
+                "folder {0}: {1} is in it and in {2} as well"
+                if len(twice) == 1
+                else "folder {0}: {1} are in it and in {2} as well",
+                folder,
+                some(twice),
+                REJECTED_FOLDER,
+                remedy="remove one of the two",
             )
 
     def check(self, names: Sequence[str], there: NDArray[np.bool_]) -> None:
@@ -267,18 +284,29 @@ class Images:
         ]
         if foreign:
             raise InvalidInput(
-                f"folder {self._folder}: {foreign[0]!r} in the table is no name of a file in it"
+                "folder {0}: {1!r} in the table is no name of a file in it", self._folder, foreign[0]
             )
         stems = Counter(Path(name).stem for name in names)
         twice = [stem for stem, count in stems.items() if count > 1]
         if twice:
-            raise InvalidInput(f"folder {self._folder}: the table has {some(twice)} in more than one row")
+            raise InvalidInput(
+                "folder {0}: the table has {1} in more than one row", self._folder, some(twice)
+            )
         files = self._kept | self._rejected
         lost = [name for name, made in zip(names, there.tolist()) if made and name not in files]
         if lost:
             raise InvalidInput(
-                f"folder {self._folder}: {some(lost)} of the table {_is(lost)} not there; put "
-                f"{'it' if len(lost) == 1 else 'them'} back, or capture again (--resume)"
+                "folder {0}: {1} of the table is not there"
+                if len(lost) == 1
+                else "folder {0}: {1} of the table are not there",
+                self._folder,
+                some(lost),
+                remedy=Message(
+                    "put it back, or capture again{0}"
+                    if len(lost) == 1
+                    else "put them back, or capture again{0}",
+                    OptionName("resume").in_brackets,
+                ),
             )
         endings = {Path(name).suffix for name in names}
         unknown = sorted(
@@ -290,8 +318,15 @@ class Images:
         )
         if unknown:
             raise InvalidInput(
-                f"folder {self._folder}: {some(unknown)} {_is(unknown)} not in the table; finish the capture "
-                "(--resume), or remove what does not belong to it"
+                "folder {0}: {1} is not in the table"
+                if len(unknown) == 1
+                else "folder {0}: {1} are not in the table",
+                self._folder,
+                some(unknown),
+                remedy=Message(
+                    "finish the capture{0}, or remove what does not belong to it",
+                    OptionName("resume").in_brackets,
+                ),
             )
 
     def path(self, name: str) -> Path:
@@ -312,7 +347,10 @@ class Images:
         leaving, returning = set(out), set(back)
         if leaving and self._blocked:
             raise InvalidInput(
-                f"folder {self._folder}: {REJECTED_FOLDER} in it is no folder, which images are moved to; move it away"
+                "folder {0}: {1} in it is no folder, which images are moved to",
+                self._folder,
+                REJECTED_FOLDER,
+                remedy="move it away",
             )
         return (
             self._moves(self._kept, leaving, self._folder, self._folder / REJECTED_FOLDER),
@@ -361,7 +399,7 @@ def _files_and_others(folder: Path) -> tuple[set[str], set[str]]:
         with os.scandir(folder) as entries:
             kinds = {entry.name: entry.is_file() for entry in entries}
     except OSError as wrong:
-        raise InvalidInput(f"folder {folder}: cannot be read ({wrong.strerror})") from wrong
+        raise InvalidInput("folder {0}: cannot be read ({1})", folder, wrong.strerror) from wrong
     files = {name for name, is_file in kinds.items() if is_file}
     return files, kinds.keys() - files
 
@@ -369,11 +407,8 @@ def _files_and_others(folder: Path) -> tuple[set[str], set[str]]:
 def some(names: Sequence[str]) -> str:
     """The first names, and how many there are beside them."""
     more = len(names) - _NAMED
-    return ", ".join(names[:_NAMED]) + (f" and {more:,} more" if more > 0 else "")
-
-
-def _is(names: Sequence[str]) -> str:
-    return "is" if len(names) == 1 else "are"
+    first = ", ".join(names[:_NAMED])
+    return Message("{0} and {1:,} more", first, more) if more > 0 else first
 
 
 def open_image(
@@ -406,11 +441,14 @@ def open_image(
         with Image.open(io.BytesIO(Path(path).read_bytes())) as image:
             if image.mode not in _GREY + _COLOUR:
                 raise InvalidInput(
-                    f"image {path}: has pixels of Pillow's mode {image.mode}; 8-bit grey or colour would be right"
+                    "image {0}: has pixels of Pillow's mode {1}; 8-bit grey or colour would be right",
+                    path,
+                    image.mode,
                 )
             if image.format == "EPS":
                 raise InvalidInput(
-                    f"image {path}: is PostScript, a program that is not run; an image of pixels would be right"
+                    "image {0}: is PostScript, a program that is not run; an image of pixels would be right",
+                    path,
                 )
             _check_size(path, image, said_px)
             if img_size is None:
@@ -424,21 +462,28 @@ def open_image(
         raise
     except FileNotFoundError as wrong:
         raise InvalidInput(
-            f"image {path}: is not there; put it back, or capture it again (--resume)"
+            "image {0}: is not there",
+            path,
+            remedy=Message("put it back, or capture it again{0}", OptionName("resume").in_brackets),
         ) from wrong
     except UnidentifiedImageError as wrong:
-        raise InvalidInput(f"image {path}: cannot be read (of no format that Pillow knows)") from wrong
+        raise InvalidInput("image {0}: cannot be read (of no format that Pillow knows)", path) from wrong
     except UNREADABLE as wrong:
         # Of a compressed TIFF's pixels Pillow tells libtiff's number alone.
-        what = "its pixels are damaged or cut off" if re.fullmatch(r"-?\d+", str(wrong)) else wrong
-        raise InvalidInput(f"image {path}: cannot be read ({what})") from wrong
+        what = Message("its pixels are damaged or cut off") if re.fullmatch(r"-?\d+", str(wrong)) else wrong
+        raise InvalidInput("image {0}: cannot be read ({1})", path, what) from wrong
 
 
 def _check_size(path: str | os.PathLike[str], image: Image.Image, said_px: tuple[float, float]) -> None:
     if any(said == said and said != size for said, size in zip(said_px, image.size)):
         raise InvalidInput(
-            f"image {path}: has {image.width} x {image.height} px, and {said_px[0]:g} x {said_px[1]:g} px in the "
-            "table; capture it again, or put the table right"
+            "image {0}: has {1} x {2} px, and {3:g} x {4:g} px in the table",
+            path,
+            image.width,
+            image.height,
+            said_px[0],
+            said_px[1],
+            remedy="capture it again, or put the table right",
         )
 
 

@@ -46,8 +46,10 @@ def entropy(image: NDArray[np.uint8]) -> float:
     grey_or_rgb = image.ndim == 2 or (image.ndim == 3 and image.shape[2] == 3)
     if image.dtype != np.uint8 or not grey_or_rgb or image.size == 0:
         raise InvalidInput(
-            f"image of shape {image.shape} and type {image.dtype}: must be (height, width) or (height, width, 3) of "
-            "uint8 with at least one pixel"
+            "image of shape {0} and type {1}: must be (height, width) or (height, width, 3) of uint8 with "
+            "at least one pixel",
+            image.shape,
+            image.dtype,
         )
     grey = Image.fromarray(np.ascontiguousarray(image)) if image.ndim == 2 else _grey(image)
     # Adding 0 turns the -0 of a single level into 0.

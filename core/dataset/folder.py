@@ -59,20 +59,28 @@ def map_type_folders(folder: str | os.PathLike[str]) -> dict[str, Path]:
             if (parent / MISSION_FILE).is_file() or (
                 deciding != path.resolve().name and (parent / deciding / TABLE_FILE).is_file()
             ):
-                raise InvalidInput(f"folder {folder}: is one map type of the dataset {parent}; give that one")
+                raise InvalidInput(
+                    "folder {0}: is one map type of the dataset {1}",
+                    folder,
+                    parent,
+                    remedy="give that one",
+                )
             return {path.resolve().name: path}
         found = sorted(one for one in path.iterdir() if (one / TABLE_FILE).is_file())
     except OSError as wrong:
-        raise InvalidInput(f"folder {folder}: cannot be read ({wrong.strerror})") from wrong
+        raise InvalidInput("folder {0}: cannot be read ({1})", folder, wrong.strerror) from wrong
     if not found and (path / SUPPLEMENT_FOLDER).is_dir():
         raise InvalidInput(
-            f"folder {folder}: is laid out as the Night Vision supplement is; make a dataset of it first (terrainav "
-            "convert --dataset VBN)"
+            "folder {0}: is laid out as the Night Vision supplement is",
+            folder,
+            remedy="make a dataset of it first (terrainav convert --dataset VBN)",
         )
     if not found:
         raise InvalidInput(
-            f"folder {folder}: is no dataset, as neither it nor a folder in it has a {TABLE_FILE}; give the folder "
-            "of a capture"
+            "folder {0}: is no dataset, as neither it nor a folder in it has a {1}",
+            folder,
+            TABLE_FILE,
+            remedy="give the folder of a capture",
         )
     return {one.name: one for one in found}
 
@@ -131,8 +139,12 @@ def image_folder(folder: Path, names: Sequence[str]) -> Path:
     best = [one for one, count in counts.items() if count == most]
     if most and len(best) > 1:
         raise InvalidInput(
-            f"folder {folder}: the images of its {TABLE_FILE} are in {best[0].name} and in {best[1].name} as well; "
-            "move one of the two away"
+            "folder {0}: the images of its {1} are in {2} and in {3} as well",
+            folder,
+            TABLE_FILE,
+            best[0].name,
+            best[1].name,
+            remedy="move one of the two away",
         )
     return best[0]
 
@@ -144,5 +156,5 @@ def _listed(folder: Path) -> set[str]:
         if (folder / REJECTED_FOLDER).is_dir():
             found.update(one.name for one in (folder / REJECTED_FOLDER).iterdir())
     except OSError as wrong:
-        raise InvalidInput(f"folder {folder}: cannot be read ({wrong.strerror})") from wrong
+        raise InvalidInput("folder {0}: cannot be read ({1})", folder, wrong.strerror) from wrong
     return found

@@ -139,8 +139,10 @@ def _windows(table: Table, rows: NDArray[np.intp], folder: Path, middle_u: float
     if not (off <= _SAME_PX).all():
         name = table.img_names[rows[int(np.argmax(~(off <= _SAME_PX)))]]
         raise InvalidInput(
-            f"folder {folder}: the window of {name} in the table lies elsewhere than its Lat and Lon; put the "
-            "table right, or split without blocks"
+            "folder {0}: the window of {1} in the table lies elsewhere than its Lat and Lon",
+            folder,
+            name,
+            remedy="put the table right, or split without blocks",
         )
     # Whole turns are taken off whole pixels, so that edges that two windows share stay the same number.
     left = left - np.round((left + width / 2.0) / world - middle_u) * world
@@ -212,7 +214,7 @@ def _of_camera(images: ImageSet, rows: NDArray[np.intp], dataset: Path) -> bool:
             with Image.open(path) as image:
                 return _PIXEL_SCALE_TAG not in getattr(image, "tag_v2", {})
         except UNREADABLE as wrong:
-            raise InvalidInput(f"image {path}: cannot be read ({wrong})") from wrong
+            raise InvalidInput("image {0}: cannot be read ({1})", path, wrong) from wrong
     captured = any((dataset / name).is_file() for name in (MISSION_FILE, PLAN_FILE))
     return captured and not any(path.with_suffix(ending).exists() for ending in _WORLD_FILES)
 
@@ -223,7 +225,7 @@ def _size(path: Path) -> tuple[int, int]:
         with Image.open(path) as image:
             return image.size
     except UNREADABLE as wrong:
-        raise InvalidInput(f"image {path}: cannot be read ({wrong})") from wrong
+        raise InvalidInput("image {0}: cannot be read ({1})", path, wrong) from wrong
 
 
 def _corners(plan: Path, names: Sequence[str]) -> Floats:
@@ -242,11 +244,18 @@ def _corners(plan: Path, names: Sequence[str]) -> Floats:
                     corners[at] = [float(row[column] or "nan") for column in columns]
     except (OSError, csv.Error, IndexError, ValueError) as wrong:
         raise InvalidInput(
-            f"{plan}: cannot be read ({wrong}); it tells the ground of a turned camera's images, without which there "
-            "are no blocks of it: put it back, or split without blocks"
+            "{0}: cannot be read ({1}); it tells the ground of a turned camera's images, without which "
+            "there are no blocks of it: put it back, or split without blocks",
+            plan,
+            wrong,
         ) from wrong
     if missing:
-        raise InvalidInput(f"{plan}: has no row of {next(iter(missing))}; put back the capture's own")
+        raise InvalidInput(
+            "{0}: has no row of {1}",
+            plan,
+            next(iter(missing)),
+            remedy="put back the capture's own",
+        )
     return corners.reshape(-1, len(_CORNERS), 2)
 
 

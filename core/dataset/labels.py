@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from pyproj import CRS, Geod, Transformer
 from pyproj.exceptions import CRSError
 
-from ..errors import InvalidInput
+from ..errors import InvalidInput, Message
 from ..files import read_limited, write_whole
 from ..geodesy.mercator import HALF_WORLD_M, lat_to_v, lon_to_u, u_to_lon, v_to_lat, wrap_lon_deg
 from ..geodesy.projections import through_proj, utm_zone
@@ -75,7 +75,9 @@ class Labels:
 
     def __post_init__(self) -> None:
         if len(self.scaler.mean) != len(NAMES):
-            raise InvalidInput(f"labels: scaler of {len(self.scaler.mean)} columns; need {', '.join(NAMES)}")
+            raise InvalidInput(
+                "labels: scaler of {0} columns; need {1}", len(self.scaler.mean), ", ".join(NAMES)
+            )
 
     def of(self, lat_deg: Floats, lon_deg: Floats) -> Floats:
         """Labels (n, 2) of positions (n,) in degrees: scaled eastings and northings."""
@@ -100,7 +102,12 @@ class Labels:
             return ()
         named = ", ".join(zones)
         return (
-            f"the images lie in {len(zones)} UTM zones ({named}): one frame, {self.frame.crs}, is for all of them",
+            Message(
+                "the images lie in {0} UTM zones ({1}): one frame, {2}, is for all of them",
+                len(zones),
+                named,
+                self.frame.crs,
+            ),
         )
 
     def to_json(self) -> str:
@@ -124,12 +131,14 @@ class Labels:
         """Labels of the text of `to_json`; raises InvalidInput, in which ``name`` is what the text is called."""
         if text == _UNFINISHED:
             raise InvalidInput(
-                f"{name}: a split was interrupted, so the parts of its map types may disagree; split again"
+                "{0}: a split was interrupted, so the parts of its map types may disagree",
+                name,
+                remedy="split again",
             )
         try:
             document: dict[str, Any] = parse_json(text)
             if tuple(document["names"]) != NAMES:
-                raise ValueError(f"names {document['names']}, not {list(NAMES)}")
+                raise ValueError(Message("names {0}, not {1}", document["names"], list(NAMES)))
             frame = Frame(
                 str(document["frame"]),
                 float(document["middle_lat_deg"]),
@@ -142,8 +151,10 @@ class Labels:
             return cls(frame, scaler, str(document["fitted_on"]), int(document["images"]))
         except (KeyError, TypeError, ValueError, OverflowError, RuntimeError) as wrong:
             # pyproj's errors are RuntimeErrors.
-            fault = f"has no {wrong}" if isinstance(wrong, KeyError) else str(wrong)
-            raise InvalidInput(f"{name}: cannot be read ({fault}); have it made anew by split") from wrong
+            fault = Message("has no {0}", wrong) if isinstance(wrong, KeyError) else wrong
+            raise InvalidInput(
+                "{0}: cannot be read ({1})", name, fault, remedy="have it made anew by split"
+            ) from wrong
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write to a file, whole or not at all; raises OutputError."""
@@ -155,7 +166,7 @@ class Labels:
         try:
             text = decoded(read_limited(path, MAX_SETTINGS_BYTES))
         except (OSError, InvalidInput) as wrong:
-            raise InvalidInput(f"{path}: cannot be read ({wrong})") from wrong
+            raise InvalidInput("{0}: cannot be read ({1})", path, wrong) from wrong
         return cls.from_json(text, str(path))
 
 
@@ -188,7 +199,8 @@ def labels_of(
     fitted = np.ones(lat.shape, np.bool_) if training is None else training
     if not fitted.any():
         raise InvalidInput(
-            "labels: no image is in the training part, which the scaler is fitted on; split anew"
+            "labels: no image is in the training part, which the scaler is fitted on",
+            remedy="split anew",
         )
     return Labels(
         found,
@@ -218,7 +230,8 @@ def labels_of_tables(tables: Iterable[Table], frame: str = "utm") -> Labels:
             places.setdefault(Path(table.img_names[index]).stem, place)
     if not places:
         raise InvalidInput(
-            "labels: the dataset has no image that is there and not rejected; capture or clean anew"
+            "labels: the dataset has no image that is there and not rejected",
+            remedy="capture or clean anew",
         )
     lat, lon = (np.array([place[axis] for place in places.values()], np.float64) for axis in (0, 1))
     training = np.array([place[2] == TRAIN for place in places.values()], np.bool_)
@@ -292,7 +305,7 @@ def frame_of(lat_deg: Floats, lon_deg: Floats, frame: str = "utm") -> Frame:
     lat, lon = np.asarray(lat_deg, np.float64), np.asarray(lon_deg, np.float64)
     if not lat.size or not (np.isfinite(lat) & np.isfinite(lon) & (np.abs(lat) <= 90.0)).all():
         raise InvalidInput(
-            f"frame {frame}: of {lat.size} positions; needs one or more, with latitudes from -90 to 90"
+            "frame {0}: of {1} positions; needs one or more, with latitudes from -90 to 90", frame, lat.size
         )
     middle_lat, middle_lon = middle_of(lat, lon)
     found = Frame(_crs_of(frame, middle_lat, middle_lon), middle_lat, middle_lon, zones_of(lat, lon))
@@ -334,17 +347,22 @@ def _crs_of(frame: str, lat_deg: float, lon_deg: float) -> str:
             return _UPS_NORTH
         return _UPS_SOUTH if lat_deg < _UTM_SOUTH_DEG else f"EPSG:{utm_zone(lat_deg, lon_deg).epsg}"
     if re.fullmatch(r"EPSG:\d+", frame, re.IGNORECASE) is None:
-        raise InvalidInput(f"frame {frame!r}: must be {', '.join(FRAMES)} or a code like EPSG:32616")
+        raise InvalidInput("frame {0!r}: must be {1} or a code like EPSG:32616", frame, ", ".join(FRAMES))
     code = frame.upper()
     try:
         crs = _crs(code)
     except CRSError as wrong:
         raise InvalidInput(
-            f"frame {frame}: PROJ knows no such system; give the code of another one"
+            "frame {0}: PROJ knows no such system",
+            frame,
+            remedy="give the code of another one",
         ) from wrong
     if not crs.is_projected or any(axis.unit_name != "metre" for axis in crs.axis_info):
         raise InvalidInput(
-            f"frame {frame}: is {crs.name}, no projected system in metres, which labels need; give the code of one"
+            "frame {0}: is {1}, no projected system in metres, which labels need",
+            frame,
+            crs.name,
+            remedy="give the code of one",
         )
     return code
 
@@ -375,10 +393,18 @@ def _check_holds(frame: Frame, asked: str, lat: Floats, lon: Floats) -> None:
         if asked in ("mission", "utm"):
             other = "utm" if asked == "mission" else "mission"
             raise InvalidInput(
-                f"frame {asked}: {frame.crs} cannot hold all positions, such as {place}; choose {other}"
+                "frame {0}: {1} cannot hold all positions, such as {2}",
+                asked,
+                frame.crs,
+                place,
+                remedy=Message("choose {0}", other),
             )
         raise InvalidInput(
-            f"frame {asked}: {frame.crs} cannot hold all positions, such as {place}; choose mission or utm"
+            "frame {0}: {1} cannot hold all positions, such as {2}",
+            asked,
+            frame.crs,
+            place,
+            remedy="choose mission or utm",
         )
 
 
@@ -415,12 +441,12 @@ class Scaler:
     def __post_init__(self) -> None:
         if len(self.mean) != len(self.scale):
             raise InvalidInput(
-                f"scaler: has {len(self.mean)} means and {len(self.scale)} scales; need as many of each"
+                "scaler: has {0} means and {1} scales; need as many of each", len(self.mean), len(self.scale)
             )
         if not all(map(math.isfinite, self.mean)):
-            raise InvalidInput(f"scaler: mean {list(self.mean)}; must be finite numbers")
+            raise InvalidInput("scaler: mean {0}; must be finite numbers", list(self.mean))
         if not all(math.isfinite(one) and one > 0.0 for one in self.scale):
-            raise InvalidInput(f"scaler: scale {list(self.scale)}; must be finite numbers above 0")
+            raise InvalidInput("scaler: scale {0}; must be finite numbers above 0", list(self.scale))
 
     @classmethod
     def fit(cls, values: Floats) -> Scaler:
@@ -436,7 +462,7 @@ class Scaler:
         """
         if not len(values) or not np.isfinite(values).all():
             raise InvalidInput(
-                f"scaler: {len(values)} values to fit it to; needs one or more, all finite numbers"
+                "scaler: {0} values to fit it to; needs one or more, all finite numbers", len(values)
             )
         fitted = [_fitted(column) for column in values.T.tolist()]
         return cls(tuple(mean for mean, _ in fitted), tuple(scale for _, scale in fitted))

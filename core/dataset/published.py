@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import InvalidInput
+from ..errors import InvalidInput, Message
 from ..geodesy.mercator import PixelGrid, lat_to_v, lon_to_u
 from .folder import NAME
 from .table import Table
@@ -39,7 +39,7 @@ def check_names(table: Table, path: Path) -> None:
     """
     if np.isfinite(table.pose_lat_deg).any():
         return
-    faults = []
+    faults: list[str] = []
     for index, name in enumerate(table.img_names):
         said = NAME.fullmatch(Path(name).stem)
         if said is None:
@@ -52,10 +52,10 @@ def check_names(table: Table, path: Path) -> None:
             ("Alt", float(table.zoom[index]), float(said[5]), 0.0),
         )
         wrong = [header for header, value, in_name, slack in row if abs(value - in_name) > slack]
-        faults += [f"{name} has another {wrong[0]} in its row"] if wrong else []
+        faults += [Message("{0} has another {1} in its row", name, wrong[0])] if wrong else []
     if faults:
-        more = f"; and {len(faults) - _NAMED} more" if len(faults) > _NAMED else ""
-        raise InvalidInput(f"table {path}: {'; '.join(faults[:_NAMED])}{more}")
+        more: list[str] = [Message("and {0} more", len(faults) - _NAMED)] if len(faults) > _NAMED else []
+        raise InvalidInput("table {0}: {1}", path, Message.joined("; ", faults[:_NAMED] + more))
 
 
 def framed(table: Table, folder_name: str) -> Table:

@@ -16,7 +16,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import InvalidInput
+from ..errors import InvalidInput, Message
 from .clean import held
 from .dataset import ImageSet, read_dataset
 from .folder import PARTS, SEED, SHARES, TABLE_FILE, WAYS
@@ -128,7 +128,8 @@ def split(
         places = _places(sets)
         if not places:
             raise InvalidInput(
-                f"folder {folder}: has no image that is there and not rejected, so there is nothing to split"
+                "folder {0}: has no image that is there and not rejected, so there is nothing to split",
+                folder,
             )
         block_side: float | None = None
         count: int | None = None
@@ -174,21 +175,23 @@ def _checked(
 ) -> tuple[float, float, float]:
     said = ", ".join(f"{share:g}" for share in shares)
     if len(shares) != len(PARTS):
-        raise InvalidInput(f"shares {said}: must be three, of {', '.join(PARTS)}")
+        raise InvalidInput("shares {0}: must be three, of {1}", said, ", ".join(PARTS))
     if not all(math.isfinite(share) and share >= 0.0 for share in shares):
-        raise InvalidInput(f"shares {said}: must be finite and not below 0")
+        raise InvalidInput("shares {0}: must be finite and not below 0", said)
     if abs(math.fsum(shares) - 1.0) > _SUM_OFF:
-        raise InvalidInput(f"shares {said}: add up to {math.fsum(shares):g}; must add up to 1")
+        raise InvalidInput("shares {0}: add up to {1:g}; must add up to 1", said, math.fsum(shares))
     if how not in WAYS:
-        raise InvalidInput(f"split {how!r}: must be one of {', '.join(WAYS)}")
+        raise InvalidInput("split {0!r}: must be one of {1}", how, ", ".join(WAYS))
     if how != "blocks" and (block_m is not None or gap_m):
         raise InvalidInput(
-            f"split {how!r}: has no blocks and no gap; choose blocks, or leave their sizes out"
+            "split {0!r}: has no blocks and no gap",
+            how,
+            remedy="choose blocks, or leave their sizes out",
         )
     if block_m is not None and not (math.isfinite(block_m) and block_m > 0.0):
-        raise InvalidInput(f"blocks of {block_m} m: must be above 0 m")
+        raise InvalidInput("blocks of {0} m: must be above 0 m", block_m)
     if not 0.0 <= gap_m <= _WIDEST_GAP_M:
-        raise InvalidInput(f"gap of {gap_m} m: must be from 0 to {_WIDEST_GAP_M:,.0f} m")
+        raise InvalidInput("gap of {0} m: must be from 0 to {1:,.0f} m", gap_m, _WIDEST_GAP_M)
     train, validation, test = map(float, shares)
     return train, validation, test
 
@@ -207,7 +210,10 @@ def _counted(count: int, shares: Sequence[float]) -> list[str]:
     asked = [part for part, share in zip(PARTS, shares) if share > 0.0]
     if count < len(asked):
         raise InvalidInput(
-            f"split into {', '.join(asked)}: needs {len(asked)} images or more; the dataset has {count}"
+            "split into {0}: needs {1} images or more; the dataset has {2}",
+            ", ".join(asked),
+            len(asked),
+            count,
         )
     exact = [round(share * count, 6) for share in shares]
     counts = [math.floor(one) for one in exact]
@@ -236,8 +242,10 @@ def _by_blocks(
     names = [name for name, there in zip(places, known.tolist()) if there]
     if not names:
         raise InvalidInput(
-            f"folder {folder}: the ground that its images show is not known (they see the horizon, or come from no "
-            "map), so there are no blocks of it; split shuffled or in-order"
+            "folder {0}: the ground that its images show is not known (they see the horizon, or come "
+            "from no map), so there are no blocks of it",
+            folder,
+            remedy="split shuffled or in-order",
         )
     boxes = boxes.take(known)
     base = largest_side_m(boxes) + gap_m
@@ -251,11 +259,17 @@ def _by_blocks(
         if off <= _NEAR_ENOUGH:
             break
     if best is None:
-        tried = f"blocks of {block_m:g} m" if block_m is not None else "blocks"
+        tried = Message("blocks of {0:g} m", block_m) if block_m is not None else Message("blocks")
         asked = ", ".join(part for part, share in zip(PARTS, shares) if share > 0.0)
         raise InvalidInput(
-            f"split by {tried}: {len(names)} images up to {base - gap_m:.0f} m wide with a gap of {gap_m:g} m leave "
-            f"one of {asked} without images; choose a smaller gap, other blocks or shares, or a dataset of more ground"
+            "split by {0}: {1} images up to {2:.0f} m wide with a gap of {3:g} m leave one of {4} "
+            "without images",
+            tried,
+            len(names),
+            base - gap_m,
+            gap_m,
+            asked,
+            remedy="choose a smaller gap, other blocks or shares, or a dataset of more ground",
         )
     _, side, part, count = best
     of_known = dict(zip(names, (PARTS[one] if one >= 0 else GAP for one in part.tolist())))

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import InvalidInput, OutputError
+from ..errors import InvalidInput, Message, OutputError
 from ..files import write_whole
 from ..text import table_cell
 
@@ -125,7 +125,10 @@ class Table:
         for name, column in columns.items():
             if len(column) != len(self.img_names):
                 raise InvalidInput(
-                    f"table column {name} has {len(column)} rows: the image names have {len(self.img_names)}"
+                    "table column {0} has {1} rows: the image names have {2}",
+                    name,
+                    len(column),
+                    len(self.img_names),
                 )
 
     def __len__(self) -> int:
@@ -209,9 +212,11 @@ class Table:
                 cells = [(line, row[index]) for line, row in rows]
                 columns[field_name] = _column(field_name, header, cells, faults)
         if faults:
-            first = [f"line {line} {fault}" for line, fault in sorted(faults)[:_FAULTS_NAMED]]
-            more = [f"and {len(faults) - _FAULTS_NAMED} more"] if len(faults) > _FAULTS_NAMED else []
-            raise InvalidInput(f"{name}: {'; '.join(first + more)}")
+            first = [Message("line {0} {1}", line, fault) for line, fault in sorted(faults)[:_FAULTS_NAMED]]
+            more = (
+                [Message("and {0} more", len(faults) - _FAULTS_NAMED)] if len(faults) > _FAULTS_NAMED else []
+            )
+            raise InvalidInput("{0}: {1}", name, Message.joined("; ", first + more))
         other = {
             header: tuple(row[index] for _, row in rows)
             for index, header in enumerate(headers)
@@ -226,8 +231,8 @@ class Table:
             # All of them first: bytes that are no text are told before what the text says.
             lines = list(_lines(Path(path)))
         except (OSError, UnicodeDecodeError) as wrong:
-            raise InvalidInput(f"table {path}: cannot be read ({wrong})") from wrong
-        return cls._of_lines(lines, f"table {path}")
+            raise InvalidInput("table {0}: cannot be read ({1})", path, wrong) from wrong
+        return cls._of_lines(lines, Message("table {0}", path))
 
 
 def other_columns(path: Path) -> dict[str, dict[str, str]]:
@@ -247,7 +252,9 @@ def other_columns(path: Path) -> dict[str, dict[str, str]]:
             return {}
         table = Table.load(path)
     except (OSError, UnicodeDecodeError, csv.Error, InvalidInput) as wrong:
-        raise OutputError(f"{wrong}; repair the table, or remove it to have it written anew") from wrong
+        raise OutputError(
+            "{0}", wrong, remedy="repair the table, or remove it to have it written anew"
+        ) from wrong
     return {header: dict(zip(table.img_names, cells)) for header, cells in table.other.items()}
 
 
@@ -315,16 +322,23 @@ def _records(
         # The garbage collector soon forgets tuples of texts; lists it looks through again and again.
         rows = [(reader.line_num, tuple(row)) for row in reader if row]
     except csv.Error as wrong:
-        raise InvalidInput(f"{name}: line {reader.line_num} is not CSV ({wrong})") from wrong
+        raise InvalidInput("{0}: line {1} is not CSV ({2})", name, reader.line_num, wrong) from wrong
     needed = [_HEADERS.get(field_name, field_name) for field_name in _NEEDED]
     for header in needed:
         if header not in headers:
-            raise InvalidInput(f"{name}: has no column {header}; needs {','.join(needed)}")
+            raise InvalidInput("{0}: has no column {1}; needs {2}", name, header, ",".join(needed))
     twice = [header for header, count in Counter(headers).items() if header and count > 1]
     if twice:
-        raise InvalidInput(f"{name}: has column {twice[0]} more than once; rename or remove all but one")
+        raise InvalidInput(
+            "{0}: has column {1} more than once",
+            name,
+            twice[0],
+            remedy="rename or remove all but one",
+        )
     width = len(headers)
-    faults += [(line, f"has {len(row)} cells, not {width}") for line, row in rows if len(row) != width]
+    faults += [
+        (line, Message("has {0} cells, not {1}", len(row), width)) for line, row in rows if len(row) != width
+    ]
     return headers, [(line, row) for line, row in rows if len(row) == width]
 
 
@@ -342,12 +356,12 @@ def _column(
         try:
             values[index] = float(cell)
         except ValueError:
-            faults.append((line, f"has {header} {cell!r}, not a number"))
+            faults.append((line, Message("has {0} {1!r}, not a number", header, cell)))
             continue
         if not may_be_empty and not math.isfinite(values[index]):
-            faults.append((line, f"has {header} {cell!r}, not a finite number"))
+            faults.append((line, Message("has {0} {1!r}, not a finite number", header, cell)))
         elif name in _WHOLE and not values[index].is_integer():
-            faults.append((line, f"has {header} {cell!r}, not a whole number"))
+            faults.append((line, Message("has {0} {1!r}, not a whole number", header, cell)))
     return values.astype(np.int64) if name in _WHOLE and not faults else values
 
 

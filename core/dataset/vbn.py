@@ -57,12 +57,12 @@ def read_vbn(folder: Path) -> tuple[Table, Path]:
     images = _files(folder, IMAGE_FOLDER, _IMAGE_ENDING)
     texts = _files(folder, TEXT_FOLDER, ".txt")
     if not images:
-        raise InvalidInput(f"folder {folder / IMAGE_FOLDER}: has no {_IMAGE_ENDING} images")
+        raise InvalidInput("folder {0}: has no {1} images", folder / IMAGE_FOLDER, _IMAGE_ENDING)
     pairs = _paired(folder, images, texts)
     faults: list[str] = []
     found = [_metadata(folder / TEXT_FOLDER / text, faults) for _, text in pairs]
     if faults:
-        raise InvalidInput(f"folder {folder / TEXT_FOLDER}: {_some(faults)}")
+        raise InvalidInput("folder {0}: {1}", folder / TEXT_FOLDER, _some(faults))
     rows = [one for one in found if one is not None]
     return _table([image for image, _ in pairs], set(images), rows), folder / IMAGE_FOLDER
 
@@ -81,9 +81,9 @@ def position_of(value: str) -> Position:
         if len(numbers) == 3 and all(map(math.isfinite, numbers)):
             position = Position(*numbers)
             if abs(position.lat_deg) > 90.0 or abs(position.lon_deg) > 360.0:
-                raise InvalidInput(f"{POSITION} {value.strip()!r} is not on the Earth")
+                raise InvalidInput("{0} {1!r} is not on the Earth", POSITION, value.strip())
             return position
-    raise InvalidInput(f"{POSITION} {value.strip()!r} is not a word and latitude, longitude, altitude")
+    raise InvalidInput("{0} {1!r} is not a word and latitude, longitude, altitude", POSITION, value.strip())
 
 
 def _without_words(value: str) -> list[str]:
@@ -111,7 +111,7 @@ def _files(folder: Path, name: str, ending: str) -> list[str]:
         ]
     except OSError as wrong:
         raise InvalidInput(
-            f"folder {folder}: is no VBN dataset, as {name} in it cannot be read ({wrong.strerror})"
+            "folder {0}: is no VBN dataset, as {1} in it cannot be read ({2})", folder, name, wrong.strerror
         ) from wrong
     return sorted(found, key=_natural)
 
@@ -131,21 +131,33 @@ def _paired(folder: Path, images: Sequence[str], texts: Sequence[str]) -> list[t
         counts = Counter((Path(one).suffix.lower(), Path(one).stem) for one in (*images, *texts))
         twice = [stem + ending for (ending, stem), count in counts.items() if count > 1]
         raise InvalidInput(
-            f"folder {folder}: {_some(twice, ', ')} more than once; remove or rename all but one"
+            "folder {0}: {1} more than once",
+            folder,
+            _some(twice, ", "),
+            remedy="remove or rename all but one",
         )
     if not stems & by_stem.keys():
         if len(texts) - len(images) not in (0, 1):
             raise InvalidInput(
-                f"folder {folder}: has {len(images):,} images in {IMAGE_FOLDER} and {len(texts):,} texts in "
-                f"{TEXT_FOLDER}, with no name in common; needs one text for each image"
+                "folder {0}: has {1:,} images in {2} and {3:,} texts in {4}, with no name in common; needs "
+                "one text for each image",
+                folder,
+                len(images),
+                IMAGE_FOLDER,
+                len(texts),
+                TEXT_FOLDER,
             )
         spare = [Path(text).stem + _IMAGE_ENDING for text in texts[len(images) :]]
         return list(zip([*images, *spare], texts))
     without = [image for stem, image in by_stem.items() if stem not in stems]
     if without:
         raise InvalidInput(
-            f"folder {folder}: {_some(without, ', ')} of {IMAGE_FOLDER} without a text in {TEXT_FOLDER}; put it there, "
-            "or remove the image"
+            "folder {0}: {1} of {2} without a text in {3}",
+            folder,
+            _some(without, ", "),
+            IMAGE_FOLDER,
+            TEXT_FOLDER,
+            remedy="put it there, or remove the image",
         )
     return [(by_stem.get(Path(text).stem, Path(text).stem + _IMAGE_ENDING), text) for text in texts]
 

@@ -3,7 +3,8 @@
 In reading order:
 
 - `ellipsoid`: radii, areas, and where rays meet the ground
-- `camera`: cameras by their field of view, and poses
+- `lens`: cameras by their field of view, in plain numbers
+- `camera`: what cameras see of which direction, and their poses
 - `footprint`: the ground that the exact camera sees, its corners and its outline
 - `mercator`: Web Mercator, and the grid of a source's pixels
 - `projections`: UTM, and a conformal plane about any place

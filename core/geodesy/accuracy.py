@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ..errors import Message
 from .camera import CORNERS, Camera, Poses
 from .ellipsoid import WGS84, Ellipsoid
 
@@ -184,11 +185,19 @@ def outside_flat_domain(scene: Scene) -> str:
     size = float(np.max(scene.size_share * np.maximum(scene.lat_tangent, 1.0)))
     tilted = float(max(np.max(np.abs(scene.poses.tilt_deg)), np.max(np.abs(scene.poses.roll_deg))))
     if tilted > 0.0:
-        return f"tilt or roll of {tilted:g} deg: holds for cameras that look straight down"
+        return Message("tilt or roll of {0:g} deg: holds for cameras that look straight down", tilted)
     if not stretch <= FLAT_DOMAIN:
-        return f"height over Earth's radius times tan²(FOV/2) is {stretch:.3g}: holds up to {FLAT_DOMAIN:g}"
+        return Message(
+            "height over Earth's radius times tan²(FOV/2) is {0:.3g}: holds up to {1:g}",
+            stretch,
+            FLAT_DOMAIN,
+        )
     if not size <= FLAT_DOMAIN:
-        return f"footprint over Earth's radius times tan(latitude) is {size:.3g}: holds up to {FLAT_DOMAIN:g}"
+        return Message(
+            "footprint over Earth's radius times tan(latitude) is {0:.3g}: holds up to {1:g}",
+            size,
+            FLAT_DOMAIN,
+        )
     return ""
 
 

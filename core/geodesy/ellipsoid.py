@@ -43,7 +43,7 @@ class Ellipsoid:
     def __post_init__(self) -> None:
         if not (math.isfinite(self.a_m) and self.a_m >= self.b_m > 0):
             raise InvalidInput(
-                f"ellipsoid semi-axes {self.a_m} m, {self.b_m} m: need a >= b > 0, both finite"
+                "ellipsoid semi-axes {0} m, {1} m: need a >= b > 0, both finite", self.a_m, self.b_m
             )
 
     @property

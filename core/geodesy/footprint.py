@@ -153,9 +153,14 @@ def outline(
     on_limb = np.concatenate([np.zeros(int(hit.sum()), bool), np.ones(len(arc.lat_deg), bool)])
     if len(points) < 3:
         raise InvalidInput(
-            f"camera at height {agl_m:g} m, yaw {attitude[0]:g}, tilt {attitude[1]:g}, roll {attitude[2]:g} deg: no "
-            "ray of its image meets the Earth; tilt it down",
-            "tilt_deg",
+            "camera at height {0:g} m, yaw {1:g}, tilt {2:g}, roll {3:g} deg: no ray of its image "
+            "meets the Earth",
+            agl_m,
+            attitude[0],
+            attitude[1],
+            attitude[2],
+            field="tilt_deg",
+            remedy="tilt it down",
         )
     lat, dlon = np.concatenate([lat[hit], arc.lat_deg]), np.concatenate([dlon[hit], arc.dlon_deg])
     centre = points.mean(axis=0)

@@ -76,16 +76,20 @@ def map_frame_edges(camera: Camera, poses: Poses, ground: Ellipsoid = WGS84) -> 
     if not seen.hit.all():
         at = int(np.flatnonzero(~seen.hit.all(axis=1))[0])
         raise InvalidInput(
-            f"height {float(agl_m[at]):g} m with a field of view of {camera.fov_deg:g} deg: the picture reaches "
-            "past the Earth's horizon; fly lower or narrow the field of view"
+            "height {0:g} m with a field of view of {1:g} deg: the picture reaches past the Earth's horizon",
+            float(agl_m[at]),
+            camera.fov_deg,
+            remedy="fly lower or narrow the field of view",
         )
     north, east, south = seen.lat_deg[:, 0], seen.dlon_deg[:, 1], seen.lat_deg[:, 2]
     over_pole = (np.abs(seen.dlon_deg[:, 0]) > 90.0) | (np.abs(seen.dlon_deg[:, 2]) > 90.0)
     if over_pole.any():
         at = int(np.flatnonzero(over_pole)[0])
         raise InvalidInput(
-            f"picture at latitude {float(lat_deg[at])!r} from {float(agl_m[at]):g} m: it holds a pole, which Web "
-            "Mercator does not; fly lower or farther from the pole"
+            "picture at latitude {0!r} from {1:g} m: it holds a pole, which Web Mercator does not",
+            float(lat_deg[at]),
+            float(agl_m[at]),
+            remedy="fly lower or farther from the pole",
         )
     return FrameEdges(-east / 360.0, east / 360.0, lat_to_v(north), lat_to_v(south))
 

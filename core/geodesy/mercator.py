@@ -103,11 +103,14 @@ class PixelGrid:
 
     def __post_init__(self) -> None:
         if self.tile_px < 256 or self.tile_px % 256:
-            raise InvalidInput(f"tile size {self.tile_px} px: must be a multiple of 256")
+            raise InvalidInput("tile size {0} px: must be a multiple of 256", self.tile_px)
         if not 0 <= self.min_zoom <= self.native_zoom <= self.max_zoom <= _HIGHEST_ZOOM:
             raise InvalidInput(
-                f"zooms {self.min_zoom} to {self.max_zoom}, native {self.native_zoom}: need "
-                f"0 <= minimum <= native <= maximum <= {_HIGHEST_ZOOM}"
+                "zooms {0} to {1}, native {2}: need 0 <= minimum <= native <= maximum <= {3}",
+                self.min_zoom,
+                self.max_zoom,
+                self.native_zoom,
+                _HIGHEST_ZOOM,
             )
 
     @property
@@ -190,6 +193,6 @@ def fitting_zoom(span: float, size_px: float, slack: float = 1e-6) -> int:
         Relative excess that still fits: the noise of a span computed in float64, far below a pixel.
     """
     if not (math.isfinite(span) and span > 0.0 and size_px > 0.0):
-        raise InvalidInput(f"span {span} of the world, size {size_px} px: both must be above 0")
+        raise InvalidInput("span {0} of the world, size {1} px: both must be above 0", span, size_px)
     _, exponent = math.frexp(size_px / (256.0 * span) * (1.0 + slack))
     return exponent - 1

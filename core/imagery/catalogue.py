@@ -9,7 +9,8 @@ from functools import cached_property
 from typing import Any, NamedTuple, Protocol
 
 from ..config import config_file, read_named, write_named
-from ..errors import InvalidInput
+from ..errors import InvalidInput, Message, OptionName
+from ..map_types import MAP_TYPES
 from .entry import NAME, CatalogueEntry, shipped, shipped_data, shipped_entry, under_provider
 from .opening import EntrySource
 from .placeholder import Placeholder
@@ -79,10 +80,12 @@ def entry_named(name: str) -> CatalogueEntry:
     if wanted in entries:
         return entries[wanted]
     close = difflib.get_close_matches(wanted, [*shipped_data(), *entries], n=3, cutoff=0.5)
-    hint = f"did you mean {' or '.join(close)}? " if close else ""
+    hint = Message("did you mean {0}? ", " or ".join(close)) if close else ""
     raise InvalidInput(
-        f"source {name!r} is unknown: {hint}`terrainav sources` lists the names; a file, a URL template with "
-        "{z}, {x}, {y}, wmts:URL and wms:URL work as well"
+        "source {0!r} is unknown: {1}`terrainav sources` lists the names; a file, a URL template with "
+        "{{z}}, {{x}}, {{y}}, wmts:URL and wms:URL work as well",
+        name,
+        hint,
     )
 
 
@@ -108,8 +111,9 @@ def alternatives(
     ]
     # Of those that cover the place, the finer first; the synthetic world, which shows no place, last.
     found.sort(key=lambda entry: (entry.kind == "world", -entry.native_zoom))
+    hint = Message(" (with {0})", OptionName("accept_terms"))
     return tuple(
-        entry.name + (" (with --accept-terms)" if entry.bulk_allowed == "ask" else "") for entry in found
+        Message("{0}{1}", entry.name, hint) if entry.bulk_allowed == "ask" else entry.name for entry in found
     )
 
 
@@ -182,12 +186,12 @@ def shelf(folder: str | os.PathLike[str] | None = None) -> Shelf:
     taken = shipped_data()
     entries: list[CatalogueEntry] = []
     problems: dict[str, str] = {}
-    for name, data in read_named(path, "sources").items():
+    for name, data in read_named(path, Message("sources")).items():
         entry = _entry_or_problem(name, data, taken)
         if isinstance(entry, CatalogueEntry):
             entries.append(entry)
         else:
-            problems[name] = f"{path}: {entry}"
+            problems[name] = Message("{0}: {1}", path, entry)
     return Shelf(tuple(entries), problems)
 
 
@@ -258,13 +262,13 @@ def described(
     if files:
         data["placeholder"] = {"sha256": list(files)}
     if "map_type" in template.names:
-        data["map_types"] = ["satellite", "roadmap", "terrain"]
+        data["map_types"] = list(MAP_TYPES)
     if "key" in template.names:
         data["key_env"] = key_env
     if "date" in template.names:
         data["dates"] = {"kind": "any", "default": default_date}
     elif default_date:
-        raise InvalidInput(f"date {default_date!r}: the URL has no {{date}} to put it in")
+        raise InvalidInput("date {0!r}: the URL has no {{date}} to put it in", default_date, field="date")
     return data
 
 
@@ -289,10 +293,13 @@ def add(name: str, data: Mapping[str, Any], folder: str | os.PathLike[str] | Non
     if name in shipped_data():
         raise _of_the_catalogue(name)
     path = config_file(FILE, folder)
-    known = read_named(path, "sources")
+    known = read_named(path, Message("sources"))
     if name in known:
         raise InvalidInput(
-            f"source name {name!r}: is taken; choose another, or `terrainav sources remove` it"
+            "source name {0!r}: is taken",
+            name,
+            field="name",
+            remedy="choose another, or `terrainav sources remove` it",
         )
     entry = _entry(name, data)
     write_named(path, {**known, name: dict(data)})
@@ -308,39 +315,45 @@ def remove(name: str, folder: str | os.PathLike[str] | None = None) -> None:
         There is no such source, or it is one of the catalogue's.
     """
     path = config_file(FILE, folder)
-    known = read_named(path, "sources")
+    known = read_named(path, Message("sources"))
     if name not in known:
         if name in shipped_data():
-            raise InvalidInput(f"source {name!r}: is part of the catalogue, which stays as it is")
-        raise InvalidInput(f"source {name!r}: is none of your own, which are {', '.join(known) or 'none'}")
+            raise InvalidInput("source {0!r}: is part of the catalogue, which stays as it is", name)
+        raise InvalidInput(
+            "source {0!r}: is none of your own, which are {1}", name, ", ".join(known) or Message("none")
+        )
     write_named(path, {other: data for other, data in known.items() if other != name})
 
 
 def _of_the_catalogue(name: str) -> InvalidInput:
-    return InvalidInput(f"source name {name!r}: is one of the catalogue's; choose another")
+    return InvalidInput(
+        "source name {0!r}: is one of the catalogue's", name, field="name", remedy="choose another"
+    )
 
 
 def _check_name(name: str) -> None:
     if not NAME.fullmatch(name):
         raise InvalidInput(
-            f"source name {name!r}: must be lower-case letters, digits, hyphens and underscores, at most 64"
+            "source name {0!r}: must be lower-case letters, digits, hyphens and underscores, at most 64",
+            name,
+            field="name",
         )
 
 
 def _entry(name: str, data: Any) -> CatalogueEntry:
     _check_name(name)
     if not isinstance(data, Mapping):
-        raise InvalidInput(f"catalogue entry {name!r}: must be an object")
+        raise InvalidInput("catalogue entry {0!r}: must be an object", name)
     entry = CatalogueEntry.from_dict(name, data, user=True)
     if entry.kind != "xyz":
-        raise InvalidInput(f"catalogue entry {name!r}: must be of kind xyz")
+        raise InvalidInput("catalogue entry {0!r}: must be of kind xyz", name)
     return under_provider(entry)
 
 
 def _entry_or_problem(name: str, data: Any, taken: Container[str]) -> CatalogueEntry | str:
     if name in taken:
-        return str(_of_the_catalogue(name))
+        return Message(_of_the_catalogue(name))
     try:
         return _entry(name, data)
     except InvalidInput as wrong:
-        return str(wrong)
+        return Message(wrong)

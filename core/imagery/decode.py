@@ -12,7 +12,7 @@ import numpy as np
 import PIL
 from PIL import GifImagePlugin, ImageFile, JpegImagePlugin, PngImagePlugin, WebPImagePlugin, features
 
-from ..errors import PartError
+from ..errors import Message, PartError
 from ..limits import MAX_JPEG_SCANS, MAX_JPEG_SEGMENTS, MAX_PICTURE_EXTRA_BYTES
 from ..text import first_words, one_line
 from .http.client import BrokenPictureError
@@ -68,13 +68,21 @@ def decode(
     most_bytes = _PIXEL_BYTES * width_px * height_px + MAX_PICTURE_EXTRA_BYTES
     if len(body) > most_bytes:
         raise PartError(
-            f"{len(body):,} bytes, more than the {most_bytes:,} of {width_px}x{height_px} px at most"
+            "{0:,} bytes, more than the {1:,} of {2}x{3} px at most",
+            len(body),
+            most_bytes,
+            width_px,
+            height_px,
         )
     try:
         image = _open(body, content_type, whole=True)
         if image.size != (width_px, height_px):
             raise PartError(
-                f"a picture of {image.size[0]}x{image.size[1]} px instead of {width_px}x{height_px}"
+                "a picture of {0}x{1} px instead of {2}x{3}",
+                image.size[0],
+                image.size[1],
+                width_px,
+                height_px,
             )
         image.load()
         return _rgb(image, alpha)
@@ -94,9 +102,10 @@ def size_of(body: bytes) -> tuple[int, int]:
         raise _broken(broken) from broken
 
 
-def _broken(why: Exception) -> BrokenPictureError:
+def _broken(why: Exception | Message) -> BrokenPictureError:
     """Failure of what one of Pillow's readers has stumbled over: they let through whatever that is."""
-    return BrokenPictureError(f"broken picture ({one_line(str(why)) or type(why).__name__})")
+    said = why if isinstance(why, Message) else one_line(str(why)) or type(why).__name__
+    return BrokenPictureError("broken picture ({0})", said)
 
 
 def _open(body: bytes, content_type: str, *, whole: bool) -> ImageFile.ImageFile:
@@ -126,8 +135,8 @@ def _open(body: bytes, content_type: str, *, whole: bool) -> ImageFile.ImageFile
     kind = one_line(content_type.partition(";")[0], _KIND_CHARACTERS) or "something"
     if words:
         # It says what it is: that is the provider's answer, and no copy of a picture gone bad.
-        raise PartError(f"{kind} instead of a picture: {words}")
-    raise BrokenPictureError(f"{kind} instead of a picture")
+        raise PartError("{0} instead of a picture: {1}", kind, words)
+    raise BrokenPictureError("{0} instead of a picture", kind)
 
 
 @lru_cache(maxsize=1)
@@ -141,7 +150,10 @@ def webp_problem() -> str:
     numbers = tuple(int(part) for part in version.split(".") if part.isdigit())
     if not _brings_libraries() or numbers >= _SOUND_LIBWEBP:
         return ""
-    return f"a WebP picture, which libwebp {version} would not read safely: install Pillow 10.0.1 or later"
+    return Message(
+        "a WebP picture, which libwebp {0} would not read safely: install Pillow 10.0.1 or later",
+        version,
+    )
 
 
 def _brings_libraries() -> bool:
@@ -160,10 +172,10 @@ def _plain_jpeg(body: bytes, *, whole: bool) -> bytes:
     kept = [body[:at]]
     while True:
         if body[at : at + 1] != b"\xff":
-            raise OSError("JPEG segments out of step")
+            raise _broken(Message("JPEG segments out of step"))
         begin, at = at, _JPEG_FILL.match(body, at).end()  # type: ignore[union-attr]
         if at >= len(body):
-            raise OSError("JPEG broken off")
+            raise _broken(Message("JPEG broken off"))
         marker = body[at]
         at += 1
         if marker == _JPEG_SCAN and not scans:
@@ -176,14 +188,20 @@ def _plain_jpeg(body: bytes, *, whole: bool) -> bytes:
         segments += 1 if scans else at - begin - 1
         scans += marker == _JPEG_SCAN
         if segments > MAX_JPEG_SEGMENTS or scans > MAX_JPEG_SCANS:
-            raise OSError(f"JPEG of more than {MAX_JPEG_SCANS} scans or {MAX_JPEG_SEGMENTS} segments")
+            raise _broken(
+                Message(
+                    "JPEG of more than {0} scans or {1} segments",
+                    MAX_JPEG_SCANS,
+                    MAX_JPEG_SEGMENTS,
+                )
+            )
         at += int.from_bytes(body[at : at + 2], "big")
         if not scans and marker not in _JPEG_NOTES:
             kept.append(body[begin:at])
         if marker == _JPEG_SCAN:
             found = _JPEG_MARKER.search(body, at)
             if found is None:
-                raise OSError("JPEG broken off")
+                raise _broken(Message("JPEG broken off"))
             at = found.start()
     return b"".join(kept)
 

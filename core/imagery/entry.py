@@ -12,7 +12,7 @@ from functools import cache, lru_cache
 from typing import Any
 from urllib.parse import quote
 
-from ..errors import InvalidInput
+from ..errors import InvalidInput, Message, OptionName
 from ..geodesy.mercator import PixelGrid, extent_of_box
 from ..limits import MAX_TILE_PX
 from ..resources import read_json
@@ -35,17 +35,17 @@ _GRIDS: dict[str, dict[str, Any]] = {"static-map": {"max_size_px": 640, "centre_
 WORLD_DEG = (-180.0, -90.0, 180.0, 90.0)
 #: What every entry states.
 _NEEDED = ("title", "kind", "min_zoom", "max_zoom", "native_zoom")
-_TEXT = ((str,), "text of one line")
-_WHOLE = ((int,), "a whole number")
-_LIST = ((list, tuple), "a list")
-_OBJECT = ((Mapping,), "an object")
+_TEXT = ((str,), Message("text of one line"))
+_WHOLE = ((int,), Message("a whole number"))
+_LIST = ((list, tuple), Message("a list"))
+_OBJECT = ((Mapping,), Message("an object"))
 #: Types of what an entry states, and words for them.
 _KINDS_OF: dict[str, tuple[tuple[type, ...], str]] = {
     **dict.fromkeys(("title", "kind", "area", "attribution", "key_env", "signing_env"), _TEXT),
     **dict.fromkeys(("bulk_allowed", "licence", "terms", "terms_url"), _TEXT),
     **dict.fromkeys(("min_zoom", "max_zoom", "native_zoom", "max_tiles", "max_connections"), _WHOLE),
-    "requests_per_s": ((int, float), "a number"),
-    "cache_allowed": ((bool,), "true or false"),
+    "requests_per_s": ((int, float), Message("a number")),
+    "cache_allowed": ((bool,), Message("true or false")),
     **dict.fromkeys(("map_types", "hosts", "tile_px", "bounds_deg", "levels"), _LIST),
     **dict.fromkeys(("urls", "dates", "placeholder"), _OBJECT),
 }
@@ -79,11 +79,11 @@ class Dates:
 
     def __post_init__(self) -> None:
         if self.kind not in DATE_KINDS:
-            raise InvalidInput(f"dates of kind {self.kind!r}: must be one of {', '.join(DATE_KINDS)}")
+            raise InvalidInput("dates of kind {0!r}: must be one of {1}", self.kind, ", ".join(DATE_KINDS))
         if (self.kind == "listed") != bool(self.values):
-            raise InvalidInput(f"dates of kind {self.kind!r}: values are for listed ones, which need them")
+            raise InvalidInput("dates of kind {0!r}: values are for listed ones, which need them", self.kind)
         if not all(isinstance(text, str) for pair in self.values.items() for text in pair):
-            raise InvalidInput(f"dates of kind {self.kind!r}: values must be text")
+            raise InvalidInput("dates of kind {0!r}: values must be text", self.kind)
         if self.kind == "listed":
             object.__setattr__(self, "first", min(self.values))
             object.__setattr__(self, "last", max(self.values))
@@ -95,14 +95,27 @@ class Dates:
         if self.kind == "listed":
             if date not in self.values:
                 raise InvalidInput(
-                    f"date {date!r}: must be one of those there are, such as {self._near(date)}"
+                    "date {0!r}: must be one of those there are, such as {1}",
+                    date,
+                    self._near(date),
+                    field="date",
                 )
         elif self.kind == "any":
             if not date or not date.isprintable():
-                raise InvalidInput(f"date {date!r}: must be one the server takes; say which (--date)")
+                raise InvalidInput(
+                    "date {0!r}: must be one the server takes",
+                    date,
+                    field="date",
+                    remedy=Message("say which{0}", OptionName("date").in_brackets),
+                )
         elif not self._in_range(date):
             raise InvalidInput(
-                f"date {date!r}: must be {_FORMS[self.kind]}, from {self.first} to {self.last or 'now'}"
+                "date {0!r}: must be {1}, from {2} to {3}",
+                date,
+                _FORMS[self.kind],
+                self.first,
+                self.last or Message("now"),
+                field="date",
             )
         return date
 
@@ -110,16 +123,22 @@ class Dates:
         """Return what stands for a date in the URL."""
         return self.values.get(date, date)
 
-    def text(self) -> str:
+    def text(self) -> Message:
         """Words for people."""
-        default = f"{self.default} by default" if self.default else "one must be asked for"
+        default = (
+            Message("{0} by default", self.default) if self.default else Message("one must be asked for")
+        )
         if self.kind == "listed":
             if len(self.values) <= _NAMED:
-                return f"{', '.join(sorted(self.values))}; {default}"
-            return f"{len(self.values)} from {self.first} to {self.last}; {default}"
-        span = f" from {self.first} to {self.last or 'now'}" if self.first else ""
-        form = {"day": "every day", "year": "every year", "any": "as the server takes them"}[self.kind]
-        return f"{form}{span}; {default}"
+                return Message("{0}; {1}", ", ".join(sorted(self.values)), default)
+            return Message("{0} from {1} to {2}; {3}", len(self.values), self.first, self.last, default)
+        span = Message(" from {0} to {1}", self.first, self.last or Message("now")) if self.first else ""
+        form = {
+            "day": Message("every day"),
+            "year": Message("every year"),
+            "any": Message("as the server takes them"),
+        }[self.kind]
+        return Message("{0}{1}; {2}", form, span, default)
 
     def _in_range(self, date: str) -> bool:
         try:
@@ -226,11 +245,11 @@ class CatalogueEntry:
     @classmethod
     def from_dict(cls, name: str, data: Mapping[str, Any], *, user: bool = False) -> CatalogueEntry:
         """Entry of ``resources/sources.json``; raises InvalidInput on what is unknown or missing."""
-        _check_kinds(name, data)
-        # A null stands for the default.
-        data = {field: value for field, value in data.items() if value is not None}
-        terms = {field: data.pop(field) for field in Policy.__dataclass_fields__ if field in data}
         try:
+            _check_kinds(data)
+            # A null stands for the default.
+            data = {field: value for field, value in data.items() if value is not None}
+            terms = {field: data.pop(field) for field in Policy.__dataclass_fields__ if field in data}
             marks = dict(data.pop("placeholder", {}))
             dates = data.pop("dates", None)
             urls = dict(data.pop("urls", {}))
@@ -256,13 +275,13 @@ class CatalogueEntry:
                 **data,
             )
         except InvalidInput as wrong:
-            raise InvalidInput(f"catalogue entry {name!r}: {wrong}") from wrong
+            raise InvalidInput("catalogue entry {0!r}: {1}", name, wrong, field=wrong.field) from wrong
         except (AttributeError, TypeError, KeyError, ValueError, OverflowError) as wrong:
-            raise InvalidInput(f"catalogue entry {name!r}: wrong or missing: {wrong}") from wrong
+            raise InvalidInput("catalogue entry {0!r}: wrong or missing: {1}", name, wrong) from wrong
 
     def __post_init__(self) -> None:
         if self.kind not in PIXELS:
-            raise InvalidInput(f"kind {self.kind!r}: must be one of {', '.join(PIXELS)}")
+            raise InvalidInput("kind {0!r}: must be one of {1}", self.kind, ", ".join(PIXELS))
         if (self.kind == "xyz") != bool(self.urls):
             raise InvalidInput("URLs are for xyz, which needs them")
         if not self.title:
@@ -271,17 +290,19 @@ class CatalogueEntry:
             self._check_stated()
         west, south, east, north = self.bounds_deg
         if not (-180.0 <= west < east <= 180.0 and -90.0 <= south < north <= 90.0):
-            raise InvalidInput(f"bounds {self.bounds_deg}: must be west, south, east, north in degrees")
+            raise InvalidInput("bounds {0}: must be west, south, east, north in degrees", self.bounds_deg)
         if not self.tile_px:
             raise InvalidInput("tile_px []: needs the width of its tiles, such as [256]")
         for size in self.tile_px:
             if size > MAX_TILE_PX:
-                raise InvalidInput(f"tile size {size} px: must be {MAX_TILE_PX} or less")
+                raise InvalidInput("tile size {0} px: must be {1} or less", size, MAX_TILE_PX)
             self.grid(size)
         for variable in (self.key_env, self.signing_env):
             if variable is not None and not _VARIABLE.fullmatch(variable):
                 raise InvalidInput(
-                    f"environment variable {variable!r}: must be letters, digits and underscores, such as {KEY_ENV}"
+                    "environment variable {0!r}: must be letters, digits and underscores, such as {1}",
+                    variable,
+                    KEY_ENV,
                 )
         self._check_urls()
 
@@ -333,7 +354,9 @@ class CatalogueEntry:
         """Pixel grid for a tile size; None for the entry's own."""
         size = tile_px or self.tile_px[0]
         if size not in self.tile_px:
-            raise InvalidInput(f"tiles of {size} px: {self.title} has {', '.join(map(str, self.tile_px))}")
+            raise InvalidInput(
+                "tiles of {0} px: {1} has {2}", size, self.title, ", ".join(map(str, self.tile_px))
+            )
         # The shipped entries' bounds are those of a country; a service's are those of its imagery.
         ends = self.user and self.bounds_deg != WORLD_DEG
         extent = extent_of_box(*self.bounds_deg) if ends else None
@@ -344,10 +367,17 @@ class CatalogueEntry:
         """Date of the imagery; empty where there is but one."""
         if self.dates is None:
             if wanted:
-                raise InvalidInput(f"date {wanted!r}: {self.title} has no dates to choose from")
+                raise InvalidInput(
+                    "date {0!r}: {1} has no dates to choose from", wanted, self.title, field="date"
+                )
             return ""
         if not wanted and not self.dates.default:
-            raise InvalidInput(f"{self.title}: has imagery of several dates; say which (--date)")
+            raise InvalidInput(
+                "{0}: has imagery of several dates",
+                self.title,
+                field="date",
+                remedy=Message("say which{0}", OptionName("date").in_brackets),
+            )
         return self.dates.checked(wanted or self.dates.default)
 
     def templates(self, date: str) -> dict[str, Template]:
@@ -377,16 +407,14 @@ class CatalogueEntry:
         )
 
 
-def _check_kinds(name: str, data: Mapping[str, Any]) -> None:
+def _check_kinds(data: Mapping[str, Any]) -> None:
     """Refuse what is unknown, missing or of another kind, in the words of who writes the file."""
     for needed in _NEEDED:
         if needed not in data:
-            raise InvalidInput(f"catalogue entry {name!r}: {needed} is missing")
+            raise InvalidInput("{0} is missing", needed, field=needed)
     for one, value in data.items():
         if one not in _KINDS_OF:
-            raise InvalidInput(
-                f"catalogue entry {name!r}: {one!r} is unknown; known are {', '.join(_KINDS_OF)}"
-            )
+            raise InvalidInput("{0!r} is unknown; known are {1}", one, ", ".join(_KINDS_OF))
         kinds, words = _KINDS_OF[one]
         # What is true or false counts as a number in Python.
         right = isinstance(value, kinds) and (bool in kinds or not isinstance(value, bool))
@@ -395,16 +423,16 @@ def _check_kinds(name: str, data: Mapping[str, Any]) -> None:
         if value is None:
             right = one not in _NEEDED
         if not right:
-            raise InvalidInput(f"catalogue entry {name!r}: {one} {value!r}: must be {words}")
+            raise InvalidInput("{0} {1!r}: must be {2}", one, value, words, field=one)
     for one, kind, words in (
-        ("urls", str, "text"),
-        ("hosts", str, "text"),
-        ("tile_px", int, "whole numbers"),
+        ("urls", str, Message("text")),
+        ("hosts", str, Message("text")),
+        ("tile_px", int, Message("whole numbers")),
     ):
         values = data.get(one) or ()
         for value in values.values() if isinstance(values, Mapping) else values:
             if not isinstance(value, kind):
-                raise InvalidInput(f"catalogue entry {name!r}: {one} with {value!r}: must be {words}")
+                raise InvalidInput("{0} with {1!r}: must be {2}", one, value, words, field=one)
 
 
 def shipped() -> tuple[CatalogueEntry, ...]:

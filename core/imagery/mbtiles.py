@@ -12,7 +12,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from ..errors import Cancelled, InvalidInput, PartError
+from ..errors import Cancelled, InvalidInput, Message, PartError
 from ..geodesy.mercator import PixelGrid, extent_of_box
 from ..limits import (
     MAX_METADATA_CHARACTERS,
@@ -66,7 +66,9 @@ class MBTilesFile(FileSource):
     def open(self) -> MBTilesSource:
         """Open the file; raises InvalidInput as `open_mbtiles` does, and where a date is asked for."""
         if self.options.date:
-            raise InvalidInput(f"date {self.options.date!r}: {self.text} has no dates to choose from")
+            raise InvalidInput(
+                "date {0!r}: {1} has no dates to choose from", self.options.date, self.text, field="date"
+            )
         return open_mbtiles(self.text)
 
 
@@ -127,11 +129,11 @@ class MBTilesSource:
         tile = tile_address(part, self.grid, self.title)
         body = self._body(tile)
         if body is None:
-            raise PartError(f"{tile}: is not in {Path(self.name).name}")
+            raise PartError("{0}: is not in {1}", tile, Path(self.name).name)
         try:
             return decode(body, part.width_px, part.height_px)
         except PartError as reason:
-            raise PartError(f"{tile}: {reason}") from reason
+            raise PartError("{0}: {1}", tile, reason) from reason
 
     def close(self) -> None:
         """Close the file; what other threads read of it ends at once and raises Cancelled."""
@@ -152,7 +154,9 @@ class MBTilesSource:
                 if self._clock.is_over():
                     raise _too_slow(str(tile)) from wrong
                 if fault(wrong) != "busy" or time.monotonic() > until_s:
-                    raise PartError(f"{tile}: {Path(self.name).name} cannot be read ({wrong})") from wrong
+                    raise PartError(
+                        "{0}: {1} cannot be read ({2})", tile, Path(self.name).name, wrong
+                    ) from wrong
 
     def _stored(self, tile: Tile) -> bytes | None:
         with self._lock:
@@ -181,9 +185,9 @@ def open_mbtiles(path: str | os.PathLike[str]) -> MBTilesSource:
     try:
         there = file.is_file()
     except OSError as wrong:
-        raise InvalidInput(f"MBTiles {file}: cannot be read ({wrong.strerror})") from wrong
+        raise InvalidInput("MBTiles {0}: cannot be read ({1})", file, wrong.strerror) from wrong
     if not there:
-        raise InvalidInput(f"MBTiles {file}: is not there")
+        raise InvalidInput("MBTiles {0}: is not there", file)
     connection, clock = None, _Clock()
     try:
         connection = _opened(file, clock)
@@ -191,11 +195,11 @@ def open_mbtiles(path: str | os.PathLike[str]) -> MBTilesSource:
         rows, sample = _first_look(connection)
         source = MBTilesSource(file, connection, clock, rows, _grid(connection, rows, sample))
     except InvalidInput as wrong:
-        failure = InvalidInput(f"MBTiles {file}: {wrong}")
+        failure = InvalidInput("MBTiles {0}: {1}", file, wrong)
     except FILE_ERRORS as wrong:
-        failure = InvalidInput(f"MBTiles {file}: is no MBTiles file, or is damaged ({wrong})")
+        failure = InvalidInput("MBTiles {0}: is no MBTiles file, or is damaged ({1})", file, wrong)
         if clock.is_over():
-            failure = InvalidInput(str(_too_slow(f"MBTiles {file}")))
+            failure = InvalidInput(_too_slow(Message("MBTiles {0}", file)))
     else:
         return source
     if connection is not None:
@@ -225,8 +229,13 @@ class _Clock:
 
 def _too_slow(what: str) -> PartError:
     return PartError(
-        f"{what}: takes more than {MAX_QUERY_S:g} s to look a tile up; give the file an index: "
-        "CREATE UNIQUE INDEX tile_index ON tiles (zoom_level, tile_column, tile_row)"
+        "{0}: takes more than {1:g} s to look a tile up",
+        what,
+        MAX_QUERY_S,
+        remedy=(
+            "give the file an index: CREATE UNIQUE INDEX tile_index ON tiles (zoom_level, "
+            "tile_column, tile_row)"
+        ),
     )
 
 
@@ -294,8 +303,10 @@ def _check_defined(connection: sqlite3.Connection) -> None:
             or any(_may_name(sql, other) for other in computed - {name})
         ):
             raise InvalidInput(
-                f"{name} is computed; must be a table, or a view that reads tables alone, of "
-                f"{MAX_VIEW_CHARACTERS:,} characters at most"
+                "{0} is computed; must be a table, or a view that reads tables alone, of {1:,} characters "
+                "at most",
+                name,
+                MAX_VIEW_CHARACTERS,
             )
 
 
@@ -349,7 +360,7 @@ def _zooms(connection: sqlite3.Connection, rows: Mapping[str, str]) -> tuple[int
         "SELECT (SELECT min(zoom_level) FROM tiles), (SELECT max(zoom_level) FROM tiles)"
     ).fetchone()
     if not all(isinstance(zoom, int) for zoom in found):
-        raise InvalidInput(f"its tiles are of zooms {found[0]!r} to {found[1]!r}; must be whole numbers")
+        raise InvalidInput("its tiles are of zooms {0!r} to {1!r}; must be whole numbers", found[0], found[1])
     return int(found[0]), int(found[1])
 
 
@@ -358,9 +369,9 @@ def _tile_px(sample: bytes) -> int:
     try:
         width_px, height_px = size_of(sample)
     except PartError as reason:
-        raise InvalidInput(f"its tiles are no pictures ({reason}); must be png, jpg or webp") from None
+        raise InvalidInput("its tiles are no pictures ({0}); must be png, jpg or webp", reason) from None
     if width_px != height_px or width_px > MAX_TILE_PX:
         raise InvalidInput(
-            f"its tiles are of {width_px}x{height_px} px; must be square, of {MAX_TILE_PX} px at most"
+            "its tiles are of {0}x{1} px; must be square, of {2} px at most", width_px, height_px, MAX_TILE_PX
         )
     return width_px

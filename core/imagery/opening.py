@@ -80,7 +80,7 @@ class SourceOptions:
 
     def __post_init__(self) -> None:
         if self.connections < 1:
-            raise InvalidInput(f"{self.connections} connections: must be 1 or more")
+            raise InvalidInput("{0} connections: must be 1 or more", self.connections)
         object.__setattr__(self, "placeholders", Placeholder().with_files(self.placeholders).sha256)
 
 
@@ -191,8 +191,9 @@ KINDS = (
 def _kind(text: str) -> Kind:
     if text.startswith(_QGIS):
         raise InvalidInput(
-            f"source {text}: is a map of QGIS and can be captured inside QGIS only; name a file, a URL template or "
-            "a name of the catalogue"
+            "source {0}: is a map of QGIS and can be captured inside QGIS only",
+            text,
+            remedy="name a file, a URL template or a name of the catalogue",
         )
     return next(kind for kind in KINDS if kind.recognises(text))
 
@@ -250,7 +251,9 @@ class NamedSource(ABC):
     def entry(self) -> CatalogueEntry:
         """All that is known of it; raises InvalidInput for a file, of which no terms are known."""
         raise InvalidInput(
-            f"source {self.text}: a file states no terms; name one of the sources that have some"
+            "source {0}: a file states no terms",
+            self.text,
+            remedy="name one of the sources that have some",
         )
 
     @property
@@ -348,7 +351,7 @@ class EntrySource(NamedSource):
         key = options.key or (self.environment_key() if entry.key_env else None)
         if entry.key_env and not key:
             raise SourceError(
-                f"{entry.title}: needs an API key: set the environment variable {entry.key_env}"
+                "{0}: needs an API key: set the environment variable {1}", entry.title, entry.key_env
             )
         pixels = _imported(PIXELS[entry.kind])
         source: Source = pixels.open_entry(entry, date, key, options)

@@ -12,13 +12,13 @@ from typing import Callable, Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import InvalidInput, PartError
+from ..errors import InvalidInput, Message, PartError
 from ..geodesy.mercator import PixelGrid
 from ..text import one_line
 from .source import Pixels, Window
 
 #: Why a picture fails that needs a placeholder.
-PLACEHOLDER_REASON = "no imagery here: the provider's placeholder picture"
+PLACEHOLDER_REASON = Message("no imagery here: the provider's placeholder picture")
 #: Digits of a SHA-256 that name a file as surely as all 64 do, unless somebody makes another for the purpose.
 DIGEST_DIGITS = 16
 _DIGEST = re.compile(rf"[0-9a-f]{{{DIGEST_DIGITS},64}}")
@@ -58,8 +58,11 @@ class Placeholder:
         for digest in self.sha256:
             if not _DIGEST.fullmatch(digest):
                 raise InvalidInput(
-                    f"placeholder {digest!r}: must be the SHA-256 of a tile's file, or the first {DIGEST_DIGITS} "
-                    "of its digits or more"
+                    "placeholder {0!r}: must be the SHA-256 of a tile's file, or the first {1} of its "
+                    "digits or more",
+                    digest,
+                    DIGEST_DIGITS,
+                    field="placeholder",
                 )
 
     def with_files(self, digests: Iterable[str]) -> Placeholder:
@@ -76,7 +79,7 @@ class Placeholder:
         for name, value in self.header:
             if name.lower() in headers and value in ("*", headers[name.lower()]):
                 raise PartError(
-                    f"no imagery here, the provider says ({name}: {one_line(headers[name.lower()])})"
+                    "no imagery here, the provider says ({0}: {1})", name, one_line(headers[name.lower()])
                 )
         if self.sha256 and self.knows(hashlib.sha256(body).hexdigest()):
             raise PartError(PLACEHOLDER_REASON)
@@ -85,7 +88,7 @@ class Placeholder:
         """Raise PartError for a picture of one of the flat colours."""
         for colour in self.flat_rgb:
             if tuple(pixels[0, 0, :3]) == colour and bool((pixels == pixels[0, 0]).all()):
-                raise PartError("no imagery here: a picture of one colour, rgb({}, {}, {})".format(*colour))
+                raise PartError("no imagery here: a picture of one colour, rgb({0}, {1}, {2})", *colour)
 
 
 @runtime_checkable

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import sys
 from dataclasses import dataclass
+from typing import Any
 
-from ..errors import InvalidInput, SourceError
+from ..errors import InvalidInput, Message, OptionName, SourceError
 
 BULK = ("yes", "ask", "no")
 
@@ -24,17 +25,29 @@ class TermsError(SourceError):
     """
 
     def __init__(self, title: str, policy: Policy, requests: int, instead: tuple[str, ...] = ()) -> None:
-        others = f"sources that allow it: {', '.join(instead)}" if instead else "take another source"
         can_agree = policy.bulk_allowed == "ask"
-        way_out = "agree to the terms first (--accept-terms)" if can_agree else others
-        without = "agreeing to its terms" if can_agree else "breaking its terms"
-        super().__init__(
-            f"{title}: {requests:,} requests, and {policy.max_tiles:,} at most pass without {without}: "
-            f"{policy.terms}{f' ({policy.terms_url})' if policy.terms_url else ''}; {way_out}"
+        if can_agree:
+            way_out = Message("agree to the terms first{0}", OptionName("accept_terms").in_brackets)
+        elif instead:
+            way_out = Message("sources that allow it: {0}", Message.joined(", ", instead))
+        else:
+            way_out = Message("take another source")
+        refused = Message(
+            "{0}: {1:,} requests, and {2:,} at most pass without {3}: {4}{5}",
+            title,
+            requests,
+            policy.max_tiles,
+            Message("agreeing to its terms") if can_agree else Message("breaking its terms"),
+            policy.terms,
+            f" ({policy.terms_url})" if policy.terms_url else "",
         )
+        super().__init__(refused, remedy=way_out)
         self.title, self.policy, self.requests, self.instead = title, policy, requests, instead
         #: Whether agreeing to the terms is enough.
         self.can_agree = can_agree
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return TermsError, (self.title, self.policy, self.requests, self.instead)
 
 
 @dataclass(frozen=True)
@@ -69,16 +82,16 @@ class Policy:
 
     def __post_init__(self) -> None:
         if self.bulk_allowed not in BULK:
-            raise InvalidInput(f"bulk_allowed {self.bulk_allowed!r}: must be one of {', '.join(BULK)}")
+            raise InvalidInput("bulk_allowed {0!r}: must be one of {1}", self.bulk_allowed, ", ".join(BULK))
         if self.bulk_allowed != "yes" and self.max_tiles is None:
             raise InvalidInput(
-                f"bulk_allowed {self.bulk_allowed!r} without max_tiles: say how many are no bulk"
+                "bulk_allowed {0!r} without max_tiles: say how many are no bulk", self.bulk_allowed
             )
         for name in ("max_tiles", "max_connections", "requests_per_s"):
             value = getattr(self, name)
             # Whole numbers may be too large for a float.
             if value is not None and not 0 < value <= sys.float_info.max:
-                raise InvalidInput(f"{name} {value}: must be a number above 0, or left out")
+                raise InvalidInput("{0} {1}: must be a number above 0, or left out", name, value)
 
     def connections(self, wanted: int) -> int:
         """Return the connections to open where ``wanted`` are asked for."""
@@ -112,15 +125,20 @@ class Policy:
         """Whether so many requests are more than pass without asking, or at all."""
         return self.bulk_allowed != "yes" and self.max_tiles is not None and requests > self.max_tiles
 
-    def text(self) -> str:
+    def text(self) -> Message:
         """Words for people on how much may be downloaded."""
         if self.bulk_allowed == "yes" or self.max_tiles is None:
-            bulk = "any number of requests"
+            bulk = Message("any number of requests")
         elif self.bulk_allowed == "ask":
-            bulk = f"more than {self.max_tiles:,} requests after agreeing to the terms (--accept-terms)"
+            bulk = Message(
+                "more than {0:,} requests after agreeing to the terms{1}",
+                self.max_tiles,
+                OptionName("accept_terms").in_brackets,
+            )
         else:
-            bulk = f"at most {self.max_tiles:,} requests, whatever you agree to"
-        pace = [] if self.max_connections is None else [f"{self.max_connections} connections"]
-        pace += [] if self.requests_per_s is None else [f"{self.requests_per_s:g} requests/s"]
-        stored = "" if self.cache_allowed else "; nothing may be cached"
-        return bulk + (f"; {', '.join(pace)}" if pace else "") + stored
+            bulk = Message("at most {0:,} requests, whatever you agree to", self.max_tiles)
+        pace = [] if self.max_connections is None else [Message("{0} connections", self.max_connections)]
+        pace += [] if self.requests_per_s is None else [Message("{0:g} requests/s", self.requests_per_s)]
+        told = [bulk, *([Message.joined(", ", pace)] if pace else [])]
+        told += [] if self.cache_allowed else [Message("nothing may be cached")]
+        return Message.joined("; ", told)

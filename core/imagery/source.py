@@ -7,7 +7,7 @@ from typing import NamedTuple, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import InvalidInput, PartError
+from ..errors import InvalidInput, Message, PartError
 from ..geodesy.mercator import PixelGrid
 from .policy import Policy
 
@@ -126,7 +126,7 @@ class Tile(NamedTuple):
     y: int
 
     def __str__(self) -> str:
-        return f"tile {self.zoom}/{self.x}/{self.y}"
+        return Message("tile {0}/{1}/{2}", self.zoom, self.x, self.y)
 
 
 def tile_address(part: Window, grid: PixelGrid, title: str) -> Tile:
@@ -150,10 +150,10 @@ def tile_address(part: Window, grid: PixelGrid, title: str) -> Tile:
     x, left = divmod(part.left_px, size)
     y, top = divmod(part.top_px, size)
     if left or top or (part.width_px, part.height_px) != (size, size):
-        raise InvalidInput(f"{part}: is no tile of {size} px")
+        raise InvalidInput("{0}: is no tile of {1} px", part, size)
     tile = Tile(int(part.zoom), int(x), int(y))
     if not grid.min_zoom <= tile.zoom <= grid.max_zoom:
-        raise InvalidInput(f"zoom {tile.zoom}: {title} has {grid.min_zoom} to {grid.max_zoom}")
+        raise InvalidInput("zoom {0}: {1} has {2} to {3}", tile.zoom, title, grid.min_zoom, grid.max_zoom)
     if not (0 <= tile.x < 1 << tile.zoom and 0 <= tile.y < 1 << tile.zoom):
-        raise PartError(f"{tile}: beyond the edge of the map")
+        raise PartError("{0}: beyond the edge of the map", tile)
     return tile

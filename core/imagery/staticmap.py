@@ -14,9 +14,10 @@ from urllib.parse import quote, urlencode, urlsplit
 
 import numpy as np
 
-from ..errors import InvalidInput
+from ..errors import InvalidInput, Message
 from ..geodesy.frames import Windows, window_centres
 from ..geodesy.mercator import PixelGrid
+from ..map_types import MAP_TYPES, SATELLITE
 from .decode import decode
 from .entry import CatalogueEntry
 from .http.client import Client
@@ -28,7 +29,6 @@ from .policy import Policy
 from .source import Part, Pixels, Window
 
 GOOGLE_URL = "https://maps.googleapis.com/maps/api/staticmap"
-MAP_TYPES = ("satellite", "roadmap", "terrain")
 #: Longest side of a picture, before ``scale``.
 MAX_SIZE_PX = 640
 #: Decimals of a degree the service keeps of a centre (0.1 m).
@@ -86,7 +86,7 @@ class StaticMapSource:
         connections: int = 8,
     ) -> None:
         if scale not in (1, 2):
-            raise InvalidInput(f"scale {scale}: Static Maps has 1 (tiles of 256 px) and 2 (512 px)")
+            raise InvalidInput("scale {0}: Static Maps has 1 (tiles of 256 px) and 2 (512 px)", scale)
         self.name, self.title, self.attribution = name, title, attribution
         self.date = ""
         self.policy = policy
@@ -130,7 +130,7 @@ class StaticMapSource:
             As for `XYZSource.fetch`.
         """
         lat_deg, lon_deg = self.centre(part)
-        what = f"picture at {lat_deg},{lon_deg} zoom {part.zoom}"
+        what = Message("picture at {0},{1} zoom {2}", lat_deg, lon_deg, part.zoom)
 
         def read(response: Response) -> Pixels:
             self.placeholder.refuse(response.body, response.headers)
@@ -159,8 +159,12 @@ class StaticMapSource:
             text = f"{degrees:.{CENTRE_DECIMALS}f}"
             if abs(float(text) - degrees) > _CENTRE_TOLERANCE_DEG:
                 raise InvalidInput(
-                    f"{part}: its centre {degrees!r} has more than {CENTRE_DECIMALS} decimals, which "
-                    f"{self.title} drops; plan with this source's grid"
+                    "{0}: its centre {1!r} has more than {2} decimals, which {3} drops",
+                    part,
+                    degrees,
+                    CENTRE_DECIMALS,
+                    self.title,
+                    remedy="plan with this source's grid",
                 )
             texts.append(text.lstrip("-") if float(text) == 0.0 else text)
         return texts[0], texts[1]
@@ -171,7 +175,7 @@ class StaticMapSource:
 
     def _request(self, map_type: str, part: Window, lat_deg: str, lon_deg: str) -> str:
         if map_type not in MAP_TYPES:
-            raise InvalidInput(f"map type {map_type!r}: {self.title} has {', '.join(MAP_TYPES)}")
+            raise InvalidInput("map type {0!r}: {1} has {2}", map_type, self.title, ", ".join(MAP_TYPES))
         scale = self.grid.scale
         width, height = part.width_px // scale, part.height_px // scale
         if (
@@ -181,11 +185,15 @@ class StaticMapSource:
             or max(width, height) > MAX_SIZE_PX
         ):
             raise InvalidInput(
-                f"picture of {part.width_px}x{part.height_px} px: {self.title} gives up to {MAX_SIZE_PX} px "
-                f"times {scale}"
+                "picture of {0}x{1} px: {2} gives up to {3} px times {4}",
+                part.width_px,
+                part.height_px,
+                self.title,
+                MAX_SIZE_PX,
+                scale,
             )
         if not 0 <= part.zoom <= _MAX_ZOOM:
-            raise InvalidInput(f"zoom {part.zoom}: {self.title} has 0 to {_MAX_ZOOM}")
+            raise InvalidInput("zoom {0}: {1} has 0 to {2}", part.zoom, self.title, _MAX_ZOOM)
         query = {
             "center": f"{lat_deg},{lon_deg}",
             "zoom": str(part.zoom),
@@ -195,7 +203,7 @@ class StaticMapSource:
             # The default, png8, has 256 colours.
             "format": "png32",
         }
-        if map_type != "satellite":
+        if map_type != SATELLITE:
             query["style"] = _NO_LABELS
         query["key"] = self._key
         url = f"{self._url}?{urlencode(query, quote_via=quote, safe='')}"

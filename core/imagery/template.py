@@ -9,8 +9,9 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from urllib.parse import parse_qsl, quote, unquote, urlsplit
 
-from ..errors import InvalidInput, SourceError
+from ..errors import InvalidInput, Message, SourceError
 from ..geodesy.mercator import HALF_WORLD_M
+from ..map_types import MAP_TYPES
 
 #: Environment variable with the key of a user's own address, which goes to hosts that the user has named, and to no
 #: other: an address in a mission file, a config file or a server's document may have been written by anybody.
@@ -29,8 +30,6 @@ PLACEHOLDERS = {
     "key": "API key",
     "bbox-epsg-3857": "west,south,east,north of the tile in metres, for a WMS",
 }
-#: What {map_type} may stand for.
-MAP_TYPES = ("satellite", "roadmap", "terrain")
 #: The placeholder that says all of where a tile is, as Mapbox and MapLibre spell it.
 BBOX = "bbox-epsg-3857"
 _BRACES = re.compile(r"\{([^{}]*)\}")
@@ -125,32 +124,36 @@ class Template:
         return _BRACES.sub(lambda found: values.get(found.group(1), found.group(0)), self.text)
 
     def _check_url(self) -> None:
-        check_address(self.text, "URL template")
+        check_address(self.text, Message("URL template"))
 
     def _check_placeholders(self) -> None:
         names = self.names
         shown = self.text.partition("?")[0]
         for name in sorted(names - PLACEHOLDERS.keys()):
             raise InvalidInput(
-                f"URL template {shown}: {{{name}}} is unknown; known are {_in_braces(PLACEHOLDERS)}"
+                "URL template {0}: {{{1}}} is unknown; known are {2}", shown, name, _in_braces(PLACEHOLDERS)
             )
         if re.search(r"[{}]", _BRACES.sub("", self.text)):
-            raise InvalidInput(f"URL template {shown}: a brace without its partner")
+            raise InvalidInput("URL template {0}: a brace without its partner", shown)
         if "s" in names and not self.subdomains:
-            raise InvalidInput(f"URL template {shown}: {{s}} without subdomains to put there")
+            raise InvalidInput("URL template {0}: {{s}} without subdomains to put there", shown)
         in_host = set(_BRACES.findall(urlsplit(self.text).netloc)) - {"s"}
         if "key" in names and in_host:
             raise InvalidInput(
-                f"URL template {shown}: {_in_braces(sorted(in_host))} in its host; a key goes to a host that is "
-                "written out"
+                "URL template {0}: {1} in its host; a key goes to a host that is written out",
+                shown,
+                _in_braces(sorted(in_host)),
             )
         missing = [name for name in ("z", "x") if name not in names]
         if not names & {"y", "-y"}:
             missing.append("y")
         if missing and not names & {"q", BBOX}:
             raise InvalidInput(
-                f"URL template {shown}: without {_in_braces(missing)}; needs {{z}}, {{x}} and {{y}} (or {{-y}}, or "
-                f"{{q}} or {{{BBOX}}} alone)"
+                "URL template {0}: without {1}; needs {{z}}, {{x}} and {{y}} (or {{-y}}, or {{q}} or "
+                "{{{2}}} alone)",
+                shown,
+                _in_braces(missing),
+                BBOX,
             )
 
 
@@ -183,7 +186,7 @@ def check_address(text: str, what: str) -> None:
     """
     if not text.isprintable() or " " in text:
         raise InvalidInput(
-            f"{what} with spaces or control characters: must be without, or have them written %20"
+            "{0} with spaces or control characters: must be without, or have them written %20", what
         )
     filled = _BRACES.sub("0", text)
     try:
@@ -193,15 +196,22 @@ def check_address(text: str, what: str) -> None:
     except ValueError:
         sound = False
     if not sound:
-        raise InvalidInput(f"{what} of an invalid host or port: must be as in https://tiles.example:8080/")
+        raise InvalidInput("{0} of an invalid host or port: must be as in https://tiles.example:8080/", what)
     if parts.scheme not in ("http", "https") or not parts.hostname:
-        raise InvalidInput(f"{what} of {parts.scheme or 'no'} scheme: must start with http:// or https://")
+        raise InvalidInput(
+            "{0} of {1} scheme: must start with http:// or https://", what, parts.scheme or Message("no")
+        )
     if parts.username is not None or parts.password is not None:
-        raise InvalidInput(f"{what} for {parts.hostname}: holds a user name; no credentials may stand in it")
+        raise InvalidInput(
+            "{0} for {1}: holds a user name; no credentials may stand in it", what, parts.hostname
+        )
     for name in keys_in(text):
         raise InvalidInput(
-            f"{what} for {parts.hostname}: holds a key in {name!r}, which would end up in files; "
-            f"write {name}={{key}} and set TERRAINAV_KEY"
+            "{0} for {1}: holds a key in {2!r}, which would end up in files",
+            what,
+            parts.hostname,
+            name,
+            remedy=Message("write {0}={{key}} and set TERRAINAV_KEY", name),
         )
 
 
@@ -228,7 +238,9 @@ def _spelled_out(inline: re.Match[str]) -> tuple[str, ...]:
     if first is None:
         return tuple(inline.group(5).split(","))
     if ord(first) > ord(last):
-        raise InvalidInput(f"URL template with subdomains {first}-{last}: the first comes after the last")
+        raise InvalidInput(
+            "URL template with subdomains {0}-{1}: the first comes after the last", first, last
+        )
     return tuple(chr(code) for code in range(ord(first), ord(last) + 1))
 
 
@@ -268,7 +280,9 @@ def environment_key(hosts: Iterable[str], *, named_by_user: bool) -> str | None:
     for host in hosts:
         if not any(host == own or host.endswith("." + own) for own in (one.strip(".") for one in known)):
             raise SourceError(
-                f"{host}: {KEY_ENV} is not sent there, because a file names this host and not you; "
-                f"set {HOSTS_ENV}={host} if the key is for it"
+                "{0}: {1} is not sent there, because a file names this host and not you",
+                host,
+                KEY_ENV,
+                remedy=Message("set {0}={1} if the key is for it", HOSTS_ENV, host),
             )
     return key

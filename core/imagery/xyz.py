@@ -9,6 +9,7 @@ from typing import Callable
 
 from ..errors import InvalidInput, SourceError
 from ..geodesy.mercator import PixelGrid
+from ..map_types import MAP_TYPES
 from .cache.tile_cache import TileCache
 from .cache.tilestore import TileStore
 from .decode import decode
@@ -20,7 +21,7 @@ from .opening import SourceOptions
 from .placeholder import Placeholder, Received
 from .policy import Policy
 from .source import Part, Pixels, Window, tile_address, tile_parts
-from .template import MAP_TYPES, Template, host_of
+from .template import Template, host_of
 
 #: Hosts whose terms are kept at hand; a template has a few.
 _HOSTS = 64
@@ -97,7 +98,9 @@ class XYZSource:
         self.received: Received | None = None
         self._key = key or ""
         if not date and any("date" in template.names for template in self._templates.values()):
-            raise InvalidInput(f"source {self.title}: its URL has a {{date}}; say which")
+            raise InvalidInput(
+                "source {0}: its URL has a {{date}}", self.title, field="date", remedy="say which"
+            )
         self._fetched: Counter[str] = Counter()
         self._terms: dict[str, tuple[str, Policy]] = {}
         self._lock = threading.Lock()
@@ -215,12 +218,12 @@ class XYZSource:
 
     def _template(self, map_type: str) -> Template:
         if self.map_types and map_type not in self.map_types:
-            raise InvalidInput(f"map type {map_type!r}: {self.title} has {', '.join(self.map_types)}")
+            raise InvalidInput("map type {0!r}: {1} has {2}", map_type, self.title, ", ".join(self.map_types))
         return self._templates.get(map_type) or self._templates[""]
 
     def _key_needed(self, map_type: str) -> str:
         if not self._key and "key" in self._template(map_type).names:
-            raise SourceError(f"{self.title}: needs an API key, and none is set")
+            raise SourceError("{0}: needs an API key, and none is set", self.title)
         return self._key
 
     def _count(self, url: str, counted: set[str]) -> None:

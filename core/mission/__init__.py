@@ -2,12 +2,14 @@
 
 In reading order:
 
+- `parts`: what is asked beside area, camera and wind: every field with all that there is to say of it
 - `area`: where a mission goes, as a box, a polygon or points
 - `coords`: areas in text and in files
 - `cameras`: cameras by name, those that ship and the user's own
 - `wind`: what a mission is flown in
-- `options`: what can be asked for, with defaults and help
-- `mission`: all that is asked, as one value, in and out of JSON
+- `mission`: all that is asked, as one value of parts, in and out of JSON
+- `earlier`: mission files of earlier versions
+- `options`: what the command takes for it
 - `settings`: a mission from command line, environment and file
 - `layout`: where captures stand and what their pictures show of the area
 - `gusts`: gusts and the aircraft in them, discretised exactly

@@ -11,13 +11,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InvalidInput
+from ..fields import field_named
 from ..geodesy.ellipsoid import WGS84, next_corners
 from ..geodesy.mercator import v_to_lat, wrap_lon_deg
+from .parts import HIGHEST_AGL_M, Attitude, Flight
 
 Floats = NDArray[np.float64]
 Position = tuple[float, float]
-#: Greatest height above ground, metres: up to there double precision holds the ground to less than a micrometre.
-_HIGHEST_AGL_M = 1e9
 Numbers = NDArray[np.int64]
 Flags = NDArray[np.bool_]
 #: Start longitude, start latitude, end longitude, end latitude of each edge.
@@ -29,23 +29,19 @@ _CHUNK = 100_000
 def check_lat_lon(lat_deg: float, lon_deg: float) -> None:
     """Refuse a latitude beyond ±90 or a longitude beyond ±360 degrees (or not a number)."""
     if not -90.0 <= lat_deg <= 90.0:
-        raise InvalidInput(f"latitude {lat_deg}: must be within -90 and 90 degrees")
+        raise InvalidInput("latitude {0}: must be within -90 and 90 degrees", lat_deg)
     if not -360.0 <= lon_deg <= 360.0:
-        raise InvalidInput(f"longitude {lon_deg}: must be within -360 and 360 degrees")
+        raise InvalidInput("longitude {0}: must be within -360 and 360 degrees", lon_deg)
 
 
 def check_agl(agl_m: float) -> None:
-    """Refuse a height that is not a positive number of metres, or beyond `_HIGHEST_AGL_M`."""
-    if not agl_m > 0.0:
-        raise InvalidInput(f"height above ground {agl_m} m: must be above 0")
-    if agl_m > _HIGHEST_AGL_M:
-        raise InvalidInput(f"height above ground {agl_m:g} m: must be at most {_HIGHEST_AGL_M:g} m")
+    """Refuse a height above ground that no flight has."""
+    field_named(Flight, "agl_m").settled(agl_m)
 
 
 def check_yaw(yaw_deg: float) -> None:
     """Refuse a yaw beyond ±360 degrees (or not a number)."""
-    if not -360.0 <= yaw_deg <= 360.0:
-        raise InvalidInput(f"yaw {yaw_deg} deg: must be from -360 to 360")
+    field_named(Attitude, "yaw_deg").settled(yaw_deg)
 
 
 @dataclass(frozen=True)
@@ -62,8 +58,10 @@ class Box:
         check_lat_lon(self.south_deg, self.east_deg)
         if self.south_deg > self.north_deg:
             raise InvalidInput(
-                f"box from latitude {self.north_deg} down to {self.south_deg}: south lies above north; "
-                "give the top-left corner first"
+                "box from latitude {0} down to {1}: south lies above north",
+                self.north_deg,
+                self.south_deg,
+                remedy="give the top-left corner first",
             )
 
     @property
@@ -138,7 +136,7 @@ def _tidy_ring(ring: tuple[Position, ...]) -> tuple[Position, ...]:
     while len(corners) > 1 and corners[0] == corners[-1]:
         corners.pop()
     if len(corners) < 3:
-        raise InvalidInput(f"polygon ring of {len(corners)} corners: needs at least 3")
+        raise InvalidInput("polygon ring of {0} corners: needs at least 3", len(corners))
     for lon, lat in corners:
         check_lat_lon(lat, lon)
     tidy = [corners[0]]
@@ -170,7 +168,7 @@ class Points:
             check_agl(agl)
         if self.yaws_deg and len(self.yaws_deg) != len(self.poses):
             raise InvalidInput(
-                f"{len(self.yaws_deg)} yaws of {len(self.poses)} points: give one for each, or none"
+                "{0} yaws of {1} points: give one for each, or none", len(self.yaws_deg), len(self.poses)
             )
         for yaw in self.yaws_deg:
             check_yaw(yaw)
@@ -192,7 +190,7 @@ def _sound(poses: tuple[tuple[float, float, float], ...]) -> bool:
     if values.dtype.kind not in "fiu" or values.shape[1:] != (3,):
         return False
     lat, lon, agl = values.T
-    sound = (np.abs(lat) <= 90.0) & (np.abs(lon) <= 360.0) & (agl > 0.0) & (agl <= _HIGHEST_AGL_M)
+    sound = (np.abs(lat) <= 90.0) & (np.abs(lon) <= 360.0) & (agl > 0.0) & (agl <= HIGHEST_AGL_M)
     return bool(sound.all())
 
 

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 from ..config import config_file, read_named, write_named
-from ..errors import InvalidInput
+from ..errors import InvalidInput, Message
 from ..geodesy.camera import Camera
 from ..resources import read_json
 
@@ -73,7 +73,7 @@ class CameraPreset:
         try:
             return cls._from_facts(name, data, user)
         except InvalidInput as wrong:
-            raise InvalidInput(f"camera {name}: {wrong}") from wrong
+            raise InvalidInput("camera {0}: {1}", name, wrong) from wrong
 
     @classmethod
     def _from_facts(cls, name: str, data: Mapping[str, Any], user: bool) -> CameraPreset:
@@ -81,10 +81,10 @@ class CameraPreset:
         way = _check_facts(data)
         source = data.get("source", "")
         if not (isinstance(source, str) and source.isprintable() and (source or user)):
-            raise InvalidInput(f"source {source!r}: must be text of one line")
+            raise InvalidInput("source {0!r}: must be text of one line", source)
         size_px = _pair(data, "size_px") if "size_px" in data else None
         if size_px is not None and not all(side.is_integer() for side in size_px):
-            raise InvalidInput(f"size_px {data['size_px']!r}: must be whole numbers")
+            raise InvalidInput("size_px {0!r}: must be whole numbers", data["size_px"])
         shape = size_px or (_pair(data, "aspect_ratio") if "aspect_ratio" in data else None)
         ratio = None if shape is None else shape[0] / shape[1]
         sensor_mm, focal_length_mm = None, None
@@ -92,7 +92,7 @@ class CameraPreset:
             sensor_mm, focal_length_mm = _pair(data, way), _number(data, "focal_length_mm")
             camera = Camera.from_sensor(sensor_mm, focal_length_mm, ratio)
         elif ratio is None:
-            raise InvalidInput(f"{way} {data[way]!r}: needs aspect_ratio or size_px beside it")
+            raise InvalidInput("{0} {1!r}: needs aspect_ratio or size_px beside it", way, data[way])
         else:
             make = {"fov_deg": Camera, "horizontal_fov_deg": Camera.from_horizontal_fov}
             camera = make.get(way, Camera.from_vertical_fov)(_number(data, way), ratio)
@@ -105,15 +105,17 @@ def _check_facts(data: Mapping[str, Any]) -> str:
     """Return the one fact of `_VIEWS`; refuse none, two, and what does not go together."""
     for fact in data:
         if fact not in _KNOWN:
-            raise InvalidInput(f"{fact!r} is unknown; known are {', '.join(_KNOWN)}")
+            raise InvalidInput("{0!r} is unknown; known are {1}", fact, ", ".join(_KNOWN))
     given = [fact for fact in _VIEWS if fact in data]
     if len(given) != 1:
-        raise InvalidInput(f"{' and '.join(given) or 'no field of view'}: give one of {', '.join(_VIEWS)}")
+        raise InvalidInput(
+            "{0}: give one of {1}", " and ".join(given) or Message("no field of view"), ", ".join(_VIEWS)
+        )
     if (given[0] == "sensor_mm") != ("focal_length_mm" in data):
         raise InvalidInput("sensor_mm and focal_length_mm: one needs the other")
     for fact in ("aspect_ratio", "image_px"):
         if "size_px" in data and fact in data:
-            raise InvalidInput(f"size_px and {fact}: give one of the two")
+            raise InvalidInput("size_px and {0}: give one of the two", fact)
     return given[0]
 
 
@@ -122,16 +124,19 @@ def _image_px(data: Mapping[str, Any]) -> int | None:
         return None
     pixels = _number(data, "image_px")
     if not pixels.is_integer():
-        raise InvalidInput(f"image_px {data['image_px']!r}: must be a whole number")
+        raise InvalidInput("image_px {0!r}: must be a whole number", data["image_px"])
     return int(pixels)
 
 
 def _number(data: Mapping[str, Any], fact: str) -> float:
-    return _real(data[fact], f"{fact} {data[fact]!r}: must be a number above 0")
+    return _real(data[fact], Message("{0} {1!r}: must be a number above 0", fact, data[fact]))
 
 
 def _pair(data: Mapping[str, Any], fact: str) -> tuple[float, float]:
-    pair, wanted = data[fact], f"{fact} {data[fact]!r}: must be a list of width and height, each above 0"
+    pair, wanted = (
+        data[fact],
+        Message("{0} {1!r}: must be a list of width and height, each above 0", fact, data[fact]),
+    )
     if not isinstance(pair, (list, tuple)) or len(pair) != 2:
         raise InvalidInput(wanted)
     return _real(pair[0], wanted), _real(pair[1], wanted)
@@ -188,8 +193,8 @@ def camera_named(name: str) -> CameraPreset:
     names = {key(preset.name): preset.name for preset in presets}
     close = [names[near] for near in difflib.get_close_matches(wanted, names, n=3, cutoff=0.5)]
     close = close or [known for near, known in names.items() if wanted and wanted in near][:3]
-    hint = f"did you mean {' or '.join(close)}? " if close else ""
-    raise InvalidInput(f"camera {name!r} is unknown: {hint}`terrainav cameras` lists the names")
+    hint = Message("did you mean {0}? ", " or ".join(close)) if close else ""
+    raise InvalidInput("camera {0!r} is unknown: {1}`terrainav cameras` lists the names", name, hint)
 
 
 def _named(wanted: str, presets: tuple[CameraPreset, ...], *, full: bool) -> CameraPreset | None:
@@ -226,13 +231,13 @@ def camera_shelf(folder: str | os.PathLike[str] | None = None) -> Shelf:
     taken = {key(preset.name): preset.name for preset in shipped_cameras()}
     presets: list[CameraPreset] = []
     problems: dict[str, str] = {}
-    for name, data in read_named(path, "cameras").items():
+    for name, data in read_named(path, Message("cameras")).items():
         preset = _preset_or_problem(name, data, taken)
         if isinstance(preset, CameraPreset):
             presets.append(preset)
             taken[key(name)] = name
         else:
-            problems[name] = f"{path}: {preset}"
+            problems[name] = Message("{0}: {1}", path, preset)
     return Shelf(tuple(presets), problems)
 
 
@@ -261,7 +266,7 @@ def add_camera(
         The file cannot be written.
     """
     path = config_file(_FILE, folder)
-    known = read_named(path, "cameras")
+    known = read_named(path, Message("cameras"))
     taken = {key(other): other for other in (*(preset.name for preset in shipped_cameras()), *known)}
     _check_name(name, taken)
     preset = _preset(name, data)
@@ -283,12 +288,14 @@ def remove_camera(name: str, folder: str | os.PathLike[str] | None = None) -> st
         There is no such camera, or it is one that ships.
     """
     path = config_file(_FILE, folder)
-    known = read_named(path, "cameras")
+    known = read_named(path, Message("cameras"))
     found = name if name in known else next((own for own in known if key(own) == key(name)), None)
     if found is None:
         if any(key(preset.name) == key(name) for preset in shipped_cameras()):
-            raise InvalidInput(f"camera {name!r}: comes with TerrAInav, and stays as it is")
-        raise InvalidInput(f"camera {name!r}: is none of your own, which are {', '.join(known) or 'none'}")
+            raise InvalidInput("camera {0!r}: comes with TerrAInav, and stays as it is", name)
+        raise InvalidInput(
+            "camera {0!r}: is none of your own, which are {1}", name, ", ".join(known) or Message("none")
+        )
     write_named(path, {other: data for other, data in known.items() if other != found})
     return found
 
@@ -301,15 +308,17 @@ def key(name: str) -> str:
 def _check_name(name: str, taken: Mapping[str, str]) -> None:
     if not (0 < len(name) <= _LONGEST_NAME and name.isprintable() and name == " ".join(name.split())):
         raise InvalidInput(
-            f"camera name {name!r}: must be 1 to {_LONGEST_NAME} characters of one line, with single spaces inside"
+            "camera name {0!r}: must be 1 to {1} characters of one line, with single spaces inside",
+            name,
+            _LONGEST_NAME,
         )
     if key(name) in taken:
-        raise InvalidInput(f"camera name {name!r}: {taken[key(name)]} is taken; choose another")
+        raise InvalidInput("camera name {0!r}: {1} is taken", name, taken[key(name)], remedy="choose another")
 
 
 def _preset(name: str, data: Any) -> CameraPreset:
     if not isinstance(data, Mapping):
-        raise InvalidInput(f"camera {name}: must be an object")
+        raise InvalidInput("camera {0}: must be an object", name)
     return CameraPreset.from_dict(name, data, user=True)
 
 
@@ -318,4 +327,4 @@ def _preset_or_problem(name: str, data: Any, taken: Mapping[str, str]) -> Camera
         _check_name(name, taken)
         return _preset(name, data)
     except InvalidInput as wrong:
-        return str(wrong)
+        return Message(wrong)

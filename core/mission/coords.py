@@ -7,14 +7,16 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
-from ..errors import InvalidInput
+from ..errors import InvalidInput, Message
 from ..files import is_there, read_limited
 from ..limits import MAX_MISSION_BYTES
 from ..safe_json import decoded, parse_json
 from .area import Area, Box, Points, Polygon
 from .options import KINDS, UNITS
 
-_FORMATS = '"lat_lon_agl", "latTL_lonTL_latBR_lonBR_agl", or a text file of "lat lon agl [yaw]" lines'
+_FORMATS = Message(
+    '"lat_lon_agl", "latTL_lonTL_latBR_lonBR_agl", or a text file of "lat lon agl [yaw]" lines'
+)
 _SEPARATORS = re.compile(r"[_,;\s]+")
 _UNICODE_MINUS = {0x2212: "-", 0x2013: "-", 0xFE63: "-", 0xFF0D: "-"}
 
@@ -22,14 +24,22 @@ _UNICODE_MINUS = {0x2212: "-", 0x2013: "-", 0xFE63: "-", 0xFF0D: "-"}
 def _numbers(text: str, where: str) -> list[float]:
     fields = [field for field in _SEPARATORS.split(text.translate(_UNICODE_MINUS).strip()) if field]
     try:
-        return [float(field) for field in fields]
+        return [_number(field) for field in fields]
+    except InvalidInput as wrong:
+        raise InvalidInput("{0} {1!r}: {2}; expected {3}", where, text.strip(), wrong, _FORMATS) from wrong
+
+
+def _number(text: str) -> float:
+    try:
+        return float(text)
     except ValueError as wrong:
-        raise InvalidInput(f"{where} {text.strip()!r}: {wrong}; expected {_FORMATS}") from wrong
+        # In Python's own words.
+        raise InvalidInput("could not convert string to float: {0!r}", text) from wrong
 
 
 def _scaled(agl: float, unit: str) -> float:
     if unit not in UNITS:
-        raise InvalidInput(f"unit of height {unit!r}: must be one of {', '.join(UNITS)}")
+        raise InvalidInput("unit of height {0!r}: must be one of {1}", unit, ", ".join(UNITS))
     return agl * UNITS[unit]
 
 
@@ -54,25 +64,27 @@ def parse_coords(text: str, kind: str | None = None, agl_unit: str = "m") -> tup
         Names what cannot be read, with the line of a file.
     """
     if kind is not None and kind not in KINDS:
-        raise InvalidInput(f"mission {kind!r}: must be one of {', '.join(KINDS)}")
+        raise InvalidInput("mission {0!r}: must be one of {1}", kind, ", ".join(KINDS))
     if not text.strip():
-        raise InvalidInput(f"coordinates are empty: expected {_FORMATS}")
+        raise InvalidInput("coordinates are empty: expected {0}", _FORMATS)
     if is_there(text):
         return _from_file(Path(text), kind, agl_unit)
-    values = _numbers(text, "coordinates")
+    values = _numbers(text, Message("coordinates"))
     if len(values) not in (3, 5):
-        raise InvalidInput(f"coordinates {text.strip()!r}: {len(values)} numbers; expected {_FORMATS}")
+        raise InvalidInput(
+            "coordinates {0!r}: {1} numbers; expected {2}", text.strip(), len(values), _FORMATS
+        )
     agl = _scaled(values[-1], agl_unit)
     if len(values) == 5 and kind in (None, "raster"):
         return Box(*values[:4]), agl
     if len(values) == 3 and kind == "raster":
         raise InvalidInput(
-            f"coordinates {text.strip()!r}: a raster mission needs two corners and a height (5 numbers)"
+            "coordinates {0!r}: a raster mission needs two corners and a height (5 numbers)", text.strip()
         )
     return Points(((values[0], values[1], agl),)), agl
 
 
-def parse_points(lines: Iterable[str], where: str = "coordinates", agl_unit: str = "m") -> Points:
+def parse_points(lines: Iterable[str], where: str = Message("coordinates"), agl_unit: str = "m") -> Points:
     """Points from lines of ``lat lon agl``, or ``lat lon agl yaw``; empty lines and those that begin with # are none.
 
     Parameters
@@ -92,33 +104,36 @@ def parse_points(lines: Iterable[str], where: str = "coordinates", agl_unit: str
     for number, line in enumerate(lines, 1):
         if not line.strip() or line.lstrip().startswith("#"):
             continue
-        there = f"{where}, line {number}:"
+        there = Message("{0}, line {1}:", where, number)
         pose, yaw = _pose(line, there, agl_unit)
         if poses and bool(yaw) != bool(yaws):
             raise InvalidInput(
-                f"{there} {line.strip()!r} has {3 + len(yaw)} numbers and the lines before {4 - len(yaw)}: give "
-                "every point its yaw, or none"
+                "{0} {1!r} has {2} numbers and the lines before {3}: give every point its yaw, or none",
+                there,
+                line.strip(),
+                3 + len(yaw),
+                4 - len(yaw),
             )
         poses.append(pose)
         yaws += yaw
     if not poses:
-        raise InvalidInput(f"{where}: holds no coordinates; expected lines of lat lon agl [yaw]")
+        raise InvalidInput("{0}: holds no coordinates; expected lines of lat lon agl [yaw]", where)
     return Points(tuple(poses), tuple(yaws))
 
 
 def _from_file(path: Path, kind: str | None, agl_unit: str) -> tuple[Area, float]:
     if kind == "raster":
         raise InvalidInput(
-            f"file {path}: holds points; a raster mission needs two corners and a height as text"
+            "file {0}: holds points; a raster mission needs two corners and a height as text", path
         )
     try:
         lines = decoded(read_limited(path, MAX_MISSION_BYTES)).splitlines()
     except (OSError, InvalidInput) as wrong:
-        raise InvalidInput(f"file {path}: cannot be read as text ({wrong})") from wrong
+        raise InvalidInput("file {0}: cannot be read as text ({1})", path, wrong) from wrong
     if kind == "single":
         held = (at for at, line in enumerate(lines) if line.strip() and not line.lstrip().startswith("#"))
         lines = lines[: next(held, 0) + 1]
-    points = parse_points(lines, f"file {path}", agl_unit)
+    points = parse_points(lines, Message("file {0}", path), agl_unit)
     return points, points.poses[0][2]
 
 
@@ -126,12 +141,14 @@ def _pose(line: str, where: str, agl_unit: str) -> tuple[tuple[float, float, flo
     """Pose of a line, and its yaw where it has one."""
     values = _numbers(line, where)
     if len(values) not in (3, 4):
-        raise InvalidInput(f"{where} {line.strip()!r} has {len(values)} numbers; expected lat lon agl [yaw]")
+        raise InvalidInput(
+            "{0} {1!r} has {2} numbers; expected lat lon agl [yaw]", where, line.strip(), len(values)
+        )
     pose = (values[0], values[1], _scaled(values[2], agl_unit))
     try:
         Points((pose,), tuple(values[3:]))
     except InvalidInput as wrong:
-        raise InvalidInput(f"{where} {wrong}") from wrong
+        raise InvalidInput("{0} {1}", where, wrong) from wrong
     return pose, values[3:]
 
 
@@ -146,14 +163,14 @@ def load_polygon(path: str) -> Polygon:
     try:
         data = parse_json(read_limited(path, MAX_MISSION_BYTES))
     except (OSError, InvalidInput) as wrong:
-        raise InvalidInput(f"area file {path}: cannot be read as GeoJSON ({wrong})") from wrong
+        raise InvalidInput("area file {0}: cannot be read as GeoJSON ({1})", path, wrong) from wrong
     geometry = _first_polygon(data)
     if geometry is None:
-        raise InvalidInput(f"area file {path}: holds no Polygon; give a GeoJSON with one")
+        raise InvalidInput("area file {0}: holds no Polygon", path, remedy="give a GeoJSON with one")
     try:
         rings = tuple(tuple((float(p[0]), float(p[1])) for p in ring) for ring in geometry)
     except (TypeError, ValueError, IndexError, KeyError) as wrong:
-        raise InvalidInput(f"area file {path}: a corner is not longitude, latitude ({wrong})") from wrong
+        raise InvalidInput("area file {0}: a corner is not longitude, latitude ({1})", path, wrong) from wrong
     return Polygon(rings)
 
 

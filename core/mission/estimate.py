@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from ..errors import Message, OptionName
 from .layout.framing import sampled_zooms
 from .methods import Accuracy
 from .plan import Plan
@@ -95,46 +96,54 @@ class Summary:
     def lines(self) -> list[tuple[str, str]]:
         """Label and value of each figure, in words for people."""
         types = len(self.map_types)
-        images = f"{self.images:,}" + (f" for each of {types} map types" if types > 1 else "")
-        shape = f"{self.width_px} x {self.height_px} px at zoom {self.zoom}"
+        each = Message(" for each of {0} map types", types) if types > 1 else ""
+        images = Message("{0:,}{1}", self.images, each)
+        shape = Message("{0} x {1} px at zoom {2}", self.width_px, self.height_px, self.zoom)
         requested, delivered = map(length_text, (self.requested_gsd_m_per_px, self.delivered_gsd_m_per_px))
-        lines = [
-            ("images", images),
-            ("rows, columns", f"{self.rows}, {self.columns}"),
-            ("picture", shape),
-            ("ground sample distance", f"requested {requested}, delivered {delivered}"),
-            ("flight distance", length_text(self.flight_distance_m)),
-            ("flight time", duration_text(self.flight_s)),
+        lines: list[tuple[str, str]] = [
+            (Message("images"), images),
+            (Message("rows, columns"), f"{self.rows}, {self.columns}"),
+            (Message("picture"), shape),
+            (
+                Message("ground sample distance"),
+                Message("requested {0}, delivered {1}", requested, delivered),
+            ),
+            (Message("flight distance"), length_text(self.flight_distance_m)),
+            (Message("flight time"), duration_text(self.flight_s)),
         ]
         if self.covered_share is not None and self.uncovered_m2 is not None:
-            words = "complete but for missing imagery" if self.lacks_imagery else "complete"
+            words = Message("complete but for missing imagery") if self.lacks_imagery else Message("complete")
             if not self.complete:
-                words = f"{area_text(self.uncovered_m2)} uncovered"
-            lines.append(("coverage", f"{percent(self.covered_share, exact=bool(self.complete))} ({words})"))
+                words = Message("{0} uncovered", area_text(self.uncovered_m2))
+            share = percent(self.covered_share, exact=bool(self.complete))
+            lines.append((Message("coverage"), Message("{0} ({1})", share, words)))
         if self.imagery_share is not None and self.lacks_imagery:
             lines.append(
                 (
-                    "imagery",
-                    f"the source has imagery of {percent(self.imagery_share, exact=False)} of the area",
+                    Message("imagery"),
+                    Message(
+                        "the source has imagery of {0} of the area",
+                        percent(self.imagery_share, exact=False),
+                    ),
                 )
             )
         for label, least, median in (
-            ("overlap along rows", self.least_overlap_along, self.median_overlap_along),
-            ("overlap across rows", self.least_overlap_across, self.median_overlap_across),
+            (Message("overlap along rows"), self.least_overlap_along, self.median_overlap_along),
+            (Message("overlap across rows"), self.least_overlap_across, self.median_overlap_across),
         ):
             if least is not None and median is not None:
-                lines.append((label, f"least {100 * least:.2f} %, median {100 * median:.2f} %"))
-        each = " a map type" if types > 1 else ""
+                lines.append((label, Message("least {0:.2f} %, median {1:.2f} %", 100 * least, 100 * median)))
+        each = Message(" a map type") if types > 1 else ""
         lines += [
-            ("tiles", f"{self.unique_tiles:,}{each}, each fetched once"),
+            (Message("tiles"), Message("{0:,}{1}, each fetched once", self.unique_tiles, each)),
             (
-                "download",
-                size_text(self.download_bytes) if self.download_bytes else "nothing (computed here)",
+                Message("download"),
+                size_text(self.download_bytes) if self.download_bytes else Message("nothing (computed here)"),
             ),
-            ("files", size_text(self.output_bytes)),
-            ("time", f"about {duration_text(max(self.seconds, 1.0))}"),
+            (Message("files"), size_text(self.output_bytes)),
+            (Message("time"), Message("about {0}", duration_text(max(self.seconds, 1.0)))),
             *self.accuracy.lines(),
-            *(("warning", text) for text in self.warnings),
+            *((Message("warning"), text) for text in self.warnings),
         ]
         return lines
 
@@ -147,14 +156,14 @@ def estimate(plan: Plan, costs: Costs = ONLINE, connections: int = 8, cores: int
     connections, cores : int
         Requests under way at once, and cores that encode.
     """
-    mission, types = plan.mission, len(plan.mission.map_types)
+    mission, types = plan.mission, len(plan.mission.imagery.map_types)
     pixels = float(np.sum(plan.width_px * plan.height_px))
-    if mission.img_size is not None:
-        pixels = float(len(plan)) * mission.img_size[0] * mission.img_size[1]
+    if mission.output.img_size is not None:
+        pixels = float(len(plan)) * mission.output.img_size[0] * mission.output.img_size[1]
     fetch_s = plan.requests * costs.request_s / (connections if costs.request_bytes else cores)
     if costs.requests_per_s:
         fetch_s = max(fetch_s, plan.requests / costs.requests_per_s)
-    encode_s = pixels * costs.encode_s_per_px[mission.image_format] / cores
+    encode_s = pixels * costs.encode_s_per_px[mission.output.image_format] / cores
     if plan.size_px is not None:
         encode_s += float(np.sum(plan.width_px * plan.height_px)) * costs.warp_s_per_px / cores
     # Computing tiles takes the cores from encoding; waiting for a server does not.
@@ -184,9 +193,9 @@ def estimate(plan: Plan, costs: Costs = ONLINE, connections: int = 8, cores: int
         median_overlap_across=overlap.median_across,
         unique_tiles=plan.requests,
         download_bytes=round(types * plan.requests * costs.request_bytes),
-        output_bytes=round(types * pixels * costs.bytes_per_px[mission.image_format]),
+        output_bytes=round(types * pixels * costs.bytes_per_px[mission.output.image_format]),
         seconds=types * seconds,
-        map_types=mission.map_types,
+        map_types=mission.imagery.map_types,
         accuracy=plan.accuracy,
         warnings=(*mission.notes, *beyond_imagery(plan), *upsampling(plan)),
     )
@@ -197,9 +206,12 @@ def beyond_imagery(plan: Plan) -> tuple[str, ...]:
     _, outside, partly = plan.imagery
     if not outside and not partly:
         return ()
-    text = (
-        f"of {len(plan):,} images {outside:,} lie outside the source's imagery, and {partly:,} reach beyond it; choose "
-        "an area that it has imagery of, or another source"
+    text = Message(
+        "of {0:,} images {1:,} lie outside the source's imagery, and {2:,} reach beyond it; "
+        "choose an area that it has imagery of, or another source",
+        len(plan),
+        outside,
+        partly,
     )
     return (text,)
 
@@ -212,8 +224,8 @@ def upsampling(plan: Plan) -> tuple[str, ...]:
     """
     mission, grid = plan.mission, plan.grid
     written_m = plan.picture_gsd_m_per_px
-    if mission.img_size is not None:
-        width, height, _ = mission.img_size
+    if mission.output.img_size is not None:
+        width, height, _ = mission.output.img_size
         written_m *= float(min(np.median(plan.width_px) / width, np.median(plan.height_px) / height))
     # A camera frame takes its pixels from zooms up to its own, and from no higher one.
     zoom = min(grid.native_zoom, plan.zoom if plan.size_px is None else sampled_zooms(mission, grid)[1])
@@ -221,55 +233,66 @@ def upsampling(plan: Plan) -> tuple[str, ...]:
     factor = own_m / written_m
     if factor <= 1.0 + _UPSAMPLING_SLACK:
         return ()
-    text = (
-        f"pixels of {length_text(written_m)} are asked for, and the source's own are {length_text(own_m)} here (zoom "
-        f"{zoom}): enlarged {factor:.3g} times, pictures show nothing more; ask for {_way_out(plan, zoom, factor)}"
+    text = Message(
+        "pixels of {0} are asked for, and the source's own are {1} here (zoom {2}): enlarged "
+        "{3:.3g} times, pictures show nothing more; ask for {4}",
+        length_text(written_m),
+        length_text(own_m),
+        zoom,
+        factor,
+        _way_out(plan, zoom, factor),
     )
     return (text,)
 
 
-def _way_out(plan: Plan, zoom: int, factor: float) -> str:
+def _way_out(plan: Plan, zoom: int, factor: float) -> Message:
     """What to ask for so that pictures are not enlarged."""
     mission = plan.mission
-    if mission.img_size is not None and plan.zoom <= zoom:
-        width, height = (max(int(size / factor), 1) for size in mission.img_size[:2])
-        return f"--img-size {width} {height} {mission.img_size[2]} or less"
-    if plan.size_px is not None and mission.zoom is None and mission.gsd_m_per_px is None:
-        return f"--image-px {max(int(max(plan.size_px) / factor), 1)} or less, or fly higher"
-    return f"--zoom {zoom} or a finer source"
+    if mission.output.img_size is not None and plan.zoom <= zoom:
+        width, height = (max(int(size / factor), 1) for size in mission.output.img_size[:2])
+        return Message(
+            "{0} {1} {2} {3} or less", OptionName("img_size"), width, height, mission.output.img_size[2]
+        )
+    if plan.size_px is not None and mission.pixels.zoom is None and mission.pixels.gsd_m_per_px is None:
+        return Message(
+            "{0} {1} or less, or fly higher", OptionName("image_px"), max(int(max(plan.size_px) / factor), 1)
+        )
+    return Message("{0} {1} or a finer source", OptionName("zoom"), zoom)
 
 
-def percent(share: float, exact: bool) -> str:
+def percent(share: float, exact: bool) -> Message:
     """Share in percent; one that is not complete never reads 100."""
-    return "100 %" if exact else f"{100 * share:.4f}".rstrip("0").rstrip(".") + " %"
+    return Message("{0:.7g} %", 100 if exact else round(100 * share, 4))
 
 
-def length_text(value_m: float) -> str:
+def length_text(value_m: float) -> Message:
     """Length in the unit that suits it."""
     for unit, size in (("km", 1e3), ("m", 1.0), ("cm", 1e-2)):
         if value_m >= size:
             value = value_m / size
-            return f"{value:,.0f} {unit}" if value >= 1e3 else f"{value:.4g} {unit}"
-    return f"{value_m * 1e3:.3g} mm"
+            return Message("{0:,.0f} {1}" if value >= 1e3 else "{0:.4g} {1}", value, unit)
+    return Message("{0:.3g} {1}", value_m * 1000.0, "mm")
 
 
-def area_text(value_m2: float) -> str:
+def area_text(value_m2: float) -> Message:
     """Area in km², or in m² below a tenth of one."""
     value, unit = (value_m2 / 1e6, "km²") if value_m2 >= 1e5 else (value_m2, "m²")
     # Four digits, but never a power of ten.
-    return f"{value:,.0f} {unit}" if value >= 1e4 else f"{value:,.4g} {unit}"
+    return Message("{0:,.0f} {1}" if value >= 1e4 else "{0:,.4g} {1}", value, unit)
 
 
-def size_text(count: float) -> str:
+def size_text(count: float) -> Message:
     """Size of files in the unit that suits it."""
     for unit, size in (("GB", 1e9), ("MB", 1e6), ("kB", 1e3)):
         if count >= size:
-            return f"{count / size:.3g} {unit}"
-    return f"{count:.0f} bytes"
+            return Message("{0:.3g} {1}", count / size, unit)
+    return Message("{0:.0f} bytes", count)
 
 
-def duration_text(seconds: float) -> str:
+def duration_text(seconds: float) -> Message:
     """Duration in the unit that suits it."""
     if seconds < 90:
-        return f"{math.ceil(seconds - 0.5)} s"
-    return f"{seconds / 60:.0f} min" if seconds < 5400 else f"{seconds / 3600:.1f} h"
+        return Message("{0} {1}", math.ceil(seconds - 0.5), "s")
+    if seconds < 5400:
+        return Message("{0:.0f} {1}", seconds / 60, "min")
+    return Message("{0:.1f} {1}", seconds / 3600, "h")

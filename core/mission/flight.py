@@ -170,10 +170,12 @@ def _check(interval_s: Floats, heading_deg: Floats, agl_m: Floats, yaw_deg: Floa
         ("intervals", interval_s, (max(count - 1, 0),)),
     ):
         if values.shape != wanted:
-            raise InvalidInput(f"{name} of shape {values.shape}: must be {wanted} for {count} exposures")
+            raise InvalidInput(
+                "{0} of shape {1}: must be {2} for {3} exposures", name, values.shape, wanted, count
+            )
     if yaw_deg.shape not in ((), (count,)):
         raise InvalidInput(
-            f"yaws of shape {yaw_deg.shape}: must be one, or one for each of {count} exposures"
+            "yaws of shape {0}: must be one, or one for each of {1} exposures", yaw_deg.shape, count
         )
     for name, values, right, rule in (
         ("interval", interval_s, interval_s >= 0.0, "s: must be 0 or more"),
@@ -183,7 +185,7 @@ def _check(interval_s: Floats, heading_deg: Floats, agl_m: Floats, yaw_deg: Floa
     ):
         wrong = values[~(right & np.isfinite(values))]
         if wrong.size:
-            raise InvalidInput(f"{name} {wrong.flat[0]} {rule}")
+            raise InvalidInput("{0} {1} {2}", name, wrong.flat[0], rule)
 
 
 def _sampled(wind: Wind, airspeed_m_per_s: float, interval_s: Floats, agl_m: Floats) -> Floats:

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import InvalidInput
+from ..errors import InvalidInput, Message, OptionName
 from ..geodesy import accuracy
 from ..geodesy.accuracy import Scene
 from ..geodesy.camera import Poses
@@ -26,7 +26,7 @@ from .layout.framing import (
 )
 from .layout.rotated import is_rotated
 from .mission import Mission
-from .options import RAYS
+from .parts import RAYS
 
 #: Coarsest mesh, px: larger cells save nothing, and kernels have one pixel to spare (`view.KERNEL_REACH_PX`).
 COARSEST_MESH_PX = 1.0
@@ -35,9 +35,14 @@ _ROUNDING = 1e-12
 #: A mesh has to be so many times coarser than the noise of its cells' corners: below, most pixels need a ray anyway.
 _ABOVE_NOISE = 2.0
 
-_NO_CAMERA_FRAME = "the source gives pictures by their centre, not tiles that others can be made from"
-_WIND = "wind turns the camera"
-_ROTATED = "the rows are turned from east, and the camera with them"
+#: Stages of a plan.
+_FOOTPRINT, _PICTURE, _PIXELS = Message("footprint"), Message("picture"), Message("pixels")
+_NOTHING = Message("nothing")
+_NO_CAMERA_FRAME = Message(
+    "the source gives pictures by their centre, not tiles that others can be made from"
+)
+_WIND = Message("wind turns the camera")
+_ROTATED = Message("the rows are turned from east, and the camera with them")
 
 
 @dataclass(frozen=True)
@@ -115,12 +120,19 @@ class Accuracy:
 
     def text(self) -> str:
         """One line for people: methods, bounds, what was left out, and what is not bounded."""
-        stages = "; ".join(
-            f"{choice.method.stage}: {choice.method.name}, ≤ {bound_text(choice.method.bound_px)} px"
+        stages = [
+            Message(
+                "{0}: {1}, ≤ {2} px",
+                choice.method.stage,
+                choice.method.name,
+                bound_text(choice.method.bound_px),
+            )
             for choice in self.choices
+        ]
+        left_out = Message.joined(", ", [what for what, _ in self.left_out]) or _NOTHING
+        return Message(
+            "{0}; left out: {1}; terrain: {2}", Message.joined("; ", stages), left_out, self.terrain_text()
         )
-        left_out = ", ".join(what for what, _ in self.left_out)
-        return f"{stages}; left out: {left_out or 'nothing'}; {self.terrain_text()}"
 
     def lines(self) -> list[tuple[str, str]]:
         """Label and value of what was chosen and why, in words for people."""
@@ -128,28 +140,37 @@ class Accuracy:
         for choice in self.choices:
             name, bound, rejected = choice.method.name, bound_text(choice.method.bound_px), choice.rejected
             text = (
-                f"{name}, ≤ {bound} px"
+                Message("{0}, ≤ {1} px", name, bound)
                 if rejected is None
-                else f"{name}, ≤ {bound} px (not {rejected.name}: {choice.reason})"
+                else Message("{0}, ≤ {1} px (not {2}: {3})", name, bound, rejected.name, choice.reason)
             )
-            lines.append((f"method of {choice.method.stage}", text))
-        left_out = "; ".join(f"{what} ({why})" for what, why in self.left_out)
+            lines.append((Message("method of {0}", choice.method.stage), text))
+        left_out = Message.joined("; ", [Message("{0} ({1})", what, why) for what, why in self.left_out])
         return [
             *lines,
-            ("error", f"≤ {bound_text(self.bound_px)} px of a budget of {self.budget_px:g} px"),
-            ("left out", left_out or "nothing"),
-            ("terrain", self.terrain_text().partition(": ")[2]),
             (
-                "condition number",
-                f"{self.condition:.3g}" if math.isfinite(self.condition) else "infinite (horizon)",
+                Message("error"),
+                Message("≤ {0} px of a budget of {1:g} px", bound_text(self.bound_px), self.budget_px),
             ),
+            (Message("left out"), left_out or _NOTHING),
+            (Message("terrain"), self.terrain_text()),
+            (Message("condition number"), self.condition_text()),
         ]
 
-    def terrain_text(self) -> str:
+    def condition_text(self) -> Message:
+        """Condition number of the scene."""
+        if not math.isfinite(self.condition):
+            return Message("infinite (horizon)")
+        return Message("{0:.3g}", self.condition)
+
+    def terrain_text(self) -> Message:
         """What relief may add."""
         if not math.isfinite(self.terrain_px_per_m):
-            return "terrain: not bounded, without limit at the horizon"
-        return f"terrain: not bounded, up to {self.terrain_px_per_m:.2g} px per metre of relief"
+            return Message("not bounded, without limit at the horizon")
+        return Message(
+            "not bounded, up to {0:.2g} px per metre of relief",
+            self.terrain_px_per_m,
+        )
 
     def to_dict(self) -> dict[str, Any]:
         """JSON-ready mapping; what is infinite is null."""
@@ -179,18 +200,18 @@ def _finite(value: float) -> float | None:
     return value if math.isfinite(value) else None
 
 
-def bound_text(bound_px: float) -> str:
+def bound_text(bound_px: float) -> Message:
     """A bound in two digits, rounded up so that it stays one."""
     if not (math.isfinite(bound_px) and bound_px > 0.0):
-        return str(bound_px)
+        return Message("{0}", bound_px)
     unit = 10.0 ** (math.floor(math.log10(bound_px)) - 1)
-    return f"{math.ceil(bound_px / unit * (1.0 - 1e-12)) * unit:.2g}"
+    return Message("{0:.2g}", math.ceil(bound_px / unit * (1.0 - 1e-12)) * unit)
 
 
 def exact_footprint(scene: Scene) -> Method:
     """Footprints of the exact camera."""
     bound_px = float(np.max(accuracy.exact_px(scene)))
-    return Method("footprint", "exact", bound_px, bound_px * accuracy.ground_m_per_px(scene))
+    return Method(_FOOTPRINT, "exact", bound_px, bound_px * accuracy.ground_m_per_px(scene))
 
 
 def map_frame(scene: Scene, outside: str = "") -> Method:
@@ -203,28 +224,28 @@ def map_frame(scene: Scene, outside: str = "") -> Method:
     """
     outside = outside or accuracy.outside_flat_domain(scene)
     if outside:
-        return Method("picture", "map", math.inf, math.inf, outside)
+        return Method(_PICTURE, "map", math.inf, math.inf, outside)
     px = accuracy.map_frame_px(scene)
     # A pixel spans most ground at the corners of a level picture: its rays are slanted there by 1 + t².
     metres = float(np.max(px * scene.nadir_px_m)) * (1.0 + scene.diagonal_tangent**2)
-    return Method("picture", "map", float(np.max(px)), metres)
+    return Method(_PICTURE, "map", float(np.max(px)), metres)
 
 
 def camera_frame(scene: Scene, outside: str = "") -> Method:
     """Pictures as the camera sees them; ``outside`` says why there are none, or is empty."""
     traced = math.inf if outside else float(np.max(accuracy.camera_frame_px(scene)))
-    return Method("picture", "camera", traced, traced * accuracy.ground_m_per_px(scene), outside)
+    return Method(_PICTURE, "camera", traced, traced * accuracy.ground_m_per_px(scene), outside)
 
 
 def mesh(scene: Scene, tolerance_px: float) -> Method:
     """Pixels of a camera frame placed by a mesh as coarse as a tolerance allows, or else as fine as a mesh can be."""
     finest = _ABOVE_NOISE * float(np.max(accuracy.mesh_noise_px(scene)))
     bound_px = max(min(tolerance_px, COARSEST_MESH_PX), finest)
-    return Method("pixels", "mesh", bound_px, bound_px * accuracy.ground_m_per_px(scene))
+    return Method(_PIXELS, "mesh", bound_px, bound_px * accuracy.ground_m_per_px(scene))
 
 
 #: A ray for every pixel adds nothing to the camera frame's own noise.
-TRACED = Method("pixels", RAYS, 0.0, 0.0)
+TRACED = Method(_PIXELS, RAYS, 0.0, 0.0)
 
 
 def choose_methods(mission: Mission, grid: PixelGrid, disturbed: Disturbed) -> tuple[Framed, Accuracy]:
@@ -241,7 +262,7 @@ def choose_methods(mission: Mission, grid: PixelGrid, disturbed: Disturbed) -> t
     """
     no_camera_frame = _NO_CAMERA_FRAME if grid.centre_decimals is not None else ""
     picture: Choice | None = None
-    if mission.frame != "camera":
+    if mission.accuracy.frame != "camera":
         outside = _no_map_frame(mission)
         if not outside:
             flown = framed(mission, grid, MapFraming(mission, grid), disturbed)
@@ -249,25 +270,30 @@ def choose_methods(mission: Mission, grid: PixelGrid, disturbed: Disturbed) -> t
             try:
                 check_windows(flown, mission, grid)
             except InvalidInput as wrong:
-                if mission.frame == "map" or no_camera_frame:
+                if mission.accuracy.frame == "map" or no_camera_frame:
                     raise
                 # A camera's image has no such limits, or is refused for its own.
-                outside = str(wrong).partition(";")[0]
+                outside = wrong.message
         if not outside:
             scene = _resolved(scene_of(mission, flown))
             found, footprint = map_frame(scene), exact_footprint(scene)
-            fits = found.bound_px + footprint.bound_px <= mission.error_budget_px
-            if fits or mission.frame == "map" or no_camera_frame:
+            fits = found.bound_px + footprint.bound_px <= mission.accuracy.error_budget_px
+            if fits or mission.accuracy.frame == "map" or no_camera_frame:
                 return flown, _accuracy(mission, scene, Choice(footprint), Choice(found), None)
-            reason = _too_much(found.bound_px, footprint.bound_px, mission.error_budget_px)
-        elif mission.frame == "map":
-            raise InvalidInput(f"picture 'map' was asked for, but has no bound here: {outside}", "frame")
+            reason = _too_much(found.bound_px, footprint.bound_px, mission.accuracy.error_budget_px)
+        elif mission.accuracy.frame == "map":
+            raise InvalidInput(
+                "picture 'map' was asked for, but has no bound here: {0}", outside, field="frame"
+            )
         else:
-            found, reason = Method("picture", "map", math.inf, math.inf, outside), outside
+            found, reason = Method(_PICTURE, "map", math.inf, math.inf, outside), outside
         picture = Choice(found, found, reason)
     if no_camera_frame:
         raise InvalidInput(
-            f"picture as the camera sees it: {no_camera_frame}; choose a source of tiles", "source"
+            "picture as the camera sees it: {0}",
+            no_camera_frame,
+            field="source",
+            remedy="choose a source of tiles",
         )
     flown = framed(mission, grid, CameraFraming(mission, grid), disturbed)
     check_windows(flown, mission, grid)
@@ -289,13 +315,13 @@ def _no_map_frame(mission: Mission) -> str:
 
 def choose_pixels(mission: Mission, scene: Scene, others_px: float) -> Choice:
     """Mesh or rays of a mission's camera frames: a mesh as coarse as the other stages' bounds leave of the budget."""
-    if mission.mesh == RAYS:
+    if mission.accuracy.mesh == RAYS:
         return Choice(TRACED)
-    left_px = mission.error_budget_px * (1.0 - _ROUNDING) - others_px
+    left_px = mission.accuracy.error_budget_px * (1.0 - _ROUNDING) - others_px
     found = mesh(scene, left_px)
     if found.bound_px <= left_px:
         return Choice(found)
-    return Choice(TRACED, found, _too_much(found.bound_px, others_px, mission.error_budget_px))
+    return Choice(TRACED, found, _too_much(found.bound_px, others_px, mission.accuracy.error_budget_px))
 
 
 def scene_of(mission: Mission, flown: Framed) -> Scene:
@@ -319,9 +345,11 @@ def _resolved(scene: Scene) -> Scene:
     finest = float(np.min(accuracy.finest_px_m(scene)))
     if finest < accuracy.RESOLVED_M:
         raise InvalidInput(
-            f"pixels of {finest:.2g} m on the ground: degrees in float64 resolve {accuracy.RESOLVED_M:g} m; fly "
-            "higher or widen the field of view",
-            "agl_m",
+            "pixels of {0:.2g} m on the ground: degrees in float64 resolve {1:g} m",
+            finest,
+            accuracy.RESOLVED_M,
+            field="agl_m",
+            remedy="fly higher or widen the field of view",
         )
     return scene
 
@@ -334,8 +362,8 @@ def _ends(mission: Mission) -> Scene:
         # The domain is the same at any yaw.
     else:
         lat = np.array([area.bounds.north_deg, area.bounds.south_deg])
-        agl = np.full(2, mission.agl_m)
-    attitude = (mission.yaw_deg, mission.tilt_deg, mission.roll_deg)
+        agl = np.full(2, mission.flight.agl_m)
+    attitude = (mission.attitude.yaw_deg, mission.attitude.tilt_deg, mission.attitude.roll_deg)
     return Scene(
         mission.camera,
         1.0,
@@ -350,7 +378,7 @@ def _accuracy(
 ) -> Accuracy:
     """What was chosen; raises InvalidInput where its bounds exceed the budget and the mission does not accept that."""
     made = Accuracy(
-        budget_px=mission.error_budget_px,
+        budget_px=mission.accuracy.error_budget_px,
         footprint=footprint,
         picture=picture,
         pixels=pixels,
@@ -359,35 +387,51 @@ def _accuracy(
         left_out=tuple(_left_out(mission, picture.method, pixels)),
     )
     budget, total = made.budget_px, made.bound_px
-    if total > budget and not mission.accept_error:
+    if total > budget and not mission.accuracy.accept_error:
         chosen = (choice.method for choice in (picture, pixels) if choice is not None)
-        methods = ", ".join(f"{method.stage} {method.name}" for method in chosen)
+        methods = Message.joined(", ", [Message("{0} {1}", method.stage, method.name) for method in chosen])
         raise InvalidInput(
-            f"error budget {budget:g} px: no methods fit; the closest are {methods} with {bound_text(total)} px, "
-            f"{bound_text(total / budget)} times as much; raise --error-budget, or go on with --accept-error",
-            "error_budget_px",
+            "error budget {0:g} px: no methods fit; the closest are {1} with {2} px, {3} times as much",
+            budget,
+            methods,
+            bound_text(total),
+            bound_text(total / budget),
+            field="error_budget_px",
+            remedy=Message(
+                "raise {0}, or go on with {1}", OptionName("error_budget"), OptionName("accept_error")
+            ),
         )
     return made
 
 
 def _left_out(mission: Mission, picture: Method, pixels: Choice | None) -> list[tuple[str, str]]:
-    found = []
+    found: list[tuple[str, str]] = []
     if picture.name == "map":
-        found.append(("resampling", "a map frame shows the source's own pixels"))
+        found.append((Message("resampling"), Message("a map frame shows the source's own pixels")))
     if pixels is not None and pixels.method.name != RAYS:
         found.append(
-            ("rays for every pixel", f"the mesh's bound of {bound_text(pixels.method.bound_px)} px fits")
+            (
+                Message("rays for every pixel"),
+                Message("the mesh's bound of {0} px fits", bound_text(pixels.method.bound_px)),
+            )
         )
     if mission.wind is None or mission.wind.sigma_m_per_s == 0.0:
         found.append(
-            ("wind", "air without gusts was asked for" if mission.wind else "still air was asked for")
+            (
+                Message("wind"),
+                Message("air without gusts was asked for")
+                if mission.wind
+                else Message("still air was asked for"),
+            )
         )
     return found
 
 
 def _too_much(bound_px: float, others_px: float, budget_px: float) -> str:
     """Why a bound was rejected."""
-    return (
-        f"its bound of {bound_text(bound_px)} px and {bound_text(others_px)} px of the other stages exceed the "
-        f"budget of {budget_px:g} px"
+    return Message(
+        "its bound of {0} px and {1} px of the other stages exceed the budget of {2:g} px",
+        bound_text(bound_px),
+        bound_text(others_px),
+        budget_px,
     )

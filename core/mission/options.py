@@ -1,44 +1,26 @@
-"""Options of a mission: names, kinds, defaults, what they choose among, and what help says of them."""
+"""Options of the command: those of a mission's fields as these are declared, and other ways to state the same."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Callable
 
 from ..errors import InvalidInput
+from ..fields import Field, declared_fields
+from ..geodesy.lens import Lens
+from .parts import Accuracy, Attitude, Flight, Imagery, Output, Pixels
 
 FEET_IN_METRES = 0.3048
 UNITS = {"m": 1.0, "ft": FEET_IN_METRES}
 KINDS = ("single", "list", "raster")
-MAP_TYPES = ("satellite", "roadmap", "terrain")
-LAYOUTS = ("cover", "paper")
-#: Whether rows are flown to and fro, or each from its beginning.
-SERPENTINE, ONE_WAY = ORDERS = ("serpentine", "one-way")
-FORMATS = ("tif", "jpg", "png")
-#: How a camera frame takes its pixels from the source's.
-RESAMPLINGS = ("nearest", "bilinear", "bicubic", "lanczos")
-AUTO = "auto"
-#: Kinds of pictures, from cheap to exact.
-FRAMES = ("map", "camera")
-#: A ray for every pixel of a camera frame, in place of a mesh that is as coarse as the error budget allows.
-RAYS = "rays"
-#: What the sum of the stages' errors may be where nothing else is said, px.
-DEFAULT_BUDGET_PX = 0.1
-#: Pixels along the longer side of a camera's image where nothing else is known of the camera.
-DEFAULT_IMAGE_PX = 640
-#: Longest side of a picture in the paper's layout where no other limit is given.
-PAPER_MAX_PX = 640
-DEFAULT_MAX_IMAGES = 10_000_000
-DEFAULT_AIRSPEED_M_PER_S = 15.0
-#: The flight's clock starts here where nothing else is said.
-DEFAULT_START = "2000-01-01T00:00:00Z"
 
 
 @dataclass(frozen=True)
 class Option:
     """One option: its name (with underscores), the type and number of its values, default and help.
 
-    ``count`` is None for one value, a range of allowed counts otherwise; ``flag`` options take none.
+    ``count`` is None for one value, a range of allowed counts otherwise; ``flag`` options take none. ``about``
+    says what its help leaves out: unit and limits.
     """
 
     name: str
@@ -49,6 +31,32 @@ class Option:
     choices: tuple[str, ...] | None = None
     metavar: str | tuple[str, ...] | None = None
     flag: bool = False
+    about: str = ""
+
+    @classmethod
+    def of(cls, field: Field) -> Option:
+        """Option of a field of a mission."""
+        many = {"img_size": (3, 3), "map_types": (1, len(field.choices))}
+        return cls(
+            field.name_of_option,
+            int if field.name == "img_size" else str if field.kind in (bool, tuple) else field.kind,
+            None if field.needed else field.default,
+            field.help,
+            count=many.get(field.name),
+            # One of several map types is refused in the words of a mission.
+            choices=tuple(field.choices) if field.choices and field.kind is str else None,
+            metavar=("W", "H", "C") if field.name == "img_size" else None,
+            flag=field.kind is bool,
+            about=_about(field),
+        )
+
+    @property
+    def told(self) -> str:
+        """Help with unit, limits and default."""
+        shown = " ".join(map(str, self.default)) if isinstance(self.default, tuple) else self.default
+        default = "" if shown in (None, False, "") else f"default {shown}"
+        beside = "; ".join(filter(None, (self.about, default)))
+        return self.help + (f" ({beside})" if beside else "")
 
     def read(self, value: Any, where: str) -> Any:
         """Value of the right type from text, or from JSON, or as the command line split it.
@@ -65,7 +73,9 @@ class Option:
         low, high = self.count or (1, 1)
         if not low <= len(parts) <= high:
             wanted = str(low) if low == high else f"{low} to {high}"
-            raise InvalidInput(f"{where} {self.name} {value!r}: takes {wanted} value{'s' * (high > 1)}")
+            raise InvalidInput(
+                "{0} {1} {2!r}: takes {3} value{4}", where, self.name, value, wanted, "s" * (high > 1)
+            )
         values = tuple(self._one(part, where) for part in parts)
         return values if self.count else values[0]
 
@@ -73,9 +83,13 @@ class Option:
         try:
             value = self.kind(part) if isinstance(part, str) else self.kind(str(part))
         except ValueError as wrong:
-            raise InvalidInput(f"{where} {self.name} {part!r}: must be a {_NAMES[self.kind]}") from wrong
+            raise InvalidInput(
+                "{0} {1} {2!r}: must be a {3}", where, self.name, part, _NAMES[self.kind]
+            ) from wrong
         if self.choices and value not in self.choices:
-            raise InvalidInput(f"{where} {self.name} {part!r}: must be one of {', '.join(self.choices)}")
+            raise InvalidInput(
+                "{0} {1} {2!r}: must be one of {3}", where, self.name, part, ", ".join(self.choices)
+            )
         return value
 
 
@@ -96,10 +110,24 @@ def _truth(value: Any, what: str) -> bool:
         "off": False,
     }
     if str(value).lower() not in words:
-        raise InvalidInput(f"{what} {value!r}: must be true or false")
+        raise InvalidInput("{0} {1!r}: must be true or false", what, value)
     return words[str(value).lower()]
 
 
+def _about(field: Field) -> str:
+    """Unit and limits of a field in words."""
+    unit = {"deg": "degrees", "m": "metres"}.get(field.unit, field.unit)
+    return ", ".join(filter(None, (unit, field.right)))
+
+
+def _fields(*parts: type, but: tuple[str, ...] = ()) -> tuple[Option, ...]:
+    """Options of the fields of parts, but some that are given in another way."""
+    return tuple(
+        Option.of(field) for part in parts for field in declared_fields(part) if field.name not in but
+    )
+
+
+_IMAGE_PX = next(one for one in _fields(Pixels) if one.name == "image_px")
 #: Every option a mission is made from, in the order help shows them.
 OPTIONS: tuple[Option, ...] = (
     Option(
@@ -112,7 +140,7 @@ OPTIONS: tuple[Option, ...] = (
     Option("agl_unit", str, "m", "unit of the heights given", choices=tuple(UNITS)),
     Option("mission", str, None, "kind of mission; inferred from the coordinates if left out", choices=KINDS),
     Option("camera", str, None, "camera by name (see terrainav cameras) instead of --fov and --aspect-ratio"),
-    Option("fov", float, None, "diagonal field of view in degrees (78.8)"),
+    Option("fov", float, None, f"diagonal field of view in degrees ({Lens.fov_deg})"),
     Option("hfov", float, None, "horizontal field of view in degrees, instead of --fov"),
     Option("vfov", float, None, "vertical field of view in degrees, instead of --fov"),
     Option(
@@ -127,94 +155,16 @@ OPTIONS: tuple[Option, ...] = (
     Option(
         "aspect_ratio", float, None, "width and height of the picture (4 3)", count=(2, 2), metavar=("W", "H")
     ),
-    Option("yaw", float, 0.0, "degrees the top of the picture is turned clockwise from north"),
-    Option(
-        "tilt", float, 0.0, "degrees the view is lifted from straight down towards the top of the picture"
-    ),
-    Option("roll", float, 0.0, "degrees the camera is rolled, right side down"),
-    Option("ground_height", float, 0.0, "height of the ground over the WGS84 ellipsoid in metres"),
+    *_fields(Attitude),
     Option(
         "overlap",
         float,
-        (0.0,),
+        (Flight.overlap_along,),
         "share of a picture the next one shows again, in [0, 1): for both directions, or along and across rows",
         count=(1, 2),
         metavar=("ALONG", "ACROSS"),
     ),
-    Option(
-        "layout", str, "cover", "cover leaves nothing out; paper is the published UTM grid", choices=LAYOUTS
-    ),
-    Option(
-        "grid_angle",
-        float,
-        0.0,
-        "degrees the rows of an area, and the pictures with them, are turned clockwise from east",
-    ),
-    Option("crosshatch", str, False, "fly an area a second time, in rows across the first ones", flag=True),
-    Option("order", str, ORDERS[0], "rows to and fro, or each from its beginning", choices=ORDERS),
-    Option(
-        "map_type", str, ("satellite",), "one or more of " + ", ".join(MAP_TYPES), count=(1, len(MAP_TYPES))
-    ),
-    Option(
-        "source",
-        str,
-        "world",
-        "source of imagery: a name (see terrainav sources), a URL template, wmts:URL#layer=NAME, wms:URL#layers=NAME, "
-        "or a file (GeoTIFF, VRT, MBTiles, …)",
-    ),
-    Option(
-        "date",
-        str,
-        None,
-        "date of the imagery where the source has several (see terrainav sources show NAME)",
-    ),
-    Option(
-        "image_px",
-        int,
-        None,
-        "pixels along the longer side of the camera's image (a camera by name has its own, others 640)",
-    ),
-    Option("zoom", int, None, "zoom to use, instead of the one whose pixels come nearest to the camera's"),
-    Option("gsd", float, None, "wanted ground sample distance in metres per pixel, instead of --zoom"),
-    Option(
-        "max_px",
-        int,
-        None,
-        "limit of a picture's longest side in pixels of 256 px tiles, for which a lower zoom is taken (none, 640 with "
-        "--layout paper)",
-    ),
-    Option("upsample", str, False, "allow zooms above the source's native one", flag=True),
-    Option("format", str, "tif", "of the pictures: tif and png are lossless", choices=FORMATS),
-    Option(
-        "img_size",
-        int,
-        None,
-        "resize pictures: width, height, channels (1 or 3)",
-        count=(3, 3),
-        metavar=("W", "H", "C"),
-    ),
-    Option(
-        "error_budget",
-        float,
-        DEFAULT_BUDGET_PX,
-        "most pixels the errors of all stages may sum to, by their bounds",
-    ),
-    Option("accept_error", str, False, "go on where no methods fit the error budget", flag=True),
-    Option(
-        "frame",
-        str,
-        AUTO,
-        "pictures as they are on the map (north-up, not resampled), or as the camera sees them",
-        choices=(AUTO, *FRAMES),
-    ),
-    Option(
-        "mesh",
-        str,
-        AUTO,
-        "ground under a camera's picture: auto is a mesh as coarse as the error budget allows, rays one ray a pixel",
-        choices=(AUTO, RAYS),
-    ),
-    Option("resampling", str, "bilinear", "of pictures as the camera sees them", choices=RESAMPLINGS),
+    *_fields(Flight, but=("agl_m", "overlap_along", "overlap_across")),
     Option(
         "wind",
         float,
@@ -223,10 +173,11 @@ OPTIONS: tuple[Option, ...] = (
         count=(3, 3),
         metavar=("SPEED", "FROM", "TURBULENCE"),
     ),
-    Option("airspeed", float, DEFAULT_AIRSPEED_M_PER_S, "flight speed through the air in m/s"),
-    Option("start", str, DEFAULT_START, "UTC time of the first exposure, such as 2024-06-21T10:30:00Z"),
-    Option("max_images", int, DEFAULT_MAX_IMAGES, "refuse missions of more images"),
-    Option("seed", int, 2024, "of whatever is random, such as the synthetic landscape"),
+    *_fields(Imagery),
+    # A camera by name brings its own.
+    replace(_IMAGE_PX, default=None, about=f"{_IMAGE_PX.about}; default {_IMAGE_PX.default}"),
+    *_fields(Pixels, but=("image_px",)),
+    *_fields(Accuracy, Output),
     Option(
         "dataset",
         str,

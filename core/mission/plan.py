@@ -164,7 +164,7 @@ class Plan:
 
         def made(pose: Poses) -> View:
             scene = Scene(mission.camera, *size, pose, ground_of(mission))
-            by_rays = tolerance == 0.0 or mission.resampling == "lanczos"
+            by_rays = tolerance == 0.0 or mission.accuracy.resampling == "lanczos"
             return view(scene, self.grid, sampled_zooms(mission, self.grid), tolerance, by_rays=by_rays)
 
         return self._kept("views", index, made)
@@ -225,7 +225,9 @@ class Plan:
             return Overlap(None, None, None, None)
         if self.passes:
             return rotated_overlap(self.column, self.row, self.passes, self._rectangles)
-        return overlap(self.column, self.row, self.windows, rows_are_level=self.mission.layout == "cover")
+        return overlap(
+            self.column, self.row, self.windows, rows_are_level=self.mission.flight.layout == "cover"
+        )
 
     @cached_property
     def _rectangles(self) -> tuple[Rectangles, ...]:
@@ -289,7 +291,7 @@ class Plan:
         mission = self.mission
         agl = self.agl_m if self.nominal is None else self.nominal.agl_m
         times = np.zeros(len(self))
-        np.cumsum(intervals_s(self._legs, agl, mission.airspeed_m_per_s, mission.wind), out=times[1:])
+        np.cumsum(intervals_s(self._legs, agl, mission.flight.airspeed_m_per_s, mission.wind), out=times[1:])
         return times
 
     @property
@@ -311,15 +313,15 @@ class Plan:
     def requested_gsd_m_per_px(self) -> float:
         """Ground sample distance that was asked for, or else that of the camera's own image straight down, median."""
         mission = self.mission
-        if mission.gsd_m_per_px is not None:
-            return mission.gsd_m_per_px
+        if mission.pixels.gsd_m_per_px is not None:
+            return mission.pixels.gsd_m_per_px
         meant = self.poses if self.nominal is None else self.nominal
-        return mission.camera.gsd_m_per_px(float(np.median(meant.agl_m)), mission.image_px)
+        return mission.camera.gsd_m_per_px(float(np.median(meant.agl_m)), mission.pixels.image_px)
 
     @cached_property
     def delivered_gsd_m_per_px(self) -> float:
         """Ground sample distance of the files along their pictures' longer side, after any resizing; median."""
-        size = self.mission.img_size
+        size = self.mission.output.img_size
         if size is None:
             return self.picture_gsd_m_per_px
         wide = self.mission.camera.aspect_ratio >= 1.0
@@ -381,7 +383,7 @@ def _disturbed(mission: Mission, layout: Layout, nominal: Poses) -> Poses:
     """Poses that are flown: moved and turned by the wind."""
     if mission.wind is None:
         return nominal
-    way, airspeed = legs(layout.lat_deg, layout.lon_deg), mission.airspeed_m_per_s
+    way, airspeed = legs(layout.lat_deg, layout.lon_deg), mission.flight.airspeed_m_per_s
     interval_s = intervals_s(way, layout.agl_m, airspeed, mission.wind)
     off = fly(mission.wind, airspeed, interval_s, way.headings_deg(), layout.agl_m, layout.yaw_deg)
     lat, ground = nominal.lat_deg, ground_of(mission)
@@ -390,9 +392,11 @@ def _disturbed(mission: Mission, layout: Layout, nominal: Poses) -> Poses:
     agl = nominal.agl_m + off.up_m
     if (agl <= 0.0).any():
         raise InvalidInput(
-            f"wind of {mission.wind.speed_m_per_s:g} m/s at {mission.agl_m:g} m: the gusts throw the camera to the "
-            "ground; fly higher or in less turbulence",
-            "wind",
+            "wind of {0:g} m/s at {1:g} m: the gusts throw the camera to the ground",
+            mission.wind.speed_m_per_s,
+            mission.flight.agl_m,
+            field="wind",
+            remedy="fly higher or in less turbulence",
         )
     return Poses(
         lat + north,

@@ -21,14 +21,13 @@ from ..safe_json import parse_json
 from .area import Area, Points
 from .cameras import camera_named
 from .coords import load_polygon, parse_coords
-from .mission import Mission
-from .options import DEFAULT_IMAGE_PX, OPTIONS, UNITS
+from .mission import Mission, flat_fields
+from .options import OPTIONS, UNITS
+from .parts import Pixels
 from .wind import Wind
 
 ENVIRONMENT_PREFIX = "TERRAINAV_"
 CONFIG_FILE = "config.json"
-#: The paper's camera.
-DEFAULT_FOV_DEG, DEFAULT_ASPECT = 78.8, (4.0, 3.0)
 #: What several options can state: its ways, each of one option or of some that go together.
 _WAYS: tuple[tuple[tuple[str, ...], ...], ...] = (
     (("coords",), ("area",)),
@@ -101,16 +100,16 @@ def _read_config(config: str | None) -> dict[str, Any]:
     try:
         data = parse_json(read_limited(path, MAX_SETTINGS_BYTES))
     except (OSError, InvalidInput) as wrong:
-        raise InvalidInput(f"config file {path}: cannot be read as JSON ({wrong})") from wrong
+        raise InvalidInput("config file {0}: cannot be read as JSON ({1})", path, wrong) from wrong
     if not isinstance(data, dict):
-        raise InvalidInput(f"config file {path}: must hold a JSON object of options")
+        raise InvalidInput("config file {0}: must hold a JSON object of options", path)
     data = {str(name).replace("-", "_"): value for name, value in data.items()}
     known = [option.name for option in OPTIONS]
     for name in data:
         if name not in known:
             near = difflib.get_close_matches(name, known, n=1)
             hint = f"; did you mean {near[0]!r}?" if near else f"; known are {', '.join(known)}"
-            raise InvalidInput(f"config file {path}: unknown option {name!r}{hint}")
+            raise InvalidInput("config file {0}: unknown option {1!r}{2}", path, name, hint)
     return data
 
 
@@ -122,44 +121,14 @@ def mission_from(values: Mapping[str, Any]) -> Mission:
     InvalidInput
         No area, two of them, or any value outside its domain.
     """
-    overlap = values["overlap"]
     area, agl_m = _area(values)
     camera, own_px = _camera(values)
-    return Mission(
-        area=area,
-        agl_m=agl_m,
-        camera=camera,
-        image_px=own_px if values["image_px"] is None else values["image_px"],
-        overlap_along=overlap[0],
-        overlap_across=overlap[-1],
-        layout=values["layout"],
-        map_types=tuple(values["map_type"]),
-        source=values["source"],
-        date=values["date"] or "",
-        zoom=values["zoom"],
-        gsd_m_per_px=values["gsd"],
-        max_px=values["max_px"],
-        upsample=values["upsample"],
-        image_format=values["format"],
-        img_size=values["img_size"],
-        seed=values["seed"],
-        max_images=values["max_images"],
-        yaw_deg=values["yaw"],
-        tilt_deg=values["tilt"],
-        roll_deg=values["roll"],
-        ground_height_m=values["ground_height"],
-        error_budget_px=values["error_budget"],
-        accept_error=values["accept_error"],
-        frame=values["frame"],
-        mesh=values["mesh"],
-        resampling=values["resampling"],
-        wind=_wind(values),
-        grid_angle_deg=values["grid_angle"],
-        crosshatch=values["crosshatch"],
-        order=values["order"],
-        airspeed_m_per_s=values["airspeed"],
-        start=values["start"],
-    )
+    overlap = values["overlap"]
+    fields = {one.name: values[one.name_of_option] for one in flat_fields() if one.name_of_option in values}
+    if fields["image_px"] is None:
+        fields["image_px"] = own_px
+    fields.update(agl_m=agl_m, overlap_along=overlap[0], overlap_across=overlap[-1])
+    return Mission(area, camera=camera, wind=_wind(values), **fields)
 
 
 def _wind(values: Mapping[str, Any]) -> Wind | None:
@@ -171,11 +140,13 @@ def _wind(values: Mapping[str, Any]) -> Wind | None:
 
 def _area(values: Mapping[str, Any]) -> tuple[Area, float]:
     if values["area"] is not None and values["coords"] is not None:
-        raise InvalidInput(f"area {values['area']!r} and coords {values['coords']!r}: give one of the two")
+        raise InvalidInput(
+            "area {0!r} and coords {1!r}: give one of the two", values["area"], values["coords"]
+        )
     agl_m = None if values["agl"] is None else values["agl"] * UNITS[values["agl_unit"]]
     if values["area"] is not None:
         if agl_m is None:
-            raise InvalidInput(f"area {values['area']!r}: needs a height, --agl")
+            raise InvalidInput("area {0!r}: needs a height, --agl", values["area"])
         return load_polygon(values["area"]), agl_m
     if values["coords"] is None:
         raise InvalidInput(
@@ -194,23 +165,23 @@ def _camera(values: Mapping[str, Any]) -> tuple[Camera, int]:
     _check_one_camera(values)
     if values["camera"] is not None:
         preset = camera_named(values["camera"])
-        return preset.camera, preset.image_px or DEFAULT_IMAGE_PX
-    return _camera_of_numbers(values), DEFAULT_IMAGE_PX
+        return preset.camera, preset.image_px or Pixels.image_px
+    return _camera_of_numbers(values), Pixels.image_px
 
 
 def _camera_of_numbers(values: Mapping[str, Any]) -> Camera:
     shape = values["aspect_ratio"]
     if shape is not None and not (shape[0] > 0.0 and shape[1] > 0.0):
-        raise InvalidInput(f"aspect ratio {shape[0]:g} {shape[1]:g}: width and height must be above 0")
+        raise InvalidInput("aspect ratio {0:g} {1:g}: width and height must be above 0", shape[0], shape[1])
     if values["sensor"] is not None:
-        ratio = None if shape is None else shape[0] / shape[1]
-        return Camera.from_sensor(values["sensor"], values["focal_length"], ratio)
-    width, height = shape or DEFAULT_ASPECT
+        own = None if shape is None else shape[0] / shape[1]
+        return Camera.from_sensor(values["sensor"], values["focal_length"], own)
+    ratio = Camera.aspect_ratio if shape is None else shape[0] / shape[1]
     if values["hfov"] is not None:
-        return Camera.from_horizontal_fov(values["hfov"], width / height)
+        return Camera.from_horizontal_fov(values["hfov"], ratio)
     if values["vfov"] is not None:
-        return Camera.from_vertical_fov(values["vfov"], width / height)
-    return Camera(DEFAULT_FOV_DEG if values["fov"] is None else values["fov"], width / height)
+        return Camera.from_vertical_fov(values["vfov"], ratio)
+    return Camera(Camera.fov_deg if values["fov"] is None else values["fov"], ratio)
 
 
 def _check_one_camera(values: Mapping[str, Any]) -> None:
@@ -220,12 +191,12 @@ def _check_one_camera(values: Mapping[str, Any]) -> None:
         ways.append("aspect_ratio")
     given = [f"{name} {_shown(values[name])}" for name in ways if values[name] is not None]
     if len(given) > 1:
-        raise InvalidInput(f"{given[0]} and {given[1]}: give one of the two")
+        raise InvalidInput("{0} and {1}: give one of the two", given[0], given[1])
     if (values["sensor"] is None) != (values["focal_length"] is None):
         name, other = (
             ("sensor", "focal_length") if values["focal_length"] is None else ("focal_length", "sensor")
         )
-        raise InvalidInput(f"{name} {_shown(values[name])}: needs {other} as well")
+        raise InvalidInput("{0} {1}: needs {2} as well", name, _shown(values[name]), other)
 
 
 def _shown(value: Any) -> str:

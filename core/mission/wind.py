@@ -2,60 +2,48 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
-
-import numpy as np
-from numpy.typing import NDArray
+from typing import TYPE_CHECKING
 
 from ..errors import InvalidInput
+from ..fields import Part, declared, field_named
+from .parts import Flight, Imagery
 
-Floats = NDArray[np.float64]
-#: Airspeeds that the model is of: hovering drift to the speed of sound.
-AIRSPEEDS_M_PER_S = (0.1, 340.0)
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
 
-
-def check_airspeed(airspeed_m_per_s: float) -> None:
-    """Refuse a speed through the air that is not of `AIRSPEEDS_M_PER_S`."""
-    slowest, fastest = AIRSPEEDS_M_PER_S
-    if not slowest <= airspeed_m_per_s <= fastest:
-        raise InvalidInput(
-            f"airspeed {airspeed_m_per_s} m/s: must be {slowest} to {fastest}", "airspeed_m_per_s"
-        )
+    Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class Wind:
-    """Wind at flight height.
+class Wind(Part):
+    """Wind at flight height; a seed gives the same flight each time."""
 
-    Parameters
-    ----------
-    speed_m_per_s : float
-        Mean wind, >= 0.
-    from_deg : float
-        Direction it blows from, clockwise from north.
-    turbulence : float
-        Intensity: sigma of the horizontal gusts over the mean wind, >= 0 (some 0.1 over water, 0.2 over fields).
-    seed : int
-        Of the gusts, >= 0: the same seed gives the same flight.
-    """
-
-    speed_m_per_s: float = 0.0
-    from_deg: float = 0.0
-    turbulence: float = 0.0
-    seed: int = 2024
-
-    def __post_init__(self) -> None:
-        if not (math.isfinite(self.speed_m_per_s) and self.speed_m_per_s >= 0.0):
-            raise InvalidInput(f"wind speed {self.speed_m_per_s} m/s: must be 0 or more")
-        if not math.isfinite(self.from_deg):
-            raise InvalidInput(f"wind from {self.from_deg} deg: must be a number")
-        if not (math.isfinite(self.turbulence) and self.turbulence >= 0.0):
-            raise InvalidInput(
-                f"turbulence intensity {self.turbulence}: must be 0 or more (sigma / mean wind)"
-            )
-        if not (self.seed >= 0 and self.seed % 1 == 0):
-            raise InvalidInput(f"seed {self.seed!r} of the wind: must be a whole number, 0 or more")
+    speed_m_per_s: float = declared(
+        0.0,
+        title="wind speed",
+        help="mean wind at flight height, below the airspeed",
+        unit="m/s",
+        least=0.0,
+        suggested=5.0,
+    )
+    from_deg: float = declared(
+        0.0,
+        title="wind direction",
+        help="direction the wind blows from, clockwise from north",
+        unit="deg",
+        suggested=270.0,
+    )
+    turbulence: float = declared(
+        0.0,
+        title="turbulence",
+        help="standard deviation of the gusts over the mean wind: about 0.1 over water, 0.2 over fields, 0 for a "
+        "steady wind",
+        least=0.0,
+        suggested=0.2,
+    )
+    seed: int = declared(Imagery.seed, title="seed of the wind", help="of the gusts", least=0)
 
     def flown_at(self, airspeed_m_per_s: float) -> Wind:
         """Return this wind, where an aircraft of that airspeed can fly in it.
@@ -64,18 +52,21 @@ class Wind:
         ------
         InvalidInput
             A mean wind or a sigma of the gusts that is not below the airspeed: the one cannot be flown against, and
-            the other is not frozen while the aircraft flies through; an airspeed that `check_airspeed` refuses.
+            the other is not frozen while the aircraft flies through; an airspeed that no flight has.
         """
-        check_airspeed(airspeed_m_per_s)
+        field_named(Flight, "airspeed_m_per_s").settled(airspeed_m_per_s)
         if self.speed_m_per_s >= airspeed_m_per_s:
             raise InvalidInput(
-                f"wind speed {self.speed_m_per_s} m/s: must be below the airspeed, {airspeed_m_per_s} m/s, to "
-                "fly against it"
+                "wind speed {0} m/s: must be below the airspeed, {1} m/s, to fly against it",
+                self.speed_m_per_s,
+                airspeed_m_per_s,
             )
         if self.sigma_m_per_s >= airspeed_m_per_s:
             raise InvalidInput(
-                f"turbulence intensity {self.turbulence}: gusts of {self.sigma_m_per_s:g} m/s must stay below the "
-                f"airspeed, {airspeed_m_per_s} m/s"
+                "turbulence intensity {0}: gusts of {1:g} m/s must stay below the airspeed, {2} m/s",
+                self.turbulence,
+                self.sigma_m_per_s,
+                airspeed_m_per_s,
             )
         return self
 
@@ -94,12 +85,16 @@ class Wind:
         airspeed_m_per_s : float
             Above the mean wind.
         """
+        import numpy as np
+
         against = self._against_rad(heading_deg)
         crab: Floats = np.degrees(np.arcsin(self.speed_m_per_s / airspeed_m_per_s * np.sin(against)))
         return crab
 
     def ground_speed_m_per_s(self, heading_deg: Floats | float, airspeed_m_per_s: float) -> Floats:
         """Speed over ground along a track, in metres a second: above 0 where the airspeed is above the mean wind."""
+        import numpy as np
+
         against = self._against_rad(heading_deg)
         forward = np.sqrt(airspeed_m_per_s**2 - (self.speed_m_per_s * np.sin(against)) ** 2)
         speed: Floats = forward - self.speed_m_per_s * np.cos(against)
@@ -107,5 +102,7 @@ class Wind:
 
     def _against_rad(self, heading_deg: Floats | float) -> Floats:
         """Angle from a track to where the wind comes from; a direction in a mission file may be any number."""
+        import numpy as np
+
         against: Floats = np.radians(float(self.from_deg) - np.asarray(heading_deg, np.float64))
         return against

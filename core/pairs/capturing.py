@@ -14,7 +14,7 @@ from pathlib import Path
 from ..capture.journal import FAILED, Journal, Outcome
 from ..capture.runner import DEFAULT_CONNECTIONS, CaptureResult, Failure, Progress, Repeat, capture
 from ..dataset.folder import JOURNAL_FILE, MISSION_FILE, REJECTED_FOLDER
-from ..errors import InvalidInput, OutputError
+from ..errors import InvalidInput, Message, OptionName, OutputError
 from ..files import make_folder, open_locked, write_whole
 from ..geodesy.mercator import wrap_lon_deg
 from ..imagery.source import Source
@@ -144,10 +144,11 @@ def _check(worked_out: PairPlan, source: Source) -> None:
     """Refuse what the captures would refuse one after the other."""
     map_type = worked_out.settings.map_type
     if source.map_types and map_type not in source.map_types:
-        raise InvalidInput(f"map type {map_type!r}: {source.title} has {', '.join(source.map_types)}")
+        raise InvalidInput("map type {0!r}: {1} has {2}", map_type, source.title, ", ".join(source.map_types))
     if any(plan.grid != source.grid for plan in worked_out.plans.values()):
         raise InvalidInput(
-            f"pairs are planned for another pixel grid than that of {source.title}: plan with the source's own"
+            "pairs are planned for another pixel grid than that of {0}: plan with the source's own",
+            source.title,
         )
 
 
@@ -157,13 +158,19 @@ def _refuse(path: Path, wanted: bytes, *, resume: bool, ours: bool = False) -> N
     try:
         found = mark.read_bytes() if mark.exists() else None
     except OSError as wrong:
-        raise OutputError(f"folder {path}: cannot read {SETTINGS_FILE} ({wrong.strerror})") from wrong
+        raise OutputError("folder {0}: cannot read {1} ({2})", path, SETTINGS_FILE, wrong.strerror) from wrong
     if found is not None:
         if found != wanted:
-            raise OutputError(f"folder {path}: holds pairs of other settings; choose another folder")
+            raise OutputError(
+                "folder {0}: holds pairs of other settings",
+                path,
+                remedy="choose another folder",
+            )
         if not resume:
             raise OutputError(
-                f"folder {path}: already holds these pairs; resume them (--resume) or choose another folder"
+                "folder {0}: already holds these pairs",
+                path,
+                remedy=Message("resume them{0} or choose another folder", OptionName("resume").in_brackets),
             )
         return
     inside = path / CAPTURES_FOLDER
@@ -177,8 +184,11 @@ def _refuse(path: Path, wanted: bytes, *, resume: bool, ours: bool = False) -> N
         )
     if foreign:
         raise OutputError(
-            f"folder {path}: holds {foreign[0].relative_to(path).as_posix()} but no {SETTINGS_FILE}, so it is not of "
-            "these pairs; choose another folder"
+            "folder {0}: holds {1} but no {2}, so it is not of these pairs",
+            path,
+            foreign[0].relative_to(path).as_posix(),
+            SETTINGS_FILE,
+            remedy="choose another folder",
         )
 
 
@@ -281,8 +291,10 @@ def _put(target: Path, captured: Path) -> None:
             if target.samefile(captured) or filecmp.cmp(target, captured, shallow=False):
                 return
             raise OutputError(
-                f"image {target}: is not the one that was captured ({captured}), and nothing is overwritten; move it "
-                "away"
+                "image {0}: is not the one that was captured ({1}), and nothing is overwritten",
+                target,
+                captured,
+                remedy="move it away",
             )
         make_folder(target.parent)
         try:
@@ -291,7 +303,7 @@ def _put(target: Path, captured: Path) -> None:
             # File systems without further names for a file, such as FAT and some network drives.
             write_whole(target, captured.read_bytes())
     except OSError as wrong:
-        raise OutputError(f"image {target}: cannot be placed ({wrong.strerror})") from wrong
+        raise OutputError("image {0}: cannot be placed ({1})", target, wrong.strerror) from wrong
 
 
 def _withdraw(target: Path) -> None:
@@ -299,14 +311,14 @@ def _withdraw(target: Path) -> None:
     try:
         target.unlink(missing_ok=True)
     except OSError as wrong:
-        raise OutputError(f"image {target}: cannot be removed ({wrong.strerror})") from wrong
+        raise OutputError("image {0}: cannot be removed ({1})", target, wrong.strerror) from wrong
 
 
 def _row(
     worked_out: PairPlan, place: int, image: _Image, reason: str, there: bool, files: list[str], captured: str
 ) -> dict[str, object]:
     plan, where = worked_out.plans[image.mission], worked_out.places[place]
-    width, height, _ = plan.mission.img_size or (0, 0, 0)
+    width, height, _ = plan.mission.output.img_size or (0, 0, 0)
     pose = {name: float(values[image.index]) for name, values in zip(plan.poses._fields, plan.poses)}
     pose["lon_deg"] = float(wrap_lon_deg(plan.lon_deg[image.index : image.index + 1])[0])
     return {

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import InvalidInput
+from ..errors import InvalidInput, Message
 from .places import Place, cartesian_m
 
 Floats = NDArray[np.float64]
@@ -34,11 +34,15 @@ class Parts(NamedTuple):
 def check_shares(shares: Sequence[float]) -> None:
     """Refuse shares that are not three numbers >= 0, some above."""
     if len(shares) != len(PARTS):
-        raise InvalidInput(f"split {_text(shares)}: give three shares, for {', '.join(PARTS)}s")
+        raise InvalidInput("split {0}: give three shares, for {1}s", _text(shares), ", ".join(PARTS))
     if not all(share >= 0.0 for share in shares) or not 0.0 < sum(shares) < math.inf:
-        raise InvalidInput(f"split {_text(shares)}: shares must be 0 or more and finite, and one above 0")
+        raise InvalidInput("split {0}: shares must be 0 or more and finite, and one above 0", _text(shares))
     if shares[2] > 0.0 and shares[1] == 0.0:
-        raise InvalidInput(f"split {_text(shares)}: distractors are of a test; give it a share, or them none")
+        raise InvalidInput(
+            "split {0}: distractors are of a test",
+            _text(shares),
+            remedy="give it a share, or them none",
+        )
 
 
 def _text(shares: Sequence[float]) -> str:
@@ -77,13 +81,16 @@ def part_places(
     """
     check_shares(shares)
     if not (math.isfinite(gap_m) and gap_m >= 0.0):
-        raise InvalidInput(f"gap {gap_m} m: must be 0 or more")
+        raise InvalidInput("gap {0} m: must be 0 or more", gap_m)
     wanted = _counts(len(places), shares)
     for name, share, count in zip(PARTS[:2], shares, wanted):
         if share > 0.0 and count == 0:
             raise InvalidInput(
-                f"{len(places)} places, split {_text(shares)}: none is left for {name}; give more places, or other "
-                "shares"
+                "{0} places, split {1}: none is left for {2}",
+                len(places),
+                _text(shares),
+                name,
+                remedy="give more places, or other shares",
             )
     together = _neighbours(places, reach_m, gap_m)
     order = _order(places, seed)
@@ -94,8 +101,16 @@ def part_places(
             apart = "" if math.isinf(float(np.max(reach_m))) else "places farther apart, "
             nearer = "a smaller --gap, " if apart and gap_m > 0.0 else ""
             raise InvalidInput(
-                f"{len(places)} places, split {_text(shares)}: {_crowd(reach_m, gap_m)}, and none is left for {name}; "
-                f"give {apart}views that see less (lower, less tilted), {nearer}or --allow-shared-ground"
+                "{0} places, split {1}: {2}, and none is left for {3}",
+                len(places),
+                _text(shares),
+                _crowd(reach_m, gap_m),
+                name,
+                remedy=Message(
+                    "give {0}views that see less (lower, less tilted), {1}or --allow-shared-ground",
+                    apart,
+                    nearer,
+                ),
             )
     shared = any(len(set(part[together == group].tolist())) > 1 for group in np.unique(together))
     return Parts(tuple(PARTS[index] for index in part.tolist()), shared)

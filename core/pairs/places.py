@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import InvalidInput
+from ..errors import InvalidInput, Message
 from ..geodesy.ellipsoid import WGS84
 from ..geodesy.mercator import MAX_LAT_DEG
 from ..mission.area import Box, check_lat_lon
@@ -58,7 +58,7 @@ class Place:
     def __post_init__(self) -> None:
         check_lat_lon(self.lat_deg, self.lon_deg)
         if abs(self.lat_deg) > MAX_LAT_DEG:
-            raise InvalidInput(f"latitude {self.lat_deg}: the map ends at ±{MAX_LAT_DEG:.4f}")
+            raise InvalidInput("latitude {0}: the map ends at ±{1:.4f}", self.lat_deg, MAX_LAT_DEG)
 
 
 def read_places(path: str | Path) -> tuple[Place, ...]:
@@ -76,7 +76,12 @@ def read_places(path: str | Path) -> tuple[Place, ...]:
     try:
         lines = Path(path).read_text(encoding="utf-8-sig").splitlines()
     except (OSError, UnicodeDecodeError) as wrong:
-        raise InvalidInput(f"places {path}: cannot be read as text ({wrong}); give {_FORMATS}") from wrong
+        raise InvalidInput(
+            "places {0}: cannot be read as text ({1})",
+            path,
+            wrong,
+            remedy=Message("give {0}", _FORMATS),
+        ) from wrong
     places: list[Place] = []
     met: dict[tuple[float, float], int] = {}
     for number, line in enumerate(lines, 1):
@@ -86,18 +91,27 @@ def read_places(path: str | Path) -> tuple[Place, ...]:
         before = met.setdefault((place.lat_deg, place.lon_deg), number)
         if before != number:
             raise InvalidInput(
-                f"places {path}, line {number}: the place of line {before} again; give each once"
+                "places {0}, line {1}: the place of line {2} again",
+                path,
+                number,
+                before,
+                remedy="give each once",
             )
         places.append(place)
     if not places:
-        raise InvalidInput(f"places {path}: holds none; give {_FORMATS}")
+        raise InvalidInput("places {0}: holds none", path, remedy=Message("give {0}", _FORMATS))
     heights = [_HEIGHT.fullmatch(place.name) for place in places]
     if all(heights):
         for number, place, height in zip(met.values(), places, heights):
             if height is not None and float(height[1]) <= 0.0:
                 raise InvalidInput(
-                    f"places {path}, line {number}: {place.lat_deg:g} {place.lon_deg:g} with height {height[1]}: must "
-                    "be above 0; commas separate, and decimals are written with a point"
+                    "places {0}, line {1}: {2:g} {3:g} with height {4}: must be above 0; commas separate, "
+                    "and decimals are written with a point",
+                    path,
+                    number,
+                    place.lat_deg,
+                    place.lon_deg,
+                    height[1],
                 )
         return tuple(Place(place.lat_deg, place.lon_deg) for place in places)
     return tuple(places)
@@ -107,14 +121,14 @@ def _place(line: str, where: str) -> Place:
     stripped = line.strip()
     found = _LINE.fullmatch(stripped.translate(_MINUS))
     if found is None:
-        raise InvalidInput(f"{where} {stripped!r} is not `lat lon` or `lat lon name`")
+        raise InvalidInput("{0} {1!r} is not `lat lon` or `lat lon name`", where, stripped)
     lat, lon, rest = found.groups()
     # The signs of a name stay what they are: the translation changes no length.
     name = "" if rest is None else stripped[len(stripped) - len(rest) :]
     try:
         return Place(float(lat), float(lon), name.strip())
     except InvalidInput as wrong:
-        raise InvalidInput(f"{where} {wrong}") from wrong
+        raise InvalidInput("{0} {1}", where, wrong) from wrong
 
 
 def read_box(text: str) -> Box:
@@ -128,9 +142,18 @@ def read_box(text: str) -> Box:
     try:
         values = [float(field) for field in fields]
     except ValueError as wrong:
-        raise InvalidInput(f"places {text!r}: no such file, and no box; give {_FORMATS}") from wrong
+        raise InvalidInput(
+            "places {0!r}: no such file, and no box",
+            text,
+            remedy=Message("give {0}", _FORMATS),
+        ) from wrong
     if len(values) not in (4, 5):
-        raise InvalidInput(f"places {text!r}: {len(values)} numbers; give {_FORMATS}")
+        raise InvalidInput(
+            "places {0!r}: {1} numbers",
+            text,
+            len(values),
+            remedy=Message("give {0}", _FORMATS),
+        )
     return Box(*values[:4])
 
 
@@ -154,9 +177,9 @@ def spread_places(
         Where the box has no room for so many.
     """
     if not 1 <= count <= _MOST_PLACES:
-        raise InvalidInput(f"{count:,} places: must be from 1 to {_MOST_PLACES:,}")
+        raise InvalidInput("{0:,} places: must be from 1 to {1:,}", count, _MOST_PLACES)
     if not (math.isfinite(spacing_m) and spacing_m >= 0.0):
-        raise InvalidInput(f"spacing {spacing_m} m: must be 0 or more")
+        raise InvalidInput("spacing {0} m: must be 0 or more", spacing_m)
     for lat in (box.south_deg, box.north_deg):
         Place(lat, box.west_deg)
     places: list[Place] = []
@@ -177,8 +200,11 @@ def spread_places(
             return tuple(places)
     views = "views that see less, " if by_views else ""
     raise InvalidInput(
-        f"{count:,} places {spacing_m:,.0f} m apart: the box has room for {len(places):,}; give a larger box, fewer "
-        f"places, {views}or a smaller --spacing"
+        "{0:,} places {1:,.0f} m apart: the box has room for {2:,}",
+        count,
+        spacing_m,
+        len(places),
+        remedy=Message("give a larger box, fewer places, {0}or a smaller --spacing", views),
     )
 
 

@@ -18,7 +18,7 @@ from ..geodesy.mercator import PixelGrid, u_to_lon, v_to_lat
 from ..limits import MAX_PICTURE_PX
 from ..mission.area import Box, Points
 from ..mission.mission import Mission
-from ..mission.options import DEFAULT_BUDGET_PX
+from ..mission.parts import Accuracy, Imagery
 from ..mission.plan import Plan, plan
 from .parts import PARTS, SHARES, check_shares, part_places
 from .places import Place, cartesian_m, spread_places
@@ -31,7 +31,7 @@ DEFAULT_SIZE_PX = 512
 #: Side of the largest images, which are squares where they show a place from above.
 MOST_SIZE_PX = math.isqrt(MAX_PICTURE_PX)
 #: What the drone's camera has where nothing else is said: the paper's field of view, in University-1652's squares.
-DEFAULT_CAMERA = Camera(78.8, 1.0)
+DEFAULT_CAMERA = Camera(aspect_ratio=1.0)
 SATELLITE, DRONE = "satellite", "drone"
 #: A satellite view is made smaller from a window at least as large, so that it is sharp: with pixels so much finer the
 #: zoom nearest to them is one that could serve, and of those the lowest is taken.
@@ -74,7 +74,7 @@ class PairSettings:
     size_px: int = DEFAULT_SIZE_PX
     satellite_m: float | None = None
     source: str = "world"
-    map_type: str = "satellite"
+    map_type: str = Imagery.map_types[0]
     date: str = ""
     seed: int = 2024
     shares: tuple[float, float, float] = SHARES
@@ -82,7 +82,7 @@ class PairSettings:
     allow_shared_ground: bool = False
     upsample: bool = False
     ground_height_m: float = 0.0
-    error_budget_px: float = DEFAULT_BUDGET_PX
+    error_budget_px: float = Accuracy.error_budget_px
     accept_error: bool = False
     resampling: str = "bilinear"
 
@@ -90,9 +90,9 @@ class PairSettings:
         if not self.views:
             raise InvalidInput("no views: needs one or more")
         if not 1 <= self.size_px <= MOST_SIZE_PX:
-            raise InvalidInput(f"size of images {self.size_px} px: must be from 1 to {MOST_SIZE_PX:,}")
+            raise InvalidInput("size of images {0} px: must be from 1 to {1:,}", self.size_px, MOST_SIZE_PX)
         if self.satellite_m is not None and not (math.isfinite(self.satellite_m) and self.satellite_m > 0.0):
-            raise InvalidInput(f"width of the satellite view {self.satellite_m} m: must be above 0")
+            raise InvalidInput("width of the satellite view {0} m: must be above 0", self.satellite_m)
         check_shares(self.shares)
 
     @property
@@ -263,7 +263,7 @@ class PairPlan:
     def shots(self, place: int) -> list[tuple[str, int]]:
         """Mission and index in its plan of each view of a place, in the order of the settings' views."""
         tilts: dict[float, str] = {
-            one.mission.tilt_deg: name for name, one in self.plans.items() if name != SATELLITE
+            one.mission.attitude.tilt_deg: name for name, one in self.plans.items() if name != SATELLITE
         }
         before = dict.fromkeys(tilts.values(), 0)
         found = []
@@ -276,10 +276,15 @@ class PairPlan:
     def to_dict(self) -> dict[str, Any]:
         """JSON-ready mapping: the same settings give the same text."""
         settings = self.settings
-        left_out = ("area", "agl_m", "tilt_deg", "image_px", "max_px", "frame")
+        left_out = ("agl_m", "tilt_deg", "image_px", "max_px", "frame")
         drone = self.plans[self.shots(0)[0][0]].mission.to_dict()
+        shared = {
+            part: values and {name: value for name, value in values.items() if name not in left_out}
+            for part, values in drone.items()
+            if part not in ("schema", "area")
+        }
         return {
-            "schema": 1,
+            "schema": 2,
             "layout": "University-1652",
             "parts": {
                 "shares": list(settings.shares),
@@ -290,7 +295,7 @@ class PairPlan:
             },
             "size_px": settings.size_px,
             "satellite_m": settings.satellite_width_m,
-            "mission": {name: value for name, value in drone.items() if name not in left_out},
+            "mission": shared,
             "missions": {name: f"captures/{name}/mission.json" for name in self.plans},
             "views": [
                 {"agl_m": view.agl_m, "yaw_deg": view.yaw_deg, "tilt_deg": view.tilt_deg}

@@ -59,7 +59,7 @@ def contact_sheet(
     path, file = Path(folder), Path(target)
     check_sheet(file)
     if min(places, views) < 1:
-        raise InvalidInput(f"sheet of {places} places and {views} views: must be 1 or more")
+        raise InvalidInput("sheet of {0} places and {1} views: must be 1 or more", places, views)
     rows = _by_place(path)
     chosen = [_even(one, views) for one in _in_turn(rows)[:places]]
     step = _CELL_PX + _GAP_PX
@@ -81,7 +81,7 @@ def contact_sheet(
 def check_sheet(target: str | os.PathLike[str]) -> None:
     """Refuse a sheet that is no JPEG by its name."""
     if Path(target).suffix.lower() not in (".jpg", ".jpeg"):
-        raise InvalidInput(f"sheet {os.fspath(target)!r}: must end in .jpg")
+        raise InvalidInput("sheet {0!r}: must end in .jpg", os.fspath(target))
 
 
 def _by_place(folder: Path) -> list[list[Row]]:
@@ -90,14 +90,17 @@ def _by_place(folder: Path) -> list[list[Row]]:
         text = (folder / TABLE_FILE).read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as wrong:
         raise InvalidInput(
-            f"folder {folder}: holds no {TABLE_FILE} that can be read; capture pairs first"
+            "folder {0}: holds no {1} that can be read",
+            folder,
+            TABLE_FILE,
+            remedy="capture pairs first",
         ) from wrong
     places: dict[str, list[Row]] = {}
     for row in csv.DictReader(io.StringIO(text)):
         if row.get("file") and row.get("view") in (SATELLITE, DRONE):
             places.setdefault(row["id"], []).append(row)
     if not places:
-        raise InvalidInput(f"folder {folder}: its {TABLE_FILE} names no image")
+        raise InvalidInput("folder {0}: its {1} names no image", folder, TABLE_FILE)
     return list(places.values())
 
 
@@ -124,7 +127,7 @@ def _cell(file: Path) -> Image.Image:
         with Image.open(file) as image:
             cell = image.convert("RGB")
     except OSError as wrong:
-        raise InvalidInput(f"image {file}: cannot be read ({wrong})") from wrong
+        raise InvalidInput("image {0}: cannot be read ({1})", file, wrong) from wrong
     cell.thumbnail((_CELL_PX, _CELL_PX), Image.LANCZOS)
     # The place is in the middle of every view.
     middle = np.array(cell.size) / 2.0

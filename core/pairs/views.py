@@ -58,7 +58,7 @@ class View:
         check_yaw(self.yaw_deg)
         if not 0.0 <= self.tilt_deg <= MOST_TILT_DEG:
             raise InvalidInput(
-                f"tilt {self.tilt_deg} deg: must be from 0 (straight down) to {MOST_TILT_DEG:g}"
+                "tilt {0} deg: must be from 0 (straight down) to {1:g}", self.tilt_deg, MOST_TILT_DEG
             )
 
 
@@ -71,7 +71,7 @@ def rings(heights_m: Sequence[float], yaws: int, tilts_deg: Sequence[float]) -> 
     """
     _check(heights_m, tilts_deg)
     if not 1 <= yaws <= MOST_VIEWS:
-        raise InvalidInput(f"{yaws} yaws: must be from 1 to {MOST_VIEWS:,}")
+        raise InvalidInput("{0} yaws: must be from 1 to {1:,}", yaws, MOST_VIEWS)
     return tuple(
         View(float(height), 360.0 * at / yaws, float(tilt))
         for tilt in tilts_deg
@@ -101,9 +101,11 @@ def spiral(
     """
     _check(heights_m, tilts_deg)
     if not 1 <= count <= MOST_VIEWS:
-        raise InvalidInput(f"{count} views: must be from 1 to {MOST_VIEWS:,}")
+        raise InvalidInput("{0} views: must be from 1 to {1:,}", count, MOST_VIEWS)
     if not (math.isfinite(rounds) and 0.0 < rounds <= count):
-        raise InvalidInput(f"{rounds:g} rounds of {count} views: must be above 0, and no more than the views")
+        raise InvalidInput(
+            "{0:g} rounds of {1} views: must be above 0, and no more than the views", rounds, count
+        )
     top, bottom = float(max(heights_m)), float(min(heights_m))
     fall = (top - bottom) / max(count - 1, 1)
     return tuple(
@@ -116,10 +118,10 @@ def spiral(
 def _check(heights_m: Sequence[float], tilts_deg: Sequence[float]) -> None:
     for values, what in ((heights_m, "height"), (tilts_deg, "tilt")):
         if not values:
-            raise InvalidInput(f"no {what}: give one or more")
+            raise InvalidInput("no {0}: give one or more", what)
         if len(set(values)) != len(values):
             raise InvalidInput(
-                f"{what}s {' '.join(f'{value:g}' for value in values)}: each may be named once"
+                "{0}s {1}: each may be named once", what, " ".join(f"{value:g}" for value in values)
             )
     for height in heights_m:
         check_agl(height)
@@ -156,8 +158,10 @@ def standing_poses(lat_deg: Floats, lon_deg: Floats, view: View, ground: Ellipso
                 np.round(lat, _DECIMALS), np.round(lon, _DECIMALS), agl, view.yaw_deg, view.tilt_deg, 0.0
             )
     raise InvalidInput(
-        f"view from {view.agl_m:g} m at a tilt of {view.tilt_deg:g} deg: the camera cannot look at the place; fly "
-        "lower or tilt less"
+        "view from {0:g} m at a tilt of {1:g} deg: the camera cannot look at the place",
+        view.agl_m,
+        view.tilt_deg,
+        remedy="fly lower or tilt less",
     )
 
 

@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..errors import Message
 from ..geodesy.footprint import ground_corners
 from ..imagery.source import Part, Window, tile_parts
 from ..mission.layout.framing import ground_of
@@ -28,18 +29,22 @@ class Cost(NamedTuple):
     footprints_s: float
     picture_s: float
 
-    def text(self, images: int) -> str:
+    def text(self, images: int) -> Message:
         """Words for people."""
-        return (
-            f"footprints {_time_text(self.footprints_s)}, pictures {_time_text(self.picture_s)} each, "
-            f"{_time_text(self.picture_s * images)} of one core in all (timed here)"
+        return Message(
+            "footprints {0}, pictures {1} each, {2} of one core in all (timed here)",
+            _time_text(self.footprints_s),
+            _time_text(self.picture_s),
+            _time_text(self.picture_s * images),
         )
 
 
-def _time_text(seconds: float) -> str:
+def _time_text(seconds: float) -> Message:
     if seconds < 1e-3:
-        return f"{max(seconds, 1e-6) * 1e6:.0f} µs"
-    return f"{seconds * 1e3:.3g} ms" if seconds < 1.0 else f"{seconds:.3g} s"
+        return Message("{0:.0f} {1}", max(seconds, 1e-6) * 1e6, "µs")
+    if seconds < 1.0:
+        return Message("{0:.3g} {1}", seconds * 1000.0, "ms")
+    return Message("{0:.3g} {1}", seconds, "s")
 
 
 def timed_cost(plan: Plan) -> Cost:
@@ -58,7 +63,9 @@ def timed_cost(plan: Plan) -> Cost:
     view, lon = plan.view(index), float(plan.lon_deg[index])
     parts = camera_parts(view, lon)
     blank = _blank(parts)
-    return Cost(footprints_s, _own_s(lambda: render(view, lon, parts, blank, plan.mission.resampling)))
+    return Cost(
+        footprints_s, _own_s(lambda: render(view, lon, parts, blank, plan.mission.accuracy.resampling))
+    )
 
 
 def _blank(parts: list[Part]) -> dict[Window, np.ndarray[tuple[int, ...], np.dtype[np.uint8]]]:

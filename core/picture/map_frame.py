@@ -55,7 +55,7 @@ def assemble(window: Window, parts: Sequence[Part], pixels: Mapping[Window, Pixe
         picture[y:bottom, x:right] = piece[..., :3]
         filled[y:bottom, x:right] = piece[..., 3] != 0 if piece.shape[2] == 4 else True
     if not filled.all():
-        raise PartError(f"no imagery at {int((~filled).sum())} of the picture's {filled.size} pixels")
+        raise PartError("no imagery at {0} of the picture's {1} pixels", int((~filled).sum()), filled.size)
     return picture
 
 
@@ -64,8 +64,12 @@ def checked(window: Window, image: Pixels) -> Pixels:
     wanted = (window.height_px, window.width_px, 3)
     if image.shape not in (wanted, (*wanted[:2], 4)) or image.dtype != np.uint8:
         raise PartError(
-            f"part at {window.left_px}, {window.top_px} px has shape {image.shape} of {image.dtype}: "
-            f"{wanted} of uint8 was asked for"
+            "part at {0}, {1} px has shape {2} of {3}: {4} of uint8 was asked for",
+            window.left_px,
+            window.top_px,
+            image.shape,
+            image.dtype,
+            wanted,
         )
     return image
 

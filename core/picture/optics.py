@@ -21,7 +21,7 @@ from ..geodesy.camera import Camera
 from ..geodesy.mercator import lat_to_v, lon_to_u
 from ..mission.cameras import shipped_cameras
 from ..mission.layout.framing import ground_of
-from ..mission.mission import utc_time
+from ..mission.parts import utc_time
 from ..mission.plan import Plan
 
 Floats = NDArray[np.float64]
@@ -93,9 +93,9 @@ def optics_of(plan: Plan, at: NDArray[np.int64]) -> Optics:
         tan_x, tan_y = plan.mission.camera.half_tangents
         pinhole = (width / (2.0 * tan_x), height / (2.0 * tan_y), width / 2.0, height / 2.0)
     focal_x, focal_y, centre_x, centre_y = pinhole
-    if plan.mission.img_size is None:
+    if plan.mission.output.img_size is None:
         return Optics(width, height, focal_x, focal_y, centre_x, centre_y)
-    wide, high = (np.full(len(at), float(size)) for size in plan.mission.img_size[:2])
+    wide, high = (np.full(len(at), float(size)) for size in plan.mission.output.img_size[:2])
     x, y = wide / width, high / height
     return Optics(wide, high, focal_x * x, focal_y * y, centre_x * x, centre_y * y)
 
@@ -153,8 +153,12 @@ class Exposures:
     def __init__(self, plan: Plan) -> None:
         optics = optics_of(plan, np.arange(len(plan)))
         self._columns = np.stack([*optics, *optics.accuracy_m(plan.agl_m)], axis=1)
-        self._body, self._ground_height_m = body_of(plan.mission.camera), plan.mission.ground_height_m
-        self._agl_m, self._start, self._times_s = plan.agl_m, utc_time(plan.mission.start), plan.times_s
+        self._body, self._ground_height_m = body_of(plan.mission.camera), plan.mission.flight.ground_height_m
+        self._agl_m, self._start, self._times_s = (
+            plan.agl_m,
+            utc_time(plan.mission.flight.start),
+            plan.times_s,
+        )
 
     def at(self, index: int) -> Exposure:
         """Exposure of one capture."""

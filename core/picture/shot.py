@@ -37,7 +37,7 @@ def shot_of(plan: Plan, index: int) -> Window | Shot:
     """What the picture of one capture is made from: a map frame's window, or a camera frame's view."""
     if plan.size_px is None:
         return window_of(plan, index)
-    return Shot(plan.view(index), float(plan.lon_deg[index]), plan.mission.resampling)
+    return Shot(plan.view(index), float(plan.lon_deg[index]), plan.mission.accuracy.resampling)
 
 
 def parts_of(plan: Plan, source: Source, index: int) -> list[Part]:

@@ -11,13 +11,14 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..errors import Message
 from ..geodesy.accuracy import Scene, outside_flat_domain
 from ..geodesy.footprint import ground_corners
 from ..imagery.source import Source
 from ..mission.flight import fly, intervals_s, legs
 from ..mission.layout.framing import ground_of
 from ..mission.methods import TRACED, Method, camera_frame, choose_pixels, exact_footprint, map_frame, mesh
-from ..mission.options import DEFAULT_AIRSPEED_M_PER_S
+from ..mission.parts import Flight
 from ..mission.plan import Plan
 from ..mission.wind import Wind
 from ..picture.resampling import KERNELS
@@ -42,7 +43,7 @@ _OF_MESHES = "bilinear"
 _FLOWN = 20_000
 #: What stands for a mission's wind where it has no gusts, for what leaving it out saves; flown at the usual airspeed.
 _USUAL = Wind(5.0, 0.0, 0.15)
-_BY_CENTRE = "the source gives pictures by their centre, not tiles that others can be made from"
+_BY_CENTRE = Message("the source gives pictures by their centre, not tiles that others can be made from")
 
 
 @dataclass(frozen=True)
@@ -193,26 +194,26 @@ def measure(
     """
     say = progress or (lambda _: None)
     effort = QUICK if quick else THOROUGH
-    map_type = map_type or plan.mission.map_types[0]
-    say("footprints")
+    map_type = map_type or plan.mission.imagery.map_types[0]
+    say(Message("footprints"))
     stages = {"footprint": _footprints(plan, effort)}
-    say("a picture")
+    say(Message("a picture"))
     bench = Bench.of(plan, Tiles(source, map_type), effort)
-    say("camera frames")
+    say(Message("camera frames"))
     by_tiles = plan.grid.centre_decimals is None
     pictures, meshes, kernels = _pictures(bench, by_tiles=by_tiles)
     stages["picture"] = pictures
     if meshes:
         stages["pixels"] = meshes
-    say("resampling")
+    say(Message("resampling"))
     greys = resampling(plan, bench.tiles, bench.index) if by_tiles else None
-    say("file formats")
+    say(Message("file formats"))
     files = tuple(encodings(plan, source, bench.index, map_type, bench.own_picture(), effort))
     wind, effect = plan.mission.wind, None
     if wind is not None and wind.speed_m_per_s > 0.0:
-        say("wind")
+        say(Message("wind"))
         effect = wind_effect(plan)
-    say("what was left out")
+    say(Message("what was left out"))
     floor = floor_px(positions.bounds_scene(plan))
     return Measurement(
         map_type=map_type,
@@ -264,7 +265,7 @@ def _pictures(
     on_map, by_camera = map_frame(scene, outside), camera_frame(scene, "" if by_tiles else _BY_CENTRE)
     ladder = pixel_methods(plan, scene) if by_tiles else []
     usable = [one for one in ladder if not one.method.outside]
-    kernel = plan.mission.resampling if plan.mission.resampling != BY_RAYS else _OF_MESHES
+    kernel = plan.mission.accuracy.resampling if plan.mission.accuracy.resampling != BY_RAYS else _OF_MESHES
     usual = next((one.tolerance_px for one in ladder if one.own), None)
     meshes = [Way(one.tolerance_px, kernel) for one in usable]
     kernels = [] if usual is None else [Way(usual, name) for name in KERNELS]
@@ -277,7 +278,7 @@ def _pictures(
         pictures = [Measured(on_map, error, on_map_made.seconds, is_own, on_map_made.size_bytes)]
     if usual is None:
         return (*pictures, Measured(by_camera)), (), ()
-    frame = made[Way(usual, plan.mission.resampling)]
+    frame = made[Way(usual, plan.mission.accuracy.resampling)]
     traced = positions.mesh_error_px(plan, 0.0)
     pictures.append(Measured(by_camera, traced, frame.seconds, own.method.name == "camera", frame.size_bytes))
     return (
@@ -332,10 +333,10 @@ def pixel_methods(plan: Plan, scene: Scene) -> list[PixelMethod]:
 def _left_out(bench: Bench, stages: dict[str, tuple[Measured, ...]]) -> list[Saving]:
     """What the plan left out, with what the same thing takes here beside what was chosen."""
     plan, found = bench.plan, []
-    pictures = len(plan) * len(plan.mission.map_types)
+    pictures = len(plan) * len(plan.mission.imagery.map_types)
     compared = {
         "resampling": ("picture", "camera"),
-        "rays for every pixel": ("pixels", "rays"),
+        Message("rays for every pixel"): ("pixels", "rays"),
     }
     for what, why in plan.accuracy.left_out:
         if what == "wind":
@@ -355,9 +356,9 @@ def _left_out(bench: Bench, stages: dict[str, tuple[Measured, ...]]) -> list[Sav
 
 def _seconds_of_flight(plan: Plan, effort: Effort) -> Seconds:
     """Seconds that the poses of a whole plan in wind take; of a usual wind where the mission has none."""
-    wind, airspeed = plan.mission.wind, plan.mission.airspeed_m_per_s
+    wind, airspeed = plan.mission.wind, plan.mission.flight.airspeed_m_per_s
     if wind is None or wind.sigma_m_per_s == 0.0:
-        wind, airspeed = _USUAL, DEFAULT_AIRSPEED_M_PER_S
+        wind, airspeed = _USUAL, Flight.airspeed_m_per_s
     gusty, count = wind, min(len(plan), _FLOWN)
     agl = plan.agl_m[:count]
     way = legs(plan.lat_deg[:count], plan.lon_deg[:count])

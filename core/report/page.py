@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Union
 
 from ..drawing import check_matplotlib
+from ..errors import Message
 from ..files import make_folder, write_whole
 from ..imagery.source import Source
 from ..mission.plan import Plan
@@ -72,7 +73,7 @@ def write_report(
     make_folder(folder)
     found = measure(plan, source, map_type=map_type, quick=quick, progress=progress)
     if progress is not None:
-        progress("page")
+        progress(Message("page"))
     files = {**csv_files(found), **drawings(plan, found)}
     text = _page(plan, source, found, sorted(name for name in files if name.endswith(".csv")))
     for name, data in files.items():
@@ -228,7 +229,7 @@ def _work_precision(plan: Plan, found: Measurement) -> list[Markup]:
 def _left_out(plan: Plan, found: Measurement) -> list[Markup]:
     if not found.left_out:
         return [element("p", "Nothing: this mission needs everything there is.")]
-    pictures = len(plan) * len(plan.mission.map_types)
+    pictures = len(plan) * len(plan.mission.imagery.map_types)
     lead = (
         f"For the whole mission, {pictures:,} picture{'s' if pictures > 1 else ''}, on one core: what the "
         "left-out method takes beyond the chosen one, both measured here."
@@ -253,7 +254,7 @@ def _conditioning(plan: Plan) -> list[Markup]:
 def _greys(plan: Plan, found: Measurement) -> list[Markup]:
     content = []
     if found.resampling is not None:
-        used = "none" if plan.size_px is None else plan.mission.resampling
+        used = "none" if plan.size_px is None else plan.mission.accuracy.resampling
         content += [
             element(
                 "p",

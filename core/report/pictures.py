@@ -180,20 +180,20 @@ class Bench:
         """Picture of the capture by the plan's own methods, at the size that it is written in."""
         plan = self.plan
         if plan.size_px is None:
-            return resized(self._map_frame()(), plan.mission.img_size)
+            return resized(self._map_frame()(), plan.mission.output.img_size)
         scene, zooms = self._scene(), sampled_zooms(plan.mission, plan.grid)
-        kernel, tolerance = plan.mission.resampling, plan.accuracy.mesh_tolerance_px
+        kernel, tolerance = plan.mission.accuracy.resampling, plan.accuracy.mesh_tolerance_px
         seen = view(scene, plan.grid, zooms, tolerance, by_rays=kernel == BY_RAYS)
         parts = camera_parts(seen, self.lon_deg)
         picture = render(seen, self.lon_deg, parts, self.tiles.of(parts), kernel)
-        return resized(picture, plan.mission.img_size)
+        return resized(picture, plan.mission.output.img_size)
 
     def _file_bytes(self, picture: Pixels) -> int:
         """Bytes of a picture's file in the mission's format and at its size."""
         plan, source = self.plan, self.tiles.source
-        sized = resized(picture, plan.mission.img_size)
+        sized = resized(picture, plan.mission.output.img_size)
         found = file_bytes(plan, source, self.index, self.tiles.map_type, sized)
-        return found if plan.mission.img_size else round(found * self.enlarged)
+        return found if plan.mission.output.img_size else round(found * self.enlarged)
 
 
 def _middle(window: Window, size_px: tuple[int, int]) -> Window:
@@ -351,7 +351,7 @@ def encodings(
         Of capture ``index``, as it would be written.
     """
     place, about = _about(plan, source, index, map_type)
-    own = plan.mission.image_format
+    own = plan.mission.output.image_format
     ways: list[tuple[str, bool, Callable[[], bytes]]] = [
         (
             f"JPEG, quality {quality}",
@@ -379,7 +379,7 @@ def encoded(ending: str, picture: Pixels, place: Place, about: Description) -> b
 def file_bytes(plan: Plan, source: Source, index: int, map_type: str, picture: Pixels) -> int:
     """Size of a picture in the mission's format."""
     place, about = _about(plan, source, index, map_type)
-    return len(encoded(plan.mission.image_format, picture, place, about))
+    return len(encoded(plan.mission.output.image_format, picture, place, about))
 
 
 def _about(plan: Plan, source: Source, index: int, map_type: str) -> tuple[Place, Description]:

@@ -7,7 +7,7 @@ from typing import Any, Optional
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import InvalidInput
+from ..errors import InvalidInput, Message
 from ..geodesy.accuracy import Scene
 from ..geodesy.camera import CORNERS, Camera, Poses
 from ..geodesy.footprint import Footprint, outline
@@ -180,7 +180,7 @@ def map_frame_problem(plan: Plan) -> str:
     try:
         edges = map_frame_edges(scene.camera, scene.poses, scene.ground)
     except InvalidInput as wrong:
-        return str(wrong)
+        return Message(wrong)
     if (edges.top_v < 0.0).any() or (edges.bottom_v > 1.0).any():
         return "it reaches beyond the map's latitudes"
     return ""

@@ -36,12 +36,16 @@ def mission_title(plan: Plan) -> str:
     """A mission in a few words."""
     mission = plan.mission
     pictures = f"{len(plan):,} picture{'s' if len(plan) > 1 else ''}"
-    above = f"{pictures} from {length_text(mission.agl_m)}, {_place(mission)}{_looking(mission, ', ')}"
+    above = f"{pictures} from {length_text(mission.flight.agl_m)}, {_place(mission)}{_looking(mission, ', ')}"
     return ", ".join(filter(None, (above, wind_text(mission.wind))))
 
 
 def _looking(mission: Mission, before: str) -> str:
-    angles = (("yaw", mission.yaw_deg), ("tilt", mission.tilt_deg), ("roll", mission.roll_deg))
+    angles = (
+        ("yaw", mission.attitude.yaw_deg),
+        ("tilt", mission.attitude.tilt_deg),
+        ("roll", mission.attitude.roll_deg),
+    )
     turned = ", ".join(f"{name} {angle:g}°" for name, angle in angles if angle)
     return f"{before}{turned}" if turned else ""
 
@@ -73,14 +77,14 @@ def mission_facts(plan: Plan, source: Source, map_type: str) -> list[tuple[str, 
     width, height = int(plan.width_px.max()), int(plan.height_px.max())
     frames = "map frames: north-up rectangles of the source's own pixels"
     if plan.size_px is not None:
-        frames = f"camera frames: what the camera sees, resampled ({mission.resampling})"
+        frames = f"camera frames: what the camera sees, resampled ({mission.accuracy.resampling})"
     facts = [
         ("area", _area(mission)),
         (
             "flight",
             (
                 f"{len(plan):,} pictures in {plan.rows:,} row{'s' if plan.rows > 1 else ''}, "
-                f"{length_text(mission.agl_m)} above "
+                f"{length_text(mission.flight.agl_m)} above "
                 f"ground{_looking(mission, ', camera turned by ') or ', camera straight down and north-up'}"
             ),
         ),
@@ -91,12 +95,15 @@ def mission_facts(plan: Plan, source: Source, map_type: str) -> list[tuple[str, 
                 f"{metres_text(plan.camera_gsd_m_per_px)} of ground a pixel straight below"
             ),
         ),
-        ("pictures", f"{frames}, up to {width} × {height} px, zoom {plan.zoom}, {mission.image_format}"),
+        (
+            "pictures",
+            f"{frames}, up to {width} × {height} px, zoom {plan.zoom}, {mission.output.image_format}",
+        ),
         ("source", f"{source.title}, measured on {map_type}"),
     ]
     wind = wind_text(mission.wind)
     if wind:
-        facts.append(("wind", f"{wind}, flown at {mission.airspeed_m_per_s:g} m/s"))
+        facts.append(("wind", f"{wind}, flown at {mission.flight.airspeed_m_per_s:g} m/s"))
     return facts
 
 
@@ -242,7 +249,7 @@ def wind_effect_text(effect: WindEffect) -> list[str]:
         )
     figures = effect.figures
     if "coverage" in figures:
-        calm, wind = (percent(share, exact=share == 1.0) for share in figures["coverage"])
+        calm, wind = map(str, (percent(share, exact=share == 1.0) for share in figures["coverage"]))
         said = [f"Coverage is {wind} in this wind, {calm} in still air"]
         for way in ("along", "across"):
             if f"least_overlap_{way}_rows" in figures:

@@ -14,6 +14,7 @@ from ..imagery.entry import CatalogueEntry
 from ..imagery.opening import SourceOptions
 from ..imagery.policy import Policy
 from ..imagery.source import Part, Pixels, Window, tile_parts
+from ..map_types import MAP_TYPES, ROADMAP, SATELLITE, TERRAIN
 from .lattice import TILE_PX, Array
 from .paint import Canvas
 from .samples import Grid, Points
@@ -21,18 +22,17 @@ from .scene import Scene
 from .styles import roadmap, satellite, terrain
 
 MAX_ZOOM = 22
-STYLES = ("satellite", "roadmap", "terrain")
 _PAINTERS: dict[str, Callable[[Scene], Canvas]] = {
-    "satellite": satellite,
-    "roadmap": roadmap,
-    "terrain": terrain,
+    SATELLITE: satellite,
+    ROADMAP: roadmap,
+    TERRAIN: terrain,
 }
 _KEPT_BYTES = 1 << 24
 
 
 def _painter(style: str) -> Callable[[Scene], Canvas]:
     if style not in _PAINTERS:
-        raise InvalidInput(f"map type {style!r}: the synthetic world has {', '.join(STYLES)}")
+        raise InvalidInput("map type {0!r}: the synthetic world has {1}", style, ", ".join(MAP_TYPES))
     return _PAINTERS[style]
 
 
@@ -54,7 +54,7 @@ class World:
 
     def __post_init__(self) -> None:
         if not 0 <= self.seed < 1 << 64:
-            raise InvalidInput(f"seed {self.seed}: must be from 0 to 2**64 - 1")
+            raise InvalidInput("seed {0}: must be from 0 to 2**64 - 1", self.seed)
 
     def colour(self, style: str, u: Array, v: Array, zoom: Array | float) -> NDArray[np.float32]:
         """Evaluate the world at points.
@@ -86,7 +86,7 @@ class World:
         if not (np.isfinite(u).all() and ((v >= 0) & (v <= 1)).all()):
             raise InvalidInput("position outside the world: u must be finite and v from 0 to 1")
         if not ((zoom >= 0) & (zoom <= MAX_ZOOM)).all():
-            raise InvalidInput(f"zoom {zoom.min():g} to {zoom.max():g}: must be from 0 to {MAX_ZOOM}")
+            raise InvalidInput("zoom {0:g} to {1:g}: must be from 0 to {2}", zoom.min(), zoom.max(), MAX_ZOOM)
         shape = u.shape
         u, v, zoom = (u - np.floor(u)).ravel(), np.minimum(v, np.nextafter(1.0, 0.0)).ravel(), zoom.ravel()
         below = np.floor(zoom)
@@ -123,9 +123,11 @@ class World:
         """
         painter = _painter(style)
         if not 0 <= zoom <= MAX_ZOOM:
-            raise InvalidInput(f"zoom {zoom}: must be from 0 to {MAX_ZOOM}")
+            raise InvalidInput("zoom {0}: must be from 0 to {1}", zoom, MAX_ZOOM)
         if not (0 <= x < 1 << zoom and 0 <= y < 1 << zoom):
-            raise InvalidInput(f"tile x {x}, y {y} at zoom {zoom}: both must be from 0 to {(1 << zoom) - 1}")
+            raise InvalidInput(
+                "tile x {0}, y {1} at zoom {2}: both must be from 0 to {3}", x, y, zoom, (1 << zoom) - 1
+            )
         return painter(Scene(self.seed, Grid(int(zoom), int(x), int(y)))).rounded()
 
 
@@ -135,7 +137,7 @@ class WorldSource:
     name = "world"
     title = "Synthetic (offline)"
     attribution = "Synthetic landscape, TerrAInav"
-    map_types = STYLES
+    map_types = MAP_TYPES
     grid = PixelGrid(tile_px=TILE_PX, max_zoom=MAX_ZOOM, native_zoom=MAX_ZOOM)
     policy = Policy()
     date = ""

@@ -352,6 +352,7 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/entries.py"/>
+        <location filename="../../terrainav_plugin/form/fields.py"/>
         <source>degrees</source>
         <translation>grados</translation>
     </message>
@@ -1015,22 +1016,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/cleaning/panel.py"/>
-        <location filename="../../terrainav_plugin/panel/imagery.py"/>
-        <location filename="../../terrainav_plugin/results/viewer.py"/>
-        <source>Roadmap</source>
-        <translation>Callejero</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
         <source>S&amp;uggest</source>
         <translation>S&amp;ugerir</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
-        <location filename="../../terrainav_plugin/panel/imagery.py"/>
-        <location filename="../../terrainav_plugin/results/viewer.py"/>
-        <source>Satellite</source>
-        <translation>Satélite</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/cleaning/panel.py"/>
@@ -1061,14 +1048,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/cleaning/panel.py"/>
         <source>TerrAInav: dataset to be cleaned</source>
         <translation>TerrAInav: conjunto de datos que limpiar</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
-        <location filename="../../terrainav_plugin/panel/figures.py"/>
-        <location filename="../../terrainav_plugin/panel/imagery.py"/>
-        <location filename="../../terrainav_plugin/results/viewer.py"/>
-        <source>Terrain</source>
-        <translation>Relieve</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/cleaning/panel.py"/>
@@ -1325,6 +1304,26 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>«{line}» tiene {count} números; si hay varias líneas, deben ser de lat lon agl [guiñada]</translation>
     </message>
     <message>
+        <location filename="../../terrainav_plugin/form/fields.py"/>
+        <source>metres</source>
+        <translation>metros</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/fields.py"/>
+        <source>metres a second</source>
+        <translation>metros por segundo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/fields.py"/>
+        <source>px</source>
+        <translation>px</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/fields.py"/>
+        <source>share</source>
+        <translation>fracción</translation>
+    </message>
+    <message>
         <location filename="../../terrainav_plugin/form/mission_form.py"/>
         <source>aspect ratio</source>
         <translation>relación de aspecto</translation>
@@ -1370,79 +1369,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>{what} «{text}»: debe ser un número</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/form/refusals.py"/>
-        <location filename="../../terrainav_plugin/panel/figures.py"/>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>Allow enlarged pixels</source>
-        <translation>Permitir píxeles ampliados</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/form/refusals.py"/>
-        <location filename="../../terrainav_plugin/panel/imagery.py"/>
-        <location filename="../../terrainav_plugin/panel/options_page.py"/>
-        <source>Date</source>
-        <translation>Fecha</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/form/refusals.py"/>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>Error budget</source>
-        <translation>Error admisible</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/form/refusals.py"/>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>Go on beyond the budget</source>
-        <translation>Seguir aunque se supere el error</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/form/refusals.py"/>
-        <source>Image's longer side</source>
-        <translation>Lado mayor de la imagen</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/form/refusals.py"/>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>Layout</source>
-        <translation>Disposición</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/form/refusals.py"/>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>Longest side</source>
-        <translation>Lado mayor</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/form/refusals.py"/>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>Resize pictures</source>
-        <translation>Redimensionar</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/form/refusals.py"/>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>Source's ground per px</source>
-        <translation>Terreno por px de la fuente</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/form/refusals.py"/>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <location filename="../../terrainav_plugin/results/viewer.py"/>
-        <source>Zoom</source>
-        <translation>Zoom</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/form/refusals.py"/>
-        <source>“Most images” of the algorithm “Plan a mission”, or max_images in the mission's file</source>
-        <translation>«Máximo de imágenes» del algoritmo «Planificar una misión», o max_images en el archivo de la misión</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/form/refusals.py"/>
-        <source>“{entry}”</source>
-        <translation>«{entry}»</translation>
-    </message>
-    <message>
         <location filename="../../terrainav_plugin/help.py"/>
         <location filename="../../terrainav_plugin/panel/dock.py"/>
         <source>Open the guide</source>
@@ -1455,8 +1381,26 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/i18n.py"/>
-        <source>English</source>
-        <translation>español</translation>
+        <location filename="../../terrainav_plugin/panel/imagery.py"/>
+        <location filename="../../terrainav_plugin/panel/options_page.py"/>
+        <source>Date</source>
+        <translation>Fecha</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/i18n.py"/>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>Resize pictures</source>
+        <translation>Redimensionar</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/i18n.py"/>
+        <source>“Most images” of the algorithm “Plan a mission”, or max_images in the mission's file</source>
+        <translation>«Máximo de imágenes» del algoritmo «Planificar una misión», o max_images en el archivo de la misión</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/i18n.py"/>
+        <source>“{entry}”</source>
+        <translation>«{entry}»</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/map/canvas.py"/>
@@ -1734,11 +1678,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/camera.py"/>
-        <source>Image's lo&amp;nger side</source>
-        <translation>&amp;Lado mayor de la imagen</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/camera.py"/>
         <source>Name of the camera with the values entered:</source>
         <translation>Nombre de la cámara con los valores introducidos:</translation>
     </message>
@@ -1751,11 +1690,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/panel/camera.py"/>
         <source>Picture width to height, without unit: 4:3, 4000x3000 or 1.333</source>
         <translation>Anchura entre altura de la imagen, sin unidad: 4:3, 4000x3000 o 1.333</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/camera.py"/>
-        <source>Pixels (px) along the longer side of the camera's image: the source's pixels are taken that come nearest to the camera's. Cameras by name bring their own.</source>
-        <translation>Píxeles (px) en el lado mayor de la imagen de la cámara: se toman los píxeles de la fuente más próximos a los de la cámara. Las cámaras con nombre traen los suyos.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/camera.py"/>
@@ -1970,6 +1904,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>Escribir todas las imágenes; continúa donde se detuvo una ejecución anterior</translation>
     </message>
     <message>
+        <location filename="../../terrainav_plugin/panel/entries.py"/>
+        <source>percent</source>
+        <translation>tanto por ciento</translation>
+    </message>
+    <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
         <source>, which is exceeded</source>
         <translation>, que se supera</translation>
@@ -1988,6 +1927,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/panel/figures.py"/>
         <source>; not {name}: {reason}</source>
         <translation>; no {name}: {reason}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/figures.py"/>
+        <source>Allow enlarged pixels</source>
+        <translation>Permitir píxeles ampliados</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
@@ -2080,6 +2024,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
+        <source>Terrain</source>
+        <translation>Relieve</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/figures.py"/>
         <source>The source has no finer pixels of its own here.</source>
         <translation>La fuente no tiene aquí píxeles propios más finos.</translation>
     </message>
@@ -2119,6 +2068,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/panel/figures.py"/>
         <source>front {share}</source>
         <translation>longitudinal {share}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/figures.py"/>
+        <source>nothing</source>
+        <translation>nada</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
@@ -2272,7 +2226,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/imagery.py"/>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
         <source>Files</source>
         <translation>Archivos</translation>
     </message>
@@ -2280,12 +2233,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/panel/imagery.py"/>
         <source>How QGIS authenticates requests to this source; a configuration of its authentication database</source>
         <translation>Cómo autentica QGIS las peticiones a esta fuente; una configuración de su base de datos de autenticación</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/imagery.py"/>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>Map types</source>
-        <translation>Tipos de mapa</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/imagery.py"/>
@@ -2645,18 +2592,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>Airspeed</source>
-        <translation>Velocidad aérea</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
         <source>Also set: {text}</source>
         <translation>También definido: {text}</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>Also take zooms above the finest that the source has pixels of its own for. Pictures get more pixels (px), and show nothing more.</source>
-        <translation>Tomar también zooms superiores al más fino para el que la fuente tiene píxeles propios. Las imágenes tienen más píxeles (px), pero no muestran nada más.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
@@ -2667,67 +2604,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/panel/sections.py"/>
         <source>Automatic</source>
         <translation>Automático</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>Bicubic</source>
-        <translation>Bicúbico</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>Bilinear</source>
-        <translation>Bilineal</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>Camera frame (as seen)</source>
-        <translation>Encuadre de cámara (como se ve)</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>Cover (no gaps)</source>
-        <translation>Cubrir (sin huecos)</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>Cover: rows that leave nothing out. Paper: the grid in UTM as published.</source>
-        <translation>Cubrir: pasadas que no dejan nada fuera. Artículo: la cuadrícula en UTM tal como se publicó.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>Crosshatch</source>
-        <translation>Cuadrícula cruzada</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>Degrees the camera is rolled about its line of sight, right side down (-180 to 180)</source>
-        <translation>Grados que la cámara gira en torno a su línea de visión, lado derecho hacia abajo (-180 a 180)</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>Degrees the rows are turned clockwise from east (-180 to 180); the pictures turn with them. Points have no rows.</source>
-        <translation>Grados que las pasadas se giran en sentido horario desde el este (-180 a 180); las imágenes giran con ellas. Los puntos no tienen pasadas.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>Degrees the view is lifted from straight down (0) towards the picture's top edge; 90 looks level (-180 to 180)</source>
-        <translation>Grados que la vista se levanta desde la vertical (0) hacia el borde superior de la imagen; 90 mira al horizonte (-180 a 180)</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>Direction of the picture's top edge, in degrees clockwise from north (-360 to 360); counted from the grid's own north where a grid angle turns the rows</source>
-        <translation>Dirección del borde superior de la imagen, en grados en sentido horario desde el norte (-360 a 360); se cuenta desde el norte de la cuadrícula cuando un ángulo de cuadrícula gira las pasadas</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>Direction the wind blows from, in degrees clockwise from north</source>
-        <translation>Dirección desde la que sopla el viento, en grados en sentido horario desde el norte</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>Fly the area a second time, in rows across the first ones: about twice the images</source>
-        <translation>Volar el área por segunda vez, en pasadas que cruzan las primeras: cerca del doble de imágenes</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
@@ -2746,43 +2622,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>Format</source>
-        <translation>Formato</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>Format of the pictures; all three know their coordinate reference system</source>
-        <translation>Formato de las imágenes; los tres conocen su sistema de referencia de coordenadas</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>From</source>
-        <translation>Desde</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>Front overlap: share of a picture that the next one along the flight line shows again, in percent</source>
-        <translation>Solape longitudinal: parte de una imagen que la siguiente de la línea de vuelo vuelve a mostrar, en tanto por ciento</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>GeoTIFF (lossless)</source>
-        <translation>GeoTIFF (sin pérdida)</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
         <source>Grey</source>
         <translation>Grises</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>Grid angle</source>
-        <translation>Ángulo de cuadrícula</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>Ground height</source>
-        <translation>Altura del terreno</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
@@ -2791,18 +2632,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>Ground that a pixel of the source is to show, in metres; the zoom nearest to it is taken</source>
-        <translation>Terreno que debe mostrar un píxel de la fuente, en metros; se toma el zoom más próximo</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
         <source>Gusts move and turn the camera at every exposure: pictures are then as the camera really sees them</source>
         <translation>Las ráfagas mueven y giran la cámara en cada exposición: las imágenes son entonces como las ve realmente la cámara</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>Height above gro&amp;und</source>
-        <translation>Altura sobre el terre&amp;no</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
@@ -2811,48 +2642,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>Height of the ground above the WGS84 ellipsoid, in metres (-12,000 to 9,000)</source>
-        <translation>Altura del terreno sobre el elipsoide WGS84, en metros (-12 000 a 9000)</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
         <source>Height of the resized pictures in pixels (px)</source>
         <translation>Altura de las imágenes redimensionadas en píxeles (px)</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>How camera frames take their values between the source's pixels, from 1 px to 6 px across; map frames are not resampled</source>
-        <translation>Cómo toman los encuadres de cámara sus valores entre los píxeles de la fuente, de 1 px a 6 px de lado; los encuadres de mapa no se remuestrean</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>JPEG (smaller)</source>
-        <translation>JPEG (menor)</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>La&amp;yout</source>
-        <translation>&amp;Disposición</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>Lanczos</source>
-        <translation>Lanczos</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>Map frame (north-up)</source>
-        <translation>Encuadre de mapa (norte arriba)</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>Map frame: a window of the source's own pixels, for cameras that look straight down. Camera frame: the picture as the camera sees it. Automatic: a map frame where its error in px fits the budget.</source>
-        <translation>Encuadre de mapa: una ventana de los propios píxeles de la fuente, para cámaras que miran en vertical. Encuadre de cámara: la imagen como la ve la cámara. Automático: un encuadre de mapa si su error en px cabe en el admisible.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>Mean wind at flight height, in metres a second; below the airspeed</source>
-        <translation>Viento medio a la altura de vuelo, en metros por segundo; menor que la velocidad aérea</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
@@ -2861,48 +2652,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>Most that the errors of all steps may add up to, in pixels of the planned image, by their bounds; above 0. The cheapest methods that fit are used.</source>
-        <translation>Máximo que pueden sumar los errores de todos los pasos, en píxeles de la imagen planificada, según sus cotas; mayor que 0. Se usan los métodos más económicos que caben.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>Nearest pixel</source>
-        <translation>Píxel más próximo</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>No picture gets a longer side than so many pixels (px; of a source's 256 px tiles): where one would, a coarser zoom is taken for all</source>
-        <translation>Ninguna imagen tendrá un lado mayor de tantos píxeles (px, de teselas de 256 px): si alguna lo tuviera, se toma para todas un zoom más grueso</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>One way</source>
-        <translation>Un solo sentido</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>Order</source>
-        <translation>Orden</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
         <source>Output</source>
         <translation>Salida</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>PNG</source>
-        <translation>PNG</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>Paper (UTM grid)</source>
-        <translation>Artículo (cuadrícula UTM)</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>Pictures</source>
-        <translation>Imágenes</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
@@ -2911,29 +2662,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>Resampling</source>
-        <translation>Remuestreo</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
         <source>Resize every picture to the width and height below, in pixels (px)</source>
         <translation>Redimensionar todas las imágenes a la anchura y altura de abajo, en píxeles (px)</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>Roll</source>
-        <translation>Alabeo</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>Serpentine (to and fro)</source>
-        <translation>En zigzag (ida y vuelta)</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>Serpentine: every other row is flown back. One way: every row is flown from its beginning.</source>
-        <translation>En zigzag: una de cada dos pasadas se vuela de vuelta. Un solo sentido: cada pasada se vuela desde su comienzo.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
@@ -2942,59 +2672,13 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>Side overlap: share of a picture that the next flight line shows again, in percent</source>
-        <translation>Solape transversal: parte de una imagen que la siguiente línea de vuelo vuelve a mostrar, en tanto por ciento</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
         <source>Source's pixels</source>
         <translation>Píxeles de la fuente</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>Speed</source>
-        <translation>Velocidad</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>Speed of the flight through the air, in metres a second (0.1 to 340)</source>
-        <translation>Velocidad del vuelo respecto al aire, en metros por segundo (0.1 a 340)</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>Start</source>
-        <translation>Inicio</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>Strength of the gusts: their standard deviation over the mean wind, without unit; about 0.1 over water, 0.2 over fields, 0 for a steady wind</source>
-        <translation>Intensidad de las ráfagas: su desviación típica entre el viento medio, sin unidad; cerca de 0.1 sobre el agua, 0.2 sobre campos, 0 con viento constante</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>Tilt</source>
-        <translation>Inclinación</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>Time of the first image, in UTC as 2024-06-21T10:30:00Z: the clock of the simulated flight</source>
-        <translation>Hora de la primera imagen, en UTC como 2024-06-21T10:30:00Z: el reloj del vuelo simulado</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
         <source>To</source>
         <translation>A</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>Turbulence</source>
-        <translation>Turbulencia</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>Where no methods fit the budget (px), take the most accurate ones instead of refusing</source>
-        <translation>Si ningún método cabe en el error admisible (px), tomar los más exactos en lugar de rechazar la misión</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
@@ -3023,13 +2707,9 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>Yaw</source>
-        <translation>Guiñada</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>Zoom level of the source, without unit: each one has pixels half the size of the one before</source>
-        <translation>Nivel de zoom de la fuente, sin unidad: cada uno tiene píxeles de la mitad del tamaño que el anterior</translation>
+        <location filename="../../terrainav_plugin/results/viewer.py"/>
+        <source>Zoom</source>
+        <translation>Zoom</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
@@ -3747,43 +3427,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>0 for steady wind; gusts are drawn by the seed.</source>
-        <translation>0 con viento constante; las ráfagas se sortean con la semilla.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>0 for still air.</source>
-        <translation>0 con aire en calma.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>0 looks straight down, 90 at the horizon.</source>
-        <translation>0 mira en vertical, 90 al horizonte.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
         <source>A mission as the plan writes it; all parameters above are left aside then.</source>
         <translation>Una misión tal como la escribe el plan; los parámetros anteriores no se tienen en cuenta.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>Accept a larger error</source>
-        <translation>Aceptar un error mayor</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>Airspeed (m/s)</source>
-        <translation>Velocidad aérea (m/s)</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>Allow upsampling</source>
-        <translation>Permitir ampliación</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>Along the longer side of the camera's image; without it, the chosen camera's own, or 640.</source>
-        <translation>En el lado mayor de la imagen de la cámara; sin él, los propios de la cámara elegida, o 640.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
@@ -3812,31 +3457,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>Clockwise from north.</source>
-        <translation>En sentido horario desde el norte.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>Date of the imagery</source>
-        <translation>Fecha de las imágenes</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>Diagonal field of view (degrees)</source>
-        <translation>Campo de visión diagonal (grados)</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>Each is captured into a folder of its own.</source>
-        <translation>Cada uno se captura en una carpeta propia.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>Error budget (px)</source>
-        <translation>Error admisible (px)</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
         <source>Field of heights</source>
         <translation>Campo de las alturas</translation>
     </message>
@@ -3847,53 +3467,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>Fly the area a second time, in rows across the first ones.</source>
-        <translation>Volar el área por segunda vez, en pasadas que cruzan las primeras.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>Go on where no methods fit the error budget.</source>
-        <translation>Seguir cuando ningún método cabe en el error admisible.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>Grid angle (degrees)</source>
-        <translation>Ángulo de cuadrícula (grados)</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>Ground height (metres)</source>
-        <translation>Altura del terreno (metros)</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>Ground sample distance (metres)</source>
-        <translation>Distancia de muestreo del terreno (metros)</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>Height above ground (metres)</source>
-        <translation>Altura sobre el terreno (metros)</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
         <source>Height above ground of each point, metres.</source>
         <translation>Altura de cada punto sobre el terreno, en metros.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>How wrong a pixel may be.</source>
-        <translation>Cuánto puede errar un píxel.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>Image's longer side (px)</source>
-        <translation>Lado mayor de la imagen (px)</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>Instead of a zoom.</source>
-        <translation>En lugar de un zoom.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
@@ -3907,48 +3482,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>Kind of picture</source>
-        <translation>Clase de imagen</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>Limit for all pictures, in pixels of 256 px tiles: where one would be larger, a lower zoom is taken.</source>
-        <translation>Límite para todas las imágenes, en píxeles de teselas de 256 px: si alguna fuera mayor, se toma un zoom más bajo.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>Longest side (px)</source>
-        <translation>Lado mayor (px)</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
         <source>Mission file</source>
         <translation>Archivo de misión</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>More are refused.</source>
-        <translation>Si son más, se rechaza.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>Most images</source>
-        <translation>Máximo de imágenes</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>Of camera frames.</source>
-        <translation>De los encuadres de cámara.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>Of captures over an extent, a polygon, or points without a field of heights. Coordinates have their own.</source>
-        <translation>De las capturas sobre una extensión, un polígono o puntos sin campo de alturas. Las coordenadas llevan la suya.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>Of whatever is random.</source>
-        <translation>De todo lo que es aleatorio.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
@@ -3957,59 +3492,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>Order of rows</source>
-        <translation>Orden de las pasadas</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
         <source>Other source</source>
         <translation>Otra fuente</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>Over the WGS84 ellipsoid.</source>
-        <translation>Sobre el elipsoide WGS84.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>Overlap across rows (share)</source>
-        <translation>Solape transversal a las pasadas (fracción)</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>Overlap along rows (share)</source>
-        <translation>Solape a lo largo de las pasadas (fracción)</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>Resize pictures to</source>
-        <translation>Redimensionar imágenes a</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>Right side down.</source>
-        <translation>Lado derecho hacia abajo.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>Roll (degrees)</source>
-        <translation>Alabeo (grados)</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>Rows, and the pictures with them, are turned clockwise from east.</source>
-        <translation>Las pasadas, y con ellas las imágenes, se giran en sentido horario desde el este.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <location filename="../../terrainav_plugin/processing/split.py"/>
-        <source>Seed</source>
-        <translation>Semilla</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>Share of a picture that the next one shows again, 0 to below 1.</source>
-        <translation>Parte de una imagen que la siguiente vuelve a mostrar, de 0 a menos de 1.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
@@ -4018,63 +3502,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>Start of the flight</source>
-        <translation>Inicio del vuelo</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>Through the air.</source>
-        <translation>Respecto al aire.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>Tilt (degrees)</source>
-        <translation>Inclinación (grados)</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>Top of the pictures, clockwise from north.</source>
-        <translation>Borde superior de las imágenes, en sentido horario desde el norte.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>UTC, such as 2024-06-21T10:30:00Z.</source>
-        <translation>UTC, como 2024-06-21T10:30:00Z.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>Where no camera is chosen.</source>
-        <translation>Donde no se elige ninguna cámara.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
         <source>Where no camera is chosen; such as 4:3, 16:9 or 1.5.</source>
         <translation>Donde no se elige ninguna cámara; como 4:3, 16:9 o 1.5.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>Where the source has several.</source>
-        <translation>Donde la fuente tiene varias.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>Wind from (degrees)</source>
-        <translation>Viento desde (grados)</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>Wind speed (m/s)</source>
-        <translation>Velocidad del viento (m/s)</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>Without it, the one whose pixels come nearest to the camera's.</source>
-        <translation>Sin él, aquel cuyos píxeles se acercan más a los de la cámara.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>Yaw (degrees)</source>
-        <translation>Guiñada (grados)</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
@@ -4083,23 +3512,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>Zooms above the source's own detail.</source>
-        <translation>Zooms por encima del detalle propio de la fuente.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
         <source>aspect ratio {text!r}: must be such as 4:3</source>
         <translation>relación de aspecto {text!r}: debe ser como 4:3</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>auto takes the cheapest that fits the error budget.</source>
-        <translation>auto toma lo más económico que cabe en el error admisible.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>cover leaves nothing out; paper is the published UTM grid.</source>
-        <translation>cover no deja nada fuera; paper es la cuadrícula UTM publicada.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
@@ -4113,21 +3527,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>serpentine flies rows to and fro, one-way each from its beginning.</source>
-        <translation>serpentine vuela las pasadas en ida y vuelta, one-way cada una desde su comienzo.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>tif is lossless and georeferenced in itself; jpg and png have world files beside them.</source>
-        <translation>tif no tiene pérdida y está georreferenciado en sí mismo; jpg y png llevan archivos world al lado.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>width height channels, such as 256 256 3.</source>
-        <translation>anchura altura canales, como 256 256 3.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
         <source>world is the embedded synthetic one, which needs no network.</source>
         <translation>world es la fuente sintética incorporada, que no necesita red.</translation>
     </message>
@@ -4135,6 +3534,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
         <source>{count} areas given: needs one of extent, polygons or points, and coordinates</source>
         <translation>hay {count} áreas dadas: se necesita una sola de entre extensión, polígonos o puntos, y coordenadas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <source>{help} Where no camera is chosen.</source>
+        <translation>{help} Donde no se elige ninguna cámara.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/plan.py"/>
@@ -4365,6 +3769,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/processing/split.py"/>
         <source>Images in no part</source>
         <translation>Imágenes en ninguna parte</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/split.py"/>
+        <source>Seed</source>
+        <translation>Semilla</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/split.py"/>
@@ -4807,13 +4216,31 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <name>TerrAInav core</name>
     <message>
         <location filename="../../core/capture/folder.py"/>
-        <source>file {0}: cannot be removed ({1}); close what shows it</source>
-        <translation>archivo {0}: no se puede eliminar ({1}); cerrar lo que lo muestra</translation>
+        <source>capture it first</source>
+        <translation>capturarla primero</translation>
     </message>
     <message>
         <location filename="../../core/capture/folder.py"/>
-        <source>folder {0}: already holds this mission; resume it (--resume) or choose another folder</source>
-        <translation>carpeta {0}: ya contiene esta misión; continuarla (--resume) o elegir otra carpeta</translation>
+        <location filename="../../core/capture/runner.py"/>
+        <location filename="../../core/files.py"/>
+        <source>choose another folder</source>
+        <translation>elegir otra carpeta</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/folder.py"/>
+        <location filename="../../terrainav_plugin/dataset/mosaic.py"/>
+        <source>close what shows it</source>
+        <translation>cerrar lo que lo muestra</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/folder.py"/>
+        <source>file {0}: cannot be removed ({1})</source>
+        <translation>archivo {0}: no se puede eliminar ({1})</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/folder.py"/>
+        <source>folder {0}: already holds this mission</source>
+        <translation>carpeta {0}: ya contiene esta misión</translation>
     </message>
     <message>
         <location filename="../../core/capture/folder.py"/>
@@ -4829,18 +4256,28 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/capture/folder.py"/>
-        <source>folder {0}: holds another mission; choose another folder</source>
-        <translation>carpeta {0}: contiene otra misión; elegir otra carpeta</translation>
+        <source>folder {0}: holds another mission</source>
+        <translation>carpeta {0}: contiene otra misión</translation>
     </message>
     <message>
         <location filename="../../core/capture/folder.py"/>
-        <source>folder {0}: holds no capture of this mission, so nothing of it has failed; capture it first</source>
-        <translation>carpeta {0}: no contiene ninguna captura de esta misión, así que nada de ella ha fallado; capturarla primero</translation>
+        <source>folder {0}: holds no capture of this mission, so nothing of it has failed</source>
+        <translation>carpeta {0}: no contiene ninguna captura de esta misión, así que nada de ella ha fallado</translation>
     </message>
     <message>
         <location filename="../../core/capture/folder.py"/>
-        <source>folder {0}: holds {1} but no {2}, so it is not this mission's; choose another folder</source>
-        <translation>carpeta {0}: contiene {1} pero no {2}, así que no es la de esta misión; elegir otra carpeta</translation>
+        <source>folder {0}: holds {1} but no {2}, so it is not this mission's</source>
+        <translation>carpeta {0}: contiene {1} pero no {2}, así que no es la de esta misión</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/folder.py"/>
+        <source>resume it{0} or choose another folder</source>
+        <translation>continuarla{0} o elegir otra carpeta</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/georeference.py"/>
+        <source>edges {0} m (west, south, east, north): need west &lt; east and south &lt; north</source>
+        <translation>bordes {0} m (oeste, sur, este, norte): hace falta oeste &lt; este y sur &lt; norte</translation>
     </message>
     <message>
         <location filename="../../core/capture/georeference.py"/>
@@ -4849,6 +4286,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/capture/journal.py"/>
+        <location filename="../../core/files.py"/>
         <location filename="../../core/mission/export/geopackage.py"/>
         <source>folder {0}: cannot write {1} ({2})</source>
         <translation>carpeta {0}: no se puede escribir {1} ({2})</translation>
@@ -4869,37 +4307,27 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>no se ha empezado: se detuvo la ejecución</translation>
     </message>
     <message>
-        <location filename="../../core/capture/pipeline.py"/>
-        <source>the disk gave only a part of an array back</source>
-        <translation>el disco devolvió solo una parte de una matriz</translation>
-    </message>
-    <message>
-        <location filename="../../core/capture/pipeline.py"/>
-        <source>the disk took only a part of an array</source>
-        <translation>el disco aceptó solo una parte de una matriz</translation>
-    </message>
-    <message>
-        <location filename="../../core/capture/pipeline.py"/>
-        <source>this spool has no file: the slot is of another one</source>
-        <translation>este almacén no tiene archivo: el lugar es de otro</translation>
-    </message>
-    <message>
         <location filename="../../core/capture/runner.py"/>
         <source>capture {0} of the plan: it has 0 to {1}</source>
         <translation>captura {0} del plan: tiene de 0 a {1}</translation>
     </message>
     <message>
         <location filename="../../core/capture/runner.py"/>
-        <source>folder {0}: holds this mission with other pictures, such as {1}, because the source or the version was another; choose another folder</source>
-        <translation>carpeta {0}: contiene esta misión con otras imágenes, como {1}, porque la fuente o la versión era otra; elegir otra carpeta</translation>
+        <source>connections</source>
+        <translation>conexiones</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/runner.py"/>
+        <source>folder {0}: holds this mission with other pictures, such as {1}, because the source or the version was another</source>
+        <translation>carpeta {0}: contiene esta misión con otras imágenes, como {1}, porque la fuente o la versión era otra</translation>
     </message>
     <message>
         <location filename="../../core/capture/runner.py"/>
         <location filename="../../core/dataset/dataset.py"/>
         <location filename="../../core/imagery/staticmap.py"/>
         <location filename="../../core/imagery/xyz.py"/>
-        <source>map type {0}: {1} has {2}</source>
-        <translation>tipo de mapa {0}: {1} tiene {2}</translation>
+        <source>map type {0!r}: {1} has {2}</source>
+        <translation>tipo de mapa {0!r}: {1} tiene {2}</translation>
     </message>
     <message>
         <location filename="../../core/capture/runner.py"/>
@@ -4908,18 +4336,56 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/capture/runner.py"/>
+        <source>workers</source>
+        <translation>procesos de trabajo</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/runner.py"/>
         <source>{0} {1}: must be 1 or more</source>
         <translation>{0} {1}: debe ser 1 o más</translation>
     </message>
     <message>
         <location filename="../../core/capture/writers.py"/>
-        <source>description of a picture in {0} bytes: a JPEG has room for {1}; choose tif or png, or shorten the source's attribution</source>
-        <translation>descripción de una imagen en {0} bytes: un JPEG tiene sitio para {1}; elija tif o png, o abrevie la atribución de la fuente</translation>
+        <source>choose tif or png, or shorten the source's attribution</source>
+        <translation>elija tif o png, o abrevie la atribución de la fuente</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/writers.py"/>
+        <source>description of a picture in {0} bytes: a JPEG has room for {1}</source>
+        <translation>descripción de una imagen en {0} bytes: un JPEG tiene sitio para {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/config.py"/>
+        <source>mend it, or move it away</source>
+        <translation>corregirlo o apartarlo</translation>
+    </message>
+    <message>
+        <location filename="../../core/config.py"/>
+        <location filename="../../core/dataset/labels.py"/>
+        <location filename="../../core/imagery/raster/source.py"/>
+        <location filename="../../core/imagery/raster/trust.py"/>
+        <source>{0}: cannot be read ({1})</source>
+        <translation>{0}: no se puede leer ({1})</translation>
+    </message>
+    <message>
+        <location filename="../../core/config.py"/>
+        <source>{0}: cannot be read as JSON ({1})</source>
+        <translation>{0}: no se puede leer como JSON ({1})</translation>
+    </message>
+    <message>
+        <location filename="../../core/config.py"/>
+        <source>{0}: must hold a JSON object of {1}</source>
+        <translation>{0}: debe contener un objeto JSON de {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/config.py"/>
+        <source>{0}; {1} names another folder</source>
+        <translation>{0}; {1} indica otra carpeta</translation>
     </message>
     <message>
         <location filename="../../core/dataset/clean.py"/>
-        <source>entropy {0}: must be from 0 to {1} bits</source>
-        <translation>entropía {0}: debe estar entre 0 y {1} bits</translation>
+        <source>entropy {0}: must be from 0 to {1:g} bits</source>
+        <translation>entropía {0}: debe estar entre 0 y {1:g} bits</translation>
     </message>
     <message>
         <location filename="../../core/dataset/clean.py"/>
@@ -4927,15 +4393,9 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>detenido mientras se movían archivos: ejecutarlo de nuevo para terminar, o deshacer para devolverlo todo a su sitio</translation>
     </message>
     <message>
-        <location filename="../../core/dataset/clean.py"/>
-        <source>{0}entropy {1} below {2}</source>
-        <translation>{0}entropía {1} por debajo de {2}</translation>
-    </message>
-    <message>
         <location filename="../../core/dataset/dataset.py"/>
-        <location filename="../../core/imagery/services/capabilities.py"/>
-        <source> and {0} more</source>
-        <translation> y {0} más</translation>
+        <source>capture it again, or put the table right</source>
+        <translation>captúrela de nuevo o corrija la tabla</translation>
     </message>
     <message>
         <location filename="../../core/dataset/dataset.py"/>
@@ -4944,8 +4404,13 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/dataset/dataset.py"/>
-        <source>file {0}: cannot be moved to {1} ({2}); run it again to finish, or undo to put all back</source>
-        <translation>archivo {0}: no se puede mover a {1} ({2}); ejecutarlo de nuevo para terminar, o deshacer para devolverlo todo a su sitio</translation>
+        <source>file {0}: cannot be moved to {1} ({2})</source>
+        <translation>archivo {0}: no se puede mover a {1} ({2})</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/dataset.py"/>
+        <source>finish the capture{0}, or remove what does not belong to it</source>
+        <translation>terminar la captura{0} o quitar lo que no le pertenece</translation>
     </message>
     <message>
         <location filename="../../core/dataset/dataset.py"/>
@@ -4954,28 +4419,43 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/dataset/dataset.py"/>
-        <source>folder {0}: {1} in it is no folder, which images are moved to; move it away</source>
-        <translation>carpeta {0}: {1}, en ella, no es una carpeta a la que mover imágenes; apartarlo</translation>
+        <source>folder {0}: {1!r} in the table is no name of a file in it</source>
+        <translation>carpeta {0}: {1!r} en la tabla no es el nombre de un archivo en ella</translation>
     </message>
     <message>
         <location filename="../../core/dataset/dataset.py"/>
-        <source>folder {0}: {1} in the table is no name of a file in it</source>
-        <translation>carpeta {0}: {1} en la tabla no es el nombre de un archivo en ella</translation>
+        <source>folder {0}: {1} are in it and in {2} as well</source>
+        <translation>carpeta {0}: {1} están en ella y también en {2}</translation>
     </message>
     <message>
         <location filename="../../core/dataset/dataset.py"/>
-        <source>folder {0}: {1} of the table {2} not there; put {3} back, or capture again (--resume)</source>
-        <translation>carpeta {0}: {1} de la tabla {2} no está en ella; reponga {3} o capture de nuevo (--resume)</translation>
+        <source>folder {0}: {1} are not in the table</source>
+        <translation>carpeta {0}: {1} no figuran en la tabla</translation>
     </message>
     <message>
         <location filename="../../core/dataset/dataset.py"/>
-        <source>folder {0}: {1} {2} in it and in {3} as well; remove one of the two</source>
-        <translation>carpeta {0}: {1} {2} en ella y también en {3}; quite uno de los dos</translation>
+        <source>folder {0}: {1} in it is no folder, which images are moved to</source>
+        <translation>carpeta {0}: {1}, en ella, no es una carpeta a la que mover imágenes</translation>
     </message>
     <message>
         <location filename="../../core/dataset/dataset.py"/>
-        <source>folder {0}: {1} {2} not in the table; finish the capture (--resume), or remove what does not belong to it</source>
-        <translation>carpeta {0}: {1} {2} no figura en la tabla; termine la captura (--resume) o quite lo que no le pertenece</translation>
+        <source>folder {0}: {1} is in it and in {2} as well</source>
+        <translation>carpeta {0}: {1} está en ella y también en {2}</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/dataset.py"/>
+        <source>folder {0}: {1} is not in the table</source>
+        <translation>carpeta {0}: {1} no figura en la tabla</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/dataset.py"/>
+        <source>folder {0}: {1} of the table are not there</source>
+        <translation>carpeta {0}: {1} de la tabla no están en ella</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/dataset.py"/>
+        <source>folder {0}: {1} of the table is not there</source>
+        <translation>carpeta {0}: {1} de la tabla no está en ella</translation>
     </message>
     <message>
         <location filename="../../core/dataset/dataset.py"/>
@@ -4995,8 +4475,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/dataset/dataset.py"/>
-        <source>image {0}: has {1} x {2} px, and {3} x {4} px in the table; capture it again, or put the table right</source>
-        <translation>imagen {0}: tiene {1} x {2} px, y {3} x {4} px en la tabla; captúrela de nuevo o corrija la tabla</translation>
+        <source>image {0}: has {1} x {2} px, and {3:g} x {4:g} px in the table</source>
+        <translation>imagen {0}: tiene {1} x {2} px, y {3:g} x {4:g} px en la tabla</translation>
     </message>
     <message>
         <location filename="../../core/dataset/dataset.py"/>
@@ -5005,8 +4485,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/dataset/dataset.py"/>
-        <source>image {0}: is not there; put it back, or capture it again (--resume)</source>
-        <translation>imagen {0}: no está; devuélvala a su sitio o captúrela de nuevo (--resume)</translation>
+        <source>image {0}: is not there</source>
+        <translation>imagen {0}: no está</translation>
     </message>
     <message>
         <location filename="../../core/dataset/dataset.py"/>
@@ -5015,13 +4495,53 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/dataset/dataset.py"/>
-        <source>layout {0}: must be one of {1}</source>
-        <translation>disposición {0}: debe ser una de {1}</translation>
+        <source>layout {0!r}: must be one of {1}</source>
+        <translation>disposición {0!r}: debe ser una de {1}</translation>
     </message>
     <message>
         <location filename="../../core/dataset/dataset.py"/>
-        <source>table {0}: {1} {2} not on the Earth, first at Lat {3}, Lon {4}; Lat must be within 90 degrees, Lon within 360</source>
-        <translation>tabla {0}: {1} {2} no está en la Tierra, la primera en Lat {3}, Lon {4}; Lat debe estar dentro de 90 grados y Lon dentro de 360</translation>
+        <source>move it away</source>
+        <translation>apartarlo</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/dataset.py"/>
+        <source>put it back, or capture again{0}</source>
+        <translation>devolverla a su sitio o capturar de nuevo{0}</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/dataset.py"/>
+        <source>put it back, or capture it again{0}</source>
+        <translation>devolverla a su sitio o capturarla de nuevo{0}</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/dataset.py"/>
+        <source>put them back, or capture again{0}</source>
+        <translation>devolverlas a su sitio o capturar de nuevo{0}</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/dataset.py"/>
+        <source>remove one of the two</source>
+        <translation>quite uno de los dos</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/dataset.py"/>
+        <source>run it again to finish, or undo to put all back</source>
+        <translation>ejecutarlo de nuevo para terminar, o deshacer para devolverlo todo a su sitio</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/dataset.py"/>
+        <source>table {0}: {1} are not on the Earth, first at Lat {2:g}, Lon {3:g}; Lat must be within 90 degrees, Lon within 360</source>
+        <translation>tabla {0}: {1} no están en la Tierra, la primera en Lat {2:g}, Lon {3:g}; Lat debe estar dentro de 90 grados y Lon dentro de 360</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/dataset.py"/>
+        <source>table {0}: {1} is not on the Earth, first at Lat {2:g}, Lon {3:g}; Lat must be within 90 degrees, Lon within 360</source>
+        <translation>tabla {0}: {1} no está en la Tierra, la primera en Lat {2:g}, Lon {3:g}; Lat debe estar dentro de 90 grados y Lon dentro de 360</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/dataset.py"/>
+        <source>{0} and {1:,} more</source>
+        <translation>{0} y {1:,} más</translation>
     </message>
     <message>
         <location filename="../../core/dataset/entropy.py"/>
@@ -5035,28 +4555,58 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/dataset/folder.py"/>
-        <source>folder {0}: is laid out as the Night Vision supplement is; make a dataset of it first (terrainav convert --dataset VBN)</source>
-        <translation>carpeta {0}: está dispuesta como el suplemento de Night Vision; haga primero de ella un conjunto de datos (terrainav convert --dataset VBN)</translation>
+        <source>folder {0}: is laid out as the Night Vision supplement is</source>
+        <translation>carpeta {0}: está dispuesta como el suplemento de Night Vision</translation>
     </message>
     <message>
         <location filename="../../core/dataset/folder.py"/>
-        <source>folder {0}: is no dataset, as neither it nor a folder in it has a {1}; give the folder of a capture</source>
-        <translation>carpeta {0}: no es un conjunto de datos, pues ni ella ni ninguna carpeta en ella tiene {1}; dar la carpeta de una captura</translation>
+        <source>folder {0}: is no dataset, as neither it nor a folder in it has a {1}</source>
+        <translation>carpeta {0}: no es un conjunto de datos, pues ni ella ni ninguna carpeta en ella tiene {1}</translation>
     </message>
     <message>
         <location filename="../../core/dataset/folder.py"/>
-        <source>folder {0}: is one map type of the dataset {1}; give that one</source>
-        <translation>carpeta {0}: es un tipo de mapa del conjunto de datos {1}; dar ese</translation>
+        <source>folder {0}: is one map type of the dataset {1}</source>
+        <translation>carpeta {0}: es un tipo de mapa del conjunto de datos {1}</translation>
     </message>
     <message>
         <location filename="../../core/dataset/folder.py"/>
-        <source>folder {0}: the images of its {1} are in {2} and in {3} as well; move one of the two away</source>
-        <translation>carpeta {0}: las imágenes de su {1} están en {2} y también en {3}; retire una de las dos</translation>
+        <source>folder {0}: the images of its {1} are in {2} and in {3} as well</source>
+        <translation>carpeta {0}: las imágenes de su {1} están en {2} y también en {3}</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/folder.py"/>
+        <source>give that one</source>
+        <translation>dar ese</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/folder.py"/>
+        <source>give the folder of a capture</source>
+        <translation>dar la carpeta de una captura</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/folder.py"/>
+        <source>make a dataset of it first (terrainav convert --dataset VBN)</source>
+        <translation>haga primero de ella un conjunto de datos (terrainav convert --dataset VBN)</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/folder.py"/>
+        <source>move one of the two away</source>
+        <translation>retire una de las dos</translation>
     </message>
     <message>
         <location filename="../../core/dataset/ground.py"/>
-        <source>folder {0}: the window of {1} in the table lies elsewhere than its Lat and Lon; put the table right, or split without blocks</source>
-        <translation>carpeta {0}: la ventana de {1} en la tabla no está en su Lat y Lon; corrija la tabla o divida sin bloques</translation>
+        <source>folder {0}: the window of {1} in the table lies elsewhere than its Lat and Lon</source>
+        <translation>carpeta {0}: la ventana de {1} en la tabla no está en su Lat y Lon</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/ground.py"/>
+        <source>put back the capture's own</source>
+        <translation>reponga el de la propia captura</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/ground.py"/>
+        <source>put the table right, or split without blocks</source>
+        <translation>corrija la tabla o divida sin bloques</translation>
     </message>
     <message>
         <location filename="../../core/dataset/ground.py"/>
@@ -5065,23 +4615,38 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/dataset/ground.py"/>
-        <source>{0}: has no row of {1}; put back the capture's own</source>
-        <translation>{0}: no tiene fila de {1}; reponga el de la propia captura</translation>
+        <source>{0}: has no row of {1}</source>
+        <translation>{0}: no tiene fila de {1}</translation>
     </message>
     <message>
         <location filename="../../core/dataset/labels.py"/>
-        <source>frame {0}: PROJ knows no such system; give the code of another one</source>
-        <translation>sistema {0}: PROJ no lo conoce; indique el código de otro</translation>
+        <source>capture or clean anew</source>
+        <translation>capture o limpie de nuevo</translation>
     </message>
     <message>
         <location filename="../../core/dataset/labels.py"/>
-        <source>frame {0}: is {1}, no projected system in metres, which labels need; give the code of one</source>
-        <translation>sistema {0}: es {1}, y no un sistema proyectado en metros, que las etiquetas necesitan; indique el código de uno</translation>
+        <source>choose mission or utm</source>
+        <translation>elija mission o utm</translation>
     </message>
     <message>
         <location filename="../../core/dataset/labels.py"/>
-        <source>frame {0}: must be {1} or a code like EPSG:32616</source>
-        <translation>sistema {0}: debe ser {1} o un código como EPSG:32616</translation>
+        <source>choose {0}</source>
+        <translation>elija {0}</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/labels.py"/>
+        <source>frame {0!r}: must be {1} or a code like EPSG:32616</source>
+        <translation>sistema {0!r}: debe ser {1} o un código como EPSG:32616</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/labels.py"/>
+        <source>frame {0}: PROJ knows no such system</source>
+        <translation>sistema {0}: PROJ no lo conoce</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/labels.py"/>
+        <source>frame {0}: is {1}, no projected system in metres, which labels need</source>
+        <translation>sistema {0}: es {1}, y no un sistema proyectado en metros, que las etiquetas necesitan</translation>
     </message>
     <message>
         <location filename="../../core/dataset/labels.py"/>
@@ -5090,18 +4655,33 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/dataset/labels.py"/>
-        <source>frame {0}: {1} cannot hold all positions, such as {2}; choose mission or utm</source>
-        <translation>sistema {0}: {1} no abarca todas las posiciones, como {2}; elija mission o utm</translation>
+        <source>frame {0}: {1} cannot hold all positions, such as {2}</source>
+        <translation>sistema {0}: {1} no abarca todas las posiciones, como {2}</translation>
     </message>
     <message>
         <location filename="../../core/dataset/labels.py"/>
-        <source>frame {0}: {1} cannot hold all positions, such as {2}; choose {3}</source>
-        <translation>sistema {0}: {1} no abarca todas las posiciones, como {2}; elija {3}</translation>
+        <source>give the code of another one</source>
+        <translation>indique el código de otro</translation>
     </message>
     <message>
         <location filename="../../core/dataset/labels.py"/>
-        <source>labels: no image is in the training part, which the scaler is fitted on; split anew</source>
-        <translation>etiquetas: ninguna imagen está en la parte de entrenamiento, a la que se ajusta el escalador; divida de nuevo</translation>
+        <source>give the code of one</source>
+        <translation>indique el código de uno</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/labels.py"/>
+        <source>has no {0}</source>
+        <translation>no tiene {0}</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/labels.py"/>
+        <source>have it made anew by split</source>
+        <translation>haga que la división lo cree de nuevo</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/labels.py"/>
+        <source>labels: no image is in the training part, which the scaler is fitted on</source>
+        <translation>etiquetas: ninguna imagen está en la parte de entrenamiento, a la que se ajusta el escalador</translation>
     </message>
     <message>
         <location filename="../../core/dataset/labels.py"/>
@@ -5110,8 +4690,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/dataset/labels.py"/>
-        <source>labels: the dataset has no image that is there and not rejected; capture or clean anew</source>
-        <translation>etiquetas: el conjunto de datos no tiene ninguna imagen presente y no rechazada; capture o limpie de nuevo</translation>
+        <source>labels: the dataset has no image that is there and not rejected</source>
+        <translation>etiquetas: el conjunto de datos no tiene ninguna imagen presente y no rechazada</translation>
     </message>
     <message>
         <location filename="../../core/dataset/labels.py"/>
@@ -5140,25 +4720,49 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/dataset/labels.py"/>
-        <source>{0}: a split was interrupted, so the parts of its map types may disagree; split again</source>
-        <translation>{0}: se interrumpió una división, así que las partes de sus tipos de mapa pueden no coincidir; divida de nuevo</translation>
+        <source>split again</source>
+        <translation>divida de nuevo</translation>
     </message>
     <message>
         <location filename="../../core/dataset/labels.py"/>
-        <location filename="../../core/imagery/raster/source.py"/>
-        <location filename="../../core/imagery/raster/trust.py"/>
-        <source>{0}: cannot be read ({1})</source>
-        <translation>{0}: no se puede leer ({1})</translation>
+        <source>split anew</source>
+        <translation>divida de nuevo</translation>
     </message>
     <message>
         <location filename="../../core/dataset/labels.py"/>
-        <source>{0}: cannot be read ({1}); have it made anew by split</source>
-        <translation>{0}: no se puede leer ({1}); haga que la división lo cree de nuevo</translation>
+        <source>the images lie in {0} UTM zones ({1}): one frame, {2}, is for all of them</source>
+        <translation>las imágenes están en {0} zonas UTM ({1}): un solo marco, {2}, vale para todas</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/labels.py"/>
+        <source>{0}: a split was interrupted, so the parts of its map types may disagree</source>
+        <translation>{0}: se interrumpió una división, así que las partes de sus tipos de mapa pueden no coincidir</translation>
     </message>
     <message>
         <location filename="../../core/dataset/published.py"/>
-        <source>table {0}: {1}{2}</source>
-        <translation>tabla {0}: {1}{2}</translation>
+        <location filename="../../core/dataset/table.py"/>
+        <source>and {0} more</source>
+        <translation>y {0} más</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/published.py"/>
+        <source>table {0}: {1}</source>
+        <translation>tabla {0}: {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/published.py"/>
+        <source>{0} has another {1} in its row</source>
+        <translation>{0} tiene otro {1} en su fila</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/split.py"/>
+        <source>blocks</source>
+        <translation>bloques</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/split.py"/>
+        <source>blocks of {0:g} m</source>
+        <translation>bloques de {0:g} m</translation>
     </message>
     <message>
         <location filename="../../core/dataset/split.py"/>
@@ -5167,23 +4771,33 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/dataset/split.py"/>
+        <source>choose a smaller gap, other blocks or shares, or a dataset of more ground</source>
+        <translation>elija una separación menor, otros bloques o proporciones, o un conjunto con más terreno</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/split.py"/>
+        <source>choose blocks, or leave their sizes out</source>
+        <translation>elija bloques u omita sus tamaños</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/split.py"/>
         <source>folder {0}: has no image that is there and not rejected, so there is nothing to split</source>
         <translation>carpeta {0}: no tiene ninguna imagen presente y no rechazada, así que no hay nada que dividir</translation>
     </message>
     <message>
         <location filename="../../core/dataset/split.py"/>
-        <source>folder {0}: the ground that its images show is not known (they see the horizon, or come from no map), so there are no blocks of it; split shuffled or in-order</source>
-        <translation>carpeta {0}: no se sabe qué terreno muestran sus imágenes (ven el horizonte o no vienen de ningún mapa), así que no hay bloques; divida con shuffled o in-order</translation>
+        <source>folder {0}: the ground that its images show is not known (they see the horizon, or come from no map), so there are no blocks of it</source>
+        <translation>carpeta {0}: no se sabe qué terreno muestran sus imágenes (ven el horizonte o no vienen de ningún mapa), así que no hay bloques</translation>
     </message>
     <message>
         <location filename="../../core/dataset/split.py"/>
-        <source>gap of {0} m: must be from 0 to {1} m</source>
-        <translation>separación de {0} m: debe ser de 0 a {1} m</translation>
+        <source>gap of {0} m: must be from 0 to {1:,.0f} m</source>
+        <translation>separación de {0} m: debe ser de 0 a {1:,.0f} m</translation>
     </message>
     <message>
         <location filename="../../core/dataset/split.py"/>
-        <source>shares {0}: add up to {1}; must add up to 1</source>
-        <translation>proporciones {0}: suman {1}; deben sumar 1</translation>
+        <source>shares {0}: add up to {1:g}; must add up to 1</source>
+        <translation>proporciones {0}: suman {1:g}; deben sumar 1</translation>
     </message>
     <message>
         <location filename="../../core/dataset/split.py"/>
@@ -5197,8 +4811,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/dataset/split.py"/>
-        <source>split by {0}: {1} images up to {2} m wide with a gap of {3} m leave one of {4} without images; choose a smaller gap, other blocks or shares, or a dataset of more ground</source>
-        <translation>división por {0}: {1} imágenes de hasta {2} m de ancho con una separación de {3} m dejan una de {4} sin imágenes; elija una separación menor, otros bloques o proporciones, o un conjunto con más terreno</translation>
+        <source>split by {0}: {1} images up to {2:.0f} m wide with a gap of {3:g} m leave one of {4} without images</source>
+        <translation>división por {0}: {1} imágenes de hasta {2:.0f} m de ancho con una separación de {3:g} m dejan una de {4} sin imágenes</translation>
     </message>
     <message>
         <location filename="../../core/dataset/split.py"/>
@@ -5207,18 +4821,18 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/dataset/split.py"/>
-        <source>split {0}: has no blocks and no gap; choose blocks, or leave their sizes out</source>
-        <translation>división {0}: no tiene bloques ni separación; elija bloques u omita sus tamaños</translation>
+        <source>split shuffled or in-order</source>
+        <translation>divida con shuffled o in-order</translation>
     </message>
     <message>
         <location filename="../../core/dataset/split.py"/>
-        <source>split {0}: must be one of {1}</source>
-        <translation>división {0}: debe ser una de {1}</translation>
+        <source>split {0!r}: has no blocks and no gap</source>
+        <translation>división {0!r}: no tiene bloques ni separación</translation>
     </message>
     <message>
-        <location filename="../../core/dataset/table.py"/>
-        <source>and {0} more</source>
-        <translation>y {0} más</translation>
+        <location filename="../../core/dataset/split.py"/>
+        <source>split {0!r}: must be one of {1}</source>
+        <translation>división {0!r}: debe ser una de {1}</translation>
     </message>
     <message>
         <location filename="../../core/dataset/table.py"/>
@@ -5227,23 +4841,33 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/dataset/table.py"/>
-        <source>has {0} {1}, not a finite number</source>
-        <translation>tiene {0} {1}, que no es un número finito</translation>
+        <source>has {0} {1!r}, not a finite number</source>
+        <translation>tiene {0} {1!r}, que no es un número finito</translation>
     </message>
     <message>
         <location filename="../../core/dataset/table.py"/>
-        <source>has {0} {1}, not a number</source>
-        <translation>tiene {0} {1}, que no es un número</translation>
+        <source>has {0} {1!r}, not a number</source>
+        <translation>tiene {0} {1!r}, que no es un número</translation>
     </message>
     <message>
         <location filename="../../core/dataset/table.py"/>
-        <source>has {0} {1}, not a whole number</source>
-        <translation>tiene {0} {1}, que no es un número entero</translation>
+        <source>has {0} {1!r}, not a whole number</source>
+        <translation>tiene {0} {1!r}, que no es un número entero</translation>
     </message>
     <message>
         <location filename="../../core/dataset/table.py"/>
         <source>line {0} {1}</source>
         <translation>la línea {0} {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/table.py"/>
+        <source>rename or remove all but one</source>
+        <translation>renombrar o quitar todas menos una</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/table.py"/>
+        <source>repair the table, or remove it to have it written anew</source>
+        <translation>reparar la tabla, o quitarla para que se escriba de nuevo</translation>
     </message>
     <message>
         <location filename="../../core/dataset/table.py"/>
@@ -5262,8 +4886,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/dataset/table.py"/>
-        <source>{0}: has column {1} more than once; rename or remove all but one</source>
-        <translation>{0}: tiene la columna {1} más de una vez; renombrar o quitar todas menos una</translation>
+        <source>{0}: has column {1} more than once</source>
+        <translation>{0}: tiene la columna {1} más de una vez</translation>
     </message>
     <message>
         <location filename="../../core/dataset/table.py"/>
@@ -5276,79 +4900,244 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>{0}: la línea {1} no es CSV ({2})</translation>
     </message>
     <message>
-        <location filename="../../core/dataset/table.py"/>
-        <source>{0}; repair the table, or remove it to have it written anew</source>
-        <translation>{0}; reparar la tabla, o quitarla para que se escriba de nuevo</translation>
+        <location filename="../../core/drawing.py"/>
+        <source>get it with: pip install 'terrainav[report]'</source>
+        <translation>se obtiene con: pip install 'terrainav[report]'</translation>
     </message>
     <message>
         <location filename="../../core/drawing.py"/>
-        <source>matplotlib, which draws the diagrams, is not installed; get it with: pip install 'terrainav[report]'</source>
-        <translation>no está instalado matplotlib, que dibuja los diagramas; se obtiene con: pip install 'terrainav[report]'</translation>
+        <source>matplotlib, which draws the diagrams, is not installed</source>
+        <translation>no está instalado matplotlib, que dibuja los diagramas</translation>
+    </message>
+    <message>
+        <location filename="../../core/fields.py"/>
+        <source>a finite number</source>
+        <translation>un número finito</translation>
+    </message>
+    <message>
+        <location filename="../../core/fields.py"/>
+        <location filename="../../core/imagery/entry.py"/>
+        <source>a list</source>
+        <translation>una lista</translation>
+    </message>
+    <message>
+        <location filename="../../core/fields.py"/>
+        <location filename="../../core/imagery/entry.py"/>
+        <source>a number</source>
+        <translation>un número</translation>
+    </message>
+    <message>
+        <location filename="../../core/fields.py"/>
+        <location filename="../../core/imagery/entry.py"/>
+        <source>a whole number</source>
+        <translation>un número entero</translation>
+    </message>
+    <message>
+        <location filename="../../core/fields.py"/>
+        <source>above {0:g}</source>
+        <translation>mayor que {0:g}</translation>
+    </message>
+    <message>
+        <location filename="../../core/fields.py"/>
+        <source>at least {0:g} and below {1:g}</source>
+        <translation>al menos {0:g} y menor que {1:g}</translation>
+    </message>
+    <message>
+        <location filename="../../core/fields.py"/>
+        <source>at most {0:g}</source>
+        <translation>como máximo {0:g}</translation>
+    </message>
+    <message>
+        <location filename="../../core/fields.py"/>
+        <source>at most {0}</source>
+        <translation>como máximo {0}</translation>
+    </message>
+    <message>
+        <location filename="../../core/fields.py"/>
+        <source>below {0:g}</source>
+        <translation>menor que {0:g}</translation>
+    </message>
+    <message>
+        <location filename="../../core/fields.py"/>
+        <source>between {0:g} and {1:g}, both excluded</source>
+        <translation>mayor que {0:g} y menor que {1:g}</translation>
+    </message>
+    <message>
+        <location filename="../../core/fields.py"/>
+        <source>from {0:g} to {1:g}</source>
+        <translation>de {0:g} a {1:g}</translation>
+    </message>
+    <message>
+        <location filename="../../core/fields.py"/>
+        <source>of more than 64 bits</source>
+        <translation>de más de 64 bits</translation>
+    </message>
+    <message>
+        <location filename="../../core/fields.py"/>
+        <source>one of {0}</source>
+        <translation>uno de {0}</translation>
+    </message>
+    <message>
+        <location filename="../../core/fields.py"/>
+        <location filename="../../core/imagery/entry.py"/>
+        <source>text</source>
+        <translation>texto</translation>
+    </message>
+    <message>
+        <location filename="../../core/fields.py"/>
+        <location filename="../../core/imagery/entry.py"/>
+        <source>true or false</source>
+        <translation>verdadero o falso</translation>
+    </message>
+    <message>
+        <location filename="../../core/fields.py"/>
+        <source>{0:g} or more</source>
+        <translation>{0:g} o más</translation>
+    </message>
+    <message>
+        <location filename="../../core/fields.py"/>
+        <source>{0} deg</source>
+        <translation>{0} grados</translation>
+    </message>
+    <message>
+        <location filename="../../core/fields.py"/>
+        <source>{0} px</source>
+        <translation>{0} px</translation>
+    </message>
+    <message>
+        <location filename="../../core/fields.py"/>
+        <source>{0} {1}: must be {2}</source>
+        <translation>{0} {1}: debe ser {2}</translation>
+    </message>
+    <message>
+        <location filename="../../core/files.py"/>
+        <source>folder {0}: a file is in its place</source>
+        <translation>carpeta {0}: hay un archivo en su lugar</translation>
+    </message>
+    <message>
+        <location filename="../../core/files.py"/>
+        <source>folder {0}: another run is at work in it</source>
+        <translation>carpeta {0}: otra ejecución está trabajando en ella</translation>
+    </message>
+    <message>
+        <location filename="../../core/files.py"/>
+        <source>folder {0}: cannot be made ({1})</source>
+        <translation>carpeta {0}: no se puede crear ({1})</translation>
+    </message>
+    <message>
+        <location filename="../../core/files.py"/>
+        <source>larger than {0:,.0f} MB</source>
+        <translation>mayor que {0:,.0f} MB</translation>
+    </message>
+    <message>
+        <location filename="../../core/files.py"/>
+        <source>wait until it has ended or choose another folder</source>
+        <translation>esperar a que termine o elegir otra carpeta</translation>
     </message>
     <message>
         <location filename="../../core/geodesy/accuracy.py"/>
-        <source>footprint over Earth's radius times tan(latitude) is {0}: holds up to {1}</source>
-        <translation>la huella entre el radio de la Tierra por tan(latitud) es {0}: vale hasta {1}</translation>
+        <source>footprint over Earth's radius times tan(latitude) is {0:.3g}: holds up to {1:g}</source>
+        <translation>la huella entre el radio de la Tierra por tan(latitud) es {0:.3g}: vale hasta {1:g}</translation>
     </message>
     <message>
         <location filename="../../core/geodesy/accuracy.py"/>
-        <source>height over Earth's radius times tan²(FOV/2) is {0}: holds up to {1}</source>
-        <translation>la altura entre el radio de la Tierra por tan²(FOV/2) es {0}: vale hasta {1}</translation>
+        <source>height over Earth's radius times tan²(FOV/2) is {0:.3g}: holds up to {1:g}</source>
+        <translation>la altura entre el radio de la Tierra por tan²(FOV/2) es {0:.3g}: vale hasta {1:g}</translation>
     </message>
     <message>
         <location filename="../../core/geodesy/accuracy.py"/>
-        <source>tilt or roll of {0} deg: holds for cameras that look straight down</source>
-        <translation>inclinación o alabeo de {0} grados: vale para cámaras que miran en vertical</translation>
+        <source>tilt or roll of {0:g} deg: holds for cameras that look straight down</source>
+        <translation>inclinación o alabeo de {0:g} grados: vale para cámaras que miran en vertical</translation>
     </message>
     <message>
-        <location filename="../../core/geodesy/camera.py"/>
-        <source>aspect ratio {0}: must be a number above 0 (width / height)</source>
-        <translation>relación de aspecto {0}: debe ser un número mayor que 0 (anchura / altura)</translation>
+        <location filename="../../core/geodesy/ellipsoid.py"/>
+        <source>ellipsoid semi-axes {0} m, {1} m: need a &gt;= b &gt; 0, both finite</source>
+        <translation>semiejes del elipsoide de {0} m, {1} m: hace falta a &gt;= b &gt; 0, ambos finitos</translation>
     </message>
     <message>
-        <location filename="../../core/geodesy/camera.py"/>
-        <source>field of view across the diagonal {0} deg: must be between 0 and 180, both excluded; choose a less extreme field of view or aspect ratio</source>
-        <translation>campo de visión en diagonal de {0} grados: debe estar entre 0 y 180, ambos excluidos; elegir un campo de visión o una relación de aspecto menos extremos</translation>
+        <location filename="../../core/geodesy/footprint.py"/>
+        <source>camera at height {0:g} m, yaw {1:g}, tilt {2:g}, roll {3:g} deg: no ray of its image meets the Earth</source>
+        <translation>cámara a {0:g} m de altura, guiñada {1:g}, inclinación {2:g}, alabeo {3:g} grados: ningún rayo de su imagen alcanza la Tierra</translation>
     </message>
     <message>
-        <location filename="../../core/geodesy/camera.py"/>
-        <source>field of view {0} deg: must be between 0 and 180, both excluded</source>
-        <translation>campo de visión de {0} grados: debe estar entre 0 y 180, ambos excluidos</translation>
+        <location filename="../../core/geodesy/footprint.py"/>
+        <source>tilt it down</source>
+        <translation>inclinarla hacia abajo</translation>
     </message>
     <message>
-        <location filename="../../core/geodesy/camera.py"/>
+        <location filename="../../core/geodesy/frames.py"/>
+        <source>fly lower or farther from the pole</source>
+        <translation>volar más bajo o más lejos del polo</translation>
+    </message>
+    <message>
+        <location filename="../../core/geodesy/frames.py"/>
+        <source>fly lower or narrow the field of view</source>
+        <translation>volar más bajo o estrechar el campo de visión</translation>
+    </message>
+    <message>
+        <location filename="../../core/geodesy/frames.py"/>
+        <source>height {0:g} m with a field of view of {1:g} deg: the picture reaches past the Earth's horizon</source>
+        <translation>altura de {0:g} m con un campo de visión de {1:g} grados: la imagen rebasa el horizonte de la Tierra</translation>
+    </message>
+    <message>
+        <location filename="../../core/geodesy/frames.py"/>
+        <source>picture at latitude {0!r} from {1:g} m: it holds a pole, which Web Mercator does not</source>
+        <translation>imagen en la latitud {0!r} desde {1:g} m: contiene un polo, que Web Mercator no tiene</translation>
+    </message>
+    <message>
+        <location filename="../../core/geodesy/lens.py"/>
+        <source>aspect ratio</source>
+        <translation>relación de aspecto</translation>
+    </message>
+    <message>
+        <location filename="../../core/geodesy/lens.py"/>
+        <source>choose a less extreme field of view or aspect ratio</source>
+        <translation>elegir un campo de visión o una relación de aspecto menos extremos</translation>
+    </message>
+    <message>
+        <location filename="../../core/geodesy/lens.py"/>
+        <source>field of view</source>
+        <translation>campo de visión</translation>
+    </message>
+    <message>
+        <location filename="../../core/geodesy/lens.py"/>
+        <source>field of view across the diagonal {0:g} deg: must be between 0 and 180, both excluded</source>
+        <translation>campo de visión en diagonal de {0:g} grados: debe estar entre 0 y 180, ambos excluidos</translation>
+    </message>
+    <message>
+        <location filename="../../core/geodesy/lens.py"/>
+        <source>field of view across the image's diagonal</source>
+        <translation>campo de visión en la diagonal de la imagen</translation>
+    </message>
+    <message>
+        <location filename="../../core/geodesy/lens.py"/>
         <source>focal length {0} mm: must be above 0</source>
         <translation>distancia focal de {0} mm: debe ser mayor que 0</translation>
     </message>
     <message>
-        <location filename="../../core/geodesy/camera.py"/>
-        <source>sensor {0} by {1} mm and a picture of {2} to 1: pixels would not be square; give the part of the sensor that the picture shows</source>
-        <translation>sensor de {0} por {1} mm e imagen de {2} a 1: los píxeles no serían cuadrados; dar la parte del sensor que muestra la imagen</translation>
+        <location filename="../../core/geodesy/lens.py"/>
+        <source>give the part of the sensor that the picture shows</source>
+        <translation>dar la parte del sensor que muestra la imagen</translation>
     </message>
     <message>
-        <location filename="../../core/geodesy/camera.py"/>
+        <location filename="../../core/geodesy/lens.py"/>
+        <source>sensor {0:g} by {1:g} mm and a picture of {2:.4g} to 1: pixels would not be square</source>
+        <translation>sensor de {0:g} por {1:g} mm e imagen de {2:.4g} a 1: los píxeles no serían cuadrados</translation>
+    </message>
+    <message>
+        <location filename="../../core/geodesy/lens.py"/>
         <source>sensor {0} by {1} mm: both sides must be above 0</source>
         <translation>sensor de {0} por {1} mm: ambos lados deben ser mayores que 0</translation>
     </message>
     <message>
-        <location filename="../../core/geodesy/camera.py"/>
+        <location filename="../../core/geodesy/lens.py"/>
+        <source>width of the image over its height</source>
+        <translation>anchura de la imagen entre su altura</translation>
+    </message>
+    <message>
+        <location filename="../../core/geodesy/lens.py"/>
         <source>{0} field of view {1} deg: must be between 0 and 180, both excluded</source>
         <translation>campo de visión {0} de {1} grados: debe estar entre 0 y 180, ambos excluidos</translation>
-    </message>
-    <message>
-        <location filename="../../core/geodesy/footprint.py"/>
-        <source>camera at height {0} m, yaw {1}, tilt {2}, roll {3} deg: no ray of its image meets the Earth; tilt it down</source>
-        <translation>cámara a {0} m de altura, guiñada {1}, inclinación {2}, alabeo {3} grados: ningún rayo de su imagen alcanza la Tierra; inclinarla hacia abajo</translation>
-    </message>
-    <message>
-        <location filename="../../core/geodesy/frames.py"/>
-        <source>height {0} m with a field of view of {1} deg: the picture reaches past the Earth's horizon; fly lower or narrow the field of view</source>
-        <translation>altura de {0} m con un campo de visión de {1} grados: la imagen rebasa el horizonte de la Tierra; volar más bajo o estrechar el campo de visión</translation>
-    </message>
-    <message>
-        <location filename="../../core/geodesy/frames.py"/>
-        <source>picture at latitude {0} from {1} m: it holds a pole, which Web Mercator does not; fly lower or farther from the pole</source>
-        <translation>imagen en la latitud {0} desde {1} m: contiene un polo, que Web Mercator no tiene; volar más bajo o más lejos del polo</translation>
     </message>
     <message>
         <location filename="../../core/geodesy/mercator.py"/>
@@ -5361,9 +5150,19 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>tamaño de tesela {0} px: debe ser un múltiplo de 256</translation>
     </message>
     <message>
+        <location filename="../../core/geodesy/mercator.py"/>
+        <source>zooms {0} to {1}, native {2}: need 0 &lt;= minimum &lt;= native &lt;= maximum &lt;= {3}</source>
+        <translation>zooms de {0} a {1}, nativo {2}: hace falta 0 &lt;= mínimo &lt;= nativo &lt;= máximo &lt;= {3}</translation>
+    </message>
+    <message>
         <location filename="../../core/imagery/cache/tile_cache.py"/>
-        <source>cache of {0} bytes: must be 1 or more; leave the cache out for none</source>
-        <translation>caché de {0} bytes: debe ser 1 o más; para no tener ninguna, omitirla</translation>
+        <source>cache of {0} bytes: must be 1 or more</source>
+        <translation>caché de {0} bytes: debe ser 1 o más</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/cache/tile_cache.py"/>
+        <source>cache {0!r}: is not there; {1} holds {2}</source>
+        <translation>caché {0!r}: no existe; {1} contiene {2}</translation>
     </message>
     <message>
         <location filename="../../core/imagery/cache/tile_cache.py"/>
@@ -5372,48 +5171,39 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/cache/tile_cache.py"/>
-        <source>cache {0}: is not there; {1} holds {2}</source>
-        <translation>caché {0}: no existe; {1} contiene {2}</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/cache/tilestore.py"/>
-        <source>cache {0}: another program holds it; nothing more is stored</source>
-        <translation>caché {0}: la tiene ocupada otro programa; no se guarda nada más</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/cache/tilestore.py"/>
-        <source>cache {0}: {1}; nothing more is stored in this run</source>
-        <translation>caché {0}: {1}; no se guarda nada más en esta ejecución</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/cache/tilestore.py"/>
-        <source>cache: file after file is damaged; this run goes without it</source>
-        <translation>caché: un archivo tras otro está dañado; esta ejecución prescinde de ella</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/cache/tilestore.py"/>
-        <source>cache: {0}; this run goes without it</source>
-        <translation>caché: {0}; esta ejecución prescinde de ella</translation>
+        <source>leave the cache out for none</source>
+        <translation>para no tener ninguna, omitirla</translation>
     </message>
     <message>
         <location filename="../../core/imagery/catalogue.py"/>
-        <source> (with --accept-terms)</source>
-        <translation> (con --accept-terms)</translation>
+        <source> (with {0})</source>
+        <translation> (con {0})</translation>
     </message>
     <message>
         <location filename="../../core/imagery/catalogue.py"/>
-        <source>catalogue entry {0}: must be an object</source>
-        <translation>entrada del catálogo {0}: debe ser un objeto</translation>
+        <source>catalogue entry {0!r}: must be an object</source>
+        <translation>entrada del catálogo {0!r}: debe ser un objeto</translation>
     </message>
     <message>
         <location filename="../../core/imagery/catalogue.py"/>
-        <source>catalogue entry {0}: must be of kind xyz</source>
-        <translation>entrada del catálogo {0}: debe ser de clase xyz</translation>
+        <source>catalogue entry {0!r}: must be of kind xyz</source>
+        <translation>entrada del catálogo {0!r}: debe ser de clase xyz</translation>
     </message>
     <message>
         <location filename="../../core/imagery/catalogue.py"/>
-        <source>date {0}: the URL has no {date} to put it in</source>
-        <translation>fecha {0}: la URL no tiene {date} donde ponerla</translation>
+        <location filename="../../core/mission/cameras.py"/>
+        <source>choose another</source>
+        <translation>elegir otro</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/catalogue.py"/>
+        <source>choose another, or `terrainav sources remove` it</source>
+        <translation>elegir otro, o eliminarla con `terrainav sources remove`</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/catalogue.py"/>
+        <source>date {0!r}: the URL has no {{date}} to put it in</source>
+        <translation>fecha {0!r}: la URL no tiene {{date}} donde ponerla</translation>
     </message>
     <message>
         <location filename="../../core/imagery/catalogue.py"/>
@@ -5423,33 +5213,47 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/catalogue.py"/>
-        <source>source name {0}: is one of the catalogue's; choose another</source>
-        <translation>nombre de fuente {0}: es uno de los del catálogo; elegir otro</translation>
+        <location filename="../../core/imagery/raster/source.py"/>
+        <location filename="../../core/imagery/services/capabilities.py"/>
+        <location filename="../../core/imagery/services/wms.py"/>
+        <location filename="../../core/mission/cameras.py"/>
+        <source>none</source>
+        <translation>ninguno</translation>
     </message>
     <message>
         <location filename="../../core/imagery/catalogue.py"/>
-        <source>source name {0}: is taken; choose another, or `terrainav sources remove` it</source>
-        <translation>nombre de fuente {0}: ya está en uso; elegir otro, o eliminarla con `terrainav sources remove`</translation>
+        <source>source name {0!r}: is one of the catalogue's</source>
+        <translation>nombre de fuente {0!r}: es uno de los del catálogo</translation>
     </message>
     <message>
         <location filename="../../core/imagery/catalogue.py"/>
-        <source>source name {0}: must be lower-case letters, digits, hyphens and underscores, at most 64</source>
-        <translation>nombre de fuente {0}: debe constar de minúsculas, cifras, guiones y guiones bajos, 64 como máximo</translation>
+        <source>source name {0!r}: is taken</source>
+        <translation>nombre de fuente {0!r}: ya está en uso</translation>
     </message>
     <message>
         <location filename="../../core/imagery/catalogue.py"/>
-        <source>source {0} is unknown: {1}`terrainav sources` lists the names; a file, a URL template with {z}, {x}, {y}, wmts:URL and wms:URL work as well</source>
-        <translation>fuente {0} desconocida: {1}`terrainav sources` enumera los nombres; también valen un archivo, una plantilla de URL con {z}, {x}, {y}, wmts:URL y wms:URL</translation>
+        <source>source name {0!r}: must be lower-case letters, digits, hyphens and underscores, at most 64</source>
+        <translation>nombre de fuente {0!r}: debe constar de minúsculas, cifras, guiones y guiones bajos, 64 como máximo</translation>
     </message>
     <message>
         <location filename="../../core/imagery/catalogue.py"/>
-        <source>source {0}: is none of your own, which are {1}</source>
-        <translation>fuente {0}: no es ninguna de las propias, que son {1}</translation>
+        <source>source {0!r} is unknown: {1}`terrainav sources` lists the names; a file, a URL template with {{z}}, {{x}}, {{y}}, wmts:URL and wms:URL work as well</source>
+        <translation>fuente {0!r} desconocida: {1}`terrainav sources` enumera los nombres; también valen un archivo, una plantilla de URL con {{z}}, {{x}}, {{y}}, wmts:URL y wms:URL</translation>
     </message>
     <message>
         <location filename="../../core/imagery/catalogue.py"/>
-        <source>source {0}: is part of the catalogue, which stays as it is</source>
-        <translation>fuente {0}: es parte del catálogo, que se queda como está</translation>
+        <source>source {0!r}: is none of your own, which are {1}</source>
+        <translation>fuente {0!r}: no es ninguna de las propias, que son {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/catalogue.py"/>
+        <source>source {0!r}: is part of the catalogue, which stays as it is</source>
+        <translation>fuente {0!r}: es parte del catálogo, que se queda como está</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/catalogue.py"/>
+        <source>sources</source>
+        <translation>fuentes</translation>
     </message>
     <message>
         <location filename="../../core/imagery/decode.py"/>
@@ -5498,8 +5302,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/decode.py"/>
-        <source>{0} bytes, more than the {1} of {2}x{3} px at most</source>
-        <translation>{0} bytes, más de los {1} que puede tener una imagen de {2}x{3} px</translation>
+        <source>{0:,} bytes, more than the {1:,} of {2}x{3} px at most</source>
+        <translation>{0:,} bytes, más de los {1:,} que puede tener una imagen de {2}x{3} px</translation>
     </message>
     <message>
         <location filename="../../core/imagery/decode.py"/>
@@ -5514,7 +5318,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/imagery/entry.py"/>
         <source> from {0} to {1}</source>
-        <translation> de {0} a {1}</translation>
+        <translation> de {0} hasta {1}</translation>
     </message>
     <message>
         <location filename="../../core/imagery/entry.py"/>
@@ -5523,25 +5327,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/entry.py"/>
-        <location filename="../../core/mission/mission.py"/>
-        <source>a list</source>
-        <translation>una lista</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/entry.py"/>
-        <location filename="../../core/mission/mission.py"/>
-        <source>a number</source>
-        <translation>un número</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/entry.py"/>
-        <location filename="../../core/mission/mission.py"/>
-        <source>a whole number</source>
-        <translation>un número entero</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/entry.py"/>
-        <location filename="../../core/mission/mission.py"/>
         <source>an object</source>
         <translation>un objeto</translation>
     </message>
@@ -5557,74 +5342,54 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/entry.py"/>
-        <source>catalogue entry {0}: wrong or missing: {1}</source>
-        <translation>entrada del catálogo {0}: erróneo o ausente: {1}</translation>
+        <source>catalogue entry {0!r}: wrong or missing: {1}</source>
+        <translation>entrada del catálogo {0!r}: erróneo o ausente: {1}</translation>
     </message>
     <message>
         <location filename="../../core/imagery/entry.py"/>
-        <source>catalogue entry {0}: {1}</source>
-        <translation>entrada del catálogo {0}: {1}</translation>
+        <source>catalogue entry {0!r}: {1}</source>
+        <translation>entrada del catálogo {0!r}: {1}</translation>
     </message>
     <message>
         <location filename="../../core/imagery/entry.py"/>
-        <source>catalogue entry {0}: {1} is missing</source>
-        <translation>entrada del catálogo {0}: falta {1}</translation>
+        <source>date {0!r}: must be one of those there are, such as {1}</source>
+        <translation>fecha {0!r}: debe ser una de las que hay, como {1}</translation>
     </message>
     <message>
         <location filename="../../core/imagery/entry.py"/>
-        <source>catalogue entry {0}: {1} is unknown; known are {2}</source>
-        <translation>entrada del catálogo {0}: {1} es desconocido; se conocen {2}</translation>
+        <source>date {0!r}: must be one the server takes</source>
+        <translation>fecha {0!r}: debe ser una que acepte el servidor</translation>
     </message>
     <message>
         <location filename="../../core/imagery/entry.py"/>
-        <source>catalogue entry {0}: {1} with {2}: must be {3}</source>
-        <translation>entrada del catálogo {0}: {1} con {2}: debe ser {3}</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/entry.py"/>
-        <source>catalogue entry {0}: {1} {2}: must be {3}</source>
-        <translation>entrada del catálogo {0}: {1} {2}: debe ser {3}</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/entry.py"/>
-        <source>date {0}: must be one of those there are, such as {1}</source>
-        <translation>fecha {0}: debe ser una de las que hay, como {1}</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/entry.py"/>
-        <source>date {0}: must be one the server takes; say which (--date)</source>
-        <translation>fecha {0}: debe ser una que acepte el servidor; indicar cuál (--date)</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/entry.py"/>
-        <source>date {0}: must be {1}, from {2} to {3}</source>
-        <translation>fecha {0}: debe ser {1}, de {2} a {3}</translation>
+        <source>date {0!r}: must be {1}, from {2} to {3}</source>
+        <translation>fecha {0!r}: debe ser {1}, de {2} hasta {3}</translation>
     </message>
     <message>
         <location filename="../../core/imagery/entry.py"/>
         <location filename="../../core/imagery/mbtiles.py"/>
-        <source>date {0}: {1} has no dates to choose from</source>
-        <translation>fecha {0}: {1} no tiene fechas que elegir</translation>
+        <source>date {0!r}: {1} has no dates to choose from</source>
+        <translation>fecha {0!r}: {1} no tiene fechas que elegir</translation>
     </message>
     <message>
         <location filename="../../core/imagery/entry.py"/>
-        <source>dates of kind {0}: must be one of {1}</source>
-        <translation>fechas de clase {0}: debe ser una de {1}</translation>
+        <source>dates of kind {0!r}: must be one of {1}</source>
+        <translation>fechas de clase {0!r}: debe ser una de {1}</translation>
     </message>
     <message>
         <location filename="../../core/imagery/entry.py"/>
-        <source>dates of kind {0}: values are for listed ones, which need them</source>
-        <translation>fechas de clase {0}: los valores son para las enumeradas, que los necesitan</translation>
+        <source>dates of kind {0!r}: values are for listed ones, which need them</source>
+        <translation>fechas de clase {0!r}: los valores son para las enumeradas, que los necesitan</translation>
     </message>
     <message>
         <location filename="../../core/imagery/entry.py"/>
-        <source>dates of kind {0}: values must be text</source>
-        <translation>fechas de tipo {0}: los valores deben ser texto</translation>
+        <source>dates of kind {0!r}: values must be text</source>
+        <translation>fechas de tipo {0!r}: los valores deben ser texto</translation>
     </message>
     <message>
         <location filename="../../core/imagery/entry.py"/>
-        <source>environment variable {0}: must be letters, digits and underscores, such as {1}</source>
-        <translation>variable de entorno {0}: debe constar de letras, cifras y guiones bajos, como {1}</translation>
+        <source>environment variable {0!r}: must be letters, digits and underscores, such as {1}</source>
+        <translation>variable de entorno {0!r}: debe constar de letras, cifras y guiones bajos, como {1}</translation>
     </message>
     <message>
         <location filename="../../core/imagery/entry.py"/>
@@ -5638,8 +5403,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/entry.py"/>
-        <source>kind {0}: must be one of {1}</source>
-        <translation>clase {0}: debe ser una de {1}</translation>
+        <source>kind {0!r}: must be one of {1}</source>
+        <translation>clase {0!r}: debe ser una de {1}</translation>
     </message>
     <message>
         <location filename="../../core/imagery/entry.py"/>
@@ -5658,8 +5423,18 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/entry.py"/>
+        <source>now</source>
+        <translation>hoy</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/entry.py"/>
         <source>one must be asked for</source>
         <translation>hay que pedir una</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/entry.py"/>
+        <source>say which{0}</source>
+        <translation>indicar cuál{0}</translation>
     </message>
     <message>
         <location filename="../../core/imagery/entry.py"/>
@@ -5683,14 +5458,14 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/entry.py"/>
-        <location filename="../../core/mission/mission.py"/>
-        <source>true or false</source>
-        <translation>verdadero o falso</translation>
+        <source>whole numbers</source>
+        <translation>números enteros</translation>
     </message>
     <message>
         <location filename="../../core/imagery/entry.py"/>
-        <source>whole numbers</source>
-        <translation>números enteros</translation>
+        <location filename="../../core/mission/cameras.py"/>
+        <source>{0!r} is unknown; known are {1}</source>
+        <translation>{0!r} es desconocido; se conocen {1}</translation>
     </message>
     <message>
         <location filename="../../core/imagery/entry.py"/>
@@ -5700,12 +5475,27 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/imagery/entry.py"/>
         <source>{0} from {1} to {2}; {3}</source>
-        <translation>{0} de {1} a {2}; {3}</translation>
+        <translation>{0} de {1} hasta {2}; {3}</translation>
     </message>
     <message>
         <location filename="../../core/imagery/entry.py"/>
-        <source>{0}: has imagery of several dates; say which (--date)</source>
-        <translation>{0}: tiene imágenes de varias fechas; indicar cuál (--date)</translation>
+        <source>{0} is missing</source>
+        <translation>falta {0}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/entry.py"/>
+        <source>{0} with {1!r}: must be {2}</source>
+        <translation>{0} con {1!r}: debe ser {2}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/entry.py"/>
+        <source>{0} {1!r}: must be {2}</source>
+        <translation>{0} {1!r}: debe ser {2}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/entry.py"/>
+        <source>{0}: has imagery of several dates</source>
+        <translation>{0}: tiene imágenes de varias fechas</translation>
     </message>
     <message>
         <location filename="../../core/imagery/entry.py"/>
@@ -5716,6 +5506,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/imagery/http/client.py"/>
         <source> (tried {0} times)</source>
         <translation> (intentado {0} veces)</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/http/client.py"/>
+        <source>ask for less at a time, or resume later</source>
+        <translation>pedir menos de una vez, o continuar más tarde</translation>
     </message>
     <message>
         <location filename="../../core/imagery/http/client.py"/>
@@ -5742,23 +5537,23 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/http/client.py"/>
+        <source>resume later</source>
+        <translation>reanude más tarde</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/http/client.py"/>
         <source>{0} refuses: {1}</source>
         <translation>{0} lo rechaza: {1}</translation>
     </message>
     <message>
         <location filename="../../core/imagery/http/client.py"/>
-        <source>{0}: not asked for, as the last {1} parts had no answer in time; resume later</source>
-        <translation>{0}: no se pidió, porque las últimas {1} partes no tuvieron respuesta a tiempo; reanude más tarde</translation>
+        <source>{0}: not asked for, as the last {1} parts had no answer in time</source>
+        <translation>{0}: no se pidió, porque las últimas {1} partes no tuvieron respuesta a tiempo</translation>
     </message>
     <message>
         <location filename="../../core/imagery/http/client.py"/>
-        <source>{0}: {1}; ask for less at a time, or resume later</source>
-        <translation>{0}: {1}; pedir menos de una vez, o continuar más tarde</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/http/client.py"/>
-        <source>{0}: {1}; it asks to come back in {2} s: resume then</source>
-        <translation>{0}: {1}; pide volver dentro de {2} s: continuar entonces</translation>
+        <source>{0}: {1}; it asks to come back in {2:.0f} s: resume then</source>
+        <translation>{0}: {1}; pide volver dentro de {2:.0f} s: continuar entonces</translation>
     </message>
     <message>
         <location filename="../../core/imagery/http/requests_transport.py"/>
@@ -5769,8 +5564,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/imagery/http/requests_transport.py"/>
         <location filename="../../terrainav_plugin/network/worker.py"/>
-        <source>no answer from {0} for {1} s</source>
-        <translation>sin respuesta de {0} durante {1} s</translation>
+        <source>no answer from {0} for {1:g} s</source>
+        <translation>sin respuesta de {0} durante {1:g} s</translation>
     </message>
     <message>
         <location filename="../../core/imagery/http/requests_transport.py"/>
@@ -5787,8 +5582,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/imagery/http/requests_transport.py"/>
         <location filename="../../terrainav_plugin/network/worker.py"/>
-        <source>no whole answer within {0} s</source>
-        <translation>sin respuesta completa en {0} s</translation>
+        <source>no whole answer within {0:g} s</source>
+        <translation>sin respuesta completa en {0:g} s</translation>
     </message>
     <message>
         <location filename="../../core/imagery/http/requests_transport.py"/>
@@ -5831,6 +5626,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/mbtiles.py"/>
+        <source>MBTiles {0}</source>
+        <translation>MBTiles {0}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/mbtiles.py"/>
         <source>MBTiles {0}: cannot be read ({1})</source>
         <translation>MBTiles {0}: no se puede leer ({1})</translation>
     </message>
@@ -5851,6 +5651,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/mbtiles.py"/>
+        <source>give the file an index: CREATE UNIQUE INDEX tile_index ON tiles (zoom_level, tile_column, tile_row)</source>
+        <translation>dar al archivo un índice: CREATE UNIQUE INDEX tile_index ON tiles (zoom_level, tile_column, tile_row)</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/mbtiles.py"/>
         <source>holds no tiles</source>
         <translation>no contiene teselas</translation>
     </message>
@@ -5866,8 +5671,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/mbtiles.py"/>
-        <source>its tiles are of zooms {0} to {1}; must be whole numbers</source>
-        <translation>sus teselas son de los zooms {0} a {1}; deben ser números enteros</translation>
+        <source>its tiles are of zooms {0!r} to {1!r}; must be whole numbers</source>
+        <translation>sus teselas son de los zooms {0!r} a {1!r}; deben ser números enteros</translation>
     </message>
     <message>
         <location filename="../../core/imagery/mbtiles.py"/>
@@ -5881,8 +5686,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/mbtiles.py"/>
-        <source>{0} is computed; must be a table, or a view that reads tables alone, of {1} characters at most</source>
-        <translation>{0} se calcula; debe ser una tabla, o una vista que solo lea tablas, de {1} caracteres como máximo</translation>
+        <source>{0} is computed; must be a table, or a view that reads tables alone, of {1:,} characters at most</source>
+        <translation>{0} se calcula; debe ser una tabla, o una vista que solo lea tablas, de {1:,} caracteres como máximo</translation>
     </message>
     <message>
         <location filename="../../core/imagery/mbtiles.py"/>
@@ -5891,8 +5696,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/mbtiles.py"/>
-        <source>{0}: takes more than {1} s to look a tile up; give the file an index: CREATE UNIQUE INDEX tile_index ON tiles (zoom_level, tile_column, tile_row)</source>
-        <translation>{0}: tarda más de {1} s en buscar una tesela; dar al archivo un índice: CREATE UNIQUE INDEX tile_index ON tiles (zoom_level, tile_column, tile_row)</translation>
+        <source>{0}: takes more than {1:g} s to look a tile up</source>
+        <translation>{0}: tarda más de {1:g} s en buscar una tesela</translation>
     </message>
     <message>
         <location filename="../../core/imagery/mbtiles.py"/>
@@ -5901,13 +5706,23 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/opening.py"/>
-        <source>source {0}: a file states no terms; name one of the sources that have some</source>
-        <translation>fuente {0}: un archivo no indica condiciones; nombrar una de las fuentes que las tienen</translation>
+        <source>name a file, a URL template or a name of the catalogue</source>
+        <translation>nombrar un archivo, una plantilla de URL o un nombre del catálogo</translation>
     </message>
     <message>
         <location filename="../../core/imagery/opening.py"/>
-        <source>source {0}: is a map of QGIS and can be captured inside QGIS only; name a file, a URL template or a name of the catalogue</source>
-        <translation>fuente {0}: es un mapa de QGIS y solo se puede capturar dentro de QGIS; nombrar un archivo, una plantilla de URL o un nombre del catálogo</translation>
+        <source>name one of the sources that have some</source>
+        <translation>nombrar una de las fuentes que las tienen</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/opening.py"/>
+        <source>source {0}: a file states no terms</source>
+        <translation>fuente {0}: un archivo no indica condiciones</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/opening.py"/>
+        <source>source {0}: is a map of QGIS and can be captured inside QGIS only</source>
+        <translation>fuente {0}: es un mapa de QGIS y solo se puede capturar dentro de QGIS</translation>
     </message>
     <message>
         <location filename="../../core/imagery/opening.py"/>
@@ -5937,18 +5752,13 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/placeholder.py"/>
-        <source>placeholder {0}: must be the SHA-256 of a tile's file, or the first {1} of its digits or more</source>
-        <translation>imagen de relleno {0}: debe ser el SHA-256 del archivo de una tesela, o sus primeros {1} dígitos o más</translation>
+        <source>placeholder {0!r}: must be the SHA-256 of a tile's file, or the first {1} of its digits or more</source>
+        <translation>imagen de relleno {0!r}: debe ser el SHA-256 del archivo de una tesela, o sus primeros {1} dígitos o más</translation>
     </message>
     <message>
         <location filename="../../core/imagery/policy.py"/>
-        <source>; nothing may be cached</source>
-        <translation>; no se puede guardar nada en caché</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/policy.py"/>
-        <source>agree to the terms first (--accept-terms)</source>
-        <translation>aceptar antes las condiciones (--accept-terms)</translation>
+        <source>agree to the terms first{0}</source>
+        <translation>aceptar antes las condiciones{0}</translation>
     </message>
     <message>
         <location filename="../../core/imagery/policy.py"/>
@@ -5962,8 +5772,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/policy.py"/>
-        <source>at most {0} requests, whatever you agree to</source>
-        <translation>{0} peticiones como máximo, se acepte lo que se acepte</translation>
+        <source>at most {0:,} requests, whatever you agree to</source>
+        <translation>{0:,} peticiones como máximo, se acepte lo que se acepte</translation>
     </message>
     <message>
         <location filename="../../core/imagery/policy.py"/>
@@ -5972,18 +5782,23 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/policy.py"/>
-        <source>bulk_allowed {0} without max_tiles: say how many are no bulk</source>
-        <translation>bulk_allowed {0} sin max_tiles: indicar cuántas no son masivas</translation>
+        <source>bulk_allowed {0!r} without max_tiles: say how many are no bulk</source>
+        <translation>bulk_allowed {0!r} sin max_tiles: indicar cuántas no son masivas</translation>
     </message>
     <message>
         <location filename="../../core/imagery/policy.py"/>
-        <source>bulk_allowed {0}: must be one of {1}</source>
-        <translation>bulk_allowed {0}: debe ser uno de {1}</translation>
+        <source>bulk_allowed {0!r}: must be one of {1}</source>
+        <translation>bulk_allowed {0!r}: debe ser uno de {1}</translation>
     </message>
     <message>
         <location filename="../../core/imagery/policy.py"/>
-        <source>more than {0} requests after agreeing to the terms (--accept-terms)</source>
-        <translation>más de {0} peticiones tras aceptar las condiciones (--accept-terms)</translation>
+        <source>more than {0:,} requests after agreeing to the terms{1}</source>
+        <translation>más de {0:,} peticiones tras aceptar las condiciones{1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/policy.py"/>
+        <source>nothing may be cached</source>
+        <translation>no se puede guardar nada en caché</translation>
     </message>
     <message>
         <location filename="../../core/imagery/policy.py"/>
@@ -5997,13 +5812,13 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/policy.py"/>
-        <source>{0} connections</source>
-        <translation>{0} conexiones</translation>
+        <source>{0:g} requests/s</source>
+        <translation>{0:g} peticiones/s</translation>
     </message>
     <message>
         <location filename="../../core/imagery/policy.py"/>
-        <source>{0} requests/s</source>
-        <translation>{0} peticiones/s</translation>
+        <source>{0} connections</source>
+        <translation>{0} conexiones</translation>
     </message>
     <message>
         <location filename="../../core/imagery/policy.py"/>
@@ -6012,8 +5827,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/policy.py"/>
-        <source>{0}: {1} requests, and {2} at most pass without {3}: {4}{5}; {6}</source>
-        <translation>{0}: {1} peticiones, y como máximo {2} pasan sin {3}: {4}{5}; {6}</translation>
+        <source>{0}: {1:,} requests, and {2:,} at most pass without {3}: {4}{5}</source>
+        <translation>{0}: {1:,} peticiones, y como máximo {2:,} pasan sin {3}: {4}{5}</translation>
     </message>
     <message>
         <location filename="../../core/imagery/raster/colours.py"/>
@@ -6072,6 +5887,13 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/raster/reading.py"/>
+        <location filename="../../terrainav_plugin/dataset/mosaic.py"/>
+        <location filename="../../terrainav_plugin/qgis_source/renderer.py"/>
+        <source>no reason given</source>
+        <translation>no se indica el motivo</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/reading.py"/>
         <source>no values</source>
         <translation>sin valores</translation>
     </message>
@@ -6087,33 +5909,38 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/raster/source.py"/>
-        <source>; name one of those within, such as {0}</source>
-        <translation>; nombrar uno de los que contiene, como {0}</translation>
+        <source>date {0!r}: must be YYYY-MM-DD, YYYY-MM or YYYY</source>
+        <translation>fecha {0!r}: debe ser AAAA-MM-DD, AAAA-MM o AAAA</translation>
     </message>
     <message>
         <location filename="../../core/imagery/raster/source.py"/>
-        <source>date {0}: must be YYYY-MM-DD, YYYY-MM or YYYY</source>
-        <translation>fecha {0}: debe ser AAAA-MM-DD, AAAA-MM o AAAA</translation>
+        <source>give it overviews, by gdaladdo</source>
+        <translation>darle vistas generales, con gdaladdo</translation>
     </message>
     <message>
         <location filename="../../core/imagery/raster/source.py"/>
-        <source>has changed since it was opened; start anew</source>
-        <translation>ha cambiado desde que se abrió; empezar de nuevo</translation>
+        <source>is no raster itself</source>
+        <translation>no es él mismo un ráster</translation>
     </message>
     <message>
         <location filename="../../core/imagery/raster/source.py"/>
-        <source>is gone</source>
-        <translation>ya no existe</translation>
+        <source>name a raster file</source>
+        <translation>nombrar un archivo ráster</translation>
     </message>
     <message>
         <location filename="../../core/imagery/raster/source.py"/>
-        <source>is no raster itself{0}</source>
-        <translation>no es él mismo un ráster{0}</translation>
+        <source>name one of those within, such as {0}</source>
+        <translation>nombrar uno de los que contiene, como {0}</translation>
     </message>
     <message>
         <location filename="../../core/imagery/raster/source.py"/>
         <source>say which date</source>
         <translation>indicar qué fecha</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/source.py"/>
+        <source>start anew</source>
+        <translation>empezar de nuevo</translation>
     </message>
     <message>
         <location filename="../../core/imagery/raster/source.py"/>
@@ -6128,13 +5955,13 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/raster/source.py"/>
-        <source>{0} earlier ones and </source>
-        <translation>{0} anteriores y </translation>
+        <source>{0} earlier ones and {1}</source>
+        <translation>{0} anteriores y {1}</translation>
     </message>
     <message>
         <location filename="../../core/imagery/raster/source.py"/>
-        <source>{0}: a part of zoom {1} covers {2}x{3} px of it, which are too many; give it overviews, by gdaladdo</source>
-        <translation>{0}: una parte del zoom {1} cubre {2}x{3} px de él, que son demasiados; darle vistas generales, con gdaladdo</translation>
+        <source>{0}: a part of zoom {1} covers {2}x{3} px of it, which are too many</source>
+        <translation>{0}: una parte del zoom {1} cubre {2}x{3} px de él, que son demasiados</translation>
     </message>
     <message>
         <location filename="../../core/imagery/raster/source.py"/>
@@ -6143,13 +5970,13 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/raster/source.py"/>
-        <source>{0}: has changed since it was opened; start anew</source>
-        <translation>{0}: ha cambiado desde que se abrió; empezar de nuevo</translation>
+        <source>{0}: has changed since it was opened</source>
+        <translation>{0}: ha cambiado desde que se abrió</translation>
     </message>
     <message>
         <location filename="../../core/imagery/raster/source.py"/>
-        <source>{0}: is a folder; name a raster file</source>
-        <translation>{0}: es una carpeta; nombrar un archivo ráster</translation>
+        <source>{0}: is a folder</source>
+        <translation>{0}: es una carpeta</translation>
     </message>
     <message>
         <location filename="../../core/imagery/raster/source.py"/>
@@ -6173,8 +6000,23 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/raster/source.py"/>
-        <source>{0}: {1}; dates there are: {2}{3}</source>
-        <translation>{0}: {1}; las fechas que hay son: {2}{3}</translation>
+        <source>{0}: {1}; dates there are: {2}</source>
+        <translation>{0}: {1}; las fechas que hay son: {2}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/trust.py"/>
+        <source>address of a raster file</source>
+        <translation>dirección de un archivo ráster</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/trust.py"/>
+        <source>name the service itself: wms:URL, wmts:URL or a URL template</source>
+        <translation>nombrar el servicio mismo: wms:URL, wmts:URL o una plantilla de URL</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/trust.py"/>
+        <source>names another file for its overviews, which is not read</source>
+        <translation>nombra otro archivo para sus vistas generales, que no se lee</translation>
     </message>
     <message>
         <location filename="../../core/imagery/raster/trust.py"/>
@@ -6188,8 +6030,13 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/raster/trust.py"/>
-        <source>{0} describes a service or a collection, whose requests keep to no terms; name the service itself: wms:URL, wmts:URL or a URL template</source>
-        <translation>{0} describe un servicio o una colección, cuyas peticiones no respetan ninguna condición; nombrar el servicio mismo: wms:URL, wmts:URL o una plantilla de URL</translation>
+        <source>set {0}={1} if that is right</source>
+        <translation>definir {0}={1} si es correcto</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/trust.py"/>
+        <source>{0} describes a service or a collection, whose requests keep to no terms</source>
+        <translation>{0} describe un servicio o una colección, cuyas peticiones no respetan ninguna condición</translation>
     </message>
     <message>
         <location filename="../../core/imagery/raster/trust.py"/>
@@ -6208,13 +6055,13 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/raster/trust.py"/>
-        <source>{0} reads {1}, which is no file beside it</source>
-        <translation>{0} lee {1}, que no es un archivo junto a él</translation>
+        <source>{0} reads {1!r}, which is no file beside it</source>
+        <translation>{0} lee {1!r}, que no es un archivo junto a él</translation>
     </message>
     <message>
         <location filename="../../core/imagery/raster/trust.py"/>
-        <source>{0} reads {1}, which is not beside it; set {2}={3} if that is right</source>
-        <translation>{0} lee {1}, que no está junto a él; definir {2}={3} si es correcto</translation>
+        <source>{0} reads {1}, which is not beside it</source>
+        <translation>{0} lee {1}, que no está junto a él</translation>
     </message>
     <message>
         <location filename="../../core/imagery/raster/trust.py"/>
@@ -6233,13 +6080,13 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/services/capabilities.py"/>
-        <source>access constraints</source>
-        <translation>restricciones de acceso</translation>
+        <source>address of a {0}</source>
+        <translation>dirección de un servicio {0}</translation>
     </message>
     <message>
         <location filename="../../core/imagery/services/capabilities.py"/>
-        <source>address of a {0}</source>
-        <translation>dirección de un servicio {0}</translation>
+        <source>capabilities</source>
+        <translation>capacidades</translation>
     </message>
     <message>
         <location filename="../../core/imagery/services/capabilities.py"/>
@@ -6258,8 +6105,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/services/capabilities.py"/>
-        <source>choice {0} of a {1}: must be one of {2}</source>
-        <translation>elección {0} de un {1}: debe ser uno de {2}</translation>
+        <source>choice {0!r} of a {1}: must be one of {2}</source>
+        <translation>elección {0!r} de un {1}: debe ser uno de {2}</translation>
     </message>
     <message>
         <location filename="../../core/imagery/services/capabilities.py"/>
@@ -6270,16 +6117,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/imagery/services/capabilities.py"/>
         <source>no capabilities at this address{0}</source>
         <translation>no hay capacidades en esta dirección{0}</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/services/capabilities.py"/>
-        <source>no conditions apply</source>
-        <translation>no se aplican condiciones</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/services/capabilities.py"/>
-        <source>no constraints</source>
-        <translation>sin restricciones</translation>
     </message>
     <message>
         <location filename="../../core/imagery/services/capabilities.py"/>
@@ -6303,6 +6140,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/services/capabilities.py"/>
+        <source>{0} and {1} more</source>
+        <translation>{0} y {1} más</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/services/capabilities.py"/>
         <source>{0} of {1}: say which with #{2}=…: {3}; `terrainav sources show` lists them</source>
         <translation>{0} de {1}: decir cuál con #{2}=…: {3}; `terrainav sources show` los enumera</translation>
     </message>
@@ -6313,8 +6155,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/services/capabilities.py"/>
-        <source>{0} {1}: {2} offers {3}</source>
-        <translation>{0} {1}: {2} ofrece {3}</translation>
+        <source>{0} {1!r}: {2} offers {3}</source>
+        <translation>{0} {1!r}: {2} ofrece {3}</translation>
     </message>
     <message>
         <location filename="../../core/imagery/services/safe_xml.py"/>
@@ -6338,33 +6180,33 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/services/safe_xml.py"/>
-        <source>layers that pass on more than {0} properties to those within them</source>
-        <translation>capas que transmiten más de {0} propiedades a las que contienen</translation>
+        <source>layers that pass on more than {0:,} properties to those within them</source>
+        <translation>capas que transmiten más de {0:,} propiedades a las que contienen</translation>
     </message>
     <message>
         <location filename="../../core/imagery/services/safe_xml.py"/>
-        <source>more than {0} MB or {1} elements</source>
-        <translation>más de {0} MB o {1} elementos</translation>
+        <source>more than {0:,} attributes of one element</source>
+        <translation>más de {0:,} atributos de un elemento</translation>
     </message>
     <message>
         <location filename="../../core/imagery/services/safe_xml.py"/>
-        <source>more than {0} attributes of one element</source>
-        <translation>más de {0} atributos de un elemento</translation>
+        <source>more than {0:,} different names</source>
+        <translation>más de {0:,} nombres distintos</translation>
     </message>
     <message>
         <location filename="../../core/imagery/services/safe_xml.py"/>
-        <source>more than {0} different names</source>
-        <translation>más de {0} nombres distintos</translation>
+        <source>more than {0:,} layers and styles</source>
+        <translation>más de {0:,} capas y estilos</translation>
     </message>
     <message>
         <location filename="../../core/imagery/services/safe_xml.py"/>
-        <source>more than {0} layers and styles</source>
-        <translation>más de {0} capas y estilos</translation>
+        <source>more than {0} MB or {1:,} elements</source>
+        <translation>más de {0} MB o {1:,} elementos</translation>
     </message>
     <message>
         <location filename="../../core/imagery/services/wms.py"/>
-        <source>layer {0} of {1}: is offered in {2}; needs {3}</source>
-        <translation>capa {0} de {1}: se ofrece en {2}; necesita {3}</translation>
+        <source>layer {0!r} of {1}: is offered in {2}; needs {3}</source>
+        <translation>capa {0!r} de {1}: se ofrece en {2}; necesita {3}</translation>
     </message>
     <message>
         <location filename="../../core/imagery/services/wms.py"/>
@@ -6373,13 +6215,13 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/services/wms.py"/>
-        <source>styles {0}: must be one for each of {1} layers</source>
-        <translation>estilos {0}: debe ser uno para cada una de {1} capas</translation>
+        <source>styles {0!r}: must be one for each of {1} layers</source>
+        <translation>estilos {0!r}: debe ser uno para cada una de {1} capas</translation>
     </message>
     <message>
         <location filename="../../core/imagery/services/wmts.py"/>
-        <source>layer {0} of {1}: has tiles in {2} only; needs a Web-Mercator quad, such as WebMercatorQuad or GoogleMapsCompatible</source>
-        <translation>capa {0} de {1}: solo tiene teselas en {2}; necesita una cuadrícula Web Mercator, como WebMercatorQuad o GoogleMapsCompatible</translation>
+        <source>layer {0!r} of {1}: has tiles in {2} only; needs a Web-Mercator quad, such as WebMercatorQuad or GoogleMapsCompatible</source>
+        <translation>capa {0!r} de {1}: solo tiene teselas en {2}; necesita una cuadrícula Web Mercator, como WebMercatorQuad o GoogleMapsCompatible</translation>
     </message>
     <message>
         <location filename="../../core/imagery/source.py"/>
@@ -6413,6 +6255,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/staticmap.py"/>
+        <source>plan with this source's grid</source>
+        <translation>planificar con la cuadrícula de esta fuente</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/staticmap.py"/>
         <source>scale {0}: Static Maps has 1 (tiles of 256 px) and 2 (512 px)</source>
         <translation>escala {0}: Static Maps tiene 1 (teselas de 256 px) y 2 (512 px)</translation>
     </message>
@@ -6423,8 +6270,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/staticmap.py"/>
-        <source>{0}: its centre {1} has more than {2} decimals, which {3} drops; plan with this source's grid</source>
-        <translation>{0}: su centro {1} tiene más de {2} decimales, que {3} descarta; planificar con la cuadrícula de esta fuente</translation>
+        <source>{0}: its centre {1!r} has more than {2} decimals, which {3} drops</source>
+        <translation>{0}: su centro {1!r} tiene más de {2} decimales, que {3} descarta</translation>
     </message>
     <message>
         <location filename="../../core/imagery/template.py"/>
@@ -6443,8 +6290,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/template.py"/>
-        <source>URL template {0}: without {1}; needs {z}, {x} and {y} (or {-y}, or {q} or {{2}} alone)</source>
-        <translation>plantilla de URL {0}: sin {1}; necesita {z}, {x} e {y} (o {-y}, o solo {q} o {{2}})</translation>
+        <source>URL template {0}: without {1}; needs {{z}}, {{x}} and {{y}} (or {{-y}}, or {{q}} or {{{2}}} alone)</source>
+        <translation>plantilla de URL {0}: sin {1}; necesita {{z}}, {{x}} e {{y}} (o {{-y}}, o solo {{q}} o {{{2}}})</translation>
     </message>
     <message>
         <location filename="../../core/imagery/template.py"/>
@@ -6453,18 +6300,33 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/template.py"/>
-        <source>URL template {0}: {s} without subdomains to put there</source>
-        <translation>plantilla de URL {0}: {s} sin subdominios que poner</translation>
+        <source>URL template {0}: {{s}} without subdomains to put there</source>
+        <translation>plantilla de URL {0}: {{s}} sin subdominios que poner</translation>
     </message>
     <message>
         <location filename="../../core/imagery/template.py"/>
-        <source>URL template {0}: {{1}} is unknown; known are {2}</source>
-        <translation>plantilla de URL {0}: {{1}} es desconocido; se conocen {2}</translation>
+        <source>URL template {0}: {{{1}}} is unknown; known are {2}</source>
+        <translation>plantilla de URL {0}: {{{1}}} es desconocido; se conocen {2}</translation>
     </message>
     <message>
         <location filename="../../core/imagery/template.py"/>
-        <source>{0} for {1}: holds a key in {2}, which would end up in files; write {3}={key} and set TERRAINAV_KEY</source>
-        <translation>{0} de {1}: contiene una clave en {2}, que acabaría en archivos; escribir {3}={key} y definir TERRAINAV_KEY</translation>
+        <source>no</source>
+        <translation>ningún</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/template.py"/>
+        <source>set {0}={1} if the key is for it</source>
+        <translation>definir {0}={1} si la clave es para él</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/template.py"/>
+        <source>write {0}={{key}} and set TERRAINAV_KEY</source>
+        <translation>escribir {0}={{key}} y definir TERRAINAV_KEY</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/template.py"/>
+        <source>{0} for {1}: holds a key in {2!r}, which would end up in files</source>
+        <translation>{0} de {1}: contiene una clave en {2!r}, que acabaría en archivos</translation>
     </message>
     <message>
         <location filename="../../core/imagery/template.py"/>
@@ -6488,8 +6350,13 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/template.py"/>
-        <source>{0}: {1} is not sent there, because a file names this host and not you; set {2}={3} if the key is for it</source>
-        <translation>{0}: {1} no se envía allí, porque este servidor lo nombra un archivo y no usted; definir {2}={3} si la clave es para él</translation>
+        <source>{0}: {1} is not sent there, because a file names this host and not you</source>
+        <translation>{0}: {1} no se envía allí, porque este servidor lo nombra un archivo y no usted</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/xyz.py"/>
+        <source>say which</source>
+        <translation>indicar cuál</translation>
     </message>
     <message>
         <location filename="../../core/imagery/xyz.py"/>
@@ -6498,8 +6365,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/xyz.py"/>
-        <source>source {0}: its URL has a {date}; say which</source>
-        <translation>fuente {0}: su URL tiene una {date}; indicar cuál</translation>
+        <source>source {0}: its URL has a {{date}}</source>
+        <translation>fuente {0}: su URL tiene una {{date}}</translation>
     </message>
     <message>
         <location filename="../../core/imagery/xyz.py"/>
@@ -6508,18 +6375,13 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/area.py"/>
-        <source>box from latitude {0} down to {1}: south lies above north; give the top-left corner first</source>
-        <translation>recuadro desde la latitud {0} hasta {1}: el sur queda al norte del norte; dar primero la esquina superior izquierda</translation>
+        <source>box from latitude {0} down to {1}: south lies above north</source>
+        <translation>recuadro desde la latitud {0} hasta {1}: el sur queda al norte del norte</translation>
     </message>
     <message>
         <location filename="../../core/mission/area.py"/>
-        <source>height above ground {0} m: must be above 0</source>
-        <translation>altura sobre el terreno de {0} m: debe ser mayor que 0</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/area.py"/>
-        <source>height above ground {0} m: must be at most {1} m</source>
-        <translation>altura sobre el terreno {0} m: debe ser como máximo {1} m</translation>
+        <source>give the top-left corner first</source>
+        <translation>dar primero la esquina superior izquierda</translation>
     </message>
     <message>
         <location filename="../../core/mission/area.py"/>
@@ -6548,38 +6410,33 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/area.py"/>
-        <source>yaw {0} deg: must be from -360 to 360</source>
-        <translation>guiñada de {0} grados: debe estar entre -360 y 360</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/area.py"/>
         <source>{0} yaws of {1} points: give one for each, or none</source>
         <translation>{0} guiñadas de {1} puntos: dar una para cada uno, o ninguna</translation>
     </message>
     <message>
         <location filename="../../core/mission/cameras.py"/>
-        <source>camera name {0}: must be 1 to {1} characters of one line, with single spaces inside</source>
-        <translation>nombre de cámara {0}: debe tener de 1 a {1} caracteres en una línea, con espacios sencillos en su interior</translation>
+        <source>camera name {0!r}: must be 1 to {1} characters of one line, with single spaces inside</source>
+        <translation>nombre de cámara {0!r}: debe tener de 1 a {1} caracteres en una línea, con espacios sencillos en su interior</translation>
     </message>
     <message>
         <location filename="../../core/mission/cameras.py"/>
-        <source>camera name {0}: {1} is taken; choose another</source>
-        <translation>nombre de cámara {0}: {1} ya está en uso; elegir otro</translation>
+        <source>camera name {0!r}: {1} is taken</source>
+        <translation>nombre de cámara {0!r}: {1} ya está en uso</translation>
     </message>
     <message>
         <location filename="../../core/mission/cameras.py"/>
-        <source>camera {0} is unknown: {1}`terrainav cameras` lists the names</source>
-        <translation>cámara {0} desconocida: {1}`terrainav cameras` enumera los nombres</translation>
+        <source>camera {0!r} is unknown: {1}`terrainav cameras` lists the names</source>
+        <translation>cámara {0!r} desconocida: {1}`terrainav cameras` enumera los nombres</translation>
     </message>
     <message>
         <location filename="../../core/mission/cameras.py"/>
-        <source>camera {0}: comes with TerrAInav, and stays as it is</source>
-        <translation>cámara {0}: viene con TerrAInav, y se queda como está</translation>
+        <source>camera {0!r}: comes with TerrAInav, and stays as it is</source>
+        <translation>cámara {0!r}: viene con TerrAInav, y se queda como está</translation>
     </message>
     <message>
         <location filename="../../core/mission/cameras.py"/>
-        <source>camera {0}: is none of your own, which are {1}</source>
-        <translation>cámara {0}: no es ninguna de las propias, que son {1}</translation>
+        <source>camera {0!r}: is none of your own, which are {1}</source>
+        <translation>cámara {0!r}: no es ninguna de las propias, que son {1}</translation>
     </message>
     <message>
         <location filename="../../core/mission/cameras.py"/>
@@ -6593,8 +6450,13 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/cameras.py"/>
-        <source>image_px {0}: must be a whole number</source>
-        <translation>image_px {0}: debe ser un número entero</translation>
+        <source>cameras</source>
+        <translation>cámaras</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/cameras.py"/>
+        <source>image_px {0!r}: must be a whole number</source>
+        <translation>image_px {0!r}: debe ser un número entero</translation>
     </message>
     <message>
         <location filename="../../core/mission/cameras.py"/>
@@ -6613,33 +6475,28 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/cameras.py"/>
-        <source>size_px {0}: must be whole numbers</source>
-        <translation>size_px {0}: deben ser números enteros</translation>
+        <source>size_px {0!r}: must be whole numbers</source>
+        <translation>size_px {0!r}: deben ser números enteros</translation>
     </message>
     <message>
         <location filename="../../core/mission/cameras.py"/>
-        <source>source {0}: must be text of one line</source>
-        <translation>fuente {0}: debe ser texto de una línea</translation>
+        <source>source {0!r}: must be text of one line</source>
+        <translation>fuente {0!r}: debe ser texto de una línea</translation>
     </message>
     <message>
         <location filename="../../core/mission/cameras.py"/>
-        <source>{0} is unknown; known are {1}</source>
-        <translation>{0} es desconocido; se conocen {1}</translation>
+        <source>{0} {1!r}: must be a list of width and height, each above 0</source>
+        <translation>{0} {1!r}: debe ser una lista de anchura y altura, ambas mayores que 0</translation>
     </message>
     <message>
         <location filename="../../core/mission/cameras.py"/>
-        <source>{0} {1}: must be a list of width and height, each above 0</source>
-        <translation>{0} {1}: debe ser una lista de anchura y altura, ambas mayores que 0</translation>
+        <source>{0} {1!r}: must be a number above 0</source>
+        <translation>{0} {1!r}: debe ser un número mayor que 0</translation>
     </message>
     <message>
         <location filename="../../core/mission/cameras.py"/>
-        <source>{0} {1}: must be a number above 0</source>
-        <translation>{0} {1}: debe ser un número mayor que 0</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/cameras.py"/>
-        <source>{0} {1}: needs aspect_ratio or size_px beside it</source>
-        <translation>{0} {1}: necesita al lado aspect_ratio o size_px</translation>
+        <source>{0} {1!r}: needs aspect_ratio or size_px beside it</source>
+        <translation>{0} {1!r}: necesita al lado aspect_ratio o size_px</translation>
     </message>
     <message>
         <location filename="../../core/mission/cameras.py"/>
@@ -6663,8 +6520,13 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/coords.py"/>
-        <source>area file {0}: holds no Polygon; give a GeoJSON with one</source>
-        <translation>archivo de área {0}: no contiene ningún Polygon; dar un GeoJSON con uno</translation>
+        <source>area file {0}: holds no Polygon</source>
+        <translation>archivo de área {0}: no contiene ningún Polygon</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/coords.py"/>
+        <source>coordinates</source>
+        <translation>coordenadas</translation>
     </message>
     <message>
         <location filename="../../core/mission/coords.py"/>
@@ -6673,13 +6535,18 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/coords.py"/>
-        <source>coordinates {0}: a raster mission needs two corners and a height (5 numbers)</source>
-        <translation>coordenadas {0}: una misión ráster necesita dos esquinas y una altura (5 números)</translation>
+        <source>coordinates {0!r}: a raster mission needs two corners and a height (5 numbers)</source>
+        <translation>coordenadas {0!r}: una misión ráster necesita dos esquinas y una altura (5 números)</translation>
     </message>
     <message>
         <location filename="../../core/mission/coords.py"/>
-        <source>coordinates {0}: {1} numbers; expected {2}</source>
-        <translation>coordenadas {0}: {1} números; se esperaba {2}</translation>
+        <source>coordinates {0!r}: {1} numbers; expected {2}</source>
+        <translation>coordenadas {0!r}: {1} números; se esperaba {2}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/coords.py"/>
+        <source>could not convert string to float: {0!r}</source>
+        <translation>no es un número: {0!r}</translation>
     </message>
     <message>
         <location filename="../../core/mission/coords.py"/>
@@ -6698,28 +6565,33 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/coords.py"/>
-        <source>mission {0}: must be one of {1}</source>
-        <translation>misión {0}: debe ser una de {1}</translation>
+        <source>give a GeoJSON with one</source>
+        <translation>dar un GeoJSON con uno</translation>
     </message>
     <message>
         <location filename="../../core/mission/coords.py"/>
-        <source>unit of height {0}: must be one of {1}</source>
-        <translation>unidad de altura {0}: debe ser una de {1}</translation>
+        <source>mission {0!r}: must be one of {1}</source>
+        <translation>misión {0!r}: debe ser una de {1}</translation>
     </message>
     <message>
         <location filename="../../core/mission/coords.py"/>
-        <source>{0} {1} has {2} numbers and the lines before {3}: give every point its yaw, or none</source>
-        <translation>{0} {1} tiene {2} números y las líneas anteriores {3}: dar una guiñada a cada punto, o a ninguno</translation>
+        <source>unit of height {0!r}: must be one of {1}</source>
+        <translation>unidad de altura {0!r}: debe ser una de {1}</translation>
     </message>
     <message>
         <location filename="../../core/mission/coords.py"/>
-        <source>{0} {1} has {2} numbers; expected lat lon agl [yaw]</source>
-        <translation>{0} {1} tiene {2} números; se esperaba lat lon agl [guiñada]</translation>
+        <source>{0} {1!r} has {2} numbers and the lines before {3}: give every point its yaw, or none</source>
+        <translation>{0} {1!r} tiene {2} números y las líneas anteriores {3}: dar una guiñada a cada punto, o a ninguno</translation>
     </message>
     <message>
         <location filename="../../core/mission/coords.py"/>
-        <source>{0} {1}: {2}; expected {3}</source>
-        <translation>{0} {1}: {2}; se esperaba {3}</translation>
+        <source>{0} {1!r} has {2} numbers; expected lat lon agl [yaw]</source>
+        <translation>{0} {1!r} tiene {2} números; se esperaba lat lon agl [guiñada]</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/coords.py"/>
+        <source>{0} {1!r}: {2}; expected {3}</source>
+        <translation>{0} {1!r}: {2}; se esperaba {3}</translation>
     </message>
     <message>
         <location filename="../../core/mission/coords.py"/>
@@ -6732,6 +6604,22 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>{0}: no contiene coordenadas; se esperaban líneas de lat lon agl [guiñada]</translation>
     </message>
     <message>
+        <location filename="../../core/mission/earlier.py"/>
+        <source>footprint {0!r} of the mission file is ignored: footprints are always exact, as cheaper ones save no time</source>
+        <translation>se pasa por alto la huella {0!r} del archivo de misión: las huellas son siempre exactas, pues otras más baratas no ahorran tiempo</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/earlier.py"/>
+        <source>mesh {0!r} of the mission file is ignored: the mesh is as coarse as the error budget allows</source>
+        <translation>se pasa por alto la malla {0!r} del archivo de misión: la malla es tan gruesa como permite el error admisible</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/earlier.py"/>
+        <location filename="../../core/mission/mission.py"/>
+        <source>mission field {0!r}: not one of {1}</source>
+        <translation>campo de misión {0!r}: no es ninguno de {1}</translation>
+    </message>
+    <message>
         <location filename="../../core/mission/estimate.py"/>
         <source> a map type</source>
         <translation> por tipo de mapa</translation>
@@ -6740,21 +6628,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/estimate.py"/>
         <source> for each of {0} map types</source>
         <translation> para cada uno de {0} tipos de mapa</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/estimate.py"/>
-        <source>--image-px {0} or less, or fly higher</source>
-        <translation>--image-px {0} o menos, o volar más alto</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/estimate.py"/>
-        <source>--img-size {0} {1} {2} or less</source>
-        <translation>--img-size {0} {1} {2} o menos</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/estimate.py"/>
-        <source>--zoom {0} or a finer source</source>
-        <translation>--zoom {0} o una fuente más fina</translation>
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
@@ -6798,6 +6671,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
+        <location filename="../../core/mission/parts.py"/>
         <source>ground sample distance</source>
         <translation>distancia de muestreo del terreno</translation>
     </message>
@@ -6813,8 +6687,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
-        <source>least {0} %, median {1} %</source>
-        <translation>mínimo {0} %, mediana {1} %</translation>
+        <source>least {0:.2f} %, median {1:.2f} %</source>
+        <translation>mínimo {0:.2f} %, mediana {1:.2f} %</translation>
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
@@ -6823,16 +6697,18 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
-        <source>of {0} images {1} lie outside the source's imagery, and {2} reach beyond it; choose an area that it has imagery of, or another source</source>
-        <translation>de {0} imágenes, {1} quedan fuera de lo que tiene la fuente y {2} lo sobrepasan; elegir un área de la que tenga imágenes, u otra fuente</translation>
+        <source>of {0:,} images {1:,} lie outside the source's imagery, and {2:,} reach beyond it; choose an area that it has imagery of, or another source</source>
+        <translation>de {0:,} imágenes, {1:,} quedan fuera de lo que tiene la fuente y {2:,} lo sobrepasan; elegir un área de la que tenga imágenes, u otra fuente</translation>
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
+        <location filename="../../core/mission/parts.py"/>
         <source>overlap across rows</source>
         <translation>solape transversal a las pasadas</translation>
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
+        <location filename="../../core/mission/parts.py"/>
         <source>overlap along rows</source>
         <translation>solape a lo largo de las pasadas</translation>
     </message>
@@ -6844,8 +6720,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
-        <source>pixels of {0} are asked for, and the source's own are {1} here (zoom {2}): enlarged {3} times, pictures show nothing more; ask for {4}</source>
-        <translation>se piden píxeles de {0}, y los propios de la fuente son aquí de {1} (zoom {2}): ampliadas {3} veces, las imágenes no muestran nada más; pedir {4}</translation>
+        <source>pixels of {0} are asked for, and the source's own are {1} here (zoom {2}): enlarged {3:.3g} times, pictures show nothing more; ask for {4}</source>
+        <translation>se piden píxeles de {0}, y los propios de la fuente son aquí de {1} (zoom {2}): ampliadas {3:.3g} veces, las imágenes no muestran nada más; pedir {4}</translation>
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
@@ -6879,18 +6755,13 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
-        <source>{0} bytes</source>
-        <translation>{0} bytes</translation>
+        <source>{0:,}{1}, each fetched once</source>
+        <translation>{0:,}{1}, cada una pedida una vez</translation>
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
-        <source>{0} min</source>
-        <translation>{0} min</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/estimate.py"/>
-        <source>{0} mm</source>
-        <translation>{0} mm</translation>
+        <source>{0:.0f} bytes</source>
+        <translation>{0:.0f} bytes</translation>
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
@@ -6904,13 +6775,33 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
-        <source>{0}{1}, each fetched once</source>
-        <translation>{0}{1}, cada una pedida una vez</translation>
+        <source>{0} {1} or a finer source</source>
+        <translation>{0} {1} o una fuente más fina</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/estimate.py"/>
+        <source>{0} {1} or less, or fly higher</source>
+        <translation>{0} {1} o menos, o volar más alto</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/estimate.py"/>
+        <source>{0} {1} {2} {3} or less</source>
+        <translation>{0} {1} {2} {3} o menos</translation>
     </message>
     <message>
         <location filename="../../core/mission/export/geopackage.py"/>
-        <source>{0}: GeoPackages need GDAL's Python module (osgeo), which QGIS brings along; install it, or choose .geojson</source>
-        <translation>{0}: los GeoPackage necesitan el módulo de Python de GDAL (osgeo), que QGIS trae consigo; instalarlo, o elegir .geojson</translation>
+        <source>footprints and captures are those of the flight in wind, the flight line is the one that was meant</source>
+        <translation>las huellas y las capturas son las del vuelo con viento; la línea de vuelo, la prevista</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/export/geopackage.py"/>
+        <source>install it, or choose .geojson</source>
+        <translation>instalarlo, o elegir .geojson</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/export/geopackage.py"/>
+        <source>{0}: GeoPackages need GDAL's Python module (osgeo), which QGIS brings along</source>
+        <translation>{0}: los GeoPackage necesitan el módulo de Python de GDAL (osgeo), que QGIS trae consigo</translation>
     </message>
     <message>
         <location filename="../../core/mission/export/geopackage.py"/>
@@ -6918,44 +6809,90 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>{0}: no se puede escribir ({1})</translation>
     </message>
     <message>
-        <location filename="../../core/mission/export/litchi.py"/>
-        <source>Litchi mission at {0} m: must be {1} m above ground or less</source>
-        <translation>misión Litchi a {0} m: debe estar a {1} m sobre el terreno o menos</translation>
+        <location filename="../../core/mission/export/gpx.py"/>
+        <source>heights are above ground, in each point's description; GPX's own are above the sea</source>
+        <translation>las alturas son sobre el terreno, en la descripción de cada punto; las propias de GPX son sobre el mar</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/export/kml.py"/>
+        <source>footprints are those of the flight in wind, waypoints and flight line are those that were meant</source>
+        <translation>las huellas son las del vuelo con viento; los puntos de ruta y la línea de vuelo, los previstos</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/export/kml.py"/>
+        <source>{0:,} captures are more than Google Earth opens: the file has the flight line alone; footprints and waypoints come with up to {1:,}</source>
+        <translation>{0:,} capturas son más de las que abre Google Earth: el archivo tiene solo la línea de vuelo; las huellas y los puntos de ruta se incluyen hasta {1:,}</translation>
     </message>
     <message>
         <location filename="../../core/mission/export/litchi.py"/>
-        <source>Litchi mission of one waypoint: takes two or more; plan a list or an area</source>
-        <translation>misión Litchi de un punto de ruta: lleva dos o más; planificar una lista o un área</translation>
+        <source>Litchi mission at {0:g} m: must be {1:g} m above ground or less</source>
+        <translation>misión Litchi a {0:g} m: debe estar a {1:g} m sobre el terreno o menos</translation>
     </message>
     <message>
         <location filename="../../core/mission/export/litchi.py"/>
-        <source>Litchi mission of {0} waypoints: takes {1} or fewer; plan a smaller area, a greater height or less overlap</source>
-        <translation>misión Litchi de {0} puntos de ruta: lleva {1} o menos; planificar un área menor, una altura mayor o menos solape</translation>
+        <source>Litchi mission of one waypoint: takes two or more</source>
+        <translation>misión Litchi de un punto de ruta: lleva dos o más</translation>
     </message>
     <message>
         <location filename="../../core/mission/export/litchi.py"/>
-        <source>Litchi mission with the gimbal lifted to {0} deg: must be {1} to {2}, a tilt of {3} or less</source>
-        <translation>misión Litchi con el estabilizador levantado a {0} grados: debe estar entre {1} y {2}, una inclinación de {3} o menos</translation>
+        <source>Litchi mission of {0:,} waypoints: takes {1:,} or fewer</source>
+        <translation>misión Litchi de {0:,} puntos de ruta: lleva {1:,} o menos</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/export/litchi.py"/>
+        <source>Litchi mission with the gimbal lifted to {0:g} deg: must be {1:g} to {2:g}, a tilt of {3:g} or less</source>
+        <translation>misión Litchi con el estabilizador levantado a {0:g} grados: debe estar entre {1:g} y {2:g}, una inclinación de {3:g} o menos</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/export/litchi.py"/>
+        <source>in Litchi set Heading Mode to Custom and Path Mode to Straight Lines, which the file cannot say</source>
+        <translation>en Litchi, poner Heading Mode en Custom y Path Mode en Straight Lines, lo que el archivo no puede indicar</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/export/litchi.py"/>
+        <source>plan a list or an area</source>
+        <translation>planificar una lista o un área</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/export/litchi.py"/>
+        <location filename="../../core/mission/export/qgroundcontrol.py"/>
+        <source>plan a smaller area, a greater height or less overlap</source>
+        <translation>planificar un área menor, una altura mayor o menos solape</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/export/litchi.py"/>
+        <source>the speed of {0:g} m/s is cut to Litchi's {1:g} m/s</source>
+        <translation>la velocidad de {0:g} m/s se reduce a los {1:g} m/s de Litchi</translation>
     </message>
     <message>
         <location filename="../../core/mission/export/qgroundcontrol.py"/>
-        <source>QGroundControl plan of {0} waypoints: takes {1} or fewer; plan a smaller area, a greater height or less overlap</source>
-        <translation>plan de QGroundControl de {0} puntos de ruta: lleva {1} o menos; planificar un área menor, una altura mayor o menos solape</translation>
+        <source>QGroundControl plan of {0:,} waypoints: takes {1:,} or fewer</source>
+        <translation>plan de QGroundControl de {0:,} puntos de ruta: lleva {1:,} o menos</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/export/qgroundcontrol.py"/>
+        <source>heights are over the place of take-off: as high above the ground only where the ground is level with it</source>
+        <translation>las alturas son sobre el lugar de despegue: igual sobre el terreno solo donde este está a su nivel</translation>
     </message>
     <message>
         <location filename="../../core/mission/export/rows.py"/>
-        <source>start {0}: the flight of {1} s goes beyond the year 9999; start earlier</source>
-        <translation>inicio {0}: el vuelo de {1} s rebasa el año 9999; empezar antes</translation>
+        <source>start earlier</source>
+        <translation>empezar antes</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/export/rows.py"/>
+        <source>start {0!r}: the flight of {1:.3g} s goes beyond the year 9999</source>
+        <translation>inicio {0!r}: el vuelo de {1:.3g} s rebasa el año 9999</translation>
     </message>
     <message>
         <location filename="../../core/mission/export/waypoints.py"/>
-        <source>the roll of {0} deg is left out: waypoints have none</source>
-        <translation>se omite el alabeo de {0} grados: los puntos de ruta no lo tienen</translation>
+        <source>the roll of {0:g} deg is left out: waypoints have none</source>
+        <translation>se omite el alabeo de {0:g} grados: los puntos de ruta no lo tienen</translation>
     </message>
     <message>
         <location filename="../../core/mission/export/waypoints.py"/>
-        <source>the tilt of {0} deg is flown with the aircraft turned around: same ground, pictures upside down</source>
-        <translation>la inclinación de {0} grados se vuela con la aeronave dada la vuelta: mismo terreno, imágenes invertidas</translation>
+        <source>the tilt of {0:g} deg is flown with the aircraft turned around: same ground, pictures upside down</source>
+        <translation>la inclinación de {0:g} grados se vuela con la aeronave dada la vuelta: mismo terreno, imágenes invertidas</translation>
     </message>
     <message>
         <location filename="../../core/mission/export/waypoints.py"/>
@@ -6964,8 +6901,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/export/writing.py"/>
-        <source>plan file {0}: must end in {1}</source>
-        <translation>archivo de plan {0}: debe terminar en {1}</translation>
+        <source>plan file {0!r}: must end in {1}</source>
+        <translation>archivo de plan {0!r}: debe terminar en {1}</translation>
     </message>
     <message>
         <location filename="../../core/mission/export/writing.py"/>
@@ -6994,8 +6931,28 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/layout/framing.py"/>
+        <source>ask for that or more, or allow enlarged pixels ({0})</source>
+        <translation>pedir eso o más, o permitir píxeles ampliados ({0})</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/layout/framing.py"/>
+        <source>ask for that, or allow enlarged pixels ({0})</source>
+        <translation>pedir ese, o permitir píxeles ampliados ({0})</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/layout/framing.py"/>
         <source>choose a larger ground sample distance</source>
         <translation>elegir una distancia de muestreo del terreno mayor</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/layout/framing.py"/>
+        <source>choose a less extreme aspect ratio or a larger image ({0})</source>
+        <translation>elegir una relación de aspecto menos extrema o una imagen mayor ({0})</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/layout/framing.py"/>
+        <source>choose a less extreme aspect ratio or larger pictures ({0})</source>
+        <translation>elegir una relación de aspecto menos extrema o permitir imágenes mayores ({0})</translation>
     </message>
     <message>
         <location filename="../../core/mission/layout/framing.py"/>
@@ -7004,48 +6961,59 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/layout/framing.py"/>
+        <source>fly higher or choose a higher zoom</source>
+        <translation>volar más alto o elegir un zoom mayor</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/layout/framing.py"/>
+        <source>fly higher or choose a smaller ground sample distance</source>
+        <translation>volar más alto o elegir una distancia de muestreo del terreno menor</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/layout/framing.py"/>
+        <source>fly higher or nearer to the equator</source>
+        <translation>volar más alto o más cerca del ecuador</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/layout/framing.py"/>
+        <location filename="../../core/mission/layout/rows.py"/>
         <source>fly lower</source>
         <translation>volar más bajo</translation>
     </message>
     <message>
         <location filename="../../core/mission/layout/framing.py"/>
-        <source>ground sample distance {0} m: the source's own pixels are {1} m here; ask for that or more, or allow enlarged pixels (--upsample)</source>
-        <translation>distancia de muestreo del terreno de {0} m: los píxeles propios de la fuente son aquí de {1} m; pedir eso o más, o permitir píxeles ampliados (--upsample)</translation>
+        <source>fly lower or nearer to the equator</source>
+        <translation>volar más bajo o más cerca del ecuador</translation>
     </message>
     <message>
         <location filename="../../core/mission/layout/framing.py"/>
-        <source>or allow larger pictures (--max-px)</source>
-        <translation>o permitir imágenes mayores (--max-px)</translation>
+        <source>ground sample distance {0} m: the source's own pixels are {1:.3g} m here</source>
+        <translation>distancia de muestreo del terreno de {0} m: los píxeles propios de la fuente son aquí de {1:.3g} m</translation>
     </message>
     <message>
         <location filename="../../core/mission/layout/framing.py"/>
-        <source>or make them smaller (--max-px)</source>
-        <translation>o hacerlas más pequeñas (--max-px)</translation>
+        <source>picture at latitude {0!r} from {1:g} m</source>
+        <translation>imagen en la latitud {0!r} desde {1:g} m</translation>
     </message>
     <message>
         <location filename="../../core/mission/layout/framing.py"/>
-        <source>picture at latitude {0} from {1} m</source>
-        <translation>imagen en la latitud {0} desde {1} m</translation>
+        <source>picture from {0:g} m at zoom {1}: under one pixel</source>
+        <translation>imagen desde {0:g} m con zoom {1}: menos de un píxel</translation>
     </message>
     <message>
         <location filename="../../core/mission/layout/framing.py"/>
-        <source>picture from {0} m at zoom {1}: under one pixel; fly higher or choose a higher zoom</source>
-        <translation>imagen desde {0} m con zoom {1}: menos de un píxel; volar más alto o elegir un zoom mayor</translation>
+        <source>picture of {0:.3g} x {1:.3g} px: under one pixel</source>
+        <translation>imagen de {0:.3g} x {1:.3g} px: menos de un píxel</translation>
     </message>
     <message>
         <location filename="../../core/mission/layout/framing.py"/>
-        <source>picture of {0} x {1} px: under one pixel</source>
-        <translation>imagen de {0} x {1} px: menos de un píxel</translation>
+        <source>pictures of {0:,} px: the longest side allowed here is {1:,} px</source>
+        <translation>imágenes de {0:,} px: el lado mayor permitido aquí es de {1:,} px</translation>
     </message>
     <message>
         <location filename="../../core/mission/layout/framing.py"/>
-        <source>pictures of {0} px: the longest side allowed here is {1} px; {2}</source>
-        <translation>imágenes de {0} px: el lado mayor permitido aquí es de {1} px; {2}</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/layout/framing.py"/>
-        <source>pictures of {0} x {1} px: {2} px in all are allowed; {3}</source>
-        <translation>imágenes de {0} x {1} px: se permiten {2} px en total; {3}</translation>
+        <source>pictures of {0:,} x {1:,} px: {2:,} px in all are allowed</source>
+        <translation>imágenes de {0:,} x {1:,} px: se permiten {2:,} px en total</translation>
     </message>
     <message>
         <location filename="../../core/mission/layout/framing.py"/>
@@ -7054,58 +7022,59 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/layout/framing.py"/>
-        <source>zoom {0}: the source's own pixels end at zoom {1}; ask for that, or allow enlarged pixels (--upsample)</source>
-        <translation>zoom {0}: los píxeles propios de la fuente terminan en el zoom {1}; pedir ese, o permitir píxeles ampliados (--upsample)</translation>
+        <source>zoom {0}: the source's own pixels end at zoom {1}</source>
+        <translation>zoom {0}: los píxeles propios de la fuente terminan en el zoom {1}</translation>
     </message>
     <message>
         <location filename="../../core/mission/layout/framing.py"/>
-        <source>{0}: lies beyond the map, which ends at ±{1}; fly higher or nearer to the equator</source>
-        <translation>{0}: queda fuera del mapa, que termina en ±{1}; volar más alto o más cerca del ecuador</translation>
+        <source>{0}, or allow larger pictures ({1})</source>
+        <translation>{0}, o permitir imágenes mayores ({1})</translation>
     </message>
     <message>
         <location filename="../../core/mission/layout/framing.py"/>
-        <source>{0}: reaches beyond the map, which ends at ±{1}; fly lower or nearer to the equator</source>
-        <translation>{0}: sobrepasa el mapa, que termina en ±{1}; volar más bajo o más cerca del ecuador</translation>
+        <source>{0}, or make them smaller ({1})</source>
+        <translation>{0}, o hacerlas más pequeñas ({1})</translation>
     </message>
     <message>
         <location filename="../../core/mission/layout/framing.py"/>
-        <source>{0}; choose a less extreme aspect ratio or a larger image (--image-px)</source>
-        <translation>{0}; elegir una relación de aspecto menos extrema o una imagen mayor (--image-px)</translation>
+        <source>{0}: lies beyond the map, which ends at ±{1:.4f}</source>
+        <translation>{0}: queda fuera del mapa, que termina en ±{1:.4f}</translation>
     </message>
     <message>
         <location filename="../../core/mission/layout/framing.py"/>
-        <source>{0}; choose a less extreme aspect ratio or larger pictures (--max-px)</source>
-        <translation>{0}; elegir una relación de aspecto menos extrema o permitir imágenes mayores (--max-px)</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/layout/framing.py"/>
-        <source>{0}; fly higher or choose a higher zoom</source>
-        <translation>{0}; volar más alto o elegir un zoom mayor</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/layout/framing.py"/>
-        <source>{0}; fly higher or choose a smaller ground sample distance</source>
-        <translation>{0}; volar más alto o elegir una distancia de muestreo del terreno menor</translation>
+        <source>{0}: reaches beyond the map, which ends at ±{1:.4f}</source>
+        <translation>{0}: sobrepasa el mapa, que termina en ±{1:.4f}</translation>
     </message>
     <message>
         <location filename="../../core/mission/layout/rotated.py"/>
-        <source>camera from {0} m: sees past the horizon, where turned rows have no frames; fly lower or fly north-up rows</source>
-        <translation>cámara desde {0} m: ve más allá del horizonte, donde las pasadas giradas no tienen encuadres; volar más bajo o volar pasadas con el norte arriba</translation>
+        <source>camera from {0:g} m: sees past the horizon, where turned rows have no frames</source>
+        <translation>cámara desde {0:g} m: ve más allá del horizonte, donde las pasadas giradas no tienen encuadres</translation>
     </message>
     <message>
         <location filename="../../core/mission/layout/rotated.py"/>
-        <source>camera with tilt {0}, roll {1} deg from {2} m: sees past the horizon, where turned rows have no frames; tilt it less, fly lower or fly north-up rows</source>
-        <translation>cámara con inclinación {0}, alabeo {1} grados desde {2} m: ve más allá del horizonte, donde las pasadas giradas no tienen encuadres; inclinarla menos, volar más bajo o volar pasadas con el norte arriba</translation>
+        <source>camera with tilt {0:g}, roll {1:g} deg from {2:g} m: sees past the horizon, where turned rows have no frames</source>
+        <translation>cámara con inclinación {0:g}, alabeo {1:g} grados desde {2:g} m: ve más allá del horizonte, donde las pasadas giradas no tienen encuadres</translation>
     </message>
     <message>
         <location filename="../../core/mission/layout/rotated.py"/>
-        <source>grid angle {0} deg</source>
-        <translation>ángulo de cuadrícula de {0} grados</translation>
+        <location filename="../../core/mission/parts.py"/>
+        <source>crosshatch</source>
+        <translation>cuadrícula cruzada</translation>
     </message>
     <message>
         <location filename="../../core/mission/layout/rotated.py"/>
-        <source>grid angle {0} deg: turned rows hold to {1} km from the area's middle, and the area or its images reach {2} km; take a smaller area or north-up rows</source>
-        <translation>ángulo de cuadrícula de {0} grados: las pasadas giradas valen hasta {1} km del centro del área, y el área o sus imágenes llegan a {2} km; tomar un área menor o pasadas con el norte arriba</translation>
+        <source>fly lower or fly north-up rows</source>
+        <translation>volar más bajo o volar pasadas con el norte arriba</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/layout/rotated.py"/>
+        <source>grid angle {0:g} deg</source>
+        <translation>ángulo de cuadrícula de {0:g} grados</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/layout/rotated.py"/>
+        <source>grid angle {0:g} deg: turned rows hold to {1:g} km from the area's middle, and the area or its images reach {2:.4g} km</source>
+        <translation>ángulo de cuadrícula de {0:g} grados: las pasadas giradas valen hasta {1:g} km del centro del área, y el área o sus imágenes llegan a {2:.4g} km</translation>
     </message>
     <message>
         <location filename="../../core/mission/layout/rotated.py"/>
@@ -7119,58 +7088,94 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/layout/rotated.py"/>
-        <source>{0}: the layout {1} is north-up; use --layout cover</source>
-        <translation>{0}: la disposición {1} tiene el norte arriba; usar --layout cover</translation>
+        <source>take a smaller area or north-up rows</source>
+        <translation>tomar un área menor o pasadas con el norte arriba</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/layout/rotated.py"/>
+        <source>tilt it less, fly lower or fly north-up rows</source>
+        <translation>inclinarla menos, volar más bajo o volar pasadas con el norte arriba</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/layout/rotated.py"/>
+        <location filename="../../core/mission/layout/rows.py"/>
+        <source>use {0} {1}</source>
+        <translation>usar {0} {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/layout/rotated.py"/>
+        <source>{0}: the layout {1} is north-up</source>
+        <translation>{0}: la disposición {1} tiene el norte arriba</translation>
     </message>
     <message>
         <location filename="../../core/mission/layout/rows.py"/>
-        <source>area reaches latitude {0}: pictures end at ±{1} (Web Mercator)</source>
-        <translation>el área llega a la latitud {0}: las imágenes terminan en ±{1} (Web Mercator)</translation>
+        <source>area reaches latitude {0}: pictures end at ±{1:.4f} (Web Mercator)</source>
+        <translation>el área llega a la latitud {0}: las imágenes terminan en ±{1:.4f} (Web Mercator)</translation>
     </message>
     <message>
         <location filename="../../core/mission/layout/rows.py"/>
-        <source>camera at {0} m, tilted so: from nowhere on the map does it see this area; tilt it less or fly lower</source>
-        <translation>cámara a {0} m, con esta inclinación: desde ningún lugar del mapa ve este área; inclinarla menos o volar más bajo</translation>
+        <source>camera at {0:g} m, tilted so: from nowhere on the map does it see this area</source>
+        <translation>cámara a {0:g} m, con esta inclinación: desde ningún lugar del mapa ve este área</translation>
     </message>
     <message>
         <location filename="../../core/mission/layout/rows.py"/>
-        <source>images without a thousandth of a pixel of ground to count on: the camera looks past the map or the Earth; fly lower</source>
-        <translation>imágenes sin una milésima de píxel de terreno con la que contar: la cámara mira más allá del mapa o de la Tierra; volar más bajo</translation>
+        <source>fly higher, draw a smaller area, or raise it ({0})</source>
+        <translation>volar más alto, dibujar un área menor, o subirlo ({0})</translation>
     </message>
     <message>
         <location filename="../../core/mission/layout/rows.py"/>
-        <source>images without a thousandth of a pixel of ground to count on: the camera looks past the map or the Earth; tilt it less or fly lower</source>
-        <translation>imágenes sin una milésima de píxel de terreno con la que contar: la cámara mira más allá del mapa o de la Tierra; inclinarla menos o volar más bajo</translation>
+        <source>fly lower or farther from it</source>
+        <translation>volar más bajo o más lejos de él</translation>
     </message>
     <message>
         <location filename="../../core/mission/layout/rows.py"/>
-        <source>mission of {0} images: the limit is {1}; fly higher, draw a smaller area, or raise it (--max-images)</source>
-        <translation>misión de {0} imágenes: el límite es {1}; volar más alto, dibujar un área menor, o subirlo (--max-images)</translation>
+        <source>fly lower or take a smaller area</source>
+        <translation>volar más bajo o tomar un área menor</translation>
     </message>
     <message>
         <location filename="../../core/mission/layout/rows.py"/>
-        <source>overlap {0}: leaves under a thousandth of a pixel between captures; overlap less</source>
-        <translation>solape {0}: deja menos de una milésima de píxel entre capturas; solapar menos</translation>
+        <source>images without a thousandth of a pixel of ground to count on: the camera looks past the map or the Earth</source>
+        <translation>imágenes sin una milésima de píxel de terreno con la que contar: la cámara mira más allá del mapa o de la Tierra</translation>
     </message>
     <message>
         <location filename="../../core/mission/layout/rows.py"/>
-        <source>paper layout over {0} deg of longitude: its UTM grid holds to {1} deg from the zone's meridian; use --layout cover</source>
-        <translation>disposición paper en {0} grados de longitud: su cuadrícula UTM vale hasta {1} grados del meridiano del huso; usar --layout cover</translation>
+        <source>mission of {0:,.0f} images: the limit is {1:,}</source>
+        <translation>misión de {0:,.0f} imágenes: el límite es {1:,}</translation>
     </message>
     <message>
         <location filename="../../core/mission/layout/rows.py"/>
-        <source>rows from {0} m cannot be placed so near to a pole; fly lower or farther from it</source>
-        <translation>no se pueden situar pasadas desde {0} m tan cerca de un polo; volar más bajo o más lejos de él</translation>
+        <source>overlap less</source>
+        <translation>solapar menos</translation>
     </message>
     <message>
         <location filename="../../core/mission/layout/rows.py"/>
-        <source>rows from {0} m cannot be placed so that their images cover this area; fly lower or take a smaller area</source>
-        <translation>no se pueden situar pasadas desde {0} m de modo que sus imágenes cubran este área; volar más bajo o tomar un área menor</translation>
+        <source>overlap {0}: leaves under a thousandth of a pixel between captures</source>
+        <translation>solape {0}: deja menos de una milésima de píxel entre capturas</translation>
     </message>
     <message>
         <location filename="../../core/mission/layout/rows.py"/>
-        <source>rows from {0} m cannot be placed so that their images cover this area; tilt the camera less, fly lower or take a smaller area</source>
-        <translation>no se pueden situar pasadas desde {0} m de modo que sus imágenes cubran este área; inclinar menos la cámara, volar más bajo o tomar un área menor</translation>
+        <source>paper layout over {0:g} deg of longitude: its UTM grid holds to {1:g} deg from the zone's meridian</source>
+        <translation>disposición paper en {0:g} grados de longitud: su cuadrícula UTM vale hasta {1:g} grados del meridiano del huso</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/layout/rows.py"/>
+        <source>rows from {0:g} m cannot be placed so near to a pole</source>
+        <translation>no se pueden situar pasadas desde {0:g} m tan cerca de un polo</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/layout/rows.py"/>
+        <source>rows from {0:g} m cannot be placed so that their images cover this area</source>
+        <translation>no se pueden situar pasadas desde {0:g} m de modo que sus imágenes cubran este área</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/layout/rows.py"/>
+        <source>tilt it less or fly lower</source>
+        <translation>inclinarla menos o volar más bajo</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/layout/rows.py"/>
+        <source>tilt the camera less, fly lower or take a smaller area</source>
+        <translation>inclinar menos la cámara, volar más bajo o tomar un área menor</translation>
     </message>
     <message>
         <location filename="../../core/mission/methods.py"/>
@@ -7184,6 +7189,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/methods.py"/>
+        <source>choose a source of tiles</source>
+        <translation>elegir una fuente de teselas</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/methods.py"/>
         <source>condition number</source>
         <translation>número de condición</translation>
     </message>
@@ -7194,8 +7204,13 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/methods.py"/>
-        <source>error budget {0} px: no methods fit; the closest are {1} with {2} px, {3} times as much; raise --error-budget, or go on with --accept-error</source>
-        <translation>error admisible de {0} px: ningún método cabe; los más próximos son {1} con {2} px, {3} veces más; subir --error-budget, o seguir con --accept-error</translation>
+        <source>error budget {0:g} px: no methods fit; the closest are {1} with {2} px, {3} times as much</source>
+        <translation>error admisible de {0:g} px: ningún método cabe; los más próximos son {1} con {2} px, {3} veces más</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/methods.py"/>
+        <source>fly higher or widen the field of view</source>
+        <translation>volar más alto o ampliar el campo de visión</translation>
     </message>
     <message>
         <location filename="../../core/mission/methods.py"/>
@@ -7209,8 +7224,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/methods.py"/>
-        <source>its bound of {0} px and {1} px of the other stages exceed the budget of {2} px</source>
-        <translation>su cota de {0} px y los {1} px de los demás pasos superan los {2} px admisibles</translation>
+        <source>its bound of {0} px and {1} px of the other stages exceed the budget of {2:g} px</source>
+        <translation>su cota de {0} px y los {1} px de los demás pasos superan los {2:g} px admisibles</translation>
     </message>
     <message>
         <location filename="../../core/mission/methods.py"/>
@@ -7224,6 +7239,16 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/methods.py"/>
+        <source>not bounded, up to {0:.2g} px per metre of relief</source>
+        <translation>sin cota, hasta {0:.2g} px por metro de relieve</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/methods.py"/>
+        <source>not bounded, without limit at the horizon</source>
+        <translation>sin cota, sin límite en el horizonte</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/methods.py"/>
         <source>nothing</source>
         <translation>nada</translation>
     </message>
@@ -7234,8 +7259,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/methods.py"/>
-        <source>picture as the camera sees it: {0}; choose a source of tiles</source>
-        <translation>imagen como la ve la cámara: {0}; elegir una fuente de teselas</translation>
+        <source>picture as the camera sees it: {0}</source>
+        <translation>imagen como la ve la cámara: {0}</translation>
     </message>
     <message>
         <location filename="../../core/mission/methods.py"/>
@@ -7244,16 +7269,23 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/methods.py"/>
-        <source>pixels of {0} m on the ground: degrees in float64 resolve {1} m; fly higher or widen the field of view</source>
-        <translation>píxeles de {0} m sobre el terreno: los grados en float64 distinguen {1} m; volar más alto o ampliar el campo de visión</translation>
+        <source>pixels of {0:.2g} m on the ground: degrees in float64 resolve {1:g} m</source>
+        <translation>píxeles de {0:.2g} m sobre el terreno: los grados en float64 distinguen {1:g} m</translation>
     </message>
     <message>
         <location filename="../../core/mission/methods.py"/>
+        <source>raise {0}, or go on with {1}</source>
+        <translation>subir {0}, o seguir con {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/methods.py"/>
+        <location filename="../../core/report/measure.py"/>
         <source>rays for every pixel</source>
         <translation>rayos para cada píxel</translation>
     </message>
     <message>
         <location filename="../../core/mission/methods.py"/>
+        <location filename="../../core/mission/parts.py"/>
         <location filename="../../core/report/measure.py"/>
         <source>resampling</source>
         <translation>remuestreo</translation>
@@ -7270,16 +7302,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/methods.py"/>
-        <source>terrain: not bounded, up to {0} px per metre of relief</source>
-        <translation>relieve: sin cota, hasta {0} px por metro de relieve</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/methods.py"/>
-        <source>terrain: not bounded, without limit at the horizon</source>
-        <translation>relieve: sin cota, sin límite en el horizonte</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/methods.py"/>
         <source>the mesh's bound of {0} px fits</source>
         <translation>la cota de la malla, {0} px, cabe</translation>
     </message>
@@ -7290,6 +7312,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/methods.py"/>
+        <location filename="../../core/report/measure.py"/>
         <source>the source gives pictures by their centre, not tiles that others can be made from</source>
         <translation>la fuente da imágenes por su centro, no teselas con las que se puedan hacer otras</translation>
     </message>
@@ -7321,118 +7344,23 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/methods.py"/>
-        <source>{0}; left out: {1}; {2}</source>
-        <translation>{0}; se omite: {1}; {2}</translation>
+        <source>{0}; left out: {1}; terrain: {2}</source>
+        <translation>{0}; se omite: {1}; relieve: {2}</translation>
     </message>
     <message>
         <location filename="../../core/mission/methods.py"/>
-        <source>≤ {0} px of a budget of {1} px</source>
-        <translation>≤ {0} px de {1} px admisibles</translation>
+        <source>≤ {0} px of a budget of {1:g} px</source>
+        <translation>≤ {0} px de {1:g} px admisibles</translation>
     </message>
     <message>
         <location filename="../../core/mission/mission.py"/>
-        <source>area type {0}: must be box, polygon or points</source>
-        <translation>tipo de área {0}: debe ser box, polygon o points</translation>
+        <source>area type {0!r}: must be box, polygon or points</source>
+        <translation>tipo de área {0!r}: debe ser box, polygon o points</translation>
     </message>
     <message>
         <location filename="../../core/mission/mission.py"/>
-        <source>date {0}: must be text without spaces around it, such as 2024-06-21</source>
-        <translation>fecha {0}: debe ser texto sin espacios alrededor, como 2024-06-21</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/mission.py"/>
-        <source>error budget {0} px: must be a number above 0</source>
-        <translation>error admisible de {0} px: debe ser un número mayor que 0</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/mission.py"/>
-        <source>footprint {0} of the mission file is ignored: footprints are always exact, as cheaper ones save no time</source>
-        <translation>se pasa por alto la huella {0} del archivo de misión: las huellas son siempre exactas, pues otras más baratas no ahorran tiempo</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/mission.py"/>
-        <source>grid angle {0} deg: must be from -180 to 180</source>
-        <translation>ángulo de cuadrícula de {0} grados: debe estar entre -180 y 180</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/mission.py"/>
-        <source>ground height {0} m: must be from {1} to {2}</source>
-        <translation>altura del terreno de {0} m: debe estar entre {1} y {2}</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/mission.py"/>
-        <source>ground sample distance {0} m: must be above 0</source>
-        <translation>distancia de muestreo del terreno de {0} m: debe ser mayor que 0</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/mission.py"/>
-        <source>image format</source>
-        <translation>formato de imagen</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/mission.py"/>
-        <source>image size {0} x {1} px: must be at most {2} px along a side and {3} px in all</source>
-        <translation>tamaño de imagen {0} x {1} px: debe ser como máximo {2} px por lado y {3} px en total</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/mission.py"/>
-        <source>image size {0} {1} {2}: needs a width and a height of 1 px or more, and 1 or 3 channels</source>
-        <translation>tamaño de imagen {0} {1} {2}: necesita una anchura y una altura de 1 px o más, y 1 o 3 canales</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/mission.py"/>
-        <source>limit of {0} images: must be 1 or more</source>
-        <translation>límite de {0} imágenes: debe ser 1 o más</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/mission.py"/>
-        <source>longer side of the camera's image {0} px: must be 1 or more</source>
-        <translation>lado mayor de la imagen de la cámara de {0} px: debe ser 1 o más</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/mission.py"/>
-        <source>longest side of a picture {0} px: must be 1 or more</source>
-        <translation>lado mayor de una imagen de {0} px: debe ser 1 o más</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/mission.py"/>
-        <source>map type</source>
-        <translation>tipo de mapa</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/mission.py"/>
-        <source>map types {0}: each may be named once</source>
-        <translation>tipos de mapa {0}: cada uno se puede nombrar una vez</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/mission.py"/>
-        <source>mesh {0} of the mission file is ignored: the mesh is as coarse as the error budget allows</source>
-        <translation>se pasa por alto la malla {0} del archivo de misión: la malla es tan gruesa como permite el error admisible</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/mission.py"/>
-        <source>mission field 'area' is {0}: must be an object</source>
-        <translation>el campo de misión 'area' es {0}: debe ser un objeto</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/mission.py"/>
-        <source>mission field {0} is {1}: must be an object</source>
-        <translation>el campo de misión {0} es {1}: debe ser un objeto</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/mission.py"/>
-        <source>mission field {0} is {1}: must be {2}</source>
-        <translation>el campo de misión {0} es {1}: debe ser {2}</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/mission.py"/>
-        <source>mission field {0}.{1}: not one of {2}</source>
-        <translation>campo de misión {0}.{1}: no es ninguno de {2}</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/mission.py"/>
-        <source>mission field {0}: not one of {1}</source>
-        <translation>campo de misión {0}: no es ninguno de {1}</translation>
+        <source>mission field {0!r} is {1!r}: must be an object</source>
+        <translation>el campo de misión {0!r} es {1!r}: debe ser un objeto</translation>
     </message>
     <message>
         <location filename="../../core/mission/mission.py"/>
@@ -7456,8 +7384,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/mission.py"/>
-        <source>mission schema {0}: this version reads schema {1}</source>
-        <translation>esquema de misión {0}: esta versión lee el esquema {1}</translation>
+        <source>mission schema {0!r}: this version reads schemas 1 and {1}</source>
+        <translation>esquema de misión {0!r}: esta versión lee los esquemas 1 y {1}</translation>
     </message>
     <message>
         <location filename="../../core/mission/mission.py"/>
@@ -7475,80 +7403,459 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>misión sin {0}: el campo es necesario</translation>
     </message>
     <message>
-        <location filename="../../core/mission/mission.py"/>
+        <location filename="../../core/mission/options.py"/>
+        <source>{0} {1!r}: must be true or false</source>
+        <translation>{0} {1!r}: debe ser verdadero o falso</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/options.py"/>
+        <source>{0} {1} {2!r}: must be a {3}</source>
+        <translation>{0} {1} {2!r}: debe ser {3}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/options.py"/>
+        <source>{0} {1} {2!r}: must be one of {3}</source>
+        <translation>{0} {1} {2!r}: debe ser uno de {3}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/options.py"/>
+        <source>{0} {1} {2!r}: takes {3} value{4}</source>
+        <translation>{0} {1} {2!r}: lleva {3} valores{4}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>Automatic</source>
+        <translation>Automático</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>Bicubic</source>
+        <translation>Bicúbico</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>Bilinear</source>
+        <translation>Bilineal</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>Camera frame (as seen)</source>
+        <translation>Encuadre de cámara (como se ve)</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>Cover (no gaps)</source>
+        <translation>Cubrir (sin huecos)</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>GeoTIFF (lossless)</source>
+        <translation>GeoTIFF (sin pérdida)</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>JPEG (smaller)</source>
+        <translation>JPEG (menor)</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>Lanczos</source>
+        <translation>Lanczos</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>Map frame (north-up)</source>
+        <translation>Encuadre de mapa (norte arriba)</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>Nearest pixel</source>
+        <translation>Píxel más próximo</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>One ray a pixel</source>
+        <translation>Un rayo por píxel</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>One way</source>
+        <translation>Un solo sentido</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>PNG</source>
+        <translation>PNG</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>Paper (UTM grid)</source>
+        <translation>Artículo (cuadrícula UTM)</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>Roadmap</source>
+        <translation>Callejero</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>Satellite</source>
+        <translation>Satélite</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>Serpentine (to and fro)</source>
+        <translation>En zigzag (ida y vuelta)</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>Terrain</source>
+        <translation>Relieve</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>airspeed</source>
+        <translation>velocidad aérea</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>allow enlarged pixels</source>
+        <translation>permitir píxeles ampliados</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>also take zooms above the source's native one: images get more pixels, and show nothing more</source>
+        <translation>tomar también zooms superiores al nativo de la fuente: las imágenes tienen más píxeles, pero no muestran nada más</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>as the source writes it, where it has imagery of several dates</source>
+        <translation>como la escribe la fuente, donde tiene imágenes de varias fechas</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>cover: rows that leave nothing out; paper: the grid in UTM as published</source>
+        <translation>cubrir: pasadas que no dejan nada fuera; artículo: la cuadrícula en UTM tal como se publicó</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>date of the imagery</source>
+        <translation>fecha de las imágenes</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>date {0!r}: must be text without spaces around it, such as 2024-06-21</source>
+        <translation>fecha {0!r}: debe ser texto sin espacios alrededor, como 2024-06-21</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>direction of the image's top edge, clockwise from north; counted from the grid's own north where a grid angle turns the rows, and replaced by the points' own yaws</source>
+        <translation>dirección del borde superior de la imagen, en sentido horario desde el norte; se cuenta desde el norte de la cuadrícula cuando un ángulo de cuadrícula gira las pasadas, y la sustituyen las guiñadas propias de los puntos</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>error budget</source>
+        <translation>error admisible</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>fly an area a second time, in rows across the first ones: about twice the images</source>
+        <translation>volar un área por segunda vez, en pasadas que cruzan las primeras: cerca del doble de imágenes</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>front overlap: share of an image that the next one of its row shows again</source>
+        <translation>solape longitudinal: parte de una imagen que la siguiente de su pasada vuelve a mostrar</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>go on beyond the budget</source>
+        <translation>seguir aunque se supere el error</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>grid angle</source>
+        <translation>ángulo de cuadrícula</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>ground height</source>
+        <translation>altura del terreno</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>ground that a pixel of the source is to show; the zoom nearest to it is taken</source>
+        <translation>terreno que debe mostrar un píxel de la fuente; se toma el zoom más próximo</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>ground under a camera frame: auto is a mesh as coarse as the error budget allows, rays one ray a pixel</source>
+        <translation>terreno bajo un encuadre de cámara: auto es una malla tan gruesa como permite el error admisible; rays, un rayo por píxel</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>height above gro&amp;und</source>
+        <translation>altura sobre el terre&amp;no</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>height above ground</source>
+        <translation>altura sobre el terreno</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>height of the captures above ground (AGL); coordinates, and points with heights, have their own</source>
+        <translation>altura de las capturas sobre el terreno (AGL); las coordenadas y los puntos con alturas llevan la suya</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>height of the ground above the WGS84 ellipsoid</source>
+        <translation>altura del terreno sobre el elipsoide WGS84</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>how camera frames take their values between the source's pixels; map frames are not resampled</source>
+        <translation>cómo toman los encuadres de cámara sus valores entre los píxeles de la fuente; los encuadres de mapa no se remuestrean</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>how far the camera is rolled about its line of sight, right side down</source>
+        <translation>cuánto gira la cámara en torno a su línea de visión, lado derecho hacia abajo</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>how far the rows of an area, and the images with them, are turned clockwise from east; points have none</source>
+        <translation>cuánto se giran las pasadas de un área, y con ellas las imágenes, en sentido horario desde el este; los puntos no tienen</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>how far the view is lifted from straight down towards the image's top edge; 90 looks level</source>
+        <translation>cuánto se levanta la vista desde la vertical hacia el borde superior de la imagen; 90 mira al horizonte</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>image format</source>
+        <translation>formato de imagen</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>image size</source>
+        <translation>tamaño de imagen</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>image size {0} x {1} px: must be at most {2:,} px along a side and {3:,} px in all</source>
+        <translation>tamaño de imagen {0} x {1} px: debe ser como máximo {2:,} px por lado y {3:,} px en total</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>image size {0} {1} {2}: needs a width and a height of 1 px or more, and 1 or 3 channels</source>
+        <translation>tamaño de imagen {0} {1} {2}: necesita una anchura y una altura de 1 px o más, y 1 o 3 canales</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>image size {0}: must be three whole numbers, width, height and channels</source>
+        <translation>tamaño de imagen {0}: deben ser tres números enteros, anchura, altura y canales</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>image's lo&amp;nger side</source>
+        <translation>&amp;lado mayor de la imagen</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>image's longer side</source>
+        <translation>lado mayor de la imagen</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>kind of image</source>
+        <translation>clase de imagen</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>kinds of imagery, each captured into a folder of its own</source>
+        <translation>clases de imágenes, cada una capturada en una carpeta propia</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>la&amp;yout</source>
+        <translation>&amp;disposición</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>layout</source>
+        <translation>disposición</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>longest side</source>
+        <translation>lado mayor</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>map types</source>
+        <translation>tipos de mapa</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>map types {0}: each may be named once</source>
+        <translation>tipos de mapa {0}: cada uno se puede nombrar una vez</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>map: a window of the source's own pixels, north-up, for cameras that look straight down; camera: the image as the camera sees it; auto: a map frame where its error fits the budget</source>
+        <translation>mapa: una ventana de los propios píxeles de la fuente, norte arriba, para cámaras que miran en vertical; cámara: la imagen como la ve la cámara; automático: un encuadre de mapa si su error cabe en el admisible</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>mesh</source>
+        <translation>malla</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>missions of more images are refused</source>
+        <translation>las misiones de más imágenes se rechazan</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>most images</source>
+        <translation>máximo de imágenes</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>most that the errors of all stages may sum to, by their bounds, in pixels of the planned image; the cheapest methods that fit are taken</source>
+        <translation>máximo que pueden sumar los errores de todas las etapas, según sus cotas, en píxeles de la imagen planificada; se toman los métodos más económicos que caben</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>no image gets a longer side than so many pixels of a source's 256 px tiles: where one would, a lower zoom is taken for all; without it there is no limit, or 640 in the layout paper</source>
+        <translation>ninguna imagen tendrá un lado mayor de tantos píxeles de teselas de 256 px de la fuente: si alguna lo tuviera, se toma para todas un zoom menor; sin él no hay límite, o es 640 en la disposición paper</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
         <source>no map type: give one or more of {0}</source>
         <translation>ningún tipo de mapa: dar uno o más de {0}</translation>
     </message>
     <message>
-        <location filename="../../core/mission/mission.py"/>
-        <source>order of flight</source>
-        <translation>orden de vuelo</translation>
+        <location filename="../../core/mission/parts.py"/>
+        <source>of the image files, all of which state their coordinate reference system: tif and png are lossless</source>
+        <translation>de los archivos de imagen, que indican todos su sistema de referencia de coordenadas: tif y png no tienen pérdida</translation>
     </message>
     <message>
-        <location filename="../../core/mission/mission.py"/>
-        <source>overlap {0}: must be at least 0 and below 1</source>
-        <translation>solape {0}: debe ser al menos 0 y menor que 1</translation>
+        <location filename="../../core/mission/parts.py"/>
+        <source>of whatever is random, such as the synthetic landscape and gusts of wind</source>
+        <translation>de todo lo que es aleatorio, como el paisaje sintético y las ráfagas de viento</translation>
     </message>
     <message>
-        <location filename="../../core/mission/mission.py"/>
+        <location filename="../../core/mission/parts.py"/>
+        <source>order of rows</source>
+        <translation>orden de las pasadas</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>pixels along the longer side of the camera's image: the source's pixels are taken that come nearest to the camera's; a camera by name brings its own</source>
+        <translation>píxeles en el lado mayor de la imagen de la cámara: se toman los píxeles de la fuente más próximos a los de la cámara; una cámara con nombre trae los suyos</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>resize images: width, height, channels (1 or 3)</source>
+        <translation>redimensionar las imágenes: anchura, altura, canales (1 o 3)</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>roll</source>
+        <translation>alabeo</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>seed</source>
+        <translation>semilla</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>serpentine: every other row is flown back; one-way: every row is flown from its beginning</source>
+        <translation>en zigzag: una de cada dos pasadas se vuela de vuelta; un solo sentido: cada pasada se vuela desde su comienzo</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>side overlap: share of an image that the next row shows again</source>
+        <translation>solape transversal: parte de una imagen que la pasada siguiente vuelve a mostrar</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>source</source>
+        <translation>fuente</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
         <source>source is empty: name one, or give a URL template or a file</source>
         <translation>la fuente está vacía: nombrar una, o dar una plantilla de URL o un archivo</translation>
     </message>
     <message>
-        <location filename="../../core/mission/mission.py"/>
-        <source>start {0}: must be UTC as 2024-06-21T10:30:00Z</source>
-        <translation>inicio {0}: debe ser UTC como 2024-06-21T10:30:00Z</translation>
+        <location filename="../../core/mission/parts.py"/>
+        <source>speed of the flight through the air</source>
+        <translation>velocidad del vuelo respecto al aire</translation>
     </message>
     <message>
-        <location filename="../../core/mission/mission.py"/>
-        <source>start {0}: no such time ({1})</source>
-        <translation>inicio {0}: no existe tal hora ({1})</translation>
+        <location filename="../../core/mission/parts.py"/>
+        <source>start</source>
+        <translation>inicio</translation>
     </message>
     <message>
-        <location filename="../../core/mission/mission.py"/>
+        <location filename="../../core/mission/parts.py"/>
+        <source>start {0!r}: must be UTC as 2024-06-21T10:30:00Z</source>
+        <translation>inicio {0!r}: debe ser UTC como 2024-06-21T10:30:00Z</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>start {0!r}: no such time ({1})</source>
+        <translation>inicio {0!r}: no existe tal hora ({1})</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>take the most accurate methods where none fit the error budget, instead of refusing</source>
+        <translation>tomar los métodos más exactos si ninguno cabe en el error admisible, en lugar de rechazar la misión</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>tilt</source>
+        <translation>inclinación</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>time of the first image, in UTC as 2024-06-21T10:30:00Z: the clock of the simulated flight</source>
+        <translation>hora de la primera imagen, en UTC como 2024-06-21T10:30:00Z: el reloj del vuelo simulado</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>where the imagery comes from: a name (see terrainav sources), a URL template, wmts:URL#layer=NAME, wms:URL#layers=NAME, or a file (GeoTIFF, VRT, MBTiles, …)</source>
+        <translation>de dónde vienen las imágenes: un nombre (véase terrainav sources), una plantilla de URL, wmts:URL#layer=NAME, wms:URL#layers=NAME o un archivo (GeoTIFF, VRT, MBTiles, …)</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>yaw</source>
+        <translation>guiñada</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>zoom</source>
+        <translation>zoom</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>zoom of the source, instead of the one whose pixels come nearest to the camera's</source>
+        <translation>zoom de la fuente, en lugar de aquel cuyos píxeles se acercan más a los de la cámara</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
         <source>zoom {0} and ground sample distance {1} m: give one of the two</source>
         <translation>zoom {0} y distancia de muestreo del terreno de {1} m: dar uno de los dos</translation>
     </message>
     <message>
-        <location filename="../../core/mission/mission.py"/>
-        <source>zoom {0}: must be 0 or more</source>
-        <translation>zoom {0}: debe ser 0 o más</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/mission.py"/>
-        <source>{0} of more than 64 bits: must be at most {1}</source>
-        <translation>{0} de más de 64 bits: debe ser como máximo {1}</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/mission.py"/>
-        <source>{0} {1} deg: must be from {2} to {3}</source>
-        <translation>{0} {1} grados: debe estar entre {2} y {3}</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/mission.py"/>
-        <location filename="../../terrainav_plugin/settings.py"/>
-        <source>{0} {1}: must be one of {2}</source>
-        <translation>{0} {1}: debe ser uno de {2}</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/options.py"/>
-        <source>{0} {1} {2}: must be a {3}</source>
-        <translation>{0} {1} {2}: debe ser {3}</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/options.py"/>
-        <source>{0} {1} {2}: must be one of {3}</source>
-        <translation>{0} {1} {2}: debe ser uno de {3}</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/options.py"/>
-        <source>{0} {1} {2}: takes {3} value{4}</source>
-        <translation>{0} {1} {2}: lleva {3} valores{4}</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/options.py"/>
-        <source>{0} {1}: must be true or false</source>
-        <translation>{0} {1}: debe ser verdadero o falso</translation>
+        <location filename="../../core/mission/plan.py"/>
+        <source>fly higher or in less turbulence</source>
+        <translation>volar más alto o con menos turbulencia</translation>
     </message>
     <message>
         <location filename="../../core/mission/plan.py"/>
@@ -7557,23 +7864,23 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/plan.py"/>
-        <source>wind of {0} m/s at {1} m: the gusts throw the camera to the ground; fly higher or in less turbulence</source>
-        <translation>viento de {0} m/s a {1} m: las ráfagas tiran la cámara al suelo; volar más alto o con menos turbulencia</translation>
+        <source>wind of {0:g} m/s at {1:g} m: the gusts throw the camera to the ground</source>
+        <translation>viento de {0:g} m/s a {1:g} m: las ráfagas tiran la cámara al suelo</translation>
     </message>
     <message>
         <location filename="../../core/mission/settings.py"/>
-        <source>area {0} and coords {1}: give one of the two</source>
-        <translation>área {0} y coords {1}: dar uno de los dos</translation>
+        <source>area {0!r} and coords {1!r}: give one of the two</source>
+        <translation>área {0!r} y coords {1!r}: dar uno de los dos</translation>
     </message>
     <message>
         <location filename="../../core/mission/settings.py"/>
-        <source>area {0}: needs a height, --agl</source>
-        <translation>área {0}: necesita una altura, --agl</translation>
+        <source>area {0!r}: needs a height, --agl</source>
+        <translation>área {0!r}: necesita una altura, --agl</translation>
     </message>
     <message>
         <location filename="../../core/mission/settings.py"/>
-        <source>aspect ratio {0} {1}: width and height must be above 0</source>
-        <translation>relación de aspecto {0} {1}: anchura y altura deben ser mayores que 0</translation>
+        <source>aspect ratio {0:g} {1:g}: width and height must be above 0</source>
+        <translation>relación de aspecto {0:g} {1:g}: anchura y altura deben ser mayores que 0</translation>
     </message>
     <message>
         <location filename="../../core/mission/settings.py"/>
@@ -7587,8 +7894,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/settings.py"/>
-        <source>config file {0}: unknown option {1}{2}</source>
-        <translation>archivo de configuración {0}: opción desconocida {1}{2}</translation>
+        <source>config file {0}: unknown option {1!r}{2}</source>
+        <translation>archivo de configuración {0}: opción desconocida {1!r}{2}</translation>
     </message>
     <message>
         <location filename="../../core/mission/settings.py"/>
@@ -7607,33 +7914,48 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/wind.py"/>
-        <source>airspeed {0} m/s: must be {1} to {2}</source>
-        <translation>velocidad aérea de {0} m/s: debe estar entre {1} y {2}</translation>
+        <source>direction the wind blows from, clockwise from north</source>
+        <translation>dirección desde la que sopla el viento, en sentido horario desde el norte</translation>
     </message>
     <message>
         <location filename="../../core/mission/wind.py"/>
-        <source>seed {0} of the wind: must be a whole number, 0 or more</source>
-        <translation>semilla {0} del viento: debe ser un número entero, 0 o más</translation>
+        <source>mean wind at flight height, below the airspeed</source>
+        <translation>viento medio a la altura de vuelo, menor que la velocidad aérea</translation>
     </message>
     <message>
         <location filename="../../core/mission/wind.py"/>
-        <source>turbulence intensity {0}: gusts of {1} m/s must stay below the airspeed, {2} m/s</source>
-        <translation>intensidad de turbulencia {0}: las ráfagas de {1} m/s deben quedar por debajo de la velocidad aérea, {2} m/s</translation>
+        <source>of the gusts</source>
+        <translation>de las ráfagas</translation>
     </message>
     <message>
         <location filename="../../core/mission/wind.py"/>
-        <source>turbulence intensity {0}: must be 0 or more (sigma / mean wind)</source>
-        <translation>intensidad de turbulencia {0}: debe ser 0 o más (sigma / viento medio)</translation>
+        <source>seed of the wind</source>
+        <translation>semilla del viento</translation>
     </message>
     <message>
         <location filename="../../core/mission/wind.py"/>
-        <source>wind from {0} deg: must be a number</source>
-        <translation>viento desde {0} grados: debe ser un número</translation>
+        <source>standard deviation of the gusts over the mean wind: about 0.1 over water, 0.2 over fields, 0 for a steady wind</source>
+        <translation>desviación típica de las ráfagas entre el viento medio: cerca de 0.1 sobre el agua, 0.2 sobre campos, 0 con viento constante</translation>
     </message>
     <message>
         <location filename="../../core/mission/wind.py"/>
-        <source>wind speed {0} m/s: must be 0 or more</source>
-        <translation>velocidad del viento de {0} m/s: debe ser 0 o más</translation>
+        <source>turbulence</source>
+        <translation>turbulencia</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/wind.py"/>
+        <source>turbulence intensity {0}: gusts of {1:g} m/s must stay below the airspeed, {2} m/s</source>
+        <translation>intensidad de turbulencia {0}: las ráfagas de {1:g} m/s deben quedar por debajo de la velocidad aérea, {2} m/s</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/wind.py"/>
+        <source>wind direction</source>
+        <translation>dirección del viento</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/wind.py"/>
+        <source>wind speed</source>
+        <translation>velocidad del viento</translation>
     </message>
     <message>
         <location filename="../../core/mission/wind.py"/>
@@ -7649,11 +7971,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/picture/cost.py"/>
         <source>footprints {0}, pictures {1} each, {2} of one core in all (timed here)</source>
         <translation>huellas {0}, imágenes {1} cada una, {2} de un núcleo en total (medido aquí)</translation>
-    </message>
-    <message>
-        <location filename="../../core/picture/cost.py"/>
-        <source>{0} ms</source>
-        <translation>{0} ms</translation>
     </message>
     <message>
         <location filename="../../core/picture/map_frame.py"/>
@@ -7697,8 +8014,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/safe_json.py"/>
-        <source>a whole number of {0} digits: {1} at most</source>
-        <translation>un número entero de {0} cifras: {1} como máximo</translation>
+        <source>a whole number of {0:,} digits: {1} at most</source>
+        <translation>un número entero de {0:,} cifras: {1} como máximo</translation>
     </message>
     <message>
         <location filename="../../core/safe_json.py"/>
@@ -7731,6 +8048,36 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>error inesperado ({0})</translation>
     </message>
     <message>
+        <location filename="../../core/world/source.py"/>
+        <source>map type {0!r}: the synthetic world has {1}</source>
+        <translation>tipo de mapa {0!r}: el mundo sintético tiene {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/world/source.py"/>
+        <source>position outside the world: u must be finite and v from 0 to 1</source>
+        <translation>posición fuera del mundo: u debe ser finito y v estar entre 0 y 1</translation>
+    </message>
+    <message>
+        <location filename="../../core/world/source.py"/>
+        <source>seed {0}: must be from 0 to 2**64 - 1</source>
+        <translation>semilla {0}: debe estar entre 0 y 2**64 - 1</translation>
+    </message>
+    <message>
+        <location filename="../../core/world/source.py"/>
+        <source>tile x {0}, y {1} at zoom {2}: both must be from 0 to {3}</source>
+        <translation>tesela x {0}, y {1} con zoom {2}: ambos deben estar entre 0 y {3}</translation>
+    </message>
+    <message>
+        <location filename="../../core/world/source.py"/>
+        <source>zoom {0:g} to {1:g}: must be from 0 to {2}</source>
+        <translation>zoom de {0:g} a {1:g}: debe estar entre 0 y {2}</translation>
+    </message>
+    <message>
+        <location filename="../../core/world/source.py"/>
+        <source>zoom {0}: must be from 0 to {1}</source>
+        <translation>zoom {0}: debe estar entre 0 y {1}</translation>
+    </message>
+    <message>
         <location filename="../../terrainav_plugin/dataset/layers.py"/>
         <source>failed images of {0}: cannot be written ({1})</source>
         <translation>imágenes fallidas de {0}: no se pueden escribir ({1})</translation>
@@ -7747,8 +8094,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/dataset/mosaic.py"/>
-        <source>file {0}: cannot be replaced ({1}); close what shows it</source>
-        <translation>archivo {0}: no se puede sustituir ({1}); cerrar lo que lo muestra</translation>
+        <source>file {0}: cannot be replaced ({1})</source>
+        <translation>archivo {0}: no se puede sustituir ({1})</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/dataset/mosaic.py"/>
@@ -7796,11 +8143,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>La base de datos de autenticación de QGIS está bloqueada: introducir su contraseña maestra e intentarlo de nuevo</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/panel/entries.py"/>
-        <source>{0}: not a widget that entries know</source>
-        <translation>{0}: no es un elemento que las entradas conozcan</translation>
-    </message>
-    <message>
         <location filename="../../terrainav_plugin/preview/background.py"/>
         <source>background {0}: cannot be written ({1})</source>
         <translation>fondo {0}: no se puede escribir ({1})</translation>
@@ -7822,18 +8164,13 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/qgis_source/renderer.py"/>
-        <source>QGIS had not drawn it after {0} s</source>
-        <translation>QGIS no lo había dibujado tras {0} s</translation>
+        <source>QGIS had not drawn it after {0:.0f} s</source>
+        <translation>QGIS no lo había dibujado tras {0:.0f} s</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/qgis_source/renderer.py"/>
         <source>cancelled while drawing the map</source>
         <translation>cancelado mientras se dibujaba el mapa</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/qgis_source/renderer.py"/>
-        <source>no reason given</source>
-        <translation>no se indica el motivo</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/qgis_source/renderer.py"/>
@@ -7844,36 +8181,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/qgis_source/source.py"/>
         <source>{0} shows nothing here</source>
         <translation>{0} no muestra nada aquí</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/settings.py"/>
-        <source>{0} {1}: must be from {2} to {3}</source>
-        <translation>{0} {1}: debe estar entre {2} y {3}</translation>
-    </message>
-    <message>
-        <location filename="../../tools/translations.py"/>
-        <source>could not convert string to float: {0}</source>
-        <translation>no es un número: {0}</translation>
-    </message>
-    <message>
-        <location filename="../../tools/translations.py"/>
-        <source>date {0}: must be {1}, from {2} to now</source>
-        <translation>fecha {0}: debe ser {1}, de {2} hasta hoy</translation>
-    </message>
-    <message>
-        <location filename="../../tools/translations.py"/>
-        <source>roll {0} deg: must be from {1} to {2}</source>
-        <translation>alabeo de {0} grados: debe estar entre {1} y {2}</translation>
-    </message>
-    <message>
-        <location filename="../../tools/translations.py"/>
-        <source>tilt {0} deg: must be from {1} to {2}</source>
-        <translation>inclinación de {0} grados: debe estar entre {1} y {2}</translation>
-    </message>
-    <message>
-        <location filename="../../tools/translations.py"/>
-        <source>{0} from {1} to now; {2}</source>
-        <translation>{0} de {1} hasta hoy; {2}</translation>
     </message>
 </context>
 </TS>

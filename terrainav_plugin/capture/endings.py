@@ -155,7 +155,7 @@ class Endings(QObject):
         text = tr("{name}: {failed} of {total} images could not be made ({reason}).").format(
             name=run.name,
             failed=number_text(run.task.failed or len(failed)),
-            total=number_text(len(run.plan) * len(run.mission.map_types)),
+            total=number_text(len(run.plan) * len(run.mission.imagery.map_types)),
             reason=reason,
         )
         lines = (f"{failure.map_type}/{failure.name}: {translate(failure.reason)}" for failure in failed)

@@ -133,8 +133,8 @@ class Runs(QObject):
         self._capture_again(run, run.task.failed + images, only_failed=False)
 
     def _capture_again(self, run: Run, images: int, *, only_failed: bool) -> None:
-        share = min(images / max(len(run.plan) * len(run.mission.map_types), 1), 1.0)
-        if not self.questions.key_is_there(run.mission.source):
+        share = min(images / max(len(run.plan) * len(run.mission.imagery.map_types), 1), 1.0)
+        if not self.questions.key_is_there(run.mission.imagery.source):
             return
         requests = math.ceil(share * self._requests(run.plan))
         if self._enqueue(run.plan, run.folder, only_failed, requests):
@@ -144,7 +144,7 @@ class Runs(QObject):
         """Let a run that is paused go on, or put one that has ended early into the queue again."""
         if not run.over:
             run.pause(False)
-        elif self.questions.key_is_there(run.mission.source):
+        elif self.questions.key_is_there(run.mission.imagery.source):
             self._enqueue(run.plan, run.folder, run.only_failed, self._requests(run.plan))
 
     def start_test_shot(self, state: FormState, lat_deg: float, lon_deg: float) -> None:
@@ -164,10 +164,10 @@ class Runs(QObject):
             self._messages.refused(translate(wrong), tr("No test shot."))
             return
         questions = self.questions
-        if questions.key_is_there(mission.source) and questions.terms_allow(mission, steps.requests):
+        if questions.key_is_there(mission.imagery.source) and questions.terms_allow(mission, steps.requests):
             # QGIS removes its temporary folder when it ends.
             folder = Path(QgsProcessingUtils.generateTempFilename("test-shot"))
-            self._add(Run(steps, folder, key_of(mission.source), test_shot=True))
+            self._add(Run(steps, folder, key_of(mission.imagery.source), test_shot=True))
 
     def dismiss(self, run: Run) -> None:
         """Take a run that is over off the list."""
@@ -191,7 +191,7 @@ class Runs(QObject):
 
     @staticmethod
     def _requests(plan: Plan) -> int:
-        return plan.requests * len(plan.mission.map_types)
+        return plan.requests * len(plan.mission.imagery.map_types)
 
     def _enqueue(self, plan: Plan, folder: Path, only_failed: bool, requests: int) -> bool:
         mission = plan.mission
@@ -201,7 +201,7 @@ class Runs(QObject):
             return False
         try:
             # A copy: what a plan keeps of its views belongs to whoever captures it.
-            run = Run(replace(plan), folder, key_of(mission.source), only_failed=only_failed)
+            run = Run(replace(plan), folder, key_of(mission.imagery.source), only_failed=only_failed)
         except TerrAInavError as wrong:
             self._messages.warning(tr("Nothing captured: {reason}").format(reason=translate(wrong)))
             return False

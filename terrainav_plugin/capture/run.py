@@ -288,7 +288,7 @@ def _end_text(run: Run) -> str:
             there=there, total=number_text(result.total)
         )
     if run.task.failed:
-        total = len(run.plan) * len(run.mission.map_types)
+        total = len(run.plan) * len(run.mission.imagery.map_types)
         return tr("Missing: {failed} of {total} images").format(
             failed=number_text(run.task.failed), total=number_text(total)
         )

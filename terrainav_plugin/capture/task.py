@@ -93,7 +93,7 @@ class CaptureTask(Task):
         self._snapshot = snapshot_for(plan.mission)
         self._with_mosaic = not test_shot and plan.size_px is None
         self._connections = Settings().connections
-        self._transport = transport_for(plan.mission.source)
+        self._transport = transport_for(plan.mission.imagery.source)
         self._stopping = False
         self._failures: FailedImages | None = None
         self._there = self._failed_seen = 0
@@ -178,8 +178,8 @@ class CaptureTask(Task):
 
     def _place_picture(self) -> None:
         mission = self.plan.mission
-        folder = self.folder / mission.map_types[0]
-        picture = folder / f"{self.plan.names[0]}.{mission.image_format}"
+        folder = self.folder / mission.imagery.map_types[0]
+        picture = folder / f"{self.plan.names[0]}.{mission.output.image_format}"
         if self.plan.size_px is not None:
             from ..dataset.rectify import lay_on_map
 

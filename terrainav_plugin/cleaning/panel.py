@@ -28,6 +28,7 @@ from qgis.PyQt.QtWidgets import (
 
 from ...core.dataset.folder import DEFAULT_ENTROPY
 from ..dataset.picture import Picture, read_picture
+from ..form.fields import map_type_title
 from ..i18n import number_text, tr
 from ..plain import shown_plain
 from ..widgets import push_button, wrapped_label
@@ -136,7 +137,7 @@ class CleanPanel(QgsDockWidget):
         with QSignalBlocker(self.map_type):
             self.map_type.clear()
             for name in found:
-                self.map_type.addItem(title_of(name), name)
+                self.map_type.addItem(map_type_title(name), name)
             self.map_type.setCurrentIndex(list(found).index(map_type))
         self.entropies = found[map_type]
         for chart in self.charts:
@@ -418,13 +419,6 @@ def read_examples(
 def no_footprints() -> str:
     """Why a dataset is not shown on the map."""
     return tr("This dataset has no footprints: it cannot be shown on the map.")
-
-
-def title_of(map_type: str) -> str:
-    """What a map type is called: its folder's name where it is none of the usual ones."""
-    return {"satellite": tr("Satellite"), "roadmap": tr("Roadmap"), "terrain": tr("Terrain")}.get(
-        map_type, map_type
-    )
 
 
 def _add_row(form: QFormLayout, title: str, widget: QWidget) -> None:

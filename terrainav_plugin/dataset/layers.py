@@ -73,7 +73,7 @@ def open_footprints(path: Path, title: str) -> QgsVectorLayer:
     """Open a file of footprints as a layer; raises OutputError."""
     layer = QgsVectorLayer(str(path), title, "ogr")
     if not layer.isValid():
-        raise OutputError(f"footprints {path}: QGIS cannot open them")
+        raise OutputError("footprints {0}: QGIS cannot open them", path)
     # QGIS asks for it on the main thread as soon as the layer is there, and then reads the whole file; it keeps it.
     layer.extent()
     return layer
@@ -83,7 +83,7 @@ def open_raster(path: Path, title: str) -> QgsRasterLayer:
     """Open a picture as a layer; raises OutputError."""
     layer = QgsRasterLayer(str(path), title, "gdal")
     if not layer.isValid():
-        raise OutputError(f"picture {path}: QGIS cannot open it")
+        raise OutputError("picture {0}: QGIS cannot open it", path)
     # Smooth where several pixels of the picture share one of the screen; pixels stay pixels when enlarged.
     layer.resampleFilter().setZoomedOutResampler(QgsBilinearRasterResampler())
     return layer
@@ -135,7 +135,7 @@ class FailedImages:
                 self.path.unlink(missing_ok=True)
         except OSError as wrong:
             raise OutputError(
-                f"failed images of {self._folder}: cannot be written ({wrong.strerror})"
+                "failed images of {0}: cannot be written ({1})", self._folder, wrong.strerror
             ) from wrong
         if self._reasons:
             write_whole(self.path, self._lines())

@@ -20,7 +20,7 @@ from osgeo import gdal
 from ...core.capture.georeference import WEB_MERCATOR_WKT
 from ...core.capture.metadata import xml_text
 from ...core.dataset.folder import JOURNAL_FILE, NAME, TABLE_FILE
-from ...core.errors import Cancelled, OutputError
+from ...core.errors import Cancelled, Message, OutputError
 from ...core.files import partial_file, write_whole
 from ..i18n import tr
 
@@ -161,7 +161,7 @@ def build_mosaic(plan: Plan, target: Path, placed: Placed, progress: Progress) -
         int(np.ceil((inside.left_px + inside.width_px).max())),
         int(np.ceil((inside.top_px + inside.height_px).max())),
     )
-    channels = plan.mission.img_size[2] if plan.mission.img_size else 3
+    channels = plan.mission.output.img_size[2] if plan.mission.output.img_size else 3
     made, overviews = _made(target), _made(_with(target, _OVERVIEWS))
     try:
         build_overviews(inside, size, channels, overviews, progress)
@@ -179,7 +179,7 @@ def mosaics_there(folder: Path, mission: Mission) -> list[Mosaic] | None:
     found: list[Mosaic] = []
     try:
         journal_s = (folder / JOURNAL_FILE).stat().st_mtime
-        for map_type in mission.map_types:
+        for map_type in mission.imagery.map_types:
             # Cleaning moves images away or back, and writes their table.
             table = folder / map_type / TABLE_FILE
             newest_s = max(journal_s, table.stat().st_mtime if table.is_file() else 0.0)
@@ -187,7 +187,7 @@ def mosaics_there(folder: Path, mission: Mission) -> list[Mosaic] | None:
             parts = [folder / f"{map_type}_{number}.vrt" for number in (1, 2)]
             paths = paths if paths[0].is_file() else [path for path in parts if path.is_file()]
             shown = {name for path in paths for name in _shown_in(path)}
-            if not paths or shown != _pictures(folder / map_type, mission.image_format):
+            if not paths or shown != _pictures(folder / map_type, mission.output.image_format):
                 return None
             if any(_made_s(path) < newest_s for path in paths):
                 return None
@@ -244,7 +244,7 @@ def build_overviews(
                 raise _failed(target)
             del raster
     except OSError as wrong:
-        raise OutputError(f"mosaic {target}: cannot be written ({wrong.strerror})") from wrong
+        raise OutputError("mosaic {0}: cannot be written ({1})", target, wrong.strerror) from wrong
 
 
 def _mosaics(plan: Plan, folder: Path) -> Iterator[tuple[Mosaic, Placed]]:
@@ -252,10 +252,10 @@ def _mosaics(plan: Plan, folder: Path) -> Iterator[tuple[Mosaic, Placed]]:
     turn = np.floor(np.asarray(plan.windows.left_px, np.float64) / world)
     turns = np.unique(turn)
     order = np.lexsort((plan.windows.left_px, plan.windows.top_px))
-    for map_type in plan.mission.map_types:
+    for map_type in plan.mission.imagery.map_types:
         for number, this in enumerate(turns):
             paths = {
-                int(index): folder / map_type / f"{plan.names[index]}.{plan.mission.image_format}"
+                int(index): folder / map_type / f"{plan.names[index]}.{plan.mission.output.image_format}"
                 for index in order[turn[order] == this]
             }
             there = {index: path for index, path in paths.items() if path.is_file()}
@@ -289,7 +289,10 @@ def _replacing(path: Path) -> Iterator[None]:
         yield
     except OSError as wrong:
         raise OutputError(
-            f"file {path}: cannot be replaced ({wrong.strerror}); close what shows it"
+            "file {0}: cannot be replaced ({1})",
+            path,
+            wrong.strerror,
+            remedy="close what shows it",
         ) from wrong
 
 
@@ -328,7 +331,9 @@ def _sources(plan: Plan, placed: Placed, folder: Path) -> Iterator[tuple[str, st
     """Name, properties and place of every picture; knowing the size, GDAL need not open the files beforehand."""
     columns = (placed.left_px, placed.top_px, placed.width_px, placed.height_px)
     for path, left, top, width, height in zip(placed.paths, *(values.tolist() for values in columns)):
-        own_width, own_height = plan.mission.img_size[:2] if plan.mission.img_size else (width, height)
+        own_width, own_height = (
+            plan.mission.output.img_size[:2] if plan.mission.output.img_size else (width, height)
+        )
         name = xml_text(path.relative_to(folder).as_posix())
         properties = f'RasterXSize="{own_width}" RasterYSize="{own_height}" DataType="Byte"'
         source = f'xOff="0" yOff="0" xSize="{own_width}" ySize="{own_height}"'
@@ -468,4 +473,4 @@ def _reduce(raster: gdal.Dataset, size: tuple[int, int], progress: Callable[[flo
 
 def _failed(path: Path) -> OutputError:
     reason = " ".join(gdal.GetLastErrorMsg().split())
-    return OutputError(f"mosaic {path}: cannot be made ({reason or 'no reason given'})")
+    return OutputError("mosaic {0}: cannot be made ({1})", path, reason or Message("no reason given"))

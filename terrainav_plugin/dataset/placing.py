@@ -176,8 +176,9 @@ def _name_pictures(layer: QgsVectorLayer, mission: Mission) -> None:
     Paths follow the layer: a folder can be moved together with its project.
     """
     tips = []
-    for map_type in mission.map_types:
-        path = f"file_path(decode_uri(@layer_id, 'path')) || '/{map_type}/' || \"name\" || '.{mission.image_format}'"
+    for map_type in mission.imagery.map_types:
+        ending = mission.output.image_format
+        path = f"file_path(decode_uri(@layer_id, 'path')) || '/{map_type}/' || \"name\" || '.{ending}'"
         name = f"{map_type}_file"
         layer.addExpressionField(path, field(name, "text"))
         layer.actions().addAction(
@@ -189,7 +190,7 @@ def _name_pictures(layer: QgsVectorLayer, mission: Mission) -> None:
             )
         )
         tip = escaped_field(name)
-        if mission.image_format in _SHOWN_IN_TIPS:
+        if mission.output.image_format in _SHOWN_IN_TIPS:
             tip = f'<img src="file:///{tip}" width="{_TIP_PX}"/><br/>{tip}'
         tips.append(f"<p>{tip}</p>")
     pose = '[% round("yaw_deg", 2) %]°, [% round("tilt_deg", 2) %]°, [% round("roll_deg", 2) %]°'

@@ -97,7 +97,7 @@ def _frame(plan: Plan) -> _Frame:
     west, east = max(float(x.min()), float(own_x) - reach_m), min(float(x.max()), float(own_x) + reach_m)
     south, north = max(float(y.min()), float(own_y) - reach_m), min(float(y.max()), float(own_y) + reach_m)
     if not (west < east and south < north):
-        raise OutputError(f"picture {plan.names[0]}: shows no ground that a map in EPSG:3857 has")
+        raise OutputError("picture {0}: shows no ground that a map in EPSG:3857 has", plan.names[0])
     pixel_m = max(east - west, north - south) / _LONGEST_PX
     width, height = (max(math.floor(length / pixel_m), 1) for length in (east - west, north - south))
     return _Frame(west, north, pixel_m, width, height)
@@ -144,7 +144,7 @@ def _read(picture: Path) -> Pixels:
     file = gdal.Open(str(picture))
     bands = None if file is None else file.ReadAsArray()
     if bands is None:
-        raise OutputError(f"picture {picture}: cannot be read ({gdal.GetLastErrorMsg()})")
+        raise OutputError("picture {0}: cannot be read ({1})", picture, gdal.GetLastErrorMsg())
     if bands.ndim == 2:
         bands = bands[np.newaxis]
     colours = np.broadcast_to(bands[:3], (3, *bands.shape[1:]))
@@ -159,7 +159,7 @@ def _write(pixels: Pixels, frame: _Frame, target: Path) -> None:
                 str(partial), frame.width_px, frame.height_px, 4, gdal.GDT_Byte, list(_OPTIONS)
             )
             if raster is None:
-                raise OutputError(f"picture {target}: cannot be written ({gdal.GetLastErrorMsg()})")
+                raise OutputError("picture {0}: cannot be written ({1})", target, gdal.GetLastErrorMsg())
             raster.SetProjection(WEB_MERCATOR_WKT)
             raster.SetGeoTransform((frame.west_m, frame.pixel_m, 0.0, frame.north_m, 0.0, -frame.pixel_m))
             raster.WriteArray(np.moveaxis(pixels, -1, 0))
@@ -167,4 +167,4 @@ def _write(pixels: Pixels, frame: _Frame, target: Path) -> None:
             raster.FlushCache()
             del raster
     except OSError as wrong:
-        raise OutputError(f"picture {target}: cannot be written ({wrong.strerror})") from wrong
+        raise OutputError("picture {0}: cannot be written ({1})", target, wrong.strerror) from wrong

@@ -14,7 +14,7 @@ from ...core.errors import InvalidInput, TerrAInavError
 from ...core.geodesy.ellipsoid import WGS84
 from ...core.mission.area import Area, Box, Points, Polygon
 from ...core.mission.coords import parse_coords
-from ...core.mission.mission import SCHEMA, Mission
+from ...core.mission.mission import area_from_dict
 from ...core.safe_json import parse_json
 from ..i18n import localized, number_text, tr, translate
 from ..units import M_PER_FT, METRES, area_text, length_text
@@ -144,7 +144,7 @@ def shape_of(text: str) -> Shape:
         agl_m = float(data.pop("agl_m", 1.0))
     except (ValueError, TypeError, AttributeError) as wrong:
         raise InvalidInput(tr("the area's shape cannot be read: {error}").format(error=wrong)) from wrong
-    area = Mission.from_dict({"schema": SCHEMA, "area": data, "agl_m": 1.0}).area
+    area = area_from_dict(data)
     if isinstance(area, Box):
         raise InvalidInput(tr("the area's shape is a box: must be a polygon or points"))
     return Shape(area, area.bounds, agl_m)
@@ -274,9 +274,9 @@ def _points(lines: list[tuple[int, str]], agl: float, agl_unit: str) -> tuple[Po
             if len(parts) == _POSE_AND_YAW:
                 yaws += Points(point.poses, (_number(parts[3]),)).yaws_deg
         except InvalidInput as wrong:
-            raise InvalidInput(f"{where} {wrong}") from wrong
+            raise InvalidInput("{0} {1}", where, wrong) from wrong
         if yaws and len(yaws) != len(poses):
-            raise InvalidInput(f"{where} " + tr("give every point a yaw, or none"))
+            raise InvalidInput("{0} {1}", where, tr("give every point a yaw, or none"))
     return Points(tuple(poses), tuple(yaws)), poses[0][2] if given else None
 
 

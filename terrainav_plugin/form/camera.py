@@ -174,7 +174,7 @@ def _with_diagonal(state: FormState) -> FormState:
 
 def _with_shape_of_sensor(state: FormState) -> FormState:
     """State with the aspect ratio of its sensor, unless that differs by no more than data sheets round away."""
-    from ...core.geodesy.camera import SQUARE_PIXELS
+    from ...core.geodesy.lens import SQUARE_PIXELS
 
     width_mm, height_mm = state.sensor_width_mm, state.sensor_height_mm
     if not (width_mm > 0.0 and height_mm > 0.0):

@@ -2,37 +2,24 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable
 from dataclasses import fields, replace
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from ...core.errors import InvalidInput
+from ...core.fields import field_named
+from ...core.mission.parts import FLAT_PARTS, Flight, Output
 from ..i18n import number_text, tr, translate
 from .area import FormError, entered_shape, shape_text, with_box
 from .camera import camera_as_typed, given_by, in_length_unit
-from .state import DIAGONAL, SENSOR, URL_TEMPLATE, FormState
+from .state import DECLARED, DIAGONAL, SAME, SENSOR, URL_TEMPLATE, WITHOUT_ENTRY, FormState
 from .text import aspect_text, exact_degrees_text, parse_aspect, parse_number
 
 if TYPE_CHECKING:
     from ...core.mission.area import Area, Box
     from ...core.mission.mission import Mission
 
-#: Fields of a mission that are entries of the same name, each with messages of its own.
-_SAME = (
-    *(
-        "overlap_along",
-        "overlap_across",
-        "layout",
-        "grid_angle_deg",
-        "crosshatch",
-        "order",
-        "airspeed_m_per_s",
-    ),
-    *("map_types", "date", "image_format", "image_px", "upsample"),
-    *("yaw_deg", "tilt_deg", "roll_deg", "ground_height_m", "start"),
-    *("error_budget_px", "accept_error", "frame", "resampling"),
-)
 #: Entries of the other fields that a message may be about.
 _ENTRIES = {
     "area": "north",
@@ -40,12 +27,11 @@ _ENTRIES = {
     "camera": "fov_deg",
     "img_size": "resize_width_px",
     "wind": "turbulence",
+    "speed_m_per_s": "wind_speed_m_per_s",
+    "from_deg": "wind_from_deg",
 }
-#: All that the dock has entries for; other fields it carries along.
-_ENTERED = {
-    *_SAME,
-    *("area", "agl_m", "camera", "source", "zoom", "gsd_m_per_px", "max_px", "img_size", "wind"),
-}
+#: Where things stand that are wrong with no entry of the panel.
+_BEYOND = "more"
 
 
 class _Checks:
@@ -108,6 +94,7 @@ def with_folder(state: FormState, folder: str) -> FormState:
 
 def _mission(state: FormState, area: Area | None, checks: _Checks) -> Mission:
     from ...core.mission.area import check_agl
+    from ...core.mission.mission import Mission
 
     state = state.asked_for
     camera = _camera(state, checks)
@@ -117,25 +104,30 @@ def _mission(state: FormState, area: Area | None, checks: _Checks) -> Mission:
         checks.messages["agl"] = tr("height above ground {height} {unit}: must be above 0").format(
             height=number_text(state.agl, "g"), unit=state.agl_unit
         )
-    for name in ("overlap_along", "overlap_across"):
-        if not 0.0 <= getattr(state, name) < 1.0:
-            text = tr("overlap {percent} %: must be at least 0 and below 100 %")
-            checks.messages[name] = text.format(percent=number_text(100.0 * getattr(state, name), "g"))
-    entries = {name: getattr(state, name) for name in _SAME}
-    entries.update(source=state.source_name, **_pixels(state))
-    beyond = checks("more", lambda: _beyond(state))
-    if beyond is not None:
-        for name, value in entries.items():
-            field = _ENTRIES.get(name, name)
-            checks(field, lambda name=name, value=value: beyond.with_(**{name: value}))
-        entries["wind"] = _wind(state, beyond, checks)
+    entries = {**{name: getattr(state, name) for name in SAME}, "source": state.source_name, **_pixels(state)}
+    for name, value in entries.items():
+        checks(entry_of(name) or _BEYOND, partial(_check, name, value))
+    wind = _wind(state, checks)
     if checks.messages:
         raise FormError(checks.messages)
     try:
-        return beyond.with_(area=area, agl_m=state.agl_m, camera=camera, **entries)
+        return Mission(area, state.agl_m, camera, wind=wind, **entries)
     except InvalidInput as wrong:
         # Entries that are right one by one, and do not go together.
-        raise FormError({entry_of(wrong.field) or "more": translate(wrong)}) from wrong
+        raise FormError({entry_of(wrong.field) or _BEYOND: translate(wrong)}) from wrong
+
+
+def _check(name: str, value: Any) -> None:
+    """Refuse a value that a mission's field does not have; shares are typed in percent."""
+    field = SAME.get(name) or DECLARED.get(name) or field_named(Output, name)
+    if field.unit == "share" and not 0.0 <= value < 1.0:
+        raise InvalidInput(
+            tr("overlap {percent} %: must be at least 0 and below 100 %").format(
+                percent=number_text(100.0 * value, "g")
+            ),
+            field=name,
+        )
+    field.settled(value)
 
 
 def _pixels(state: FormState) -> dict[str, Any]:
@@ -151,27 +143,19 @@ def _pixels(state: FormState) -> dict[str, Any]:
 
 def entry_of(field: str) -> str:
     """Entry in which a field of a mission is put right; empty where there is none."""
-    known = {entry.name for entry in fields(FormState)}
+    known = {entry.name for entry in fields(FormState)} - set(WITHOUT_ENTRY)
     entry = _ENTRIES.get(field, field)
     return entry if entry in known else ""
 
 
-def _beyond(state: FormState) -> Mission:
-    """A mission with what the dock has no entry for; raises InvalidInput."""
-    from ...core.mission.mission import SCHEMA, Mission
-
-    anywhere = {"type": "box", "north_deg": 0.0, "west_deg": 0.0, "south_deg": 0.0, "east_deg": 0.0}
-    return Mission.from_dict({"schema": SCHEMA, "area": anywhere, "agl_m": 1.0, **state.beyond_entries})
-
-
-def _wind(state: FormState, beyond: Mission, checks: _Checks) -> Any:
+def _wind(state: FormState, checks: _Checks) -> Any:
     """Wind that is entered, checked entry by entry; None for none."""
     from ...core.mission.wind import Wind
 
     if not state.wind:
         return None
-    seed = beyond.seed if beyond.wind is None else beyond.wind.seed
-    airspeed = beyond.airspeed_m_per_s if "airspeed_m_per_s" in checks.messages else state.airspeed_m_per_s
+    seed = state.seed if state.wind_seed is None else state.wind_seed
+    airspeed = Flight.airspeed_m_per_s if "airspeed_m_per_s" in checks.messages else state.airspeed_m_per_s
     entries = {
         "wind_from_deg": ("from_deg", state.wind_from_deg),
         "wind_speed_m_per_s": ("speed_m_per_s", state.wind_speed_m_per_s),
@@ -237,18 +221,18 @@ def state_of(mission: Mission, folder: str, like: FormState | None = None) -> Fo
     """State that asks for ``mission`` again, in the unit and the terms of another state; otherwise in metres."""
     from ...core.imagery.opening import is_address
 
+    parts = (getattr(mission, name) for name in FLAT_PARTS)
+    same = {one.name: getattr(part, one.name) for part in parts for one in fields(part) if one.name in SAME}
     state = FormState(
         fov_deg=mission.camera.fov_deg,
         **_pixel_entries(mission),
         aspect=aspect_text(mission.camera.aspect_ratio),
-        agl=float(mission.agl_m),
-        source=mission.source,
+        agl=mission.flight.agl_m,
         folder=folder,
-        more=_more(mission),
-        **{name: getattr(mission, name) for name in _SAME},
+        **same,
     )
-    if is_address(mission.source):
-        state = replace(state, source=URL_TEMPLATE, template=mission.source)
+    if is_address(mission.imagery.source):
+        state = replace(state, source=URL_TEMPLATE, template=mission.imagery.source)
     if mission.wind is not None:
         state = replace(
             state,
@@ -256,49 +240,32 @@ def state_of(mission: Mission, folder: str, like: FormState | None = None) -> Fo
             wind_speed_m_per_s=mission.wind.speed_m_per_s,
             wind_from_deg=mission.wind.from_deg,
             turbulence=mission.wind.turbulence,
+            wind_seed=None if mission.wind.seed == mission.imagery.seed else mission.wind.seed,
         )
-    # A mission file may write 90 for 90.0.
-    floats = {f.name: float(getattr(state, f.name)) for f in fields(state) if f.type == "float"}
-    state = with_box(replace(state, **floats), mission.area.bounds, exact_degrees_text)
+    state = with_box(state, mission.area.bounds, exact_degrees_text)
     state = replace(state, shape=shape_text(mission.area, state.agl_m))
     return state if like is None else in_length_unit(given_by(state, like.fov_mode), like.agl_unit)
 
 
 def _pixel_entries(mission: Mission) -> dict[str, Any]:
     """Entries that ask for a mission's pixels."""
-    entries: dict[str, Any] = {"max_px": mission.max_px or 0}
-    if mission.zoom is not None:
-        entries.update(resolution="zoom", zoom=mission.zoom)
-    if mission.gsd_m_per_px is not None:
-        entries.update(resolution="gsd", gsd_m_per_px=mission.gsd_m_per_px)
-    if mission.img_size is not None:
-        width, height, channels = mission.img_size
+    entries: dict[str, Any] = {"max_px": mission.pixels.max_px or 0}
+    if mission.pixels.zoom is not None:
+        entries.update(resolution="zoom", zoom=mission.pixels.zoom)
+    if mission.pixels.gsd_m_per_px is not None:
+        entries.update(resolution="gsd", gsd_m_per_px=mission.pixels.gsd_m_per_px)
+    if mission.output.img_size is not None:
+        width, height, channels = mission.output.img_size
         entries.update(resize=True, resize_width_px=width, resize_height_px=height, resize_grey=channels == 1)
     return entries
 
 
-def _more(mission: Mission) -> str:
-    """What ``mission`` says beyond the entries, as JSON; empty for nothing."""
-    from ...core.mission.area import Box
-    from ...core.mission.mission import Mission
-
-    plain = Mission(area=Box(0.0, 0.0, 0.0, 0.0), agl_m=1.0)
-    data = mission.to_dict()
-    more = {
-        f.name: data[f.name]
-        for f in fields(Mission)
-        if f.name not in _ENTERED and getattr(mission, f.name) != getattr(plain, f.name)
-    }
-    if mission.wind is not None and mission.wind.seed != mission.seed:
-        more["wind"] = {"seed": mission.wind.seed}
-    return json.dumps(more) if more else ""
-
-
 def beyond_text(state: FormState) -> str:
-    """What a state's mission says beyond the entries, in words; empty for nothing."""
-    words = []
-    for name, value in state.beyond_entries.items():
-        if name != "wind":
-            text = " × ".join(map(str, value)) if isinstance(value, list) else str(value)
-            words.append(f"{name.replace('_', ' ')}: {text}")
-    return ", ".join(words)
+    """What a state's mission says that the panel has no entries for, in words; empty for nothing."""
+    said = ((SAME[name], getattr(state, name)) for name in WITHOUT_ENTRY)
+    return ", ".join(f"{translate(one.title)}: {value}" for one, value in said if value != one.default)
+
+
+def without_beyond(state: FormState) -> FormState:
+    """State with the defaults of what the panel has no entries for."""
+    return replace(state, wind_seed=None, **{name: SAME[name].default for name in WITHOUT_ENTRY})

@@ -1,29 +1,58 @@
-"""The dock's entries as one plain value. Knows no widget and no mission."""
+"""The dock's entries as one plain value: what a mission has, and how some of it is typed. Knows no widget."""
 
 from __future__ import annotations
 
 import json
-from dataclasses import asdict, dataclass, field, fields, replace
+from dataclasses import asdict, dataclass, field, fields, make_dataclass, replace
 from typing import Any
 
 from ...core.errors import InvalidInput
+from ...core.fields import Field, declared_fields, field_named
+from ...core.geodesy.lens import Lens
+from ...core.mission.parts import FLAT_PARTS, Flight, Pixels
+from ...core.mission.wind import Wind
 from ...core.safe_json import parse_json
 from ..units import M_PER_FT
+from .text import aspect_text
 
 #: What a camera may be given by.
 FOV_MODES = DIAGONAL, HORIZONTAL, VERTICAL, SENSOR = ("diagonal", "horizontal", "vertical", "sensor")
 #: What the source chooser holds instead of a catalogue entry's name.
 URL_TEMPLATE = "url-template"
-#: Of whatever is random, where a mission says nothing else.
-SEED = 2024
 #: Width, height and channels of a picture.
 _SIZE_PARTS = 3
 BOX_FIELDS = ("north", "west", "south", "east")
+#: Fields of a mission that people type in another way: in a unit, with a choice before, or as several entries.
+_TYPED = ("agl_m", "zoom", "gsd_m_per_px", "max_px", "img_size")
+#: All other fields that a mission is given by name are entries of the same name, value and default.
+SAME: dict[str, Field] = {
+    one.name: one for part in FLAT_PARTS.values() for one in declared_fields(part) if one.name not in _TYPED
+}
+#: Those of them that the panel has no entries for: it carries them along, and says so.
+WITHOUT_ENTRY = ("mesh", "seed", "max_images")
+#: Entries of the wind, and of what is typed in another way, by the fields that they state.
+DECLARED: dict[str, Field] = {
+    **SAME,
+    "agl": field_named(Flight, "agl_m"),
+    "zoom": field_named(Pixels, "zoom"),
+    "gsd_m_per_px": field_named(Pixels, "gsd_m_per_px"),
+    "max_px": field_named(Pixels, "max_px"),
+    "fov_deg": field_named(Lens, "fov_deg"),
+    "wind_speed_m_per_s": field_named(Wind, "speed_m_per_s"),
+    "wind_from_deg": field_named(Wind, "from_deg"),
+    "turbulence": field_named(Wind, "turbulence"),
+}
+
+_Asked: Any = make_dataclass(
+    "_Asked", [(one.name, one.kind, field(default=one.default)) for one in SAME.values()], frozen=True
+)
 
 
 @dataclass(frozen=True)
-class FormState:
+class FormState(_Asked):
     """What the dock shows, as typed: texts where people type freely, numbers where a spin box guards them.
+
+    The fields of `SAME` are those of a mission; these are typed in another way.
 
     Parameters
     ----------
@@ -41,8 +70,6 @@ class FormState:
         As typed, where the camera is given by its sensor; otherwise 0.
     aspect : str
         Width over height, as ``4:3`` or as a number.
-    image_px : int
-        Pixels along the longer side of the camera's image.
     agl : float
         Height above ground, in ``agl_unit`` (m or ft).
     agl_unit : str
@@ -52,33 +79,24 @@ class FormState:
     camera_gsd : float
         Wanted ground sample distance of the camera in cm, or in inches with feet, where the height follows from it;
         otherwise 0.
-    overlap_along, overlap_across : float
-        Shares of a picture, 0 to 1, along the flight line (front) and between lines (side).
-    grid_angle_deg, crosshatch, order, airspeed_m_per_s, start
-        As a mission has them.
     resolution : str
         What the source's pixels are chosen by: ``auto``, ``zoom`` or ``gsd``.
-    zoom, gsd_m_per_px, upsample
-        As a mission has them; the first two count where ``resolution`` says so.
+    zoom, gsd_m_per_px
+        As a mission has them, where ``resolution`` says so.
     max_px : int
         Limit of a picture's longest side; 0 for none.
     resize : bool
         Whether pictures are resized to the size described by the next three.
     resize_width_px, resize_height_px : int
     resize_grey : bool
-    source : str
-        Name of a source, or `URL_TEMPLATE`, for which ``template`` holds the template.
-    date : str
-        Of the imagery; empty for the source's own default.
-    yaw_deg, tilt_deg, roll_deg, ground_height_m : float
-        Attitude of the camera, and height of the ground above the ellipsoid.
-    error_budget_px, accept_error, frame, resampling
-        As a mission has them.
+    template : str
+        URL template, where ``source`` is `URL_TEMPLATE`.
+    folder : str
     wind : bool
         Whether the wind described by the next three blows.
     wind_speed_m_per_s, wind_from_deg, turbulence : float
-    more : str
-        JSON of what a mission says beyond the entries; empty for nothing.
+    wind_seed : int or None
+        Seed of the gusts; None for the mission's own.
     hidden : tuple of str
         Entries that the choices made leave out of sight: they keep what was typed, and nobody asks for it.
     """
@@ -88,54 +106,32 @@ class FormState:
     south: str = ""
     east: str = ""
     shape: str = ""
-    fov_deg: float = 78.8
+    fov_deg: float = Lens.fov_deg
     fov_mode: str = DIAGONAL
     fov_typed_deg: float = 0.0
     focal_length_mm: float = 0.0
     sensor_width_mm: float = 0.0
     sensor_height_mm: float = 0.0
-    aspect: str = "4:3"
-    image_px: int = 640
-    agl: float = 120.0
+    aspect: str = aspect_text(Lens.aspect_ratio)
+    agl: float = DECLARED["agl"].starts_with
     agl_unit: str = "m"
     height_by: str = "agl"
     camera_gsd: float = 0.0
-    overlap_along: float = 0.0
-    overlap_across: float = 0.0
-    layout: str = "cover"
-    grid_angle_deg: float = 0.0
-    crosshatch: bool = False
-    order: str = "serpentine"
-    airspeed_m_per_s: float = 15.0
-    start: str = "2000-01-01T00:00:00Z"
     resolution: str = "auto"
-    zoom: int = 18
-    gsd_m_per_px: float = 0.5
-    upsample: bool = False
+    zoom: int = DECLARED["zoom"].starts_with
+    gsd_m_per_px: float = DECLARED["gsd_m_per_px"].starts_with
     max_px: int = 0
     resize: bool = False
     resize_width_px: int = 640
     resize_height_px: int = 480
     resize_grey: bool = False
-    map_types: tuple[str, ...] = ("satellite",)
-    source: str = "world"
     template: str = ""
-    date: str = ""
-    image_format: str = "tif"
     folder: str = ""
-    yaw_deg: float = 0.0
-    tilt_deg: float = 0.0
-    roll_deg: float = 0.0
-    ground_height_m: float = 0.0
-    error_budget_px: float = 0.1
-    accept_error: bool = False
-    frame: str = "auto"
-    resampling: str = "bilinear"
     wind: bool = False
-    wind_speed_m_per_s: float = 5.0
-    wind_from_deg: float = 270.0
-    turbulence: float = 0.1
-    more: str = ""
+    wind_speed_m_per_s: float = DECLARED["wind_speed_m_per_s"].starts_with
+    wind_from_deg: float = DECLARED["wind_from_deg"].starts_with
+    turbulence: float = DECLARED["turbulence"].starts_with
+    wind_seed: int | None = None
     hidden: tuple[str, ...] = field(default=(), compare=False)
 
     @property
@@ -159,21 +155,6 @@ class FormState:
         usual = asdict(FormState())
         return replace(self, **{name: usual[name] for name in self.hidden if name in usual})
 
-    @property
-    def beyond_entries(self) -> dict[str, Any]:
-        """What ``more`` holds, by the names of a mission file."""
-        try:
-            data = parse_json(self.more) if self.more else {}
-        except InvalidInput:
-            return {}
-        return data if isinstance(data, dict) else {}
-
-    @property
-    def seed(self) -> int:
-        """Seed of the mission."""
-        seed = self.beyond_entries.get("seed", SEED)
-        return seed if isinstance(seed, int) else SEED
-
     def to_json(self) -> str:
         """Text for the settings."""
         return json.dumps(asdict(self))
@@ -192,7 +173,7 @@ class FormState:
             default = getattr(state, entry.name)
             if isinstance(default, tuple) and isinstance(value, list):
                 value = tuple(str(item) for item in value)
-            if type(value) is type(default):
+            if type(value) is type(default) or (entry.name == "wind_seed" and type(value) is int):
                 state = replace(state, **{entry.name: value})
         return state
 
@@ -203,7 +184,7 @@ def in_metres(count: float, unit_m: float) -> float:
 
 
 def _with_later_entries(data: dict[str, Any]) -> dict[str, Any]:
-    """Saved entries, with those taken out of ``more`` that the dock has had no entries for in its first version.
+    """Saved entries, with those that were kept as JSON beside them while the dock had no entries for them.
 
     The longest side of before there was an image's size was that size, also where nobody had changed it: as a limit it
     would be one that nobody has asked for.
@@ -214,17 +195,20 @@ def _with_later_entries(data: dict[str, Any]) -> dict[str, Any]:
         return data
     if not isinstance(more, dict):
         return data
-    found = {name: more.pop(name) for name in ("max_px", "upsample", "zoom", "gsd_m_per_px") if name in more}
+    found = {name: value for name, value in more.items() if name in SAME or name in _TYPED}
     if "image_px" not in data:
         found["image_px"] = found.get("max_px", data.get("max_px"))
         found["max_px"] = 0
     for name, way in (("zoom", "zoom"), ("gsd_m_per_px", "gsd")):
         if found.get(name) is not None:
             found["resolution"] = way
-    size = more.pop("img_size", None)
+    size = found.pop("img_size", None)
     if isinstance(size, list) and len(size) == _SIZE_PARTS:
         found.update(resize=True, resize_width_px=size[0], resize_height_px=size[1], resize_grey=size[2] == 1)
-    return {**data, **found, "more": json.dumps(more) if more else ""}
+    wind = more.get("wind")
+    if isinstance(wind, dict):
+        found["wind_seed"] = wind.get("seed")
+    return {**data, **found}
 
 
 def with_unchanged(read: FormState, shown: FormState, given: FormState) -> FormState:

@@ -115,7 +115,7 @@ def problem(error: Any, host: str, *, answered: bool, proxy: bool) -> TransportE
         Whether the host is asked through one.
     """
     if error == _Error.SslHandshakeFailedError:
-        return TransportError(f"no trusted connection to {host} (TLS)", again=False, away=True)
+        return TransportError("no trusted connection to {0} (TLS)", host, again=False, away=True)
     if error == _Error.ProxyAuthenticationRequiredError:
         return TransportError("the proxy asks for a user name and password", again=False, away=True)
     if error in _NOT_A_URL:
@@ -123,5 +123,5 @@ def problem(error: Any, host: str, *, answered: bool, proxy: bool) -> TransportE
     if error in _PROXY or (error in _AWAY and proxy and not answered):
         return TransportError("the proxy does not answer", away=True)
     if error in _AWAY and not answered:
-        return TransportError(f"no connection to {host}", away=True, late=error == _Error.TimeoutError)
-    return TransportError(f"connection to {host} broke off")
+        return TransportError("no connection to {0}", host, away=True, late=error == _Error.TimeoutError)
+    return TransportError("connection to {0} broke off", host)

@@ -277,10 +277,10 @@ class NetworkWorker(QObject):
         if exchange.received_bytes > self._terms.max_body_bytes:
             return too_long(self._terms.max_body_bytes)
         if self._clock_s > exchange.until_s:
-            return TransportError(f"no whole answer within {timeouts.whole_s:g} s", late=True)
+            return TransportError("no whole answer within {0:g} s", timeouts.whole_s, late=True)
         if self._clock_s - exchange.heard_s > timeouts.read_s:
             return TransportError(
-                f"no answer from {urlsplit(exchange.url).hostname} for {timeouts.read_s:g} s", late=True
+                "no answer from {0} for {1:g} s", urlsplit(exchange.url).hostname, timeouts.read_s, late=True
             )
         return None
 
@@ -340,7 +340,7 @@ class NetworkWorker(QObject):
             applied, request = manager.updateNetworkRequest(request, authcfg)
             if not applied:
                 raise TransportError(
-                    f"QGIS could not apply the authentication configuration {authcfg}", again=False
+                    "QGIS could not apply the authentication configuration {0}", authcfg, again=False
                 )
         if url.scheme() == "https":
             request.setSslConfiguration(self._tls_of(request, bool(authcfg)))

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from ...core.mission.cameras import CameraPreset
 
 #: What the spin boxes let through; what is right is said in words.
-_DEGREES, _MM, _SIZE_PX = 360.0, 1e6, 1_000_000
+_DEGREES, _MM = 360.0, 1e6
 #: Decimals to which a field of view and that of a preset are the same camera.
 _SAME_DECIMALS = 6
 #: Room for "Focal length".
@@ -57,11 +57,7 @@ class CameraEntries(Entries):
         self.aspect.setObjectName("aspect")
         self.aspect.setToolTip(tr("Picture width to height, without unit: 4:3, 4000x3000 or 1.333"))
         self.add("aspect", tr("Aspect ra&tio"), self.aspect)
-        tip = tr(
-            "Pixels (px) along the longer side of the camera's image: the source's pixels are taken that come nearest "
-            "to the camera's. Cameras by name bring their own."
-        )
-        self.add("image_px", tr("Image's lo&nger side"), spin("image_px", 0, _SIZE_PX, 0, " px", tip))
+        self.add_declared("image_px")
         self._fill_chooser()
 
     def values(self) -> dict[str, Any]:

@@ -179,7 +179,7 @@ def _of_entry(entry: CatalogueEntry) -> SourceChoice:
         entry.key_env is not None,
         _group(entry),
         limits_html(entry),
-        "" if dates is None else _without_options(dates.text()),
+        "" if dates is None else translate(dates.text()),
         "" if dates is None else dates.default,
         entry.user,
     )
@@ -199,8 +199,3 @@ def _of_connection(name: str) -> SourceChoice:
     except InvalidInput as wrong:
         limits = html.escape(translate(wrong))
     return SourceChoice(XYZ + name, name, group=CONNECTION, limits=limits)
-
-
-def _without_options(text: str) -> str:
-    """Words of the core without the names of its command's options."""
-    return text.replace(" (--date)", "")

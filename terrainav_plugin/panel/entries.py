@@ -9,8 +9,16 @@ from qgis.gui import QgsCollapsibleGroupBoxBasic, QgsFileWidget
 from qgis.PyQt.QtCore import pyqtSignal
 from qgis.PyQt.QtWidgets import QCheckBox, QComboBox, QLabel, QLineEdit, QWidget
 
-from ..form.state import FormState
-from ..widgets import FieldMarks, NumberBox, choose, form_layout, row
+from ..form.fields import choices_of, label_of, tip_of
+from ..form.state import DECLARED, FormState
+from ..i18n import tr
+from ..widgets import FieldMarks, NumberBox, choose, combo, form_layout, row, spin, tick
+
+#: Numbers are taken as typed, and judged in words: what a spin box lets through is far more than what is right.
+_MOST, _PERCENT = 1e6, 100.0
+_SUFFIXES = {"": "", "m": " m", "deg": " °", "px": " px", "m/s": " m/s"}
+#: Decimals that people type, by unit, and elsewhere.
+_DECIMALS, _DECIMALS_ELSE = {"m": 6, "deg": 6, "px": 12, "m/s": 3}, 4
 
 
 class _Access(NamedTuple):
@@ -81,6 +89,11 @@ class Entries(QgsCollapsibleGroupBoxBasic):
         self._form.addRow(label, field)
         return field
 
+    def add_declared(self, name: str, widget: QWidget | None = None) -> QWidget:
+        """Add the entry of a field that a mission declares, as it is declared; return the row's field."""
+        label = "" if DECLARED[name].kind is bool else label_of(DECLARED[name])
+        return self.add(name, label, widget or declared_widget(name))
+
     def add_two(
         self, label: str, first: str, second: str, widgets: Mapping[str, QWidget], between: str = ""
     ) -> QWidget:
@@ -115,6 +128,46 @@ class Section(Entries):
         super().enter(state)
         if any(value not in (before[name], getattr(usual, name)) for name, value in self.values().items()):
             self.unfold()
+
+
+def declared_widget(name: str) -> QWidget:
+    """Widget for a field that a mission declares, with its title, unit, choices and tip."""
+    field = DECLARED[name]
+    if field.choices:
+        return declared_choice(name)
+    if field.kind is bool:
+        return declared_tick(name)
+    return declared_number(name) if field.kind in (float, int) else declared_line(name)
+
+
+def declared_choice(name: str) -> QComboBox:
+    """Choice among the values of a field."""
+    return combo(name, choices_of(DECLARED[name]), tip_of(DECLARED[name]))
+
+
+def declared_tick(name: str) -> QCheckBox:
+    """Box to tick, with the title of a field."""
+    return tick(name, label_of(DECLARED[name]), tip_of(DECLARED[name]))
+
+
+def declared_line(name: str) -> QLineEdit:
+    """Line for the text of a field."""
+    line = QLineEdit()
+    line.setObjectName(name)
+    line.setToolTip(tip_of(DECLARED[name]))
+    return line
+
+
+def declared_number(name: str) -> NumberBox:
+    """Entry for the number of a field, shares in percent."""
+    field = DECLARED[name]
+    if field.unit == "share":
+        share = spin(name, 0.0, _PERCENT, 1, " %", tip_of(field, tr("percent")))
+        share.times = _PERCENT
+        return share
+    decimals = _DECIMALS.get(field.unit, _DECIMALS_ELSE) if field.kind is float else 0
+    is_positive = (field.above is not None and field.above >= 0.0) or (field.least or 0.0) > 0.0
+    return spin(name, 0.0 if is_positive else -_MOST, _MOST, decimals, _SUFFIXES[field.unit], tip_of(field))
 
 
 def _access(widget: QWidget) -> _Access:

@@ -15,8 +15,7 @@ from qgis.PyQt.QtWidgets import QFrame, QLabel, QScrollArea, QSizePolicy, QToolB
 
 from ...core.mission.estimate import percent, size_text
 from ...core.mission.methods import bound_text
-from ..form.refusals import in_words_of_the_panel
-from ..i18n import localized, number_text, tr, translate
+from ..i18n import number_text, tr, translate
 from ..units import METRES, area_text, duration_text, gsd_text, length_text
 
 if TYPE_CHECKING:
@@ -191,13 +190,13 @@ def readout(
     """
     mission, grid, own_m = plan.mission, plan.grid, plan.source_gsd_m_per_px
     coarser = own_m > _COARSER * summary.requested_gsd_m_per_px
-    enlargeable = grid.max_zoom > grid.native_zoom and not mission.upsample
+    enlargeable = grid.max_zoom > grid.native_zoom and not mission.pixels.upsample
     return Readout(
-        tuple(in_words_of_the_panel(text) for text in summary.warnings),
+        tuple(translate(text) for text in summary.warnings),
         (*_figures(mission, summary, unit, own_m if coarser else None), *_limit(plan, policy)),
         tuple(_details(summary, cost)),
         _why_html(plan.accuracy),
-        coarser and enlargeable and mission.zoom is None and mission.gsd_m_per_px is None,
+        coarser and enlargeable and mission.pixels.zoom is None and mission.pixels.gsd_m_per_px is None,
     )
 
 
@@ -220,8 +219,10 @@ def _figures(mission: Mission, summary: Summary, unit: str, coarser_m: float | N
         lines.append((tr("Coverage"), _coverage(summary, unit)))
     if summary.imagery_share is not None and summary.imagery_share < 1.0:
         share = tr("the source has imagery of {share} of the area")
-        lines.append((tr("Imagery"), share.format(share=percent(summary.imagery_share, exact=False))))
-    if mission.overlap_along > 0.0 or mission.overlap_across > 0.0:
+        lines.append(
+            (tr("Imagery"), share.format(share=translate(percent(summary.imagery_share, exact=False))))
+        )
+    if mission.flight.overlap_along > 0.0 or mission.flight.overlap_across > 0.0:
         lines += _overlap(summary)
     lines.append((tr("Ground per px"), _gsd(summary, unit, coarser_m)))
     flight = tr("{distance}, {duration}").format(
@@ -239,7 +240,7 @@ def _limit(plan: Plan, policy: Policy | None) -> list[tuple[str, str]]:
     """What the plan asks of the provider beside what the provider allows; nothing where there is no limit."""
     if policy is None or policy.max_tiles is None or policy.bulk_allowed == "yes":
         return []
-    requests = plan.requests * len(plan.mission.map_types)
+    requests = plan.requests * len(plan.mission.imagery.map_types)
     if not policy.stops(requests):
         text = tr("{count} of the {most} requests that the provider allows")
     elif policy.bulk_allowed == "ask":
@@ -259,9 +260,9 @@ def _details(summary: Summary, cost: str) -> list[tuple[str, str]]:
         (tr("Picture"), _picture(summary)),
         *_overlap(summary),
         (tr("Tiles"), _tiles(summary)),
-        (tr("On disk"), localized(size_text(summary.output_bytes))),
+        (tr("On disk"), translate(size_text(summary.output_bytes))),
         *_accuracy_lines(summary.accuracy),
-        (tr("Cost"), localized(translate(cost)) or tr("being timed…")),
+        (tr("Cost"), translate(cost) or tr("being timed…")),
     ]
 
 
@@ -271,21 +272,21 @@ def _accuracy_lines(accuracy: Accuracy) -> list[tuple[str, str]]:
         tr("{stage}: {name}, ≤ {px} px").format(
             stage=translate(choice.method.stage),
             name=choice.method.name,
-            px=localized(bound_text(choice.method.bound_px)),
+            px=translate(bound_text(choice.method.bound_px)),
         )
         for choice in accuracy.choices
     )
-    terrain = translate(accuracy.terrain_text()).partition(": ")[2]
+    terrain = translate(accuracy.terrain_text())
     return [
         (tr("Methods"), _unbroken(methods)),
         (
             tr("Error"),
             tr("≤ {bound} px of a budget of {budget} px").format(
-                bound=localized(bound_text(accuracy.bound_px)), budget=number_text(accuracy.budget_px, "g")
+                bound=translate(bound_text(accuracy.bound_px)), budget=number_text(accuracy.budget_px, "g")
             )
             + ("" if accuracy.bound_px <= accuracy.budget_px else tr(", which is exceeded")),
         ),
-        (tr("Left out"), ", ".join(translate(what) for what, _ in accuracy.left_out) or translate("nothing")),
+        (tr("Left out"), ", ".join(translate(what) for what, _ in accuracy.left_out) or tr("nothing")),
         (tr("Terrain"), _unbroken(terrain)),
     ]
 
@@ -301,7 +302,7 @@ def _why_html(accuracy: Accuracy) -> str:
     for choice in accuracy.choices:
         method, rejected = choice.method, choice.rejected
         text = tr("{name}, ≤ {px} px, {metres} on the ground").format(
-            name=method.name, px=localized(bound_text(method.bound_px)), metres=_ground_text(method.bound_m)
+            name=method.name, px=translate(bound_text(method.bound_px)), metres=_ground_text(method.bound_m)
         )
         if rejected is not None:
             text += tr("; not {name}: {reason}").format(name=rejected.name, reason=translate(choice.reason))
@@ -309,7 +310,7 @@ def _why_html(accuracy: Accuracy) -> str:
     lines += [
         (tr("No {what}").format(what=translate(what)), translate(why)) for what, why in accuracy.left_out
     ]
-    lines.append((tr("Condition number"), localized(translate(dict(accuracy.lines())["condition number"]))))
+    lines.append((tr("Condition number"), translate(accuracy.condition_text())))
     return _table(lines)
 
 
@@ -392,5 +393,5 @@ def _download(summary: Summary) -> str:
     count = number_text(summary.unique_tiles * len(summary.map_types))
     if not summary.download_bytes:
         return tr("nothing ({count} tiles from this computer)").format(count=count)
-    size = localized(size_text(summary.download_bytes))
+    size = translate(size_text(summary.download_bytes))
     return tr("about {size} in {count} tiles").format(size=size, count=count)

@@ -14,7 +14,7 @@ from qgis.PyQt.QtWidgets import QGridLayout, QLayout, QLayoutItem, QVBoxLayout, 
 from ..area.editing import AreaEditing
 from ..area.entries import AreaEntries
 from ..form.camera import settled
-from ..form.mission_form import beyond_text
+from ..form.mission_form import beyond_text, without_beyond
 from ..form.state import FormState, with_unchanged
 from ..settings import Settings
 from ..tasks import single_shot
@@ -179,7 +179,7 @@ class DockForm(QWidget):
             group.edited.connect(self._edited)
         self.camera_group.chosen.connect(self._take_camera)
         self.changed.connect(lambda: self.accuracy.show_more(beyond_text(self.state())))
-        self.accuracy.reset_clicked.connect(lambda: self.set_state(replace(self.state(), more="")))
+        self.accuracy.reset_clicked.connect(lambda: self.set_state(without_beyond(self.state())))
 
     def _changed(self) -> None:
         if not self._setting:

@@ -22,7 +22,8 @@ from qgis.PyQt.QtWidgets import (
     QWidget,
 )
 
-from ..form.state import URL_TEMPLATE
+from ..form.fields import choices_of, label_of
+from ..form.state import SAME, URL_TEMPLATE
 from ..i18n import tr
 from ..paths import icon
 from ..plain import shown_plain
@@ -239,15 +240,12 @@ class ImageryEntries(QgsCollapsibleGroupBoxBasic):
         self._form.addRow(self._key_label, self._key_field)
 
     def _add_map_types(self) -> None:
-        self.map_types = {
-            "satellite": QCheckBox(tr("Satellite")),
-            "roadmap": QCheckBox(tr("Roadmap")),
-            "terrain": QCheckBox(tr("Terrain")),
-        }
+        field = SAME["map_types"]
+        self.map_types = {name: QCheckBox(label) for name, label in choices_of(field)}
         for name, check in self.map_types.items():
             check.setObjectName(f"map_type_{name}")
         checks = row(*self.map_types.values())
-        self._form.addRow(tr("Map types"), self._marks.field("map_types", checks))
+        self._form.addRow(label_of(field), self._marks.field("map_types", checks))
 
     def _source_chosen(self) -> None:
         chosen = self.source.currentData()

@@ -30,7 +30,7 @@ from qgis.PyQt.QtWidgets import (
 from ...core.errors import InvalidInput, TerrAInavError
 from ...core.mission.estimate import size_text
 from ..help import add_help_button
-from ..i18n import localized, number_text, tr, translate
+from ..i18n import number_text, tr, translate
 from ..messages import log
 from ..plain import plain_label, shown_plain
 from ..settings import Settings
@@ -354,7 +354,7 @@ class CacheDialog(QDialog):
                 file.map_type,
                 file.date,
                 number_text(file.tiles),
-                localized(size_text(file.bytes)),
+                translate(size_text(file.bytes)),
             )
             for column, text in enumerate(texts):
                 item = QTableWidgetItem(text)
@@ -362,8 +362,8 @@ class CacheDialog(QDialog):
                 if column > 2:
                     item.setTextAlignment(Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter)
                 self.table.setItem(line, column, item)
-        size = localized(size_text(sum(file.bytes for file in files)))
-        limit = localized(size_text(self._cache.limit_bytes))
+        size = translate(size_text(sum(file.bytes for file in files)))
+        limit = translate(size_text(self._cache.limit_bytes))
         text = tr("{size} of at most {limit} in {folder}").format(
             size=size, limit=limit, folder=self._cache.folder
         )
@@ -384,7 +384,7 @@ class CacheDialog(QDialog):
         except TerrAInavError as wrong:
             self._fill(translate(wrong))
             return
-        self._fill(tr("{size} freed.").format(size=localized(size_text(freed))))
+        self._fill(tr("{size} freed.").format(size=translate(size_text(freed))))
 
 
 def _box(title: str) -> tuple[QGroupBox, QFormLayout]:

@@ -11,9 +11,9 @@ from qgis.PyQt.QtCore import QObject, pyqtSignal
 from ...core.errors import TerrAInavError
 from ..form import mission_form
 from ..form.area import FormError
-from ..form.refusals import in_words_of_the_panel, refused_fields
+from ..form.refusals import refused_fields
 from ..form.state import BOX_FIELDS
-from ..i18n import tr
+from ..i18n import tr, translate
 from ..sources import policy_of
 from .figures import readout
 
@@ -135,7 +135,7 @@ class Planning(QObject):
         if not cost and (not self._may_time() or self._when_planned is not None):
             cost = tr("not timed beside a run")
         unit = self._form.state().agl_unit
-        policy = policy_of(planned.mission.source)
+        policy = policy_of(planned.mission.imagery.source)
         self._dock.figures.show_readout(readout(planned.plan, planned.summary, unit, cost, policy))
 
     def _cost_of(self, mission: Mission) -> str:
@@ -151,7 +151,7 @@ class Planning(QObject):
         elif isinstance(error, TerrAInavError):
             messages = refused_fields(error)
             self._form.show_messages(messages)
-            self._dock.show_problem(next(iter(messages.values()), in_words_of_the_panel(error)))
+            self._dock.show_problem(next(iter(messages.values()), translate(error)))
         else:
             self._dock.show_problem(tr("Unexpected error: {error}").format(error=repr(error)))
             self._messages.error(

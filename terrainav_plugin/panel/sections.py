@@ -8,21 +8,28 @@ from typing import Any
 
 from qgis.gui import QgsFileWidget
 from qgis.PyQt.QtCore import Qt, pyqtSignal
-from qgis.PyQt.QtWidgets import QLabel, QLineEdit
+from qgis.PyQt.QtWidgets import QLabel
 
 from ..form.camera import shown_gsd
-from ..form.state import FormState
+from ..form.fields import label_of
+from ..form.state import DECLARED, FormState
 from ..i18n import number_text, tr
 from ..units import length_text
 from ..widgets import FieldMarks, FieldMessage, combo, row, spin, tick
-from .entries import Entries, Section
+from .entries import (
+    Entries,
+    Section,
+    declared_choice,
+    declared_line,
+    declared_number,
+    declared_tick,
+    declared_widget,
+)
 
 #: What the spin boxes let through; what is right is said in words.
-_HEIGHT, _GSD, _ANGLE_DEG, _SPEED_M_PER_S = 1e9, 1e9, 1e4, 1e4
+_HEIGHT, _GSD, _SIZE_PX = 1e9, 1e9, 1_000_000
 #: Flights below this are seldom meant: such a height comes of a small image.
 _LOW_M = 20.0
-#: Numbers are taken as typed, and judged in words: what a spin box lets through is far more than what is right.
-_ANGLE, _HEIGHT_M, _WIND_M_PER_S, _BUDGET_PX, _ZOOM, _SIZE_PX = 1e4, 1e6, 1e4, 1e6, 99, 1_000_000
 
 
 class FlightEntries(Entries):
@@ -40,9 +47,7 @@ class FlightEntries(Entries):
         self._add_height()
         self._add_overlap()
         self._add_lines()
-        tip = tr("Speed of the flight through the air, in metres a second (0.1 to 340)")
-        name = "airspeed_m_per_s"
-        self.add(name, tr("Airspeed"), spin(name, -_SPEED_M_PER_S, _SPEED_M_PER_S, 3, " m/s", tip))
+        self.add_declared("airspeed_m_per_s")
 
     def values(self) -> dict[str, Any]:
         """Return what is entered; a ground sample distance only where the height follows from it."""
@@ -84,7 +89,7 @@ class FlightEntries(Entries):
         )
         self.agl.valueChanged.connect(lambda: setattr(self, "height_by", "agl"))
         self.take("agl_unit", self.agl_unit)
-        self.add("agl", tr("Height above gro&und"), self.agl, row(self.agl, self.agl_unit, stretch=0))
+        self.add("agl", label_of(DECLARED["agl"]), self.agl, row(self.agl, self.agl_unit, stretch=0))
         tip = tr(
             "Ground sample distance of the camera: the ground that one pixel of an image with the longer side of the "
             "camera shows, straight down, in centimetres (inches with feet) per px. Height and ground sample distance "
@@ -100,36 +105,18 @@ class FlightEntries(Entries):
         self._form.addRow(self.low)
 
     def _add_overlap(self) -> None:
-        tip = tr(
-            "Front overlap: share of a picture that the next one along the flight line shows again, in percent"
-        )
-        self.overlap_along = spin("overlap_along", 0.0, 100.0, 1, " %", tip)
+        self.overlap_along, self.overlap_across = map(declared_number, ("overlap_along", "overlap_across"))
         self.overlap_along.setPrefix(tr("front") + " ")
-        tip = tr("Side overlap: share of a picture that the next flight line shows again, in percent")
-        self.overlap_across = spin("overlap_across", 0.0, 100.0, 1, " %", tip)
         self.overlap_across.setPrefix(tr("side") + " ")
         overlaps = {"overlap_along": self.overlap_along, "overlap_across": self.overlap_across}
-        for spin_box in overlaps.values():
-            spin_box.times = 100.0
         self.add_two(tr("Overlap"), *overlaps, overlaps)
 
     def _add_lines(self) -> None:
-        layouts = (("cover", tr("Cover (no gaps)")), ("paper", tr("Paper (UTM grid)")))
-        tip = tr("Cover: rows that leave nothing out. Paper: the grid in UTM as published.")
-        self.layout_choice = combo("layout", layouts, tip)
-        self.add("layout", tr("La&yout"), self.layout_choice)
-        tip = tr(
-            "Degrees the rows are turned clockwise from east (-180 to 180); the pictures turn with them. Points "
-            "have no rows."
-        )
-        angle = spin("grid_angle_deg", -_ANGLE_DEG, _ANGLE_DEG, 6, " °", tip)
-        tip = tr("Fly the area a second time, in rows across the first ones: about twice the images")
-        crosshatch = tick("crosshatch", tr("Crosshatch"), tip)
-        two = {"grid_angle_deg": angle, "crosshatch": crosshatch}
-        self.add_two(tr("Grid angle"), *two, two)
-        orders = (("serpentine", tr("Serpentine (to and fro)")), ("one-way", tr("One way")))
-        tip = tr("Serpentine: every other row is flown back. One way: every row is flown from its beginning.")
-        self.add("order", tr("Order"), combo("order", orders, tip))
+        self.layout_choice = declared_choice("layout")
+        self.add_declared("layout", self.layout_choice)
+        two = {name: declared_widget(name) for name in ("grid_angle_deg", "crosshatch")}
+        self.add_two(label_of(DECLARED["grid_angle_deg"]), *two, two)
+        self.add_declared("order")
 
 
 class OutputEntries(Entries):
@@ -145,14 +132,8 @@ class OutputEntries(Entries):
         # A label's key goes to what is typed into.
         self.folder.setFocusProxy(self.folder.lineEdit())
         self.add("folder", tr("Folder"), self.folder)
-        formats = (
-            ("tif", tr("GeoTIFF (lossless)")),
-            ("jpg", tr("JPEG (smaller)")),
-            ("png", tr("PNG")),
-        )
-        tip = tr("Format of the pictures; all three know their coordinate reference system")
-        self.image_format = combo("image_format", formats, tip)
-        self.add("image_format", tr("Format"), self.image_format)
+        self.image_format = declared_choice("image_format")
+        self.add_declared("image_format", self.image_format)
 
 
 class AttitudeSection(Section):
@@ -160,28 +141,11 @@ class AttitudeSection(Section):
 
     def __init__(self, marks: FieldMarks) -> None:
         super().__init__("attitude", tr("Attitude, ground and time"), marks)
-        yaw = tr(
-            "Direction of the picture's top edge, in degrees clockwise from north (-360 to 360); counted from the "
-            "grid's own north where a grid angle turns the rows"
-        )
-        tilt = tr(
-            "Degrees the view is lifted from straight down (0) towards the picture's top edge; "
-            "90 looks level (-180 to 180)"
-        )
-        roll = tr("Degrees the camera is rolled about its line of sight, right side down (-180 to 180)")
-        ground = tr("Height of the ground above the WGS84 ellipsoid, in metres (-12,000 to 9,000)")
-        self.add("yaw_deg", tr("Yaw"), spin("yaw_deg", -_ANGLE, _ANGLE, 6, " °", yaw))
-        self.add("tilt_deg", tr("Tilt"), spin("tilt_deg", -_ANGLE, _ANGLE, 6, " °", tilt))
-        self.add("roll_deg", tr("Roll"), spin("roll_deg", -_ANGLE, _ANGLE, 6, " °", roll))
-        name = "ground_height_m"
-        self.add(name, tr("Ground height"), spin(name, -_HEIGHT_M, _HEIGHT_M, 3, " m", ground))
-        start = QLineEdit()
-        start.setObjectName("start")
+        for name in ("yaw_deg", "tilt_deg", "roll_deg", "ground_height_m"):
+            self.add_declared(name)
+        start = declared_line("start")
         start.setPlaceholderText("2024-06-21T10:30:00Z")
-        start.setToolTip(
-            tr("Time of the first image, in UTC as 2024-06-21T10:30:00Z: the clock of the simulated flight")
-        )
-        self.add("start", tr("Start"), start)
+        self.add_declared("start", start)
 
 
 class PixelsSection(Section):
@@ -199,26 +163,13 @@ class PixelsSection(Section):
             "ground per px follows from the height and the image's longer side."
         )
         self.add("resolution", tr("Source's pixels"), combo("resolution", ways, tip))
-        tip = tr(
-            "Zoom level of the source, without unit: each one has pixels half the size of the one before"
-        )
-        self._zoom = self.add("zoom", tr("Zoom"), spin("zoom", -_ZOOM, _ZOOM, 0, "", tip))
-        tip = tr("Ground that a pixel of the source is to show, in metres; the zoom nearest to it is taken")
-        name = "gsd_m_per_px"
-        self._gsd = self.add(name, tr("Source's ground per px"), spin(name, 0.0, 1e6, 6, " m", tip))
-        tip = tr(
-            "Also take zooms above the finest that the source has pixels of its own for. Pictures get more pixels "
-            "(px), and show nothing more."
-        )
-        self.upsample = tick("upsample", tr("Allow enlarged pixels"), tip)
-        self.add("upsample", "", self.upsample)
-        tip = tr(
-            "No picture gets a longer side than so many pixels (px; of a source's 256 px tiles): where one would, a "
-            "coarser zoom is taken for all"
-        )
-        most = spin("max_px", 0, _SIZE_PX, 0, " px", tip)
+        self._zoom = self.add_declared("zoom")
+        self._gsd = self.add_declared("gsd_m_per_px")
+        self.upsample = declared_tick("upsample")
+        self.add_declared("upsample", self.upsample)
+        most = declared_number("max_px")
         most.setSpecialValueText(tr("no limit"))
-        self.add("max_px", tr("Longest side"), most)
+        self.add_declared("max_px", most)
         tip = tr("Resize every picture to the width and height below, in pixels (px)")
         self.add("resize", "", tick("resize", tr("Resize pictures"), tip))
         names = ("resize_width_px", "resize_height_px")
@@ -254,16 +205,8 @@ class WindSection(Section):
                 "Gusts move and turn the camera at every exposure: pictures are then as the camera really sees them"
             )
         )
-        speed = tr("Mean wind at flight height, in metres a second; below the airspeed")
-        name = "wind_speed_m_per_s"
-        self.add(name, tr("Speed"), spin(name, -_WIND_M_PER_S, _WIND_M_PER_S, 3, " m/s", speed))
-        origin = tr("Direction the wind blows from, in degrees clockwise from north")
-        self.add("wind_from_deg", tr("From"), spin("wind_from_deg", -_ANGLE, _ANGLE, 3, " °", origin))
-        gusts = tr(
-            "Strength of the gusts: their standard deviation over the mean wind, without unit; "
-            "about 0.1 over water, 0.2 over fields, 0 for a steady wind"
-        )
-        self.add("turbulence", tr("Turbulence"), spin("turbulence", -1e3, 1e3, 4, "", gusts))
+        for name in ("wind_speed_m_per_s", "wind_from_deg", "turbulence"):
+            self.add_declared(name)
         self.toggled.connect(lambda: self.edited.emit("wind"))
 
     def values(self) -> dict[str, Any]:
@@ -292,37 +235,11 @@ class AccuracySection(Section):
 
     def __init__(self, marks: FieldMarks) -> None:
         super().__init__("accuracy", tr("Accuracy"), marks)
-        budget = tr(
-            "Most that the errors of all steps may add up to, in pixels of the planned image, by their bounds; "
-            "above 0. The cheapest methods that fit are used."
-        )
-        name = "error_budget_px"
-        self.add(name, tr("Error budget"), spin(name, 0.0, _BUDGET_PX, 12, " px", budget))
-        tip = tr("Where no methods fit the budget (px), take the most accurate ones instead of refusing")
-        self.add("accept_error", "", tick("accept_error", tr("Go on beyond the budget"), tip))
-        frames = (
-            ("auto", tr("Automatic")),
-            ("map", tr("Map frame (north-up)")),
-            ("camera", tr("Camera frame (as seen)")),
-        )
-        tip = tr(
-            "Map frame: a window of the source's own pixels, for cameras that look straight down. Camera frame: "
-            "the picture as the camera sees it. Automatic: a map frame where its error in px fits the budget."
-        )
-        frame = combo("frame", frames, tip)
-        self.add("frame", tr("Pictures"), frame)
-        kernels = (
-            ("nearest", tr("Nearest pixel")),
-            ("bilinear", tr("Bilinear")),
-            ("bicubic", tr("Bicubic")),
-            ("lanczos", tr("Lanczos")),
-        )
-        tip = tr(
-            "How camera frames take their values between the source's pixels, from 1 px to 6 px across; "
-            "map frames are not resampled"
-        )
-        resampling = combo("resampling", kernels, tip)
-        self.add("resampling", tr("Resampling"), resampling)
+        self.add_declared("error_budget_px")
+        self.add_declared("accept_error")
+        frame, resampling = declared_choice("frame"), declared_choice("resampling")
+        self.add_declared("frame", frame)
+        self.add_declared("resampling", resampling)
         # What a camera frame is resampled with says nothing about a map frame.
         frame.currentIndexChanged.connect(lambda: resampling.setEnabled(frame.currentData() != "map"))
         self.more = QLabel()

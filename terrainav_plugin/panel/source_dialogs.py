@@ -46,6 +46,8 @@ _ROOM_PX = 460
 _NAME = re.compile(r"[a-z0-9][a-z0-9_-]{0,63}")
 _SERVICE_ROOM_PX = (520, 420)
 #: Choice of a layer in a service's name, by kind.
+#: Entries in which fields of a source are put right; all others come of its address.
+_ENTRIES = {"name": "name", "date": "default_date", "terms_url": "terms_url", "placeholder": "placeholders"}
 _CHOICES = {"wms": "layers", "wmts": "layer"}
 #: Longest part of a layer's name that its source is called by: room is left for a number.
 _NAME_LETTERS = 56
@@ -80,7 +82,7 @@ class AddSourceDialog(QDialog):
         try:
             add(self.name.text().strip(), self._data())
         except TerrAInavError as wrong:
-            self.marks.show(_at_field(str(wrong)))
+            self.marks.show(_at_field(wrong))
             return
         self.added = self.name.text().strip()
         super().accept()
@@ -234,7 +236,7 @@ class AddSourceDialog(QDialog):
                 limits = limits_html(under_provider(entry))
                 self.title.setPlaceholderText(entry.title)
         except TerrAInavError as wrong:
-            messages = _at_field(str(wrong))
+            messages = _at_field(wrong)
         if name and "name" not in messages:
             messages.update(_name_problem(name))
         self.marks.show(messages)
@@ -393,16 +395,10 @@ def _name_problem(name: str) -> dict[str, str]:
     return {"name": tr("“{name}” is taken; choose another name").format(name=name)} if taken else {}
 
 
-def _at_field(text: str) -> dict[str, str]:
-    """Message at the field that it is about, as the core's messages begin."""
-    _, _, plain = text.rpartition("': ") if text.startswith("catalogue entry") else ("", "", text)
-    fields = (
-        ("source name", "name"),
-        ("date", "default_date"),
-        ("terms", "terms_url"),
-        ("placeholder", "placeholders"),
-    )
-    return {next((field for words, field in fields if plain.startswith(words)), "url"): translate(plain)}
+def _at_field(error: TerrAInavError) -> dict[str, str]:
+    """Message at the entry that an error is about, without the name of the source that is being made."""
+    inner = error.__cause__ if isinstance(error.__cause__, TerrAInavError) else error
+    return {_ENTRIES.get(inner.field, "url"): translate(inner)}
 
 
 class _Capabilities(Task):
@@ -457,13 +453,13 @@ class _Capabilities(Task):
     def _find_layers(self) -> None:
         """QGIS's connections do not say which of the two they lead to."""
         kinds = ("wmts", "wms") if "wmts" in self._service.address.lower() else ("wms", "wmts")
-        problems: list[str] = []
+        problems: list[SourceError] = []
         for kind in kinds:
             self.kind = kind
             try:
                 self.layers = self._named(f"{kind}:{self._service.address}").layers() or []
             except SourceError as wrong:
-                problems.append(str(wrong))
+                problems.append(wrong)
             else:
                 return
-        raise SourceError(problems[0])
+        raise problems[0]

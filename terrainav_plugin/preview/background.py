@@ -340,7 +340,7 @@ def render(picture: WorldPicture, path: Path, progress: Callable[[float], bool])
         with partial_file(path) as partial:
             _write(picture, partial, progress)
     except OSError as wrong:
-        raise OutputError(f"background {path}: cannot be written ({wrong.strerror})") from wrong
+        raise OutputError("background {0}: cannot be written ({1})", path, wrong.strerror) from wrong
 
 
 def _is_drawn(layer: QgsMapLayer | None) -> bool:
@@ -386,7 +386,7 @@ def _save(pixels: np.ndarray, path: Path, west_m: float, north_m: float, resolut
     _, height, width = pixels.shape
     raster = gdal.GetDriverByName("GTiff").Create(str(path), width, height, 3, gdal.GDT_Byte, list(_OPTIONS))
     if raster is None:
-        raise OutputError(f"background {path}: cannot be written ({gdal.GetLastErrorMsg()})")
+        raise OutputError("background {0}: cannot be written ({1})", path, gdal.GetLastErrorMsg())
     raster.SetProjection(WEB_MERCATOR_WKT)
     raster.SetGeoTransform((west_m, resolution_m, 0.0, north_m, 0.0, -resolution_m))
     raster.WriteArray(pixels)

@@ -58,9 +58,9 @@ class Clock:
 
 def utc_ms(mission: Mission) -> float:
     """Start of a mission in milliseconds of Unix time."""
-    from ...core.mission.mission import utc_time
+    from ...core.mission.parts import utc_time
 
-    return utc_time(mission.start).timestamp() * 1000.0
+    return utc_time(mission.flight.start).timestamp() * 1000.0
 
 
 def moment(unix_ms: float) -> QDateTime:

@@ -107,7 +107,7 @@ class _Capturing(WithImagery):
 
             with self._imagery.opened() as source:
                 worked_out = self._imagery.planned()
-                requests = worked_out.requests * len(worked_out.mission.map_types)
+                requests = worked_out.requests * len(worked_out.mission.imagery.map_types)
                 check_terms(worked_out, source, requests, accepted=self._accepted)
                 result = capture(
                     worked_out,

@@ -47,18 +47,18 @@ class Imagery:
 
         self._mission, self._placeholders = mission, placeholders
         self.connections = Settings().connections
-        is_key = needs_key(mission.source)
+        is_key = needs_key(mission.imagery.source)
         if authcfg:
             problem = problem_with(authcfg, is_key)
             if problem:
                 raise InvalidInput(problem)
-        self._key = key_in(authcfg) if authcfg and is_key else key_of(mission.source)
+        self._key = key_in(authcfg) if authcfg and is_key else key_of(mission.imagery.source)
         self._grid: Callable[[], PixelGrid] = grid_finder(mission)
         self._snapshot: Snapshot | None = snapshot_for(mission)
         self._transport = (
-            QgisTransport(self.connections, authcfg=authcfg, home=credential_home(mission.source))
+            QgisTransport(self.connections, authcfg=authcfg, home=credential_home(mission.imagery.source))
             if authcfg and not is_key
-            else transport_for(mission.source, self.connections)
+            else transport_for(mission.imagery.source, self.connections)
         )
 
     def planned(self) -> Plan:
@@ -150,6 +150,6 @@ def check_terms(worked_out: Plan, source: Source, requests: int, *, accepted: bo
         source,
         requests,
         accept_terms=accepted,
-        map_types=worked_out.mission.map_types,
+        map_types=worked_out.mission.imagery.map_types,
         bounds_deg=(box.west_deg, box.south_deg, box.continuous_east_deg, box.north_deg),
     )

@@ -144,7 +144,7 @@ class Plan(Algorithm):
 
         def work(_watch: object) -> tuple[WorkedOut, Summary]:
             worked_out = plan(self._mission, self._grid())
-            costs, connections = costs_of(self._mission.source), Settings().connections
+            costs, connections = costs_of(self._mission.imagery.source), Settings().connections
             return worked_out, estimate(worked_out, costs, connections, os.cpu_count() or 1)
 
         worked_out, summary = run_in_background(work, feedback)
@@ -308,10 +308,10 @@ def _attributes(plan: Plan) -> Iterator[tuple[Any, ...]]:
     import numpy as np
 
     from ...core.geodesy.mercator import wrap_lon_deg
-    from ...core.mission.mission import utc_time
+    from ...core.mission.parts import utc_time
 
     start = QDateTime.fromMSecsSinceEpoch(
-        round(utc_time(plan.mission.start).timestamp() * 1000.0), Qt.TimeSpec.UTC
+        round(utc_time(plan.mission.flight.start).timestamp() * 1000.0), Qt.TimeSpec.UTC
     )
     columns = (
         plan.column,

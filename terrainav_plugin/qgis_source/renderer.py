@@ -24,7 +24,7 @@ from qgis.core import (
 )
 from qgis.PyQt.QtGui import QImage, QPainter
 
-from ...core.errors import Cancelled, PartError
+from ...core.errors import Cancelled, Message, PartError
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 LONGEST_JOB_S = 150.0
 #: Seconds between two looks at what is being drawn.
 _LOOK_S = 0.1
-_CANCELLED, _WORDS = "cancelled", "cancelled while drawing the map"
+_CANCELLED, _WORDS = "cancelled", Message("cancelled while drawing the map")
 _FORMAT = QImage.Format.Format_ARGB32_Premultiplied
 #: Copies of a layer's pipe: as many as a capture has connections. More threads than these wait for one another.
 _COPIES = 8
@@ -135,7 +135,7 @@ class Jobs:
         if self._closed.is_set():
             return _CANCELLED
         if time.monotonic() > job.until_s:
-            return f"QGIS had not drawn it after {self._longest_s:.0f} s"
+            return Message("QGIS had not drawn it after {0:.0f} s", self._longest_s)
         return ""
 
 
@@ -143,14 +143,14 @@ def refuse_errors(errors: Sequence[QgsMapRendererJob.Error]) -> None:
     """Raise PartError with the first of a renderer's errors, where it has any."""
     messages = [error.message for error in errors if error.message]
     if messages:
-        raise PartError(f"QGIS could not draw it: {messages[0]}")
+        raise PartError("QGIS could not draw it: {0}", messages[0])
 
 
 def blank(width_px: int, height_px: int) -> QImage:
     """Image that shows nothing; raises PartError where it is too large for the memory."""
     image = QImage(width_px, height_px, _FORMAT)
     if image.isNull():
-        raise PartError(f"picture of {width_px}x{height_px} px: too large to be drawn")
+        raise PartError("picture of {0}x{1} px: too large to be drawn", width_px, height_px)
     image.fill(0)
     return image
 
@@ -208,10 +208,12 @@ class Pipes:
         finally:
             self._idle.put(pipe)
         if feedback.errors():
-            raise PartError(f"QGIS could not read it: {feedback.errors()[0]}")
+            raise PartError("QGIS could not read it: {0}", feedback.errors()[0])
         image = block.image()
         if not block.isValid() or image.isNull():
-            raise PartError(f"QGIS could not read it: {block.error().summary() or 'no reason given'}")
+            raise PartError(
+                "QGIS could not read it: {0}", block.error().summary() or Message("no reason given")
+            )
         return to_array(image)
 
 

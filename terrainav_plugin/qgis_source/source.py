@@ -89,7 +89,7 @@ class LayerSource:
         if ground is None:
             # Between the features of a drawing there is paper, but a picture without any shows nothing.
             if not shown[..., 3].any():
-                raise PartError(f"{self.title} shows nothing here")
+                raise PartError("{0} shows nothing here", self.title)
             return self._on_paper(shown, np.zeros(shown.shape[:2], bool))
         # A service that did not answer leaves holes, which a drawing above must not hide.
         served = any(drawn.layer.providerType() != FILE_PROVIDER for drawn in self._snapshot.ground)

@@ -151,13 +151,13 @@ def see(shot: Shot, map_type: str, longest_px: int) -> Seen:
     """
     folder = shot.footprints.folder
     mission = Mission.load(folder / MISSION_FILE)
-    map_type = map_type if map_type in mission.map_types else mission.map_types[0]
-    file = f"{shot.name}.{mission.image_format}"
+    map_type = map_type if map_type in mission.imagery.map_types else mission.imagery.map_types[0]
+    file = f"{shot.name}.{mission.output.image_format}"
     path, rejected = folder / map_type / file, folder / map_type / REJECTED_FOLDER / file
     moved = rejected.is_file() and not path.is_file()
     picture = read_picture(rejected if moved else path, longest_px)
     row = _row(folder / map_type / TABLE_FILE, file)
-    return Seen(shot, mission.map_types, map_type, picture, row, moved)
+    return Seen(shot, mission.imagery.map_types, map_type, picture, row, moved)
 
 
 def _row(table: Path, name: str) -> dict[str, str]:

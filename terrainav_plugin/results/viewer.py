@@ -23,6 +23,7 @@ from qgis.PyQt.QtWidgets import (
     QWidget,
 )
 
+from ..form.fields import map_type_title
 from ..i18n import number_text, tr, translate
 from ..plain import plain_label
 from ..widgets import push_button
@@ -140,7 +141,7 @@ class Viewer(QgsDockWidget):
         self.zoom.setEnabled(True)
         self.map_type.clear()
         for map_type in seen.map_types:
-            self.map_type.addItem(_title(map_type), map_type)
+            self.map_type.addItem(map_type_title(map_type), map_type)
         self.map_type.setCurrentIndex(seen.map_types.index(seen.map_type))
         self.map_type.setVisible(len(seen.map_types) > 1)
 
@@ -198,12 +199,6 @@ class Viewer(QgsDockWidget):
         layout.addLayout(steps)
         layout.addLayout(more)
         return contents
-
-
-def _title(map_type: str) -> str:
-    return {"satellite": tr("Satellite"), "roadmap": tr("Roadmap"), "terrain": tr("Terrain")}.get(
-        map_type, map_type
-    )
 
 
 class PictureView(QWidget):

@@ -15,6 +15,7 @@ import pytest
 from terrainav.core.dataset.table import Table
 
 from tests.support.command import command
+from tests.support.missions import schema_1
 from tests.support.tileserver import TileServer
 
 BOX = "35.16_-89.90_35.155_-89.89_400"
@@ -84,7 +85,7 @@ def test_plan_as_json_and_as_files(run, tmp_path):
 def test_a_mission_file_of_version_0_1_is_resumed_and_says_what_it_ignores(run, tmp_path):
     run("capture", "--coords", "35.14_-89.86_120", "--data-dir", "out")
     mark = tmp_path / "out" / "mission.json"
-    old = {**json.loads(mark.read_text()), "footprint": "loc1", "mesh": "mesh-0.03px"}
+    old = {**schema_1(json.loads(mark.read_text())), "footprint": "loc1", "mesh": "mesh-0.03px"}
     mark.write_text(json.dumps(old))
     (tmp_path / "old.json").write_text(json.dumps(old))
     planned = run("plan", "old.json").stdout
@@ -211,7 +212,7 @@ def test_whatever_ends_a_capture_leaves_its_table(tmp_path, name, code):
         (["plan", "--coords", "35_-89_120", "--fov", "wide"], "'wide'"),
         (["plan", "--coords", "35_-89_120", "--aspect-ratio", "4"], "aspect-ratio"),
         (["plan", "--coords", "35_-89_-5"], "-5.0 m"),
-        (["plan", "--coords", BOX, "--overlap", "1"], "overlap 1.0"),
+        (["plan", "--coords", BOX, "--overlap", "1"], "overlap along rows 1.0"),
         (["plan", "--coords", BOX, "--map-type", "hybrid"], "hybrid"),
         (["plan", "--coords", BOX, "--source", "atlantis"], "atlantis"),
         (["plan", "--coords", BOX, "--layout", "spiral"], "spiral"),

@@ -141,7 +141,7 @@ def test_dates_are_part_of_the_mission_and_of_its_pictures(run, tmp_path):
         assert "has imagery of several dates; say which (--date)" in one_line(run("capture", *asked))
         good(run("capture", *asked, "--date", "2021-07-01"))
         assert all(path.endswith("?d=2021-07-01") for path in server.requests)
-        assert json.loads((tmp_path / "out" / "mission.json").read_text())["date"] == "2021-07-01"
+        assert json.loads((tmp_path / "out" / "mission.json").read_text())["imagery"]["date"] == "2021-07-01"
         assert "another mission" in one_line(run("capture", *asked, "--date", "2022-07-01", "--resume"), 3)
         again = good(run("capture", "out/mission.json", "--data-dir", "out", "--resume", "--json"))
         assert json.loads(again)["skipped"] == 1

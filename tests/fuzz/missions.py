@@ -70,7 +70,7 @@ def work_out(mission: Mission, grids: Iterable[PixelGrid] = GRIDS) -> None:
     assert Mission.from_json(mission.to_json()) == mission
 
     def on(grid: PixelGrid) -> None:
-        worked_out = plan(mission.with_(max_images=min(mission.max_images, MOST_IMAGES)), grid)
+        worked_out = plan(mission.with_(max_images=min(mission.output.max_images, MOST_IMAGES)), grid)
         if worked_out.size_px is None or worked_out.width_px @ worked_out.height_px <= MOST_TRACED_PX:
             estimate(worked_out).lines()
 

@@ -14,6 +14,7 @@ from terrainav.core.mission.area import Box, Points, Polygon
 from terrainav.core.mission.estimate import estimate
 from terrainav.core.mission.methods import bound_text
 from terrainav.core.mission.mission import Mission
+from terrainav.core.mission.parts import Output
 from terrainav.core.mission.plan import plan
 from terrainav.core.mission.wind import Wind
 from terrainav.terrainav_plugin.form.mission_form import mission, state_of
@@ -56,7 +57,7 @@ def test_smaller_budget_turns_map_frames_into_camera_frames(high):
     QTest.keyClicks(budget, "0.02")
     QTest.keyClick(budget, Qt.Key.Key_Return)
     planned = high.wait_planned()
-    assert planned.mission.error_budget_px == 0.02
+    assert planned.mission.accuracy.error_budget_px == 0.02
     assert planned.plan.size_px == (640, 480)
     assert "picture: camera, ≤" in shown(high)
     assert "of a budget of 0.02 px" in shown(high)
@@ -145,7 +146,7 @@ def test_refusals_of_the_core_belong_to_an_entry(entries, field):
 
 
 def test_other_refusals_belong_to_none():
-    assert refused_fields(InvalidInput("mission of 9 images: the limit is 8", "max_images")) == {}
+    assert refused_fields(InvalidInput("mission of 9 images: the limit is 8", field="max_images")) == {}
     assert refused_fields(InvalidInput("error budget 3 px: but about no field")) == {}
 
 
@@ -189,7 +190,7 @@ def test_wind_moves_and_turns_the_captures(desk):
     desk.enter_small_mission()
     desk.form.wind.setChecked(True)
     planned = desk.wait_planned().plan
-    assert planned.mission.wind == Wind(5.0, 270.0, 0.1)
+    assert planned.mission.wind == Wind(5.0, 270.0, 0.2)
     assert planned.size_px == (640, 480)
     assert planned.nominal is not None
     desk.click(desk.dock.preview)
@@ -240,9 +241,11 @@ POLYGON = Polygon((((-89.9, 35.1), (-89.8, 35.1), (-89.85, 35.2)),))
     [
         EVERYTHING,
         Mission(area=AREA, agl_m=120.0),
-        replace(EVERYTHING, zoom=None, gsd_m_per_px=0.3, wind=None),
-        replace(EVERYTHING, wind=Wind(3.0, 1.0, 0.1, EVERYTHING.seed), area=Box(1.0, 179.5, -1.0, -179.5)),
-        replace(EVERYTHING, area=POLYGON, source="https://example.org/{z}/{x}/{y}.png"),
+        EVERYTHING.with_(zoom=None, gsd_m_per_px=0.3, wind=None),
+        EVERYTHING.with_(
+            wind=Wind(3.0, 1.0, 0.1, EVERYTHING.imagery.seed), area=Box(1.0, 179.5, -1.0, -179.5)
+        ),
+        EVERYTHING.with_(area=POLYGON, source="https://example.org/{z}/{x}/{y}.png"),
         Mission(area=Points(((10.0, 20.0, 100.0), (10.01, 20.0, 200.0))), agl_m=100.0),
         Mission(area=Points(((10.0, 179.9, 100.0), (10.01, -179.9, 200.0))), agl_m=100.0),
     ],
@@ -260,20 +263,20 @@ def test_mission_comes_out_of_the_panel_as_it_went_in(desk, there):
 def test_one_changed_entry_changes_nothing_else(desk):
     desk.form.set_state(state_of(EVERYTHING, ""))
     desk.form.attitude.entries["yaw_deg"].setValue(20.0)
-    assert mission(desk.session.state()) == replace(EVERYTHING, yaw_deg=20.0)
+    assert mission(desk.session.state()) == EVERYTHING.with_(yaw_deg=20.0)
     desk.form.map_types["satellite"].setChecked(False)
-    assert mission(desk.session.state()) == replace(EVERYTHING, yaw_deg=20.0, map_types=("terrain",))
+    assert mission(desk.session.state()) == EVERYTHING.with_(yaw_deg=20.0, map_types=("terrain",))
 
 
 def test_what_the_panel_has_no_entry_for_is_shown_and_can_be_forgotten(desk):
     desk.form.set_state(state_of(EVERYTHING, ""))
-    assert "max images: 1000" in desk.form.accuracy.more.text()
+    assert "most images: 1000" in desk.form.accuracy.more.text()
     assert "mesh: rays" in desk.form.accuracy.more.text()
     desk.form.accuracy.more.linkActivated.emit("forget")
     assert desk.form.accuracy.more.text() == ""
     forgotten = mission(desk.session.state())
-    assert (forgotten.max_images, forgotten.mesh) == (Mission.max_images, "auto")
-    assert forgotten.tilt_deg == EVERYTHING.tilt_deg
+    assert (forgotten.output.max_images, forgotten.accuracy.mesh) == (Output.max_images, "auto")
+    assert forgotten.attitude.tilt_deg == EVERYTHING.attitude.tilt_deg
 
 
 def test_another_box_takes_the_place_of_a_polygon():
@@ -299,4 +302,4 @@ def test_another_height_moves_all_points():
 
 def test_seed_of_the_mission_draws_the_background(desk):
     assert state_of(EVERYTHING, "").seed == 7
-    assert FormState().seed == Mission(area=AREA, agl_m=1.0).seed
+    assert FormState().seed == Mission(area=AREA, agl_m=1.0).imagery.seed

@@ -169,21 +169,21 @@ def test_height_follows_the_ground_per_px_that_is_typed(desk):
     desk.enter_small_mission()
     type_number(desk.form.camera_gsd, "25")
     wanted = desk.wait_planned().mission
-    assert wanted.camera.gsd_m_per_px(wanted.agl_m, 640) == pytest.approx(0.25, rel=1e-12)
-    assert desk.form.agl.value() == pytest.approx(wanted.agl_m, abs=1e-4)
+    assert wanted.camera.gsd_m_per_px(wanted.flight.agl_m, 640) == pytest.approx(0.25, rel=1e-12)
+    assert desk.form.agl.value() == pytest.approx(wanted.flight.agl_m, abs=1e-4)
     type_number(desk.form.camera_group.entries["image_px"], "320")
     halved = desk.wait_planned().mission
-    assert halved.image_px == 320
-    assert halved.agl_m == pytest.approx(wanted.agl_m / 2.0, rel=1e-12)
+    assert halved.pixels.image_px == 320
+    assert halved.flight.agl_m == pytest.approx(wanted.flight.agl_m / 2.0, rel=1e-12)
     assert desk.form.camera_gsd.value() == 25.0
     desk.choose(desk.form.agl_unit, "ft")
     assert desk.form.camera_gsd.suffix() == " in"
     assert desk.form.camera_gsd.value() == pytest.approx(25.0 / 2.54, abs=1e-4)
-    assert desk.wait_planned().mission.agl_m == pytest.approx(halved.agl_m, rel=1e-12)
+    assert desk.wait_planned().mission.flight.agl_m == pytest.approx(halved.flight.agl_m, rel=1e-12)
     type_number(desk.form.agl, "300")
-    assert desk.wait_planned().mission.agl_m == pytest.approx(91.44)
+    assert desk.wait_planned().mission.flight.agl_m == pytest.approx(91.44)
     type_number(desk.form.camera_group.entries["image_px"], "640")
-    assert desk.wait_planned().mission.agl_m == pytest.approx(91.44)
+    assert desk.wait_planned().mission.flight.agl_m == pytest.approx(91.44)
 
 
 def answer_with(text):

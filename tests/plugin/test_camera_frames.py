@@ -242,7 +242,7 @@ def test_test_shot_of_a_tilted_camera_lies_where_it_looks(tilted):
 def test_picture_on_the_map_is_the_picture_of_the_camera(tmp_path, place, changes):
     """Ground that the exact camera sees at a pixel has that pixel's colour on the map."""
     there = Mission(area=Points((place,)), agl_m=place[2], **changes)
-    source = open_source("world", seed=there.seed)
+    source = open_source("world", seed=there.imagery.seed)
     planned = plan(there, source.grid)
     run_capture(planned, source, tmp_path / "shot")
     picture = tmp_path / "shot" / "satellite" / f"{planned.names[0]}.tif"

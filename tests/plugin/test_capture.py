@@ -271,7 +271,7 @@ def test_folder_of_another_mission_is_left_alone(prepared):
     other = prepared.folder.with_name("mission-2")
     prepared.wait((other / "satellite.vrt").is_file)
     prepared.wait_for_run()
-    assert Mission.load(other / "mission.json").agl_m == 240.0
+    assert Mission.load(other / "mission.json").flight.agl_m == 240.0
     assert {path: path.read_bytes() for path in before} == before
 
 
@@ -395,7 +395,7 @@ def test_key_comes_from_the_authentication_database_only(desk):
 def test_mission_file_holds_no_more_than_the_mission(prepared):
     capture(prepared)
     data = json.loads((prepared.folder / "mission.json").read_text())
-    assert data["source"] == prepared.session.state().template
+    assert data["imagery"]["source"] == prepared.session.state().template
 
 
 def test_mission_across_the_antimeridian_has_a_mosaic_on_either_side(desk):

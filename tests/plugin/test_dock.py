@@ -49,7 +49,7 @@ def test_unreadable_coordinates_are_marked_until_they_are_right(desk):
         ("south", {"south": "36"}, "south lies above north"),
         ("fov_deg", {"fov_deg": 180.0}, "field of view 180.0 deg: must be between 0 and 180"),
         ("aspect", {"aspect": "4:0"}, "aspect ratio “4:0”: must be a number"),
-        ("aspect", {"aspect": "-1"}, "aspect ratio -1.0: must be a number above 0"),
+        ("aspect", {"aspect": "-1"}, "aspect ratio -1.0: must be above 0"),
         ("agl", {"agl": 0.0}, "height above ground 0 m: must be above 0"),
         ("overlap_along", {"overlap_along": 1.0}, "overlap 100 %: must be at least 0 and below 100 %"),
         (
@@ -68,7 +68,7 @@ def test_unreadable_coordinates_are_marked_until_they_are_right(desk):
             {"fov_mode": "sensor", "sensor_width_mm": 8.0, "sensor_height_mm": 6.0},
             "focal length 0.0 mm: must be above 0",
         ),
-        ("image_px", {"image_px": 0}, "longer side of the camera's image 0 px: must be 1 or more"),
+        ("image_px", {"image_px": 0}, "image's longer side 0 px: must be 1 or more"),
         ("camera_gsd", {"height_by": "gsd", "camera_gsd": 0.0}, "must be above 0"),
         ("grid_angle_deg", {"grid_angle_deg": 181.0}, "grid angle 181.0 deg: must be from -180 to 180"),
         ("start", {"start": "tomorrow"}, "start 'tomorrow': must be UTC as 2024-06-21T10:30:00Z"),
@@ -85,7 +85,7 @@ def test_unreadable_coordinates_are_marked_until_they_are_right(desk):
             {"ground_height_m": 9001.0},
             "ground height 9001.0 m: must be from -12000 to 9000",
         ),
-        ("error_budget_px", {"error_budget_px": 0.0}, "error budget 0.0 px: must be a number above 0"),
+        ("error_budget_px", {"error_budget_px": 0.0}, "error budget 0.0 px: must be above 0"),
         (
             "wind_speed_m_per_s",
             {"wind": True, "wind_speed_m_per_s": 15.0},
@@ -97,7 +97,11 @@ def test_unreadable_coordinates_are_marked_until_they_are_right(desk):
             "wind speed -1.0 m/s: must be 0 or more",
         ),
         ("turbulence", {"wind": True, "turbulence": 4.0}, "gusts of 20 m/s must stay below the airspeed"),
-        ("airspeed_m_per_s", {"wind": True, "airspeed_m_per_s": 0.0}, "airspeed 0.0 m/s: must be 0.1 to 340"),
+        (
+            "airspeed_m_per_s",
+            {"wind": True, "airspeed_m_per_s": 0.0},
+            "airspeed 0.0 m/s: must be from 0.1 to 340",
+        ),
     ],
 )
 def test_bad_value_is_marked_at_its_field_only(desk, field, entries, words):
@@ -159,7 +163,7 @@ def test_figures_are_those_of_the_last_change(desk):
     for agl in (119.0, 80.0, 60.0, 100.0):
         desk.form.agl.setValue(agl)
     planned = desk.wait_planned()
-    assert planned.mission.agl_m == 100.0
+    assert planned.mission.flight.agl_m == 100.0
     assert f"{planned.summary.images:,}" in desk.dock.estimates.text()
 
 

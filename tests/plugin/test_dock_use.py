@@ -59,7 +59,7 @@ def test_enlarged_pixels_are_offered_beside_the_figures(desk):
     warnings.linkActivated.emit("enlarge")
     assert desk.form.pixels.entries["upsample"].isChecked()
     planned = desk.wait_planned()
-    assert planned.mission.upsample
+    assert planned.mission.pixels.upsample
     assert planned.plan.zoom > planned.plan.grid.native_zoom
 
 
@@ -74,9 +74,9 @@ def test_pictures_are_resized_and_grey(desk):
     type_number(entries["resize_width_px"], "64")
     type_number(entries["resize_height_px"], "48")
     entries["resize_grey"].setChecked(True)
-    assert desk.wait_planned().mission.img_size == (64, 48, 1)
+    assert desk.wait_planned().mission.output.img_size == (64, 48, 1)
     entries["resize"].setChecked(False)
-    assert desk.wait_planned().mission.img_size is None
+    assert desk.wait_planned().mission.output.img_size is None
 
 
 # --- lines flown
@@ -88,14 +88,14 @@ def test_lines_are_turned_crossed_and_flown_one_way(desk):
     entries = desk.form.flight.entries
     type_number(entries["grid_angle_deg"], "30")
     turned = desk.wait_planned()
-    assert turned.mission.grid_angle_deg == 30.0
+    assert turned.mission.flight.grid_angle_deg == 30.0
     # Rows are straight on the map, whose north turns a little along them.
     assert turned.plan.poses.yaw_deg == pytest.approx(30.0, abs=0.01)
     type_number(entries["grid_angle_deg"], "0")
     entries["crosshatch"].setChecked(True)
     desk.choose(entries["order"], "one-way")
     crossed = desk.wait_planned()
-    assert (crossed.mission.crosshatch, crossed.mission.order) == (True, "one-way")
+    assert (crossed.mission.flight.crosshatch, crossed.mission.flight.order) == (True, "one-way")
     assert crossed.summary.images > 1.5 * plain
     type_number(entries["airspeed_m_per_s"], "7.5")
     assert desk.wait_planned().summary.flight_s > 1.5 * crossed.summary.flight_s

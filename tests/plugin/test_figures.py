@@ -9,11 +9,12 @@ from pathlib import Path
 
 import pytest
 import terrainav.core.mission
+from terrainav.core.errors import Message, OptionName
 from terrainav.core.mission.area import Box, Points
 from terrainav.core.mission.estimate import OFFLINE, ONLINE, estimate
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
-from terrainav.terrainav_plugin.form.refusals import in_words_of_the_panel
+from terrainav.terrainav_plugin.i18n import translate
 from terrainav.terrainav_plugin.panel.figures import readout
 from terrainav.terrainav_plugin.sources import grid_of
 from terrainav.terrainav_plugin.units import duration_text
@@ -22,14 +23,14 @@ AREA = Box(35.16, -89.90, 35.115, -89.823)
 # Tiles with pixels of their own up to zoom 17, which are served to 19.
 COARSE = "esri-world-imagery"
 # What says something about a mission that is planned.
-ROOMS = ("estimate", "layout/framing", "layout/rows", "methods", "mission", "plan")
+ROOMS = ("estimate", "layout/framing", "layout/rotated", "layout/rows", "methods", "mission", "plan")
 
 
 def options_in_messages():
     """Options of the command that are named to whom plans a mission."""
     folder = Path(terrainav.core.mission.__file__).parent
     texts = ((folder / f"{room}.py").read_text(encoding="utf-8") for room in ROOMS)
-    return {option for text in texts for option in re.findall(r"--[a-z][a-z-]+[a-z]", text)}
+    return {option for text in texts for option in re.findall(r"OptionName\(\"(\w+)\"\)", text)}
 
 
 def readout_of(mission, costs=OFFLINE, unit="m"):
@@ -132,7 +133,7 @@ def test_enlarged_pixels_are_offered_where_the_source_is_what_limits_a_picture()
 
 @pytest.mark.parametrize("option", sorted(options_in_messages()))
 def test_no_advice_of_the_core_names_an_option_in_the_dock(option):
-    said = in_words_of_the_panel(f"larger pictures ({option}), or smaller ones")
+    said = translate(Message("larger pictures ({0}), or smaller ones", OptionName(option)))
     assert "--" not in said
     # Each is an entry of the dock, but the limit of images, which says where it is.
     assert "“" in said

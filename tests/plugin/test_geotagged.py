@@ -53,14 +53,14 @@ def test_qgis_puts_every_photo_at_its_pose(tmp_path, mission):
     assert imported.crs().authid() == "EPSG:4326"
     photos = {feature["filename"]: feature for feature in imported.getFeatures()}
     assert set(photos) == set(worked_out.names)
-    start = datetime.fromisoformat(mission.start.replace("Z", "+00:00")).astimezone(timezone.utc)
+    start = datetime.fromisoformat(mission.flight.start.replace("Z", "+00:00")).astimezone(timezone.utc)
     for index, name in enumerate(worked_out.names):
         photo, pose = photos[name], worked_out.poses.take(slice(index, index + 1))
         point = photo.geometry().constGet()
         lon = (pose.lon_deg[0] + 180.0) % 360.0 - 180.0
         assert point.x() == pytest.approx(lon, abs=SHOWN_DEG)
         assert point.y() == pytest.approx(pose.lat_deg[0], abs=SHOWN_DEG)
-        altitude = mission.ground_height_m + pose.agl_m[0]
+        altitude = mission.flight.ground_height_m + pose.agl_m[0]
         assert point.z() == pytest.approx(altitude, abs=SHOWN)
         assert photo["altitude"] == pytest.approx(altitude, abs=SHOWN)
         assert photo["direction"] == pytest.approx(pose.yaw_deg[0] % 360.0, abs=SHOWN)

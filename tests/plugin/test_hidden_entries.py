@@ -39,7 +39,7 @@ def test_date_is_not_asked_for_where_the_source_has_none(desk):
     desk.choose(desk.form.source, UNDATED)
     planned = desk.wait_planned()
     assert planned is not None
-    assert planned.mission.date == ""
+    assert planned.mission.imagery.date == ""
     assert desk.dock.figures.warnings.text() == ""
     # What was typed is still there for the source that takes it.
     desk.choose(desk.form.source, DATED)
@@ -91,7 +91,7 @@ def test_folded_groups_are_asked_for_all_the_same(desk):
     desk.form.flight.entries["grid_angle_deg"].setValue(37.0)
     desk.form.attitude.entries["start"].setText("2024-06-21T10:30:00Z")
     mission = desk.wait_planned().mission
-    assert (mission.grid_angle_deg, mission.start) == (37.0, "2024-06-21T10:30:00Z")
+    assert (mission.flight.grid_angle_deg, mission.flight.start) == (37.0, "2024-06-21T10:30:00Z")
     for box in desk.form.boxes:
         box.setCollapsed(box in desk.form.sections)
 

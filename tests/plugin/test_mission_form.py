@@ -8,7 +8,13 @@ from dataclasses import replace
 import pytest
 from terrainav.core.mission.area import Box
 from terrainav.core.mission.mission import Mission
-from terrainav.terrainav_plugin.form.mission_form import FormError, mission, state_of, with_box
+from terrainav.terrainav_plugin.form.mission_form import (
+    FormError,
+    mission,
+    state_of,
+    with_box,
+    without_beyond,
+)
 from terrainav.terrainav_plugin.form.mission_form import test_shot as single_shot
 from terrainav.terrainav_plugin.form.state import FormState
 from terrainav.terrainav_plugin.form.text import aspect_text, degrees_text, parse_aspect, parse_number
@@ -56,14 +62,14 @@ def test_mission_of_a_state_and_back():
     )
     there = mission(state)
     assert there.area == Box(35.16, -89.9, 35.115, -89.823)
-    assert there.overlap_along == 0.6
+    assert there.flight.overlap_along == 0.6
     assert mission(state_of(there, "/somewhere/x")) == there
 
 
 def test_mission_of_a_template_and_back():
     template = "https://example.org/{z}/{x}/{y}.png"
     there = mission(replace(GOOD, source="url-template", template=f" {template} "))
-    assert there.source == template
+    assert there.imagery.source == template
     assert state_of(there, "").template == template
 
 
@@ -78,7 +84,7 @@ def test_test_shot_is_one_picture_of_the_first_map_type():
         replace(GOOD, north="", map_types=("roadmap", "terrain"), agl=100.0, agl_unit="ft"), 1.5, 2.5
     )
     assert there.kind == "single"
-    assert there.map_types == ("roadmap",)
+    assert there.imagery.map_types == ("roadmap",)
     assert there.area.poses == ((1.5, 2.5, 100.0 * 0.3048),)
 
 
@@ -97,11 +103,34 @@ def test_form_saved_before_there_were_entries_for_pixels():
         "more": json.dumps(more),
     }
     there = mission(FormState.from_json(json.dumps(saved)))
-    assert (there.zoom, there.image_px, there.upsample, there.img_size) == (17, 1024, True, (64, 48, 1))
-    assert there.max_px is None
-    assert there.mesh == "rays"
+    pixels = there.pixels
+    assert (pixels.zoom, pixels.image_px, pixels.upsample) == (17, 1024, True)
+    assert there.output.img_size == (64, 48, 1)
+    assert there.pixels.max_px is None
+    assert there.accuracy.mesh == "rays"
     by_gsd = FormState.from_json(json.dumps({**saved, "more": '{"gsd_m_per_px": 0.3}'}))
-    assert (mission(by_gsd).zoom, mission(by_gsd).gsd_m_per_px) == (None, 0.3)
+    assert (mission(by_gsd).pixels.zoom, mission(by_gsd).pixels.gsd_m_per_px) == (None, 0.3)
+
+
+def test_what_was_saved_beside_the_entries_is_read():
+    """As the settings of users hold it: in a text of its own, under the names of schema 1."""
+    more = {"seed": 7, "max_images": 1000, "mesh": "rays", "wind": {"seed": 99}}
+    saved = {**json.loads(replace(GOOD, wind=True).to_json()), "more": json.dumps(more)}
+    for name in ("seed", "max_images", "mesh", "wind_seed"):
+        del saved[name]
+    state = FormState.from_json(json.dumps(saved))
+    there = mission(state)
+    assert (there.imagery.seed, there.output.max_images, there.accuracy.mesh) == (7, 1000, "rays")
+    assert there.wind.seed == 99
+    assert mission(without_beyond(state)) == mission(replace(GOOD, wind=True))
+
+
+def test_a_field_without_an_entry_says_where_it_is_wrong():
+    with pytest.raises(FormError) as refused:
+        mission(replace(GOOD, mesh="nets", overlap_along=1.0))
+    assert set(refused.value.messages) == {"more", "overlap_along"}
+    assert "mesh 'nets': must be one of auto, rays" in refused.value.messages["more"]
+    assert "overlap 100 %" in refused.value.messages["overlap_along"]
 
 
 def test_no_longest_side_is_hidden_in_a_form_saved_before_there_was_an_image_s_size():
@@ -109,15 +138,15 @@ def test_no_longest_side_is_hidden_in_a_form_saved_before_there_was_an_image_s_s
     del saved["image_px"]
     for longest in (640, 1280):
         there = mission(FormState.from_json(json.dumps({**saved, "max_px": longest})))
-        assert (there.image_px, there.max_px) == (longest, None)
-    assert mission(FormState.from_json(replace(GOOD, max_px=700).to_json())).max_px == 700
+        assert (there.pixels.image_px, there.pixels.max_px) == (longest, None)
+    assert mission(FormState.from_json(replace(GOOD, max_px=700).to_json())).pixels.max_px == 700
 
 
 def test_a_limit_of_the_longest_side_is_an_entry():
-    assert mission(GOOD).max_px is None
+    assert mission(GOOD).pixels.max_px is None
     limited = mission(GOOD).with_(max_px=700, image_px=900)
     state = state_of(limited, "")
-    assert (state.max_px, state.image_px, state.more) == (700, 900, "")
+    assert (state.max_px, state.image_px) == (700, 900)
     assert mission(state) == limited
     assert state_of(mission(GOOD), "").max_px == 0
 

@@ -7,7 +7,8 @@ import re
 import pytest
 from qgis.PyQt.QtCore import QLocale
 from qgis.PyQt.QtWidgets import QLabel
-from terrainav.terrainav_plugin.i18n import localized, number_text, translate
+from terrainav.core.errors import InvalidInput, Message
+from terrainav.terrainav_plugin.i18n import number_text, translate
 from terrainav.terrainav_plugin.units import area_text, duration_text, length_text
 
 #: Narrow no-break space, between thousands in French.
@@ -47,25 +48,21 @@ def test_numbers_of_a_country(country, name, whole, share, small):
 
 
 @pytest.mark.parametrize(
-    ("english", "spanish"),
+    ("message", "spanish"),
     [
-        ("72,883 m²", "72.883 m²"),
-        ("2.525 km", "2,525 km"),
-        ("≤ 1.2e-09 px, 3,329 images", "≤ 1,2e-09 px, 3.329 images"),
-        ("1,234,567.5", "1.234.567,5"),
-        ("one, two; 3, 4", "one, two; 3, 4"),
-        # Names and addresses are no numbers.
-        ("127.0.0.1", "127.0.0.1"),
-        ("QGIS 3.22.16", "QGIS 3.22.16"),
-        ("v2.5", "v2.5"),
-        ("file.2.tif", "file.2.tif"),
+        (Message("{0:,.0f} {1}", 72_883.0, "m²"), "72.883 m²"),
+        (Message("≤ {0:.2g} px, {1:,} of {2!r}", 1.2e-9, 3_329, 0.5), "≤ 1,2e-09 px, 3.329 of 0,5"),
+        (Message("{0} deg", 95.0), "95,0 deg"),
+        # Names, addresses and versions are no numbers, and words of the core have none of their own.
+        (Message("{0}: {1!r}, QGIS 3.22.16", "127.0.0.1", "1,234.5"), "127.0.0.1: '1,234.5', QGIS 3.22.16"),
+        ("2.525 km", "2.525 km"),
     ],
 )
-def test_words_with_numbers_in_them(country, english, spanish):
+def test_numbers_in_messages(country, message, spanish):
     country("es_ES")
-    assert localized(english) == spanish
+    assert translate(message) == spanish
     country("en_US")
-    assert localized(english) == english
+    assert translate(message) == str(message)
 
 
 def test_one_way_for_all_figures(country):
@@ -76,8 +73,8 @@ def test_one_way_for_all_figures(country):
     assert length_text(2_525.0, "ft") == "1,569 mi"
     assert duration_text(9_000.0) == "2,5 h"
     # Numbers in what the core says.
-    assert (
-        translate("tile size 5,000.5 px: must be 512 or less") == "tile size 5.000,5 px: must be 512 or less"
+    assert translate(InvalidInput("tile size {0:,} px: must be {1} or less", 5000.5, 512)) == (
+        "tile size 5.000,5 px: must be 512 or less"
     )
 
 

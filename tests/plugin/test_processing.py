@@ -120,7 +120,7 @@ def features_of(path_or_layer):
 
 
 def planned(mission):
-    return plan(mission, named_source(mission.source).grid)
+    return plan(mission, named_source(mission.imagery.source).grid)
 
 
 def memory_layer(kind, crs, geometries, fields="", rows=()):
@@ -370,8 +370,8 @@ def test_every_field_of_a_mission_has_its_parameter(tmp_path):
         BOX,
         200.0,
         Camera(60.0, 16 / 9),
-        0.3,
-        0.2,
+        overlap_along=0.3,
+        overlap_across=0.2,
         grid_angle_deg=20.0,
         crosshatch=True,
         order="one-way",
@@ -737,7 +737,7 @@ def test_the_main_thread_is_never_kept_by_an_algorithm_beside_it(tmp_path, qtbot
     timer.stop()
     assert done
     assert len(turns) > 10
-    assert json.loads((tmp_path / "out" / "mission.json").read_text())["agl_m"] == 120.0
+    assert json.loads((tmp_path / "out" / "mission.json").read_text())["flight"]["agl_m"] == 120.0
 
 
 def test_overlap_in_percent_is_refused_and_not_made_another():

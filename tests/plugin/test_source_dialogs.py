@@ -261,7 +261,7 @@ def test_file_is_a_source(source_list, tmp_path, monkeypatch):
     assert desk.session.state().source_name == str(path)
     desk.enter_small_mission()
     planned = desk.wait_planned()
-    assert planned.mission.source == str(path)
+    assert planned.mission.imagery.source == str(path)
     # Pixels of 2 m: whatever is asked for, they are not enlarged unasked.
     assert planned.plan.zoom <= planned.plan.grid.native_zoom
     assert Path(desk.form.imagery.limits.text()).name == "ortho.tif"
@@ -279,5 +279,5 @@ def test_dates_are_checked_at_their_field(source_list):
     desk.type_text(desk.form.date, "yesterday")
     desk.wait(lambda: "YYYY-MM-DD" in desk.message("date"))
     desk.type_text(desk.form.date, "2023-07-01")
-    assert desk.wait_planned().mission.date == "2023-07-01"
+    assert desk.wait_planned().mission.imagery.date == "2023-07-01"
     assert desk.message("date") == ""

@@ -332,7 +332,7 @@ def test_layer_of_a_service_is_kept_as_an_own_source(desk, configured, screensho
     desk.session.source_list.refresh()
     desk.choose(desk.form.source, entry.name)
     desk.enter_small_mission()
-    assert desk.wait_planned().mission.source == entry.name
+    assert desk.wait_planned().mission.imagery.source == entry.name
 
 
 def test_the_environment_s_key_is_for_hosts_that_the_user_names(monkeypatch):

@@ -316,7 +316,9 @@ def test_a_capture_in_a_task_gets_every_pixel_right(qtbot, tmp_path):
         assert task.result.written == len(steps)
         assert tiles.user_agents == {user_agent()}
         for index in (0, len(steps) // 2, len(steps) - 1):
-            picture = tmp_path / "dataset" / "satellite" / f"{steps.names[index]}.{mission.image_format}"
+            picture = (
+                tmp_path / "dataset" / "satellite" / f"{steps.names[index]}.{mission.output.image_format}"
+            )
             columns, rows = decode_position(np.asarray(Image.open(picture)))
             assert np.array_equal(
                 columns[0], (steps.windows.left_px[index] + np.arange(columns.shape[1])) % 4096

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import ast
 import re
+import string
 from collections import Counter
 from collections.abc import Callable, Iterator
 from functools import cache
@@ -16,6 +17,7 @@ from traceback import walk_tb
 from typing import Any, NamedTuple
 
 import pytest
+from terrainav.core.errors import OptionName
 
 from tests.support.command import Finished, command
 
@@ -31,7 +33,7 @@ VERBS = frozenset(
 STATEMENTS = frozenset(
     "a an commas dates did expected it its known left lat must need needs no nothing the this which".split()
 )
-_FIRST = re.compile(r"^(?:or )?([a-z]+)\b(?!.*:)")
+_FIRST = re.compile(r"^(?:\{\}, )?(?:or )?([a-z]+)\b(?!.*:)")
 _CLAUSE = re.compile(r"[;:] (?:or |\{\})?([a-z]+)\b")
 #: Sentences that say what to do, and conditions that a clause to do something follows.
 _SENTENCE = re.compile(r"(?:^|\. )([A-Z][a-z]+)\b(?=.*\.$)|[;:] if [^,;]*, ([a-z]+)\b", re.DOTALL)
@@ -111,9 +113,54 @@ class Place(NamedTuple):
 
 
 def _words(node: ast.AST) -> str:
+    """Text of a constant, or of an f-string, with {} for its values."""
     if isinstance(node, ast.JoinedStr):
         return "".join("{}" if isinstance(part, ast.FormattedValue) else _words(part) for part in node.values)
     return node.value if isinstance(node, ast.Constant) and isinstance(node.value, str) else ""
+
+
+def _named(function: ast.AST) -> str:
+    return getattr(function, "id", getattr(function, "attr", ""))
+
+
+def _option(node: ast.AST) -> str:
+    """What a value in a template says where it stands there itself: a word, or the name of an option; {} of others."""
+    form = "{}"
+    if isinstance(node, ast.Attribute) and node.attr == "in_brackets":
+        node, form = node.value, " ({})"
+    if isinstance(node, ast.Call) and _named(node.func) == "OptionName":
+        return form.format(str(OptionName(_words(node.args[0]))))
+    return _words(node) if isinstance(node, ast.Constant) else "{}"
+
+
+def _filled(template: ast.AST, values: list[ast.expr]) -> list[str]:
+    """Texts of a template, of which there may be two to choose from, with the options that it names and {} else."""
+    if isinstance(template, ast.IfExp):
+        return _filled(template.body, values) + _filled(template.orelse, values)
+    if isinstance(template, ast.Call) and _named(template.func) == "Message":
+        return _filled(template.args[0], template.args[1:])
+    text = _words(template)
+    if not text or not values:
+        return [text] if text else []
+    options = dict(enumerate(map(_option, values)))
+    parts = string.Formatter().parse(text)
+    return ["".join(fixed if at is None else fixed + options.get(int(at), "{}") for fixed, at, _, _ in parts)]
+
+
+def _of_call(call: ast.Call) -> list[str]:
+    """Texts of a message, or of an error with what helps, where they stand in the call."""
+    if (
+        not re.search(r"^(Message|InvalidInput|Cancelled|OutOfReach|NotThere)$|Error$", _named(call.func))
+        or not call.args
+    ):
+        return []
+    remedies = [word.value for word in call.keywords if word.arg == "remedy"]
+    advice = [text for remedy in remedies for text in _filled(remedy, [])]
+    texts = _filled(call.args[0], call.args[1:])
+    if len(texts) == len(advice) > 1:
+        # One of the two for one, and one for several.
+        return [f"{text}; {one}" for text, one in zip(texts, advice)]
+    return [f"{text}; {one}" for text in texts or ["{}"] for one in advice] or texts
 
 
 def _messages(tree: ast.Module) -> Iterator[str]:
@@ -126,11 +173,23 @@ def _messages(tree: ast.Module) -> Iterator[str]:
             aside.update(ast.walk(node))
         elif isinstance(node, ast.JoinedStr):
             aside.update(node.values)
-        elif isinstance(node, ast.keyword) and node.arg in ("help", "description", "epilog"):
+        elif isinstance(node, ast.keyword) and node.arg in (
+            "help",
+            "title",
+            "label",
+            "description",
+            "epilog",
+        ):
             aside.update(ast.walk(node.value))
     for node in ast.walk(tree):
-        if isinstance(node, (ast.JoinedStr, ast.Constant)) and node not in aside and " " in _words(node):
-            yield _words(node)
+        texts = _of_call(node) if isinstance(node, ast.Call) and node not in aside else []
+        if texts:
+            remedies = [word.value for word in node.keywords if word.arg == "remedy"]
+            for taken in (node.args[0], *remedies):
+                aside.update(ast.walk(taken))
+        elif isinstance(node, (ast.JoinedStr, ast.Constant)) and node not in aside:
+            texts = [_words(node)]
+        yield from (text for text in texts if " " in text)
 
 
 @cache
@@ -153,10 +212,8 @@ def unknown_beginnings(package: str) -> set[str]:
     found: set[str] = set()
     for path in (ROOT / package).rglob("*.py"):
         for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-            if isinstance(node, ast.Call) and re.search(
-                r"InvalidInput$|Error$", getattr(node.func, "id", "")
-            ):
-                texts = (_words(part) for argument in node.args for part in ast.walk(argument))
+            if isinstance(node, ast.Call) and _named(node.func) != "Message":
+                texts = _of_call(node)
                 found.update(
                     word.lower() for text in texts for word in re.findall(r"; (?:or )?([A-Za-z]+)\b", text)
                 )

@@ -92,7 +92,7 @@ class Augmentation:
         for name, most in (("rotation_deg", 180.0), ("zoom", 1.0), ("contrast", 1.0), ("brightness", 1.0)):
             value = getattr(self, name)
             if not 0.0 <= value <= most:
-                raise InvalidInput(f"augmentation {name} {value!r}: must be from 0 to {most:g}")
+                raise InvalidInput("augmentation {0} {1!r}: must be from 0 to {2:g}", name, value, most)
 
     def change_of(self, name: str, seed: int, epoch: int) -> Change:
         """Return what is done to an image in an epoch.
@@ -177,8 +177,13 @@ def _reflected(image: Image.Image, beside: int, above: int) -> Image.Image:
     width, height = image.size
     if (width + 2 * beside) * (height + 2 * above) > _MOST_PX:
         raise InvalidInput(
-            f"image of {width} x {height} px: augmented, it needs {width + 2 * beside} x {height + 2 * above} px with "
-            "its reflections, which is too much memory; take smaller or less narrow images, or do not augment"
+            "image of {0} x {1} px: augmented, it needs {2} x {3} px with its reflections, which is "
+            "too much memory",
+            width,
+            height,
+            width + 2 * beside,
+            height + 2 * above,
+            remedy="take smaller or less narrow images, or do not augment",
         )
     mirrored = image.transpose(Image.FLIP_LEFT_RIGHT)
     copies = (

@@ -16,7 +16,7 @@ from typing import Any, Union
 import numpy as np
 from numpy.typing import NDArray
 
-from ...errors import InvalidInput, OutputError
+from ...errors import InvalidInput, Message, OptionName, OutputError
 from ..dataset import Dataset, ImageSet, open_image, read_dataset, some
 from ..folder import PARTS, TABLE_FILE, TRAIN
 from ..labels import LABELS_FILE, Labels, labels_of_tables
@@ -146,9 +146,18 @@ class Samples:
         height, width, channels = self.shape
         if (*found.size, len(found.getbands())) != (width, height, channels):
             raise InvalidInput(
-                f"image {path}: has {found.width} x {found.height} px and {len(found.getbands())} channels, where the "
-                f"first one has {width} x {height} and {channels}; an img_size such as {width} {height} {channels} "
-                "makes them equal"
+                "image {0}: has {1} x {2} px and {3} channels, where the first one has {4} x {5} and {6}; "
+                "an img_size such as {7} {8} {9} makes them equal",
+                path,
+                found.width,
+                found.height,
+                len(found.getbands()),
+                width,
+                height,
+                channels,
+                width,
+                height,
+                channels,
             )
         if self.augment is not None:
             found = self.augment.applied(found, self.names[index], self.seed, epoch)
@@ -167,8 +176,12 @@ class Samples:
         except MemoryError as wrong:
             height, width, channels = self.shape
             raise InvalidInput(
-                f"batch of {len(indices):,} images of {width} x {height} px and {channels} channels: does not fit into "
-                "memory; take smaller batches, or smaller images"
+                "batch of {0:,} images of {1} x {2} px and {3} channels: does not fit into memory",
+                len(indices),
+                width,
+                height,
+                channels,
+                remedy="take smaller batches, or smaller images",
             ) from wrong
         for one, index in zip(images, indices):
             one[...] = self.image(int(index), epoch)
@@ -208,7 +221,7 @@ class Batches:
         **choice: Any,
     ) -> None:
         if workers < 0:
-            raise InvalidInput(f"workers {workers}: must be 0 or more")
+            raise InvalidInput("workers {0}: must be 0 or more", workers)
         self.samples = Samples(dataset, **choice)
         self.epoch = 0
         self._chunks = chunks(len(self.samples), batch_size)
@@ -266,10 +279,12 @@ def chunks(count: int, batch_size: int, drop_last: bool = False) -> list[slice]:
         A batch size below 1, or above the count if there were no batch then.
     """
     if batch_size < 1:
-        raise InvalidInput(f"batch size {batch_size}: must be 1 or more")
+        raise InvalidInput("batch size {0}: must be 1 or more", batch_size)
     end = count - count % batch_size if drop_last else count
     if end == 0:
-        raise InvalidInput(f"batch size {batch_size}: must be {count} or less, as there are no more images")
+        raise InvalidInput(
+            "batch size {0}: must be {1} or less, as there are no more images", batch_size, count
+        )
     return [slice(start, min(start + batch_size, end)) for start in range(0, end, batch_size)]
 
 
@@ -280,11 +295,14 @@ def optional_module(name: str, title: str, extra: str) -> Any:
     except ImportError as missing:
         if name == "keras" and missing.name and missing.name.partition(".")[0] != name:
             raise OutputError(
-                f"loader: Keras cannot be used with its backend ({missing}); set KERAS_BACKEND to one that is "
-                "installed, such as torch, before Python starts"
+                "loader: Keras cannot be used with its backend ({0})",
+                missing,
+                remedy=("set KERAS_BACKEND to one that is installed, such as torch, before Python starts"),
             ) from missing
         raise OutputError(
-            f"loader: {title} is not installed; get it with: pip install 'terrainav[{extra}]'"
+            "loader: {0} is not installed",
+            title,
+            remedy=Message("get it with: pip install 'terrainav[{0}]'", extra),
         ) from missing
 
 
@@ -296,13 +314,13 @@ def _check(
 ) -> None:
     """Raise InvalidInput for a choice that there is not."""
     if part not in (*PARTS, ALL):
-        raise InvalidInput(f"part {part!r}: must be one of {', '.join((*PARTS, ALL))}")
+        raise InvalidInput("part {0!r}: must be one of {1}", part, ", ".join((*PARTS, ALL)))
     if shuffle not in (True, False, "auto"):
-        raise InvalidInput(f"shuffle {shuffle!r}: must be True, False or 'auto'")
+        raise InvalidInput("shuffle {0!r}: must be True, False or 'auto'", shuffle)
     if augment is not None and augment != "auto" and not isinstance(augment, Augmentation):
-        raise InvalidInput(f"augment {augment!r}: must be an Augmentation, None or 'auto'")
+        raise InvalidInput("augment {0!r}: must be an Augmentation, None or 'auto'", augment)
     if dtype not in DTYPES:
-        raise InvalidInput(f"dtype {dtype!r}: must be one of {', '.join(DTYPES)}")
+        raise InvalidInput("dtype {0!r}: must be one of {1}", dtype, ", ".join(DTYPES))
 
 
 def _sized(img_size: Sequence[int] | int | None) -> tuple[int, int, int] | None:
@@ -310,15 +328,16 @@ def _sized(img_size: Sequence[int] | int | None) -> tuple[int, int, int] | None:
     if img_size is None:
         return None
     if isinstance(img_size, int):
-        raise InvalidInput(f"image size {img_size}: must be a width, a height and 1 or 3 channels")
+        raise InvalidInput("image size {0}: must be a width, a height and 1 or 3 channels", img_size)
     size = tuple(img_size)
     if len(size) != 3 or min(size) < 1 or size[2] not in (1, 3):
         raise InvalidInput(
-            f"image size {' '.join(map(str, size))}: needs a width and a height of 1 px or more, and 1 or 3 channels"
+            "image size {0}: needs a width and a height of 1 px or more, and 1 or 3 channels",
+            " ".join(map(str, size)),
         )
     if size[0] * size[1] > _MOST_PX:
         raise InvalidInput(
-            f"image size {size[0]} {size[1]} {size[2]}: must be {_MOST_PX:,} px or less in all"
+            "image size {0} {1} {2}: must be {3:,} px or less in all", size[0], size[1], size[2], _MOST_PX
         )
     return size
 
@@ -334,7 +353,10 @@ def _rows(images: ImageSet, part: str) -> NDArray[np.int64]:
     parts = part_of(images.table)
     if part != ALL and parts is None:
         raise InvalidInput(
-            f"part {part!r}: {images.folder} is not split; run terrainav split, or take the part {ALL!r}"
+            "part {0!r}: {1} is not split",
+            part,
+            images.folder,
+            remedy=Message("run terrainav split, or take the part {0!r}", ALL),
         )
     chosen = taken(images.table)
     if part != ALL and parts is not None:
@@ -342,7 +364,12 @@ def _rows(images: ImageSet, part: str) -> NDArray[np.int64]:
         chosen &= np.array([one == part for one in parts], np.bool_)
     if not chosen.any():
         what = "that are there and not rejected" if part == ALL else f"in the part {part!r}"
-        raise InvalidInput(f"folder {images.folder}: has no images {what}; split, clean or capture it anew")
+        raise InvalidInput(
+            "folder {0}: has no images {1}",
+            images.folder,
+            what,
+            remedy="split, clean or capture it anew",
+        )
     return np.flatnonzero(chosen)
 
 
@@ -353,8 +380,11 @@ def _check_parts(images: ImageSet, parts: Sequence[str]) -> None:
     if odd:
         value = next(part for part in parts if part not in known)
         raise InvalidInput(
-            f"table {images.folder / TABLE_FILE}: has split {value!r} ({some(odd)}); must be one of "
-            f"{', '.join(known[:-1])} or empty: split anew"
+            "table {0}: has split {1!r} ({2}); must be one of {3} or empty: split anew",
+            images.folder / TABLE_FILE,
+            value,
+            some(odd),
+            ", ".join(known[:-1]),
         )
 
 
@@ -384,8 +414,12 @@ def _check_fit(labels: Labels, images: ImageSet, path: Path) -> None:
     worst = int(np.argmax(far))
     if far[worst] > math.sqrt(max(labels.images, 1)):
         raise InvalidInput(
-            f"{path}: is of another dataset or split, as {table.img_names[rows[worst]]} of the training part lies "
-            f"{far[worst]:,.0f} standard deviations from its mean; have it made anew by split"
+            "{0}: is of another dataset or split, as {1} of the training part lies {2:,.0f} standard "
+            "deviations from its mean",
+            path,
+            table.img_names[rows[worst]],
+            far[worst],
+            remedy="have it made anew by split",
         )
 
 
@@ -397,7 +431,11 @@ def _values(labels: Labels, images: ImageSet, rows: NDArray[np.int64]) -> NDArra
     if lost.size:
         first = int(lost[0])
         raise InvalidInput(
-            f"labels: {some([images.table.img_names[row] for row in rows[lost].tolist()])} cannot be had in "
-            f"{labels.frame.crs}, first Lat {lat_deg[first]:g}, Lon {lon_deg[first]:g}; split with another --frame"
+            "labels: {0} cannot be had in {1}, first Lat {2:g}, Lon {3:g}",
+            some([images.table.img_names[row] for row in rows[lost].tolist()]),
+            labels.frame.crs,
+            lat_deg[first],
+            lon_deg[first],
+            remedy=Message("split with another {0}", OptionName("frame")),
         )
     return values

@@ -111,7 +111,7 @@ class _TorchSamples:
             A batch size below 1, no batch at all, or workers below 0.
         """
         if workers < 0:
-            raise InvalidInput(f"workers {workers}: must be 0 or more")
+            raise InvalidInput("workers {0}: must be 0 or more", workers)
         order = _Order(self, batch_size, drop_last)
         # Each worker is a process: those beyond the batches would have nothing to do.
         workers = min(workers, len(order))

@@ -99,7 +99,9 @@ class TileCache:
     ) -> None:
         if limit_bytes < 1:
             raise InvalidInput(
-                f"cache of {limit_bytes} bytes: must be 1 or more; leave the cache out for none"
+                "cache of {0} bytes: must be 1 or more",
+                limit_bytes,
+                remedy="leave the cache out for none",
             )
         self.folder = Path(folder) if folder is not None else default_folder()
         self.limit_bytes = limit_bytes
@@ -226,7 +228,7 @@ class TileCache:
             ]
             if not own:
                 known = ", ".join(sorted({file.source for file in listed})) or "nothing"
-                raise InvalidInput(f"cache {name!r}: is not there; {self.folder} holds {known}")
+                raise InvalidInput("cache {0!r}: is not there; {1} holds {2}", name, self.folder, known)
             chosen.update(dict.fromkeys(own))
         return tuple(chosen)
 
@@ -316,7 +318,7 @@ def _clear(path: Path) -> None:
         else:
             path.unlink(missing_ok=True)
     except (*FILE_ERRORS, OSError) as wrong:
-        raise OutputError(f"cache {path}: cannot be removed ({wrong})") from wrong
+        raise OutputError("cache {0}: cannot be removed ({1})", path, wrong) from wrong
 
 
 def _failure(path: Path) -> OutputError | None:

@@ -12,7 +12,7 @@ from http import HTTPStatus
 from typing import Callable, TypeVar
 from urllib.parse import urljoin, urlsplit
 
-from ...errors import Cancelled, PartError, SourceError, TerrAInavError
+from ...errors import Cancelled, Message, PartError, SourceError, TerrAInavError
 from ...limits import MAX_LATE_PARTS, MAX_PART_S, MAX_REDIRECTS
 from ...text import Secrets, first_words, whole_number
 from ...unexpected import UnexpectedErrors
@@ -182,7 +182,10 @@ class Client:
         """
         if self._left_alone():
             raise OutOfReach(
-                f"{what}: not asked for, as the last {MAX_LATE_PARTS} parts had no answer in time; resume later"
+                "{0}: not asked for, as the last {1} parts had no answer in time",
+                what,
+                MAX_LATE_PARTS,
+                remedy="resume later",
             )
         tries = 1 if self._away.is_set() or self._late_parts >= MAX_LATE_PARTS else self._tries
         request = _Request(headers, allow)
@@ -190,7 +193,7 @@ class Client:
             try:
                 response = self._followed(url, what, request)
             except TransportError as failure:
-                request.reason, request.status, request.failure = str(failure), 0, failure
+                request.reason, request.status, request.failure = failure.message, 0, failure
                 if failure.away and attempt == tries - 1:
                     self._away.set()
                 if not failure.again:
@@ -207,7 +210,7 @@ class Client:
                 request.failure = None
                 wait_s = self._asked_wait_s(response, request.reason)
             if attempt == tries - 1 or request.taken_s > MAX_PART_S or self._left_alone():
-                request.reason += _tried(attempt + 1)
+                request.reason = Message("{0}{1}", request.reason, _tried(attempt + 1))
                 break
             self._pause(max(wait_s, self._backoff_s(url, attempt)))
         raise self._given_up(what, request)
@@ -240,7 +243,7 @@ class Client:
             response, times = self.get(url, what, _PAST_CACHES, allow), 2
             picture = self._picture_or_problem(response, read)
         if isinstance(picture, PartError):
-            raise PartError(self.redacted(f"{what}: {picture}{_tried(times)}"))
+            raise PartError("{0}: {1}{2}", what, picture, _tried(times)).with_texts(self.redacted)
         return response, picture
 
     def out_of_reach(self) -> bool:
@@ -263,7 +266,12 @@ class Client:
     def _given_up(self, what: str, request: _Request) -> TerrAInavError:
         """Error of a part that is not asked for any more."""
         if request.status == HTTPStatus.TOO_MANY_REQUESTS:
-            return SourceError(f"{self._title}: {request.reason}; ask for less at a time, or resume later")
+            return SourceError(
+                "{0}: {1}",
+                self._title,
+                request.reason,
+                remedy="ask for less at a time, or resume later",
+            )
         failure = request.failure
         silent = failure is not None and (failure.again or failure.away)
         if failure is not None and failure.late:
@@ -271,7 +279,7 @@ class Client:
         if silent:
             self._silent_until_s = time.monotonic() + OUT_OF_REACH_S
         kind = OutOfReach if silent or request.status >= HTTPStatus.INTERNAL_SERVER_ERROR else PartError
-        return kind(f"{what}: {request.reason}")
+        return kind("{0}: {1}", what, request.reason)
 
     def _left_alone(self) -> bool:
         """Whether the server has kept part after part waiting in vain, and the last one a moment ago."""
@@ -288,7 +296,7 @@ class Client:
             if target is None:
                 return response
             url = joined(url, target)
-        raise TransportError(f"more than {MAX_REDIRECTS} redirects", again=False)
+        raise TransportError("more than {0} redirects", MAX_REDIRECTS, again=False)
 
     def _attempt(self, url: str, origin: str, what: str, request: _Request) -> Response:
         self._pause(self._pace.turn_s())
@@ -311,7 +319,7 @@ class Client:
             self._free.release()
             request.taken_s += time.monotonic() - began_s
         # Out here, where what was raised, which may quote a key, is no part of it.
-        raise PartError(f"{what}: {failure}")
+        raise PartError("{0}: {1}", what, failure)
 
     def _picture_or_problem(
         self, response: Response, read: Callable[[Response], Picture]
@@ -339,11 +347,11 @@ class Client:
         message = self.message(response)
         line = _status_line(response.status) + (f": {message}" if message else "")
         if response.status in _REFUSED or (response.status >= 400 and _is_quota(response.status, message)):
-            raise SourceError(f"{self._title} refuses: {line}")
+            raise SourceError("{0} refuses: {1}", self._title, line)
         if response.status in _NOT_THERE:
-            raise NotThere(f"{what}: {line}")
+            raise NotThere("{0}: {1}", what, line)
         if response.status not in _AGAIN:
-            raise PartError(f"{what}: {line}")
+            raise PartError("{0}: {1}", what, line)
         return line
 
     def _asked_wait_s(self, response: Response, reason: str) -> float:
@@ -351,7 +359,7 @@ class Client:
         seconds = retry_after_s(response, time.time())
         if seconds > self._longest_retry_after_s:
             raise SourceError(
-                f"{self._title}: {reason}; it asks to come back in {seconds:.0f} s: resume then"
+                "{0}: {1}; it asks to come back in {2:.0f} s: resume then", self._title, reason, seconds
             )
         if seconds:
             self._pace.hold(seconds)
@@ -376,7 +384,7 @@ class Client:
 
 
 def _tried(times: int) -> str:
-    return f" (tried {times} times)" if times > 1 else ""
+    return Message(" (tried {0} times)", times) if times > 1 else ""
 
 
 def _is_conditional(headers: Mapping[str, str] | None) -> bool:

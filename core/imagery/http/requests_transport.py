@@ -114,8 +114,8 @@ class RequestsTransport:
         if exchange.ended == "cancelled":
             raise Cancelled("cancelled while waiting for the network")
         if exchange.ended == "late":
-            raise TransportError(f"no whole answer within {self._timeouts.whole_s:g} s", late=True)
-        raise TransportError(str(problem), again=problem.again, away=problem.away, late=problem.late)
+            raise TransportError("no whole answer within {0:g} s", self._timeouts.whole_s, late=True)
+        raise TransportError(problem, again=problem.again, away=problem.away, late=problem.late)
 
     def close(self) -> None:
         """Free the connections and end what is under way."""
@@ -188,7 +188,7 @@ class RequestsTransport:
     def _problem(self, failure: Exception, host: str | None) -> TransportError:
         """Say what failed in words of our own: those of the libraries quote the URL."""
         if isinstance(failure, (urllib3.exceptions.SSLError, requests.exceptions.SSLError)):
-            return TransportError(f"no trusted connection to {host} (TLS)", again=False, away=True)
+            return TransportError("no trusted connection to {0} (TLS)", host, again=False, away=True)
         # urllib3 hands on what it has met with as an argument of its own errors.
         met = {type(one) for one in (failure, *failure.args)}
         if _EndlessError in met:
@@ -202,12 +202,12 @@ class RequestsTransport:
             failure, (urllib3.exceptions.NewConnectionError, urllib3.exceptions.ConnectTimeoutError)
         ):
             late = isinstance(failure, urllib3.exceptions.ConnectTimeoutError)
-            return TransportError(f"no connection to {host}", away=True, late=late)
+            return TransportError("no connection to {0}", host, away=True, late=late)
         if isinstance(failure, urllib3.exceptions.TimeoutError):
-            return TransportError(f"no answer from {host} for {self._timeouts.read_s:g} s", late=True)
+            return TransportError("no answer from {0} for {1:g} s", host, self._timeouts.read_s, late=True)
         if isinstance(failure, (requests.exceptions.InvalidURL, urllib3.exceptions.LocationValueError)):
             return TransportError("the URL is not valid", again=False)
-        return TransportError(f"connection to {host} broke off")
+        return TransportError("connection to {0} broke off", host)
 
 
 def _with_scheme(proxy: str) -> str:

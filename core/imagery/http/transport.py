@@ -38,7 +38,9 @@ class TransportError(TerrAInavError):
 
     Parameters
     ----------
-    reason : str
+    template : str or TerrAInavError
+    *values : object
+        As of any error.
     again : bool
         Whether another attempt may fare better.
     away : bool
@@ -47,8 +49,15 @@ class TransportError(TerrAInavError):
         Whether it had been waited for as long as is waited at all.
     """
 
-    def __init__(self, reason: str, *, again: bool = True, away: bool = False, late: bool = False) -> None:
-        super().__init__(reason)
+    def __init__(
+        self,
+        template: object = "",
+        *values: object,
+        again: bool = True,
+        away: bool = False,
+        late: bool = False,
+    ) -> None:
+        super().__init__(template, *values)
         self.again = again
         self.away = away
         self.late = late
@@ -98,19 +107,19 @@ class Timeouts(NamedTuple):
 
 def too_long(max_body_bytes: int) -> TransportError:
     """Error of a body beyond its limit."""
-    return TransportError(f"body beyond {max_body_bytes} bytes", again=False)
+    return TransportError("body beyond {0} bytes", max_body_bytes, again=False)
 
 
 def too_many_headers() -> TransportError:
     """Error of an answer with more header lines than any server means to send; `http.client` has the same limit."""
-    return TransportError(f"an answer of more than {MAX_HEADERS} header lines", again=False)
+    return TransportError("an answer of more than {0} header lines", MAX_HEADERS, again=False)
 
 
 def check_length(received_bytes: int, headers: Mapping[str, str]) -> None:
     """Raise TransportError for a body that is shorter than its Content-Length says; names in lower case."""
     length = whole_number(headers.get("content-length", ""))
     if length is not None and "transfer-encoding" not in headers and received_bytes < length:
-        raise TransportError(f"body broke off after {received_bytes} of {length} bytes")
+        raise TransportError("body broke off after {0} of {1} bytes", received_bytes, length)
 
 
 def unpacked(body: bytes, headers: Mapping[str, str], max_body_bytes: int) -> bytes:
@@ -133,7 +142,7 @@ def unpacked(body: bytes, headers: Mapping[str, str], max_body_bytes: int) -> by
         return body
     if coding not in _ZLIB:
         raise TransportError(
-            f"a body packed as {one_line(coding, _LONGEST_CODING)}, which was not asked for", again=False
+            "a body packed as {0}, which was not asked for", one_line(coding, _LONGEST_CODING), again=False
         )
     # 32: zlib or gzip by its header. Some servers leave the header of zlib out.
     for window_bits in (32 + zlib.MAX_WBITS, -zlib.MAX_WBITS):

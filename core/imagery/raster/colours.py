@@ -112,7 +112,7 @@ def _chosen(bands: Sequence[Band], stated: dict[str, int], plain: list[int]) -> 
         return stated["red"], stated["green"], stated["blue"]
     other = sorted(_OTHER_COLOURS & {colour.split(" ")[0].lower() for colour in stated})
     if other:
-        raise InvalidInput(f"its bands are {', '.join(other)}, and not red, green, blue or grey")
+        raise InvalidInput("its bands are {0}, and not red, green, blue or grey", ", ".join(other))
     if "palette" in stated:
         return (stated["palette"],)
     if len(plain) >= 3:
@@ -122,14 +122,16 @@ def _chosen(bands: Sequence[Band], stated: dict[str, int], plain: list[int]) -> 
     if "gray" in stated:
         return (stated["gray"],)
     kinds = ", ".join(band.colour for band in bands) or "none"
-    raise InvalidInput(f"its bands ({kinds}) are neither a grey one nor red, green and blue")
+    raise InvalidInput("its bands ({0}) are neither a grey one nor red, green and blue", kinds)
 
 
 def _check_type(index: int, band: Band) -> None:
     if band.data_type != "uint8":
         raise InvalidInput(
-            f"values of band {index} are {band.data_type}, and pictures have 8 bits: choose the range to show, as by "
-            "gdal_translate -ot Byte -scale"
+            "values of band {0} are {1}, and pictures have 8 bits: choose the range to show, as by "
+            "gdal_translate -ot Byte -scale",
+            index,
+            band.data_type,
         )
 
 

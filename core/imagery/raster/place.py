@@ -39,10 +39,10 @@ class Place:
 
     def __init__(self, facts: Facts) -> None:
         if facts.geotransform is None:
+            if facts.by_points:
+                raise InvalidInput("only ground control points place it: make a map of it first, by gdalwarp")
             raise InvalidInput(
-                "only ground control points place it: make a map of it first, by gdalwarp"
-                if facts.by_points
-                else "it does not say where its pixels lie: it has no geotransform and no world file"
+                "it does not say where its pixels lie: it has no geotransform and no world file"
             )
         if not facts.crs_wkt:
             raise InvalidInput(
@@ -55,13 +55,13 @@ class Place:
         with np.errstate(over="ignore", invalid="ignore"):
             places = np.isfinite(facts.geotransform).all() and np.linalg.det(self._steps) != 0.0
         if not places:
-            raise InvalidInput(f"its geotransform {facts.geotransform} places no pixel")
+            raise InvalidInput("its geotransform {0} places no pixel", facts.geotransform)
         self._width, self._height = facts.sizes[0]
         self._crs = _horizontal(facts.crs_wkt)
         try:
             self._to_map: Transformer | None = Transformer.from_crs(self._crs, _MAP, always_xy=True)
         except ProjError as wrong:
-            raise InvalidInput(f"{self._crs.name}: {' '.join(str(wrong).split())}") from wrong
+            raise InvalidInput("{0}: {1}", self._crs.name, " ".join(str(wrong).split())) from wrong
         self._period = self._turn()
         if self._is_on_the_map_grid():
             self._to_map, self._period = None, 2.0 * HALF_WORLD_M
@@ -176,5 +176,5 @@ def _horizontal(wkt: str) -> CRS:
     try:
         crs = CRS.from_wkt(wkt)
     except ProjError as wrong:
-        raise InvalidInput(f"its coordinate reference system: {' '.join(str(wrong).split())}") from wrong
+        raise InvalidInput("its coordinate reference system: {0}", " ".join(str(wrong).split())) from wrong
     return crs.sub_crs_list[0] if crs.is_compound else crs

@@ -14,7 +14,7 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from ...errors import Cancelled, InvalidInput
+from ...errors import Cancelled, InvalidInput, Message
 from .trust import DRIVERS, NAMES_OVERVIEWS, OVERVIEW_DOMAIN, OVERVIEW_FILE
 
 Bytes = NDArray[np.uint8]
@@ -97,7 +97,8 @@ class ReadError(Exception):
     """A library's own words on what it could not open or read, in one line; callers say of which file."""
 
     def __init__(self, words: object) -> None:
-        super().__init__(" ".join(str(words).split()) or "no reason given")
+        own = isinstance(words, Message)
+        super().__init__(words if own else " ".join(str(words).split()) or Message("no reason given"))
 
 
 class RasterFile(Protocol):
@@ -187,7 +188,7 @@ class GdalFile:
                 path, gdal.OF_RASTER, allowed_drivers=list(drivers), open_options=options
             )
         if self._dataset is None:
-            raise ReadError(said[0] if said else "no format that GDAL knows")
+            raise ReadError(said[0] if said else Message("no format that GDAL knows"))
 
     def facts(self) -> Facts:
         """Read what the file says of itself."""
@@ -246,7 +247,7 @@ class GdalFile:
 
 def _array(values: bytes | None, said: list[str], shape: tuple[int, ...]) -> Bytes:
     if said or values is None:
-        raise ReadError(said[0] if said else "no values")
+        raise ReadError(said[0] if said else Message("no values"))
     return np.frombuffer(values, np.uint8).reshape(shape)
 
 
@@ -374,7 +375,7 @@ class Pool:
         """
         with self._lock:
             if self._closed:
-                raise Cancelled(f"{self._path}: closed")
+                raise Cancelled("{0}: closed", self._path)
             free = self._free.setdefault(level, [])
             known = free.pop() if free else None
         file = known or self._open(self._path, level)

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ...errors import InvalidInput, PartError, SourceError
+from ...errors import InvalidInput, Message, PartError, SourceError
 from ...geodesy.mercator import PixelGrid
 from ...limits import MAX_METADATA_CHARACTERS
 from ...text import printable
@@ -87,7 +87,7 @@ def open_raster(path: str | os.PathLike[str], *, date: str = "") -> RasterSource
     try:
         drivers = drivers_for(file)
     except InvalidInput as wrong:
-        raise InvalidInput(f"{file}: {wrong}") from wrong
+        raise InvalidInput("{0}: {1}", file, wrong) from wrong
     pool = Pool(partial(opener(), drivers=drivers), file)
     try:
         with pool.lent(0) as raster:
@@ -95,10 +95,10 @@ def open_raster(path: str | os.PathLike[str], *, date: str = "") -> RasterSource
         return RasterSource(name, file, date or date_of_tags(facts.tags), facts, pool)
     except ReadError as wrong:
         pool.close()
-        raise InvalidInput(f"{file}: is no raster that can be read: {wrong}") from wrong
+        raise InvalidInput("{0}: is no raster that can be read: {1}", file, wrong) from wrong
     except InvalidInput as wrong:
         pool.close()
-        raise InvalidInput(f"{file}: {wrong}") from wrong
+        raise InvalidInput("{0}: {1}", file, wrong) from wrong
 
 
 class RasterSource:
@@ -116,8 +116,8 @@ class RasterSource:
 
     def __init__(self, name: str, path: str, date: str, facts: Facts, pool: Pool) -> None:
         if not facts.bands:
-            inside = f"; name one of those within, such as {facts.parts[0]}" if facts.parts else ""
-            raise InvalidInput(f"is no raster itself{inside}")
+            inside = Message("name one of those within, such as {0}", facts.parts[0]) if facts.parts else None
+            raise InvalidInput("is no raster itself", remedy=inside)
         self.name = name
         self.title = Path(path).name
         self.date = date
@@ -163,13 +163,13 @@ class RasterSource:
         """
         if not self.grid.min_zoom <= part.zoom <= self.grid.max_zoom:
             raise InvalidInput(
-                f"zoom {part.zoom}: {self.title} has {self.grid.min_zoom} to {self.grid.max_zoom}"
+                "zoom {0}: {1} has {2} to {3}", part.zoom, self.title, self.grid.min_zoom, self.grid.max_zoom
             )
         if _state(self._path) != self._state:
             gone = self._state is not None and _state(self._path) is None
-            raise SourceError(
-                f"{self._path}: " + ("is gone" if gone else "has changed since it was opened; start anew")
-            )
+            if gone:
+                raise SourceError("{0}: is gone", self._path)
+            raise SourceError("{0}: has changed since it was opened", self._path, remedy="start anew")
         picture = self._mean_colours(boxes(*self._place.positions(part, self.grid)), part)
         return np.ascontiguousarray(picture[..., :3]) if bool(picture[..., 3].all()) else picture
 
@@ -198,8 +198,12 @@ class RasterSource:
             return np.zeros((part.height_px, part.width_px, 4), np.uint8)
         if box.width * box.height > MOST_PX:
             raise PartError(
-                f"{self.title}: a part of zoom {part.zoom} covers {box.width}x{box.height} px of it, which are too "
-                "many; give it overviews, by gdaladdo"
+                "{0}: a part of zoom {1} covers {2}x{3} px of it, which are too many",
+                self.title,
+                part.zoom,
+                box.width,
+                box.height,
+                remedy="give it overviews, by gdaladdo",
             )
         return means(self._read(level, box, x, y), over.scaled(box.left, box.top, x, y), x * y)
 
@@ -231,7 +235,7 @@ class RasterSource:
                     )
                 ]
         except ReadError as wrong:
-            raise PartError(f"{self.title}: cannot be read here: {wrong}") from wrong
+            raise PartError("{0}: cannot be read here: {1}", self.title, wrong) from wrong
         return strips[0] if len(strips) == 1 else np.concatenate(strips)
 
 
@@ -240,11 +244,11 @@ def _check_there(path: str) -> None:
         return
     try:
         if Path(path).is_dir():
-            raise InvalidInput(f"{path}: is a folder; name a raster file")
+            raise InvalidInput("{0}: is a folder", path, remedy="name a raster file")
         if not Path(path).is_file():
-            raise InvalidInput(f"{path}: there is no such file")
+            raise InvalidInput("{0}: there is no such file", path)
     except OSError as wrong:
-        raise InvalidInput(f"{path}: cannot be read ({wrong.strerror})") from wrong
+        raise InvalidInput("{0}: cannot be read ({1})", path, wrong.strerror) from wrong
 
 
 def _state(path: str) -> tuple[int, int] | None:
@@ -300,7 +304,7 @@ def checked_date(text: str) -> str:
     except (ValueError, TypeError):
         numbers = []
     if not numbers:
-        raise InvalidInput(f"date {text!r}: must be YYYY-MM-DD, YYYY-MM or YYYY")
+        raise InvalidInput("date {0!r}: must be YYYY-MM-DD, YYYY-MM or YYYY", text, field="date")
     return "-".join(numbers)
 
 
@@ -338,16 +342,17 @@ def file_of(path: str, date: str) -> tuple[str, str]:
         return path, date
     if path.startswith("/vsi"):
         if not date:
-            raise InvalidInput(f"{path}: say which date")
+            raise InvalidInput("{0}: say which date", path, field="date")
         return path.replace(PLACEHOLDER, date), date
     files = _files(path)
     if date in files:
         return files[date], date
     dates = sorted(files)
-    named = ", ".join(dates[-_MOST_NAMED:]) or "none"
-    more = f"{len(dates) - _MOST_NAMED} earlier ones and " if len(dates) > _MOST_NAMED else ""
-    missing = f"there is none of {date}" if date else "say which date"
-    raise InvalidInput(f"{path}: {missing}; dates there are: {more}{named}")
+    named: str = ", ".join(dates[-_MOST_NAMED:]) or Message("none")
+    if len(dates) > _MOST_NAMED:
+        named = Message("{0} earlier ones and {1}", len(dates) - _MOST_NAMED, named)
+    missing = Message("there is none of {0}", date) if date else Message("say which date")
+    raise InvalidInput("{0}: {1}; dates there are: {2}", path, missing, named, field="date")
 
 
 def _files(path: str) -> dict[str, str]:

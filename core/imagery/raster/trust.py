@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import unquote
 
-from ...errors import InvalidInput
+from ...errors import InvalidInput, Message
 from ...files import is_there
 from ...limits import MAX_VRT_BYTES, MAX_VRT_DEPTH
 from ..template import check_address
@@ -70,7 +70,7 @@ _TEXTS = frozenset("srs mdi description copyright targetsrs sourcesrs category".
 _ELSEWHERE = re.compile(r"/vsi|://|<|\bvrt:|^[a-z][a-z0-9_]+:", re.IGNORECASE)
 #: Metadata by which a raster of any format names a file that GDAL then reads as its overviews.
 OVERVIEW_FILE, OVERVIEW_DOMAIN = "OVERVIEW_FILE", "OVERVIEWS"
-NAMES_OVERVIEWS = "names another file for its overviews, which is not read"
+NAMES_OVERVIEWS = Message("names another file for its overviews, which is not read")
 #: What names other files in metadata that GDAL writes beside and into rasters.
 _NAMED_BESIDE = re.compile(f"{OVERVIEW_FILE}|/vsi|_DATASET", re.IGNORECASE)
 _NAMED_WITHIN = re.compile(OVERVIEW_FILE, re.IGNORECASE)
@@ -113,7 +113,9 @@ def check_virtual(path: str) -> None:
         raise InvalidInput("raster file /vsi…: holds credentials; no credentials may stand in it")
     # Of whatever scheme, with however many slashes, as curl takes them; a letter alone is a drive.
     for found in re.finditer(r"[a-z][a-z0-9+.-]+:/+", plain, re.IGNORECASE):
-        check_address(f"http://{plain[found.end() :]}".replace(" ", "%20"), "address of a raster file")
+        check_address(
+            f"http://{plain[found.end() :]}".replace(" ", "%20"), Message("address of a raster file")
+        )
 
 
 def drivers_for(path: str) -> list[str]:
@@ -147,7 +149,7 @@ def _check(file: Path, folders: tuple[Path, ...], depth: int, seen: set[Path]) -
         return
     seen.add(whole)
     if depth > MAX_VRT_DEPTH:
-        raise InvalidInput(f"reads {file.name} within more than {MAX_VRT_DEPTH} others")
+        raise InvalidInput("reads {0} within more than {1} others", file.name, MAX_VRT_DEPTH)
     head = _head(file)
     if _VRT.search(head):
         for name, relative in _named(file):
@@ -155,20 +157,21 @@ def _check(file: Path, folders: tuple[Path, ...], depth: int, seen: set[Path]) -
                 _check_source(file, source, folders, depth, seen)
     elif _DESCRIPTIONS.search(head):
         raise InvalidInput(
-            f"{file.name} describes a service or a collection, whose requests keep to no terms; name the service "
-            "itself: wms:URL, wmts:URL or a URL template"
+            "{0} describes a service or a collection, whose requests keep to no terms",
+            file.name,
+            remedy="name the service itself: wms:URL, wmts:URL or a URL template",
         )
     elif depth and head and not head.startswith(_MAGIC):
-        raise InvalidInput(f"{file.name} is of no format of pictures that a VRT may read here")
+        raise InvalidInput("{0} is of no format of pictures that a VRT may read here", file.name)
     for ending in _COMPANIONS:
         beside = file.with_name(file.name + ending)
         if is_there(beside):
             _check(beside, folders, depth + 1, seen)
     aux = file.with_name(file.name + ".aux.xml")
     if _names(_NAMED_BESIDE, _head(aux, MAX_VRT_BYTES) if is_there(aux) else b""):
-        raise InvalidInput(f"{aux.name} names other files, which are not read")
+        raise InvalidInput("{0} names other files, which are not read", aux.name)
     if _names(_NAMED_WITHIN, _tiff_metadata(file, head)):
-        raise InvalidInput(f"{file.name} {NAMES_OVERVIEWS}")
+        raise InvalidInput("{0} {1}", file.name, NAMES_OVERVIEWS)
 
 
 def _names(what: re.Pattern[str], metadata: bytes) -> bool:
@@ -193,7 +196,7 @@ def _tiff_metadata(file: Path, head: bytes) -> bytes:
                     opened.seek(struct.unpack(order + offset_kind, value)[0])
                     if length > MAX_VRT_BYTES:
                         raise InvalidInput(
-                            f"{file.name} holds more than {MAX_VRT_BYTES >> 20} MB of metadata"
+                            "{0} holds more than {1} MB of metadata", file.name, MAX_VRT_BYTES >> 20
                         )
                     metadata: bytes = opened.read(length)
                     return metadata
@@ -209,7 +212,10 @@ def _check_source(vrt: Path, source: Path, folders: tuple[Path, ...], depth: int
     within = _real(source)
     if not any(_is_within(within, _real(folder)) for folder in folders):
         raise InvalidInput(
-            f"{vrt.name} reads {source}, which is not beside it; set {FOLDERS_ENV}={source.parent} if that is right"
+            "{0} reads {1}, which is not beside it",
+            vrt.name,
+            source,
+            remedy=Message("set {0}={1} if that is right", FOLDERS_ENV, source.parent),
         )
     if is_there(source):
         _check(source, folders, depth + 1, seen)
@@ -229,7 +235,9 @@ def _places(vrt: Path, name: str, relative: str | None) -> Iterator[Path]:
     name = name.strip()
     inside = Path(name).is_absolute() and not name.startswith("/vsi")
     if "<" in name or not (inside or _ELSEWHERE.search(name) is None):
-        raise InvalidInput(f"{vrt.name} reads {name.partition('?')[0][:80]!r}, which is no file beside it")
+        raise InvalidInput(
+            "{0} reads {1!r}, which is no file beside it", vrt.name, name.partition("?")[0][:80]
+        )
     if relative != "1":
         yield Path.cwd() / name
     if relative != "0":
@@ -242,14 +250,14 @@ def _head(file: Path, size: int = _HEAD_BYTES) -> bytes:
         with file.open("rb") as opened:
             return opened.read(size)
     except OSError as wrong:
-        raise InvalidInput(f"{file.name}: cannot be read ({wrong.strerror})") from wrong
+        raise InvalidInput("{0}: cannot be read ({1})", file.name, wrong.strerror) from wrong
 
 
 def _named(vrt: Path) -> list[tuple[str, str | None]]:
     """Names of data in a VRT, and whether each is relative to it ("1") as GDAL reads that."""
     body = _head(vrt, MAX_VRT_BYTES + 1)
     if len(body) > MAX_VRT_BYTES:
-        raise InvalidInput(f"{vrt.name}: is a VRT of more than {MAX_VRT_BYTES >> 20} MB")
+        raise InvalidInput("{0}: is a VRT of more than {1} MB", vrt.name, MAX_VRT_BYTES >> 20)
     reader = _Reader(vrt)
     expat: Any = importlib.import_module("xml.parsers.expat")
     parser = expat.ParserCreate("utf-8")
@@ -262,7 +270,7 @@ def _named(vrt: Path) -> list[tuple[str, str | None]]:
     try:
         parser.Parse(body, True)
     except expat.ExpatError as broken:
-        raise InvalidInput(f"{vrt.name}: is a VRT that cannot be read ({broken})") from broken
+        raise InvalidInput("{0}: is a VRT that cannot be read ({1})", vrt.name, broken) from broken
     return reader.found
 
 
@@ -303,7 +311,7 @@ class _Reader:
             self.refuse()
 
     def refuse(self, *_: object) -> None:
-        raise InvalidInput(f"{self._vrt.name}: is a VRT with more in it than bands of files")
+        raise InvalidInput("{0}: is a VRT with more in it than bands of files", self._vrt.name)
 
     def _take_text(self) -> None:
         words, self._text = "".join(self._text).strip(), []

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 from urllib.parse import parse_qsl, quote, urlencode, urlsplit, urlunsplit
 
-from ...errors import InvalidInput, PartError, SourceError, TerrAInavError
+from ...errors import InvalidInput, Message, PartError, SourceError, TerrAInavError
 from ...limits import MAX_CAPABILITIES_BYTES
 from ...text import MASK, Secrets, one_line
 from ..entry import WORLD_DEG
@@ -65,12 +65,15 @@ class Service:
         kind, _, rest = name.partition(":")
         kind = kind.lower()
         address, _, fragment = rest.partition("#")
-        check_address(address, f"address of a {kind.upper()}")
+        check_address(address, Message("address of a {0}", kind.upper()))
         choices = {}
         for choice, value in parse_qsl(fragment, keep_blank_values=True):
             if choice.lower() not in CHOICES[kind]:
                 raise InvalidInput(
-                    f"choice {choice!r} of a {kind.upper()}: must be one of {', '.join(CHOICES[kind])}"
+                    "choice {0!r} of a {1}: must be one of {2}",
+                    choice,
+                    kind.upper(),
+                    ", ".join(CHOICES[kind]),
                 )
             choices[choice.lower()] = value
         return cls(kind, address, choices)
@@ -122,8 +125,8 @@ class Document:
 
     def wrong(self, reason: str) -> SourceError:
         """Error about this document, in one line and without the key."""
-        text = f"{self.service.kind.upper()} of {self.service.host}: {reason}"
-        return SourceError(self.secrets.masked(text).replace("{key}", MASK))
+        text = Message("{0} of {1}: {2}", self.service.kind.upper(), self.service.host, reason)
+        return SourceError(text.with_texts(lambda one: self.secrets.masked(one).replace("{key}", MASK)))
 
     def without_key(self, text: str) -> str:
         """Put {key} where the key stands."""
@@ -143,9 +146,9 @@ def fetched(service: Service, key: str, transport: Transport | None) -> Document
     secrets = (key,) if key else ()
     client = Client(used, service.host, connections=1, secrets=secrets, tries=_TRIES)
     try:
-        response = client.get(url, "capabilities")
+        response = client.get(url, Message("capabilities"))
     except PartError as failure:
-        raise SourceError(f"{service.host}: {failure}") from None
+        raise SourceError("{0}: {1}", service.host, failure) from None
     finally:
         # A transport that was given goes on to fetch the tiles.
         if transport is None:
@@ -153,15 +156,19 @@ def fetched(service: Service, key: str, transport: Transport | None) -> Document
     document = Document(service, None, url, Secrets(secrets))
     body = response.body
     if len(body) > MAX_CAPABILITIES_BYTES:
-        raise document.wrong(f"capabilities of more than {MAX_CAPABILITIES_BYTES} bytes")
+        raise document.wrong(Message("capabilities of more than {0} bytes", MAX_CAPABILITIES_BYTES))
     plain = body.replace(b"\0", b"")
     found = [kind for kind, root in _ROOTS.items() if re.search(root, plain)]
     if not found:
         message = client.message(response)
-        raise document.wrong(f"no capabilities at this address{f': {message}' if message else ''}")
+        raise document.wrong(Message("no capabilities at this address{0}", f": {message}" if message else ""))
     if service.kind not in found:
         raise document.wrong(
-            f"the capabilities at this address are of a {found[0].upper()}: write {found[0]}:URL"
+            Message(
+                "the capabilities at this address are of a {0}: write {1}:URL",
+                found[0].upper(),
+                found[0],
+            )
         )
     with reading(document):
         root = root_of(body)
@@ -198,13 +205,17 @@ def reading(document: Document) -> Iterator[None]:
         raise
     except ImportError as missing:
         raise SourceError(
-            f"source {document.service.kind}:{document.service.host}: needs OWSLib: pip install owslib"
+            "source {0}:{1}: needs OWSLib: pip install owslib", document.service.kind, document.service.host
         ) from missing
     except UnreadableXMLError as wrong:
-        raise document.wrong(f"capabilities that cannot be read: {wrong}") from None
+        raise document.wrong(Message("capabilities that cannot be read: {0}", wrong)) from None
     except (ArithmeticError, AttributeError, LookupError, SyntaxError, TypeError, ValueError) as broken:
         raise document.wrong(
-            f"capabilities that cannot be read ({type(broken).__name__}: {one_line(str(broken))})"
+            Message(
+                "capabilities that cannot be read ({0}: {1})",
+                type(broken).__name__,
+                one_line(str(broken)),
+            )
         ) from broken
 
 
@@ -229,15 +240,18 @@ def chosen_one(document: Document, what: str, wanted: str | None, offered: Mappi
     if wanted is None and len(offered) == 1:
         return next(iter(offered))
     host = document.service.host
-    names = ", ".join(list(offered)[:NAMED]) + (
-        f" and {len(offered) - NAMED} more" if len(offered) > NAMED else ""
-    )
+    names: str = ", ".join(list(offered)[:NAMED])
+    if len(offered) > NAMED:
+        names = Message("{0} and {1} more", names, len(offered) - NAMED)
     if wanted is None:
         raise InvalidInput(
-            f"{document.service.kind.upper()} of {host}: say which with #{what}=…: {names or 'it offers none'}; "
-            "`terrainav sources show` lists them"
+            "{0} of {1}: say which with #{2}=…: {3}; `terrainav sources show` lists them",
+            document.service.kind.upper(),
+            host,
+            what,
+            names or Message("it offers none"),
         )
-    raise InvalidInput(f"{what} {wanted!r}: {host} offers {names or 'none'}")
+    raise InvalidInput("{0} {1!r}: {2} offers {3}", what, wanted, host, names or Message("none"))
 
 
 def chosen_format(document: Document, offered: list[str]) -> str:
@@ -252,7 +266,9 @@ def chosen_format(document: Document, offered: list[str]) -> str:
             return kind
     if known:
         return known[0]
-    raise document.wrong(f"offers {', '.join(offered) or 'no format'}, and none of {', '.join(FORMATS)}")
+    raise document.wrong(
+        Message("offers {0}, and none of {1}", ", ".join(offered) or Message("no format"), ", ".join(FORMATS))
+    )
 
 
 def policy_of(identification: Any) -> Policy:

@@ -76,6 +76,6 @@ class ServiceLayer(EntrySource):
             key = self.options.key or self.environment_key()
             if not key:
                 raise SourceError(
-                    f"{self.service.host}: needs an API key: set the environment variable {KEY_ENV}"
+                    "{0}: needs an API key: set the environment variable {1}", self.service.host, KEY_ENV
                 )
         return fetched(self.service, key or "", self.options.transport)

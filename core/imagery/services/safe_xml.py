@@ -11,6 +11,7 @@ import importlib
 import re
 from typing import Any
 
+from ...errors import Message
 from ...limits import (
     MAX_CAPABILITIES_BYTES,
     MAX_SERVICE_LAYERS,
@@ -73,11 +74,13 @@ def text_of(body: bytes) -> str:
         except LookupError:
             encoding = ""
         if encoding not in _ENCODINGS:
-            raise UnreadableXMLError(f"encoding {stated}: must be {_ENCODINGS_TOLD}")
+            raise UnreadableXMLError(Message("encoding {0}: must be {1}", stated, _ENCODINGS_TOLD))
     try:
         text = body.decode(encoding)
     except UnicodeDecodeError:
-        raise UnreadableXMLError(f"is not {encoding}; must be {_ENCODINGS_TOLD}, and say which") from None
+        raise UnreadableXMLError(
+            Message("is not {0}; must be {1}, and say which", encoding, _ENCODINGS_TOLD)
+        ) from None
     found_text = _DECLARATION.match(text, 0, _HEAD_CHARACTERS)
     return text[found_text.end() :] if found_text else text
 
@@ -93,7 +96,7 @@ def root_of(body: bytes) -> Any:
     """
     text = _without_wms_type(text_of(body))
     if _REFUSED.search(text):
-        raise UnreadableXMLError("a document type or entities of its own, which are not read")
+        raise UnreadableXMLError(Message("a document type or entities of its own, which are not read"))
     _check_size(text)
     etree = importlib.import_module("lxml.etree")
     parser = etree.XMLParser(
@@ -113,7 +116,7 @@ def root_of(body: bytes) -> Any:
     except etree.XMLSyntaxError as broken:
         raise UnreadableXMLError(one_line(str(broken))) from None
     if root.xpath(f"boolean({'/*' * (MAX_XML_DEPTH + 1)})"):
-        raise UnreadableXMLError(f"elements within each other, more than {MAX_XML_DEPTH} deep")
+        raise UnreadableXMLError(Message("elements within each other, more than {0} deep", MAX_XML_DEPTH))
     _check_layers(root)
     return root
 
@@ -138,24 +141,28 @@ def _check_size(text: str) -> None:
     """Refuse what would take memory or time beyond measure, before it is parsed."""
     if len(text) > MAX_CAPABILITIES_BYTES or text.count("<") > 2 * MAX_XML_ELEMENTS:
         raise UnreadableXMLError(
-            f"more than {MAX_CAPABILITIES_BYTES >> 20} MB or {MAX_XML_ELEMENTS:,} elements"
+            Message(
+                "more than {0} MB or {1:,} elements",
+                MAX_CAPABILITIES_BYTES >> 20,
+                MAX_XML_ELEMENTS,
+            )
         )
     for piece in text.split("<"):
         # Parsers compare each attribute of an element with all others. None is shorter than `a=""` with its space.
         if len(piece) > 5 * MAX_XML_ATTRIBUTES and piece.count("=") > MAX_XML_ATTRIBUTES:
-            raise UnreadableXMLError(f"more than {MAX_XML_ATTRIBUTES:,} attributes of one element")
+            raise UnreadableXMLError(Message("more than {0:,} attributes of one element", MAX_XML_ATTRIBUTES))
     names = set()
     for found in _NAME.finditer(text):
         names.add(found.group())
         # Parsers keep each of them, in a table that does not grow with them.
         if len(names) > MAX_XML_NAMES:
-            raise UnreadableXMLError(f"more than {MAX_XML_NAMES:,} different names")
+            raise UnreadableXMLError(Message("more than {0:,} different names", MAX_XML_NAMES))
 
 
 def _check_layers(root: Any) -> None:
     """Refuse more layers than memory and time are for, or what they pass on to those within: OWSLib copies it."""
     if sum(1 for _ in root.iter("{*}Layer", "{*}Style")) > MAX_SERVICE_LAYERS:
-        raise UnreadableXMLError(f"more than {MAX_SERVICE_LAYERS:,} layers and styles")
+        raise UnreadableXMLError(Message("more than {0:,} layers and styles", MAX_SERVICE_LAYERS))
     total = 0
     # Of each layer, after those around it: how deep it is, and how much it passes on.
     known: dict[Any, tuple[int, int]] = {}
@@ -170,7 +177,10 @@ def _check_layers(root: Any) -> None:
         total += depth * (1 + passed_on + len(layer))
         if total > MAX_XML_INHERITED:
             raise UnreadableXMLError(
-                f"layers that pass on more than {MAX_XML_INHERITED:,} properties to those within them"
+                Message(
+                    "layers that pass on more than {0:,} properties to those within them",
+                    MAX_XML_INHERITED,
+                )
             )
 
 

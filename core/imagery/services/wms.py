@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from typing import Any
 from urllib.parse import urljoin
 
-from ...errors import InvalidInput
+from ...errors import InvalidInput, Message
 from ...geodesy.mercator import HALF_WORLD_M
 from ...text import one_line
 from ..catalogue import DEFAULT_MAX_ZOOM
@@ -100,7 +100,7 @@ def _service(document: Document) -> tuple[str, Any]:
     read = importlib.import_module("owslib.wms").WebMapService
     version = document.root.get("version") or VERSIONS[0]
     if version not in VERSIONS:
-        raise document.wrong(f"speaks version {version}; must be {' or '.join(VERSIONS)}")
+        raise document.wrong(Message("speaks version {0}; must be {1}", version, " or ".join(VERSIONS)))
     return version, read(document.service.address, version=version, xml=written(document.root))
 
 
@@ -109,15 +109,19 @@ def _crs(document: Document, layers: Sequence[Any]) -> str:
     for crs in MERCATOR:
         if crs in offered:
             return crs
-    names = ", ".join(sorted(offered)[:NAMED]) or "none"
+    names = ", ".join(sorted(offered)[:NAMED]) or Message("none")
     raise InvalidInput(
-        f"layer {layers[0].id!r} of {document.service.host}: is offered in {names}; needs {MERCATOR[0]}"
+        "layer {0!r} of {1}: is offered in {2}; needs {3}",
+        layers[0].id,
+        document.service.host,
+        names,
+        MERCATOR[0],
     )
 
 
 def _check_styles(document: Document, layers: Sequence[Any], styles: Sequence[str]) -> None:
     if len(styles) != len(layers):
-        raise InvalidInput(f"styles {','.join(styles)!r}: must be one for each of {len(layers)} layers")
+        raise InvalidInput("styles {0!r}: must be one for each of {1} layers", ",".join(styles), len(layers))
     for layer, style in zip(layers, styles):
         if style and style not in layer.styles:
             chosen_one(document, "styles", style, layer.styles)

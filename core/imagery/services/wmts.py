@@ -125,8 +125,11 @@ def _quad(document: Document, service: Any, layer: Any) -> tuple[str, int, dict[
             f"{name} ({service.tilematrixsets[name].crs})" for name in list(layer.tilematrixsetlinks)[:NAMED]
         )
         raise InvalidInput(
-            f"layer {layer.id!r} of {document.service.host}: has tiles in {one_line(offered)} only; needs a "
-            "Web-Mercator quad, such as WebMercatorQuad or GoogleMapsCompatible"
+            "layer {0!r} of {1}: has tiles in {2} only; needs a Web-Mercator quad, such as WebMercatorQuad "
+            "or GoogleMapsCompatible",
+            layer.id,
+            document.service.host,
+            one_line(offered),
         )
     if wanted is not None:
         name = chosen_one(document, "tilematrixset", wanted, {name: name for name in found})

@@ -10,7 +10,7 @@ from itertools import chain
 from pathlib import Path
 from typing import Any
 
-from ...errors import OutputError
+from ...errors import Message, OutputError
 from ...files import partial_file
 from ..plan import Plan
 from .rows import POSE_COLUMNS, Corners, batches, clock, closed_rings, parts
@@ -30,7 +30,9 @@ def geopackage_notes(plan: Plan) -> tuple[str, ...]:
     if plan.nominal is None:
         return ()
     return (
-        "footprints and captures are those of the flight in wind, the flight line is the one that was meant",
+        Message(
+            "footprints and captures are those of the flight in wind, the flight line is the one that was meant"
+        ),
     )
 
 
@@ -46,8 +48,9 @@ def write_geopackage(plan: Plan, path: Path) -> None:
         from osgeo import ogr
     except ImportError as missing:
         raise OutputError(
-            f"{path}: GeoPackages need GDAL's Python module (osgeo), which QGIS brings along; install it, or choose "
-            ".geojson"
+            "{0}: GeoPackages need GDAL's Python module (osgeo), which QGIS brings along",
+            path,
+            remedy="install it, or choose .geojson",
         ) from missing
     try:
         with (
@@ -57,7 +60,9 @@ def write_geopackage(plan: Plan, path: Path) -> None:
         ):
             _write(ogr, plan, partial, failed)
     except OSError as wrong:
-        raise OutputError(f"folder {path.parent}: cannot write {path.name} ({wrong.strerror})") from wrong
+        raise OutputError(
+            "folder {0}: cannot write {1} ({2})", path.parent, path.name, wrong.strerror
+        ) from wrong
 
 
 @contextmanager
@@ -90,14 +95,14 @@ def _heard(path: Path) -> Iterator[Callable[[], None]]:
 
     def failed() -> None:
         if said:
-            raise OutputError(f"{path}: cannot be written ({said[0]})")
+            raise OutputError("{0}: cannot be written ({1})", path, said[0])
 
     gdal.PushErrorHandler(hear)
     try:
         yield failed
         failed()
     except RuntimeError as wrong:
-        raise OutputError(f"{path}: cannot be written ({said[0] if said else wrong})") from wrong
+        raise OutputError("{0}: cannot be written ({1})", path, said[0] if said else wrong) from wrong
     finally:
         gdal.PopErrorHandler()
 
@@ -161,7 +166,9 @@ def _fill(ogr: Any, layer: Any, plan: Plan, shapes: Iterator[bytes], failed: Cal
     columns = list(enumerate(POSE_COLUMNS))
     at_time = len(columns)
     for part, batch in zip(parts(len(plan)), batches(plan)):
-        rows = zip(*(batch[name] for name in POSE_COLUMNS), clock(plan.mission.start, plan.times_s[part]))
+        rows = zip(
+            *(batch[name] for name in POSE_COLUMNS), clock(plan.mission.flight.start, plan.times_s[part])
+        )
         for row, shape in zip(rows, shapes):
             feature = ogr.Feature(definition)
             for index, _ in columns:

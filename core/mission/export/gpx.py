@@ -9,6 +9,7 @@ from __future__ import annotations
 import html
 from collections.abc import Iterator
 
+from ...errors import Message
 from ..plan import Plan
 from .rows import parts
 from .waypoints import Waypoint, not_flown, waypoints
@@ -23,7 +24,7 @@ def gpx_text(plan: Plan) -> Iterator[str]:
         '<?xml version="1.0" encoding="UTF-8"?>\n'
         '<gpx version="1.1" creator="TerrAInav" xmlns="http://www.topografix.com/GPX/1/1" '
         f'xmlns:terrainav="{NAMESPACE}">\n'
-        f"<metadata><name>TerrAInav plan</name><time>{plan.mission.start}</time></metadata>\n"
+        f"<metadata><name>TerrAInav plan</name><time>{plan.mission.flight.start}</time></metadata>\n"
         "<rte><name>TerrAInav flight</name><desc>Heights are metres above ground</desc>\n"
     )
     flown = waypoints(plan)
@@ -36,7 +37,7 @@ def gpx_notes(plan: Plan) -> tuple[str, ...]:
     """What the route leaves out, one line each."""
     return (
         *not_flown(plan),
-        "heights are above ground, in each point's description; GPX's own are above the sea",
+        Message("heights are above ground, in each point's description; GPX's own are above the sea"),
     )
 
 

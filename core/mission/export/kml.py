@@ -5,6 +5,7 @@ from __future__ import annotations
 import html
 from collections.abc import Iterator
 
+from ...errors import Message
 from ..plan import Plan
 from .rows import Corners, closed_rings, parts
 from .waypoints import Waypoint, flight_line, waypoints
@@ -43,12 +44,18 @@ def kml_notes(plan: Plan) -> tuple[str, ...]:
     notes = []
     if plan.nominal is not None:
         notes.append(
-            "footprints are those of the flight in wind, waypoints and flight line are those that were meant"
+            Message(
+                "footprints are those of the flight in wind, waypoints and flight line are those that were meant"
+            )
         )
     if len(plan) > MOST_MARKED:
         notes.append(
-            f"{len(plan):,} captures are more than Google Earth opens: the file has the flight line alone; footprints "
-            f"and waypoints come with up to {MOST_MARKED:,}"
+            Message(
+                "{0:,} captures are more than Google Earth opens: the file has the flight line alone; footprints and "
+                "waypoints come with up to {1:,}",
+                len(plan),
+                MOST_MARKED,
+            )
         )
     return tuple(notes)
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from ...errors import InvalidInput
+from ...errors import InvalidInput, Message
 from ..plan import Plan
 from .waypoints import Waypoint, not_flown, waypoints
 
@@ -36,20 +36,31 @@ def check_litchi(plan: Plan) -> None:
     """Raise InvalidInput for a mission that Litchi or DJI's drones do not take."""
     meant = plan.poses if plan.nominal is None else plan.nominal
     if len(plan) < FEWEST_WAYPOINTS:
-        raise InvalidInput("Litchi mission of one waypoint: takes two or more; plan a list or an area")
+        raise InvalidInput(
+            "Litchi mission of one waypoint: takes two or more",
+            remedy="plan a list or an area",
+        )
     if len(plan) > MOST_PARTS * MOST_WAYPOINTS:
         raise InvalidInput(
-            f"Litchi mission of {len(plan):,} waypoints: takes {MOST_PARTS * MOST_WAYPOINTS:,} or fewer; plan a "
-            "smaller area, a greater height or less overlap"
+            "Litchi mission of {0:,} waypoints: takes {1:,} or fewer",
+            len(plan),
+            MOST_PARTS * MOST_WAYPOINTS,
+            remedy="plan a smaller area, a greater height or less overlap",
         )
     highest = float(meant.agl_m.max())
     if highest > HIGHEST_M:
-        raise InvalidInput(f"Litchi mission at {highest:g} m: must be {HIGHEST_M:g} m above ground or less")
-    pitch = abs(plan.mission.tilt_deg) - 90.0
+        raise InvalidInput(
+            "Litchi mission at {0:g} m: must be {1:g} m above ground or less", highest, HIGHEST_M
+        )
+    pitch = abs(plan.mission.attitude.tilt_deg) - 90.0
     if pitch > _PITCHES_DEG[1]:
         raise InvalidInput(
-            f"Litchi mission with the gimbal lifted to {pitch:g} deg: must be {_PITCHES_DEG[0]:g} to "
-            f"{_PITCHES_DEG[1]:g}, a tilt of {90.0 + _PITCHES_DEG[1]:g} or less"
+            "Litchi mission with the gimbal lifted to {0:g} deg: must be {1:g} to {2:g}, a tilt of {3:g} or "
+            "less",
+            pitch,
+            _PITCHES_DEG[0],
+            _PITCHES_DEG[1],
+            90.0 + _PITCHES_DEG[1],
         )
 
 
@@ -58,7 +69,7 @@ def litchi_texts(plan: Plan) -> list[Iterator[str]]:
     count = len(plan)
     files = -(-count // MOST_WAYPOINTS)
     flown = waypoints(plan)
-    speed = min(plan.mission.airspeed_m_per_s, FASTEST_M_PER_S)
+    speed = min(plan.mission.flight.airspeed_m_per_s, FASTEST_M_PER_S)
     sizes = [count * (number + 1) // files - count * number // files for number in range(files)]
     # At most 10,000 waypoints: all of them may be in memory.
     return [
@@ -69,11 +80,17 @@ def litchi_texts(plan: Plan) -> list[Iterator[str]]:
 def litchi_notes(plan: Plan) -> tuple[str, ...]:
     """What the file cannot say, one line each."""
     notes = [
-        "in Litchi set Heading Mode to Custom and Path Mode to Straight Lines, which the file cannot say"
+        Message(
+            "in Litchi set Heading Mode to Custom and Path Mode to Straight Lines, which the file cannot say"
+        )
     ]
-    if plan.mission.airspeed_m_per_s > FASTEST_M_PER_S:
+    if plan.mission.flight.airspeed_m_per_s > FASTEST_M_PER_S:
         notes.append(
-            f"the speed of {plan.mission.airspeed_m_per_s:g} m/s is cut to Litchi's {FASTEST_M_PER_S:g} m/s"
+            Message(
+                "the speed of {0:g} m/s is cut to Litchi's {1:g} m/s",
+                plan.mission.flight.airspeed_m_per_s,
+                FASTEST_M_PER_S,
+            )
         )
     return (*not_flown(plan), *notes)
 

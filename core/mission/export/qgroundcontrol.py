@@ -11,7 +11,7 @@ from collections.abc import Iterator, Sequence
 from itertools import chain, islice
 from typing import Any, Union
 
-from ...errors import InvalidInput
+from ...errors import InvalidInput, Message
 from ..plan import Plan
 from .rows import BATCH
 from .waypoints import not_flown, waypoints
@@ -38,8 +38,10 @@ def check_qgroundcontrol(plan: Plan) -> None:
     most = (MOST_ITEMS - _AROUND) // _EACH
     if len(plan) > most:
         raise InvalidInput(
-            f"QGroundControl plan of {len(plan):,} waypoints: takes {most:,} or fewer; plan a smaller area, a greater "
-            "height or less overlap"
+            "QGroundControl plan of {0:,} waypoints: takes {1:,} or fewer",
+            len(plan),
+            most,
+            remedy="plan a smaller area, a greater height or less overlap",
         )
 
 
@@ -64,13 +66,15 @@ def qgroundcontrol_notes(plan: Plan) -> tuple[str, ...]:
     """What the plan cannot say, one line each."""
     return (
         *not_flown(plan),
-        "heights are over the place of take-off: as high above the ground only where the ground is level with it",
+        Message(
+            "heights are over the place of take-off: as high above the ground only where the ground is level with it"
+        ),
     )
 
 
 def _whole(plan: Plan) -> dict[str, Any]:
     first = next(waypoints(plan))
-    speed = plan.mission.airspeed_m_per_s
+    speed = plan.mission.flight.airspeed_m_per_s
     return {
         "fileType": "Plan",
         "geoFence": {"circles": [], "polygons": [], "version": 2},
@@ -81,7 +85,7 @@ def _whole(plan: Plan) -> dict[str, Any]:
             "globalPlanAltitudeMode": _ALTITUDE_RELATIVE,
             "hoverSpeed": speed,
             "items": [],
-            "plannedHomePosition": [first.lat_deg, first.lon_deg, plan.mission.ground_height_m],
+            "plannedHomePosition": [first.lat_deg, first.lon_deg, plan.mission.flight.ground_height_m],
             "vehicleType": _QUADROTOR,
             "version": 2,
         },
@@ -110,7 +114,7 @@ def _commands(plan: Plan) -> Iterator[tuple[int, int, Sequence[Number]]]:
     flown = waypoints(plan)
     first = next(flown)
     yield NAV_TAKEOFF, FRAME_RELATIVE, (0, 0, 0, None, first.lat_deg, first.lon_deg, first.agl_m)
-    speed = plan.mission.airspeed_m_per_s
+    speed = plan.mission.flight.airspeed_m_per_s
     yield DO_CHANGE_SPEED, FRAME_MISSION, (_GROUND_SPEED, speed, -1, 0, 0, 0, 0)
     yield DO_MOUNT_CONTROL, FRAME_MISSION, (first.gimbal_pitch_deg, 0, 0, 0, 0, 0, _MOUNT_BY_MAVLINK)
     for one in chain([first], flown):

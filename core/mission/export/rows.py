@@ -88,8 +88,11 @@ def clock(start: str, times_s: NDArray[np.float64]) -> list[str]:
     milliseconds = np.round((first - np.datetime64(0, "us")).astype(np.int64) / 1000.0 + times_s * 1000.0)
     if milliseconds.max() >= _YEAR_10000.astype(np.int64):
         raise InvalidInput(
-            f"start {start!r}: the flight of {times_s.max():.3g} s goes beyond the year 9999; start earlier",
-            "start",
+            "start {0!r}: the flight of {1:.3g} s goes beyond the year 9999",
+            start,
+            times_s.max(),
+            field="start",
+            remedy="start earlier",
         )
     texts = np.datetime_as_string(milliseconds.astype("datetime64[ms]"), unit="ms")
     return [f"{text}Z" for text in texts.tolist()]

@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ...errors import Message
 from ...geodesy.mercator import wrap_lon_deg
 from ..outlines import cut_line
 from ..plan import Plan
@@ -72,7 +73,7 @@ def waypoints(plan: Plan) -> Iterator[Waypoint]:
                 meant.agl_m[part].tolist(),
                 heading.tolist(),
                 (np.abs(meant.tilt_deg[part]) - 90.0).tolist(),
-                clock(plan.mission.start, plan.times_s[part]),
+                clock(plan.mission.flight.start, plan.times_s[part]),
             ),
         )
 
@@ -99,13 +100,18 @@ def flight_line(plan: Plan) -> list[tuple[Floats, Floats, Floats]]:
 def not_flown(plan: Plan) -> tuple[str, ...]:
     """What of a mission an autopilot's mission of waypoints cannot say, one line each."""
     notes = []
-    if plan.mission.roll_deg:
-        notes.append(f"the roll of {plan.mission.roll_deg:g} deg is left out: waypoints have none")
-    if plan.mission.tilt_deg < 0.0:
+    if plan.mission.attitude.roll_deg:
         notes.append(
-            f"the tilt of {plan.mission.tilt_deg:g} deg is flown with the aircraft turned around: same ground, "
-            "pictures upside down"
+            Message("the roll of {0:g} deg is left out: waypoints have none", plan.mission.attitude.roll_deg)
+        )
+    if plan.mission.attitude.tilt_deg < 0.0:
+        notes.append(
+            Message(
+                "the tilt of {0:g} deg is flown with the aircraft turned around: same ground, "
+                "pictures upside down",
+                plan.mission.attitude.tilt_deg,
+            )
         )
     if plan.nominal is not None:
-        notes.append("the wind is left out: the places are those that were meant")
+        notes.append(Message("the wind is left out: the places are those that were meant"))
     return tuple(notes)

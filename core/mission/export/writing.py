@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import NamedTuple
 
-from ...errors import InvalidInput
+from ...errors import InvalidInput, Message
 from ...files import write_whole
 from ..plan import Plan
 from .geojson import geojson_text
@@ -65,7 +65,7 @@ def _ending(path: str | os.PathLike[str]) -> str:
     ending = max((one for one in ENDINGS if name.endswith(one)), key=len, default=name)
     if name != ending:
         return ending
-    raise InvalidInput(f"plan file {os.fspath(path)!r}: must end in {', '.join(ENDINGS)}")
+    raise InvalidInput("plan file {0!r}: must end in {1}", os.fspath(path), ", ".join(ENDINGS))
 
 
 def write_plan(plan: Plan, path: str | os.PathLike[str]) -> Exported:
@@ -115,5 +115,8 @@ def _write_litchi(plan: Plan, target: Path) -> Exported:
         raise
     notes = litchi_notes(plan)
     if len(files) > 1:
-        notes = (f"{len(files)} parts of one flight, {files[0].name} to {files[-1].name}", *notes)
+        notes = (
+            Message("{0} parts of one flight, {1} to {2}", len(files), files[0].name, files[-1].name),
+            *notes,
+        )
     return Exported(tuple(files), notes)

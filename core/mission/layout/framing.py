@@ -10,7 +10,7 @@ from typing import NamedTuple, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from ...errors import InvalidInput
+from ...errors import InvalidInput, Message, OptionName
 from ...geodesy.accuracy import Scene
 from ...geodesy.camera import Poses
 from ...geodesy.ellipsoid import WGS84, Ellipsoid, trace
@@ -74,7 +74,7 @@ class Framing(Protocol):
 
 def ground_of(mission: Mission) -> Ellipsoid:
     """The ground of a mission, as an ellipsoid."""
-    return WGS84.raised(mission.ground_height_m) if mission.ground_height_m else WGS84
+    return WGS84.raised(mission.flight.ground_height_m) if mission.flight.ground_height_m else WGS84
 
 
 def framed(mission: Mission, grid: PixelGrid, framing: Framing, disturbed: Disturbed) -> Framed:
@@ -88,8 +88,8 @@ def framed(mission: Mission, grid: PixelGrid, framing: Framing, disturbed: Distu
 
     def laid_out(pixel: float) -> Layout:
         def frames(lat_deg: Floats) -> FrameEdges:
-            attitude = (mission.yaw_deg, mission.tilt_deg, mission.roll_deg)
-            height = np.broadcast_to(np.float64(mission.agl_m), lat_deg.shape)
+            attitude = (mission.attitude.yaw_deg, mission.attitude.tilt_deg, mission.attitude.roll_deg)
+            height = np.broadcast_to(np.float64(mission.flight.agl_m), lat_deg.shape)
             return framing.edges(Poses.of_attitude(lat_deg, np.zeros_like(lat_deg), height, *attitude), pixel)
 
         return lay_out(mission, frames, pixel)
@@ -157,7 +157,7 @@ def nominal_poses(mission: Mission, layout: Layout) -> Poses:
     """Poses of captures as they are meant to be."""
     tilt, roll = (
         np.broadcast_to(np.float64(angle), layout.lat_deg.shape)
-        for angle in (mission.tilt_deg, mission.roll_deg)
+        for angle in (mission.attitude.tilt_deg, mission.attitude.roll_deg)
     )
     return Poses(layout.lat_deg, layout.lon_deg, layout.agl_m, layout.yaw_deg, tilt, roll)
 
@@ -171,25 +171,31 @@ def _limit_px(mission: Mission, grid: PixelGrid) -> int:
 def _check_size(width_px: int, height_px: int, mission: Mission, grid: PixelGrid, *, coarsest: bool) -> None:
     """Refuse pictures that are larger than allowed; ``coarsest`` says that there are no coarser pixels to be had."""
     limit, longest_px = _limit_px(mission, grid), max(width_px, height_px)
-    ways_out = ["fly lower"]
+    way_out = Message("fly lower")
     if not coarsest:
-        coarser = "choose a lower zoom", "choose a larger ground sample distance"
-        ways_out = [coarser[mission.gsd_m_per_px is not None]]
+        coarser = Message("choose a lower zoom"), Message("choose a larger ground sample distance")
+        way_out = coarser[mission.pixels.gsd_m_per_px is not None]
     if longest_px <= limit:
         if width_px * height_px <= MAX_PICTURE_PX:
             return
-        if not coarsest and mission.zoom is None and mission.gsd_m_per_px is None:
-            ways_out.append("or make them smaller (--max-px)")
+        if not coarsest and mission.pixels.zoom is None and mission.pixels.gsd_m_per_px is None:
+            way_out = Message("{0}, or make them smaller ({1})", way_out, OptionName("max_px"))
         raise InvalidInput(
-            f"pictures of {width_px:,} x {height_px:,} px: {MAX_PICTURE_PX:,} px in all are allowed; "
-            f"{', '.join(ways_out)}",
-            "max_px",
+            "pictures of {0:,} x {1:,} px: {2:,} px in all are allowed",
+            width_px,
+            height_px,
+            MAX_PICTURE_PX,
+            field="max_px",
+            remedy=way_out,
         )
     if mission.limit_px is not None and mission.limit_px * grid.scale == limit:
-        ways_out.append("or allow larger pictures (--max-px)")
+        way_out = Message("{0}, or allow larger pictures ({1})", way_out, OptionName("max_px"))
     raise InvalidInput(
-        f"pictures of {longest_px:,} px: the longest side allowed here is {limit:,} px; {', '.join(ways_out)}",
-        "max_px",
+        "pictures of {0:,} px: the longest side allowed here is {1:,} px",
+        longest_px,
+        limit,
+        field="max_px",
+        remedy=way_out,
     )
 
 
@@ -201,23 +207,27 @@ def _nearest_zoom(mission: Mission, grid: PixelGrid, layout: Layout, px_m: Float
 
 
 def _highest(mission: Mission, grid: PixelGrid) -> int:
-    return grid.max_zoom if mission.upsample else grid.native_zoom
+    return grid.max_zoom if mission.pixels.upsample else grid.native_zoom
 
 
 def sampled_zooms(mission: Mission, grid: PixelGrid) -> tuple[int, int]:
     """Lowest and highest zoom that camera frames take their pixels from."""
-    highest = _highest(mission, grid) if mission.zoom is None else mission.zoom
+    highest = _highest(mission, grid) if mission.pixels.zoom is None else mission.pixels.zoom
     return grid.min_zoom, max(highest, grid.min_zoom)
 
 
 def _checked_zoom(zoom: int, mission: Mission, grid: PixelGrid) -> int:
     if not grid.min_zoom <= zoom <= grid.max_zoom:
-        raise InvalidInput(f"zoom {zoom}: the source has {grid.min_zoom} to {grid.max_zoom}", "zoom")
+        raise InvalidInput(
+            "zoom {0}: the source has {1} to {2}", zoom, grid.min_zoom, grid.max_zoom, field="zoom"
+        )
     if zoom > _highest(mission, grid):
         raise InvalidInput(
-            f"zoom {zoom}: the source's own pixels end at zoom {grid.native_zoom}; ask for that, or allow enlarged "
-            "pixels (--upsample)",
-            "zoom",
+            "zoom {0}: the source's own pixels end at zoom {1}",
+            zoom,
+            grid.native_zoom,
+            field="zoom",
+            remedy=Message("ask for that, or allow enlarged pixels ({0})", OptionName("upsample")),
         )
     return zoom
 
@@ -239,17 +249,17 @@ class MapFraming:
     def zoom(self, layout: Layout) -> int:
         """Return the zoom asked for, or the one nearest to the camera's pixels as far as size and limits allow."""
         mission, grid = self.mission, self.grid
-        if mission.zoom is not None:
-            return _checked_zoom(mission.zoom, mission, grid)
-        if mission.gsd_m_per_px is not None:
-            return _zoom_for_gsd(mission.gsd_m_per_px, grid, layout.lat_deg, _highest(mission, grid))
-        camera_px_m = mission.camera.gsd_m_per_px(1.0, mission.image_px) * layout.agl_m
+        if mission.pixels.zoom is not None:
+            return _checked_zoom(mission.pixels.zoom, mission, grid)
+        if mission.pixels.gsd_m_per_px is not None:
+            return _zoom_for_gsd(mission.pixels.gsd_m_per_px, grid, layout.lat_deg, _highest(mission, grid))
+        camera_px_m = mission.camera.gsd_m_per_px(1.0, mission.pixels.image_px) * layout.agl_m
         zoom = _nearest_zoom(mission, grid, layout, camera_px_m)
         poses = Poses.level(layout.lat_deg, layout.lon_deg, layout.agl_m)
         first, run = poses.runs()
         edges = self.edges(poses.take(first), 0.0)
-        if mission.img_size is not None:
-            zoom = max(min(zoom, _zoom_for_size(mission.img_size, edges, grid)), grid.min_zoom)
+        if mission.output.img_size is not None:
+            zoom = max(min(zoom, _zoom_for_size(mission.output.img_size, edges, grid)), grid.min_zoom)
         return self._fitting(zoom, edges, run, layout.lon_deg)
 
     def _fitting(self, zoom: int, edges: FrameEdges, run: NDArray[np.intp], lon_deg: Floats) -> int:
@@ -287,48 +297,58 @@ class CameraFraming:
         """Size of the images: as fine as the zoom or the distance asked for, else the camera's as far as allowed."""
         mission, grid = self.mission, self.grid
         aspect = mission.camera.aspect_ratio
-        longest = float(min(mission.image_px, _limit_px(mission, grid)))
+        longest = float(min(mission.pixels.image_px, _limit_px(mission, grid)))
         width = longest if aspect >= 1.0 else longest * aspect
-        if mission.img_size is not None:
-            width = min(width, max(float(mission.img_size[0]), mission.img_size[1] * aspect))
+        if mission.output.img_size is not None:
+            width = min(width, max(float(mission.output.img_size[0]), mission.output.img_size[1] * aspect))
         ground_m = mission.camera.ground_size_m(float(np.median(layout.agl_m)))[0]
         finest_m = float(np.median(grid.ground_m_per_px(layout.lat_deg, _highest(mission, grid))))
-        if mission.gsd_m_per_px is not None:
-            if mission.gsd_m_per_px < finest_m * _SAME_SIZE:
-                raise _too_fine(mission.gsd_m_per_px, finest_m)
-            width = ground_m / mission.gsd_m_per_px
-        elif mission.zoom is not None:
-            width = ground_m / float(np.median(grid.ground_m_per_px(layout.lat_deg, mission.zoom)))
-        elif not mission.upsample:
+        if mission.pixels.gsd_m_per_px is not None:
+            if mission.pixels.gsd_m_per_px < finest_m * _SAME_SIZE:
+                raise _too_fine(mission.pixels.gsd_m_per_px, finest_m)
+            width = ground_m / mission.pixels.gsd_m_per_px
+        elif mission.pixels.zoom is not None:
+            width = ground_m / float(np.median(grid.ground_m_per_px(layout.lat_deg, mission.pixels.zoom)))
+        elif not mission.pixels.upsample:
             width = min(width, max(ground_m / finest_m, 1.0, aspect))
         size = round(width), round(width / aspect)
         if min(size) < 1:
             raise self._under_one_pixel(width, width / aspect)
-        _check_size(*size, mission, grid, coarsest=mission.zoom == grid.min_zoom)
+        _check_size(*size, mission, grid, coarsest=mission.pixels.zoom == grid.min_zoom)
         return size
 
     def _under_one_pixel(self, width_px: float, height_px: float) -> InvalidInput:
         mission = self.mission
-        text = f"picture of {width_px:.3g} x {height_px:.3g} px: under one pixel"
-        if mission.zoom is not None:
-            return InvalidInput(f"{text}; fly higher or choose a higher zoom", "zoom")
-        if mission.gsd_m_per_px is not None:
+        text = Message("picture of {0:.3g} x {1:.3g} px: under one pixel", width_px, height_px)
+        if mission.pixels.zoom is not None:
+            return InvalidInput(text, field="zoom", remedy="fly higher or choose a higher zoom")
+        if mission.pixels.gsd_m_per_px is not None:
             return InvalidInput(
-                f"{text}; fly higher or choose a smaller ground sample distance", "gsd_m_per_px"
+                text,
+                field="gsd_m_per_px",
+                remedy="fly higher or choose a smaller ground sample distance",
             )
-        if _limit_px(mission, self.grid) < mission.image_px:
+        if _limit_px(mission, self.grid) < mission.pixels.image_px:
             return InvalidInput(
-                f"{text}; choose a less extreme aspect ratio or larger pictures (--max-px)", "max_px"
+                text,
+                field="max_px",
+                remedy=Message(
+                    "choose a less extreme aspect ratio or larger pictures ({0})", OptionName("max_px")
+                ),
             )
         return InvalidInput(
-            f"{text}; choose a less extreme aspect ratio or a larger image (--image-px)", "image_px"
+            text,
+            field="image_px",
+            remedy=Message(
+                "choose a less extreme aspect ratio or a larger image ({0})", OptionName("image_px")
+            ),
         )
 
     def zoom(self, layout: Layout) -> int:
         """Return the zoom asked for, or the one that suits the ground right below the camera."""
         mission, grid = self.mission, self.grid
-        if mission.zoom is not None:
-            return _checked_zoom(mission.zoom, mission, grid)
+        if mission.pixels.zoom is not None:
+            return _checked_zoom(mission.pixels.zoom, mission, grid)
         poses = Poses.level(layout.lat_deg, layout.lon_deg, layout.agl_m)
         scene = Scene(mission.camera, *self.size_px(layout), poses)
         return _nearest_zoom(mission, grid, layout, scene.nadir_px_m)
@@ -356,9 +376,11 @@ def _too_fine(gsd_m_per_px: float, finest_m: float) -> InvalidInput:
     unit = 10.0 ** (math.floor(math.log10(finest_m)) - 2)
     finest_m = math.ceil(finest_m / unit) * unit
     return InvalidInput(
-        f"ground sample distance {gsd_m_per_px} m: the source's own pixels are {finest_m:.3g} m here; ask for that or "
-        "more, or allow enlarged pixels (--upsample)",
-        "gsd_m_per_px",
+        "ground sample distance {0} m: the source's own pixels are {1:.3g} m here",
+        gsd_m_per_px,
+        finest_m,
+        field="gsd_m_per_px",
+        remedy=Message("ask for that or more, or allow enlarged pixels ({0})", OptionName("upsample")),
     )
 
 
@@ -397,13 +419,23 @@ def check_windows(framed: Framed, mission: Mission, grid: PixelGrid) -> None:
     if framed.size_px is not None and len(beyond):
         beyond = beyond[~_sees_the_map(mission, poses.take(beyond))]
     if len(beyond):
-        place = f"picture at latitude {float(poses.lat_deg[beyond[0]])!r} from {float(poses.agl_m[beyond[0]]):g} m"
+        place = Message(
+            "picture at latitude {0!r} from {1:g} m",
+            float(poses.lat_deg[beyond[0]]),
+            float(poses.agl_m[beyond[0]]),
+        )
         if framed.size_px is not None:
             raise InvalidInput(
-                f"{place}: lies beyond the map, which ends at ±{MAX_LAT_DEG:.4f}; fly higher or nearer to the equator"
+                "{0}: lies beyond the map, which ends at ±{1:.4f}",
+                place,
+                MAX_LAT_DEG,
+                remedy="fly higher or nearer to the equator",
             )
         raise InvalidInput(
-            f"{place}: reaches beyond the map, which ends at ±{MAX_LAT_DEG:.4f}; fly lower or nearer to the equator"
+            "{0}: reaches beyond the map, which ends at ±{1:.4f}",
+            place,
+            MAX_LAT_DEG,
+            remedy="fly lower or nearer to the equator",
         )
     if framed.size_px is not None:
         return
@@ -411,7 +443,9 @@ def check_windows(framed: Framed, mission: Mission, grid: PixelGrid) -> None:
     if small.any():
         at = int(np.flatnonzero(small)[0])
         raise InvalidInput(
-            f"picture from {float(poses.agl_m[at]):g} m at zoom {zoom}: under one pixel; fly higher or "
-            "choose a higher zoom",
-            "agl_m",
+            "picture from {0:g} m at zoom {1}: under one pixel",
+            float(poses.agl_m[at]),
+            zoom,
+            field="agl_m",
+            remedy="fly higher or choose a higher zoom",
         )

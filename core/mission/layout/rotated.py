@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ...errors import InvalidInput
+from ...errors import InvalidInput, Message, OptionName
 from ...geodesy.camera import Poses
 from ...geodesy.ellipsoid import Ellipsoid
 from ...geodesy.mercator import wrap_lon_deg
@@ -74,7 +74,9 @@ class Shape(NamedTuple):
 
 def is_rotated(mission: Mission) -> bool:
     """Whether the rows of a mission are turned, or crossed."""
-    return not isinstance(mission.area, Points) and (mission.grid_angle_deg != 0.0 or mission.crosshatch)
+    return not isinstance(mission.area, Points) and (
+        mission.flight.grid_angle_deg != 0.0 or mission.flight.crosshatch
+    )
 
 
 def lay_out_rotated(mission: Mission, ground: Ellipsoid) -> tuple[Layout, tuple[Pass, ...]]:
@@ -89,13 +91,25 @@ def lay_out_rotated(mission: Mission, ground: Ellipsoid) -> tuple[Layout, tuple[
     area = mission.area
     if isinstance(area, Points):
         raise InvalidInput("points have no rows that could be turned")
-    if mission.layout != "cover":
-        what = f"grid angle {mission.grid_angle_deg:g} deg" if mission.grid_angle_deg else "crosshatch"
-        raise InvalidInput(f"{what}: the layout {mission.layout} is north-up; use --layout cover", "layout")
+    if mission.flight.layout != "cover":
+        what = (
+            Message("grid angle {0:g} deg", mission.flight.grid_angle_deg)
+            if mission.flight.grid_angle_deg
+            else Message("crosshatch")
+        )
+        raise InvalidInput(
+            "{0}: the layout {1} is north-up",
+            what,
+            mission.flight.layout,
+            field="layout",
+            remedy=Message("use {0} {1}", OptionName("layout"), "cover"),
+        )
     box = area.bounds
     refuse_beyond_mercator(box)
     middle = (box.north_deg + box.south_deg) / 2.0, box.west_deg + box.span_deg / 2.0
-    angles = [mission.grid_angle_deg, mission.grid_angle_deg + _ACROSS_DEG][: 1 + mission.crosshatch]
+    angles = [mission.flight.grid_angle_deg, mission.flight.grid_angle_deg + _ACROSS_DEG][
+        : 1 + mission.flight.crosshatch
+    ]
     parts: list[Layout] = []
     passes: list[Pass] = []
     for angle in angles:
@@ -107,7 +121,9 @@ def lay_out_rotated(mission: Mission, ground: Ellipsoid) -> tuple[Layout, tuple[
     if len(parts) == 1:
         return parts[0], tuple(passes)
     whole = Layout(*(np.concatenate(columns) for columns in zip(*parts)))
-    return whole._replace(agl_m=np.broadcast_to(np.float64(mission.agl_m), whole.row.shape)), tuple(passes)
+    return whole._replace(agl_m=np.broadcast_to(np.float64(mission.flight.agl_m), whole.row.shape)), tuple(
+        passes
+    )
 
 
 def _laid_out(
@@ -116,19 +132,21 @@ def _laid_out(
     """One pass, after so many captures, and the rectangle that its images have in common."""
     sides = _common(mission, _shape(area, plane, _EXTENT_M), plane, ground)
     (width,), (height,) = sides.size_m
-    steps = np.array([width * (1.0 - mission.overlap_along), height * (1.0 - mission.overlap_across)])
+    steps = np.array(
+        [width * (1.0 - mission.flight.overlap_along), height * (1.0 - mission.flight.overlap_across)]
+    )
     step_x, step_y = steps - _MEETING_M
-    refuse_no_step(steps[:1] - _MEETING_M, mission.overlap_along, mission)
-    refuse_no_step(steps[1:] - _MEETING_M, mission.overlap_across, mission)
+    refuse_no_step(steps[:1] - _MEETING_M, mission.flight.overlap_along, mission)
+    refuse_no_step(steps[1:] - _MEETING_M, mission.flight.overlap_across, mission)
     # Without overlap the images' ground sums to the area's at least, but for what the plane enlarges.
-    refuse_too_many(flown + _SURELY * area.area_m2() / float(width * height), mission.max_images)
+    refuse_too_many(flown + _SURELY * area.area_m2() / float(width * height), mission.output.max_images)
     shape = _shape(area, plane, _BEND_SHARE * float(min(width, height)))
     margin = shape.bend_m + _MEETING_M
 
     y = np.concatenate([ring[1] for ring in shape.rings])
     need = float(y.max() - y.min()) + 2.0 * margin
     rows = max(math.ceil((need - height) / step_y), 0.0) + 1.0
-    refuse_too_many(flown + rows, mission.max_images)
+    refuse_too_many(flown + rows, mission.output.max_images)
     tops = float(y.max() + y.min()) / 2.0 + ((rows - 1.0) * step_y + height) / 2.0 - step_y * np.arange(rows)
     edges = sides_of(shape)
     spans = [in_band(edges, float(top - height) - margin, float(top) + margin) for top in tops]
@@ -139,7 +157,7 @@ def _laid_out(
     )
     tops = tops[held]
     counts = np.maximum(np.ceil((high - low + 2.0 * margin - width) / step_x), 0.0) + 1.0
-    refuse_too_many(flown + float(counts.sum()), mission.max_images)
+    refuse_too_many(flown + float(counts.sum()), mission.output.max_images)
     per_row = counts.astype(np.int64)
     row = np.repeat(np.arange(len(per_row), dtype=np.int64), per_row)
     column = np.arange(len(row), dtype=np.int64) - np.repeat(np.cumsum(per_row) - per_row, per_row)
@@ -148,19 +166,21 @@ def _laid_out(
     keep = touching(shape, left - margin, bottom - margin, left + width + margin, bottom + height + margin)
     lat, lon = plane.inverse(left[keep] - sides.left_m, bottom[keep] - sides.bottom_m)
     yaw = _yaws_deg(mission, plane, lat, lon)
-    agl = np.broadcast_to(np.float64(mission.agl_m), lat.shape)
-    return in_order(Layout(column[keep], row[keep], lat, lon, agl, yaw), mission.order), sides
+    agl = np.broadcast_to(np.float64(mission.flight.agl_m), lat.shape)
+    return in_order(Layout(column[keep], row[keep], lat, lon, agl, yaw), mission.flight.order), sides
 
 
 def _yaws_deg(mission: Mission, plane: LocalPlane, lat_deg: Floats, lon_deg: Floats) -> Floats:
     """Yaws of images that lie in the plane as the mission says: those of its middle, less its convergence."""
-    return wrap_lon_deg(mission.yaw_deg - plane.north_deg(lat_deg, lon_deg))
+    return wrap_lon_deg(mission.attitude.yaw_deg - plane.north_deg(lat_deg, lon_deg))
 
 
 def _posed(mission: Mission, plane: LocalPlane, x_m: Floats, y_m: Floats) -> Poses:
     lat, lon = plane.inverse(x_m, y_m)
-    tilt, roll = (np.full(lat.shape, angle) for angle in (mission.tilt_deg, mission.roll_deg))
-    agl = np.full(lat.shape, mission.agl_m)
+    tilt, roll = (
+        np.full(lat.shape, angle) for angle in (mission.attitude.tilt_deg, mission.attitude.roll_deg)
+    )
+    agl = np.full(lat.shape, mission.flight.agl_m)
     return Poses(lat, lon, agl, _yaws_deg(mission, plane, lat, lon), tilt, roll)
 
 
@@ -169,16 +189,21 @@ def _common(mission: Mission, shape: Shape, plane: LocalPlane, ground: Ellipsoid
     middle = _posed(mission, plane, np.zeros(1), np.zeros(1))
     ring, _, whole = image_rings(mission.camera, middle, plane, ground)
     if not whole.all():
-        if mission.tilt_deg or mission.roll_deg:
+        if mission.attitude.tilt_deg or mission.attitude.roll_deg:
             raise InvalidInput(
-                f"camera with tilt {mission.tilt_deg:g}, roll {mission.roll_deg:g} deg from {mission.agl_m:g} m: sees "
-                "past the horizon, where turned rows have no frames; tilt it less, fly lower or fly north-up rows",
-                "tilt_deg",
+                "camera with tilt {0:g}, roll {1:g} deg from {2:g} m: sees past the horizon, where "
+                "turned rows have no frames",
+                mission.attitude.tilt_deg,
+                mission.attitude.roll_deg,
+                mission.flight.agl_m,
+                field="tilt_deg",
+                remedy="tilt it less, fly lower or fly north-up rows",
             )
         raise InvalidInput(
-            f"camera from {mission.agl_m:g} m: sees past the horizon, where turned rows have no frames; fly lower or "
-            "fly north-up rows",
-            "agl_m",
+            "camera from {0:g} m: sees past the horizon, where turned rows have no frames",
+            mission.flight.agl_m,
+            field="agl_m",
+            remedy="fly lower or fly north-up rows",
         )
     reach = np.abs(ring).max(axis=(0, 1)) + shape.bend_m
     ends = [
@@ -188,9 +213,13 @@ def _common(mission: Mission, shape: Shape, plane: LocalPlane, ground: Ellipsoid
     farthest = math.hypot(*(max(abs(low), abs(high)) for low, high in ends))
     if not farthest <= _REACH_M:
         raise InvalidInput(
-            f"grid angle {mission.grid_angle_deg:g} deg: turned rows hold to {_REACH_M / 1e3:g} km from the area's "
-            f"middle, and the area or its images reach {farthest / 1e3:.4g} km; take a smaller area or north-up rows",
-            "grid_angle_deg",
+            "grid angle {0:g} deg: turned rows hold to {1:g} km from the area's middle, and the area "
+            "or its images reach {2:.4g} km",
+            mission.flight.grid_angle_deg,
+            _REACH_M / 1000.0,
+            farthest / 1000.0,
+            field="grid_angle_deg",
+            remedy="take a smaller area or north-up rows",
         )
     x, y = (places.ravel() for places in np.meshgrid(*(np.linspace(*end, _PLACES) for end in ends)))
     poses = _posed(mission, plane, x, y)

@@ -9,14 +9,14 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ...errors import InvalidInput
+from ...errors import InvalidInput, Message, OptionName
 from ...geodesy.ellipsoid import gauss_legendre
 from ...geodesy.frames import FrameEdges
 from ...geodesy.mercator import MAX_LAT_DEG, lat_to_v, lon_to_u, u_to_lon, v_to_lat
 from ...geodesy.projections import utm_zone
 from ..area import Box, Points, Polygon, row_spans, touching
 from ..mission import Mission
-from ..options import ONE_WAY
+from ..parts import ONE_WAY
 
 Floats = NDArray[np.float64]
 Numbers = NDArray[np.int64]
@@ -88,7 +88,7 @@ def lay_out(mission: Mission, frames: Frames, pixel: float) -> Layout:
     if isinstance(area, Points):
         return _points(mission, area)
     refuse_beyond_mercator(area.bounds)
-    if mission.layout == "paper":
+    if mission.flight.layout == "paper":
         return _paper(mission, area, frames)
     return _cover(mission, area, frames, pixel)
 
@@ -98,7 +98,7 @@ def refuse_beyond_mercator(box: Box) -> None:
     for lat in (box.north_deg, box.south_deg):
         if abs(lat) > MAX_LAT_DEG:
             raise InvalidInput(
-                f"area reaches latitude {lat}: pictures end at ±{MAX_LAT_DEG:.4f} (Web Mercator)"
+                "area reaches latitude {0}: pictures end at ±{1:.4f} (Web Mercator)", lat, MAX_LAT_DEG
             )
 
 
@@ -106,14 +106,16 @@ def refuse_too_many(count: float, limit: int) -> None:
     """Refuse more images than a mission may have."""
     if count > limit:
         raise InvalidInput(
-            f"mission of {count:,.0f} images: the limit is {limit:,}; fly higher, draw a smaller area, or raise it "
-            "(--max-images)",
-            "max_images",
+            "mission of {0:,.0f} images: the limit is {1:,}",
+            count,
+            limit,
+            field="max_images",
+            remedy=Message("fly higher, draw a smaller area, or raise it ({0})", OptionName("max_images")),
         )
 
 
 def _points(mission: Mission, area: Points) -> Layout:
-    refuse_too_many(len(area.poses), mission.max_images)
+    refuse_too_many(len(area.poses), mission.output.max_images)
     lat, lon, agl = np.array(area.poses, np.float64).reshape(-1, 3).T
     index = np.arange(len(lat), dtype=np.int64)
     yaws = point_yaws_deg(mission, area)
@@ -124,7 +126,7 @@ def point_yaws_deg(mission: Mission, area: Points) -> Floats:
     """Yaw of each point, (n,): its own, or the mission's."""
     if area.yaws_deg:
         return np.array(area.yaws_deg, np.float64)
-    return np.broadcast_to(np.float64(mission.yaw_deg), (len(area.poses),))
+    return np.broadcast_to(np.float64(mission.attitude.yaw_deg), (len(area.poses),))
 
 
 # --- rows along parallels
@@ -139,12 +141,12 @@ def _cover(mission: Mission, area: Box | Polygon, frames: Frames, pixel: float) 
     edges = FrameEdges(*(edge[used] for edge in edges))
 
     width, _ = edges.size
-    step = width * (1.0 - mission.overlap_along) - _MEETING_PX * pixel
-    refuse_no_step(step, mission.overlap_along, mission)
+    step = width * (1.0 - mission.flight.overlap_along) - _MEETING_PX * pixel
+    refuse_no_step(step, mission.flight.overlap_along, mission)
     west_u, east_u = lon_to_u(spans[:, 0]), lon_to_u(spans[:, 1])
     need = (east_u - west_u) + 2.0 * rounding
     counts = np.maximum(np.ceil((need - width) / step), 0.0) + 1.0
-    refuse_too_many(float(counts.sum()), mission.max_images)
+    refuse_too_many(float(counts.sum()), mission.output.max_images)
     per_row = counts.astype(np.int64)
     row = np.repeat(np.arange(len(per_row), dtype=np.int64), per_row)
     column = np.arange(len(row), dtype=np.int64) - np.repeat(np.cumsum(per_row) - per_row, per_row)
@@ -152,12 +154,17 @@ def _cover(mission: Mission, area: Box | Polygon, frames: Frames, pixel: float) 
     u = middle[row] + (column - (per_row[row] - 1) / 2.0) * step[row]
     lat = v_to_lat(rows_v)
     layout = _level(mission, column, row, lat[row], u_to_lon(u))
-    return in_order(_over(area, layout, FrameEdges(*(edge[row] for edge in edges)), rounding), mission.order)
+    return in_order(
+        _over(area, layout, FrameEdges(*(edge[row] for edge in edges)), rounding), mission.flight.order
+    )
 
 
 def _level(mission: Mission, column: Numbers, row: Numbers, lat_deg: Floats, lon_deg: Floats) -> Layout:
     """Captures of one height and yaw, those of the mission."""
-    agl, yaw = (np.broadcast_to(np.float64(value), row.shape) for value in (mission.agl_m, mission.yaw_deg))
+    agl, yaw = (
+        np.broadcast_to(np.float64(value), row.shape)
+        for value in (mission.flight.agl_m, mission.attitude.yaw_deg)
+    )
     return Layout(column, row, lat_deg, lon_deg, agl, yaw)
 
 
@@ -176,19 +183,23 @@ def refuse_no_step(step: Floats, overlap: float, mission: Mission) -> None:
     """Refuse steps from capture to capture, or from row to row, that do not go on."""
     if not (step > 0.0).all():
         if overlap == 0.0:
-            if mission.tilt_deg or mission.roll_deg:
+            if mission.attitude.tilt_deg or mission.attitude.roll_deg:
                 raise InvalidInput(
-                    "images without a thousandth of a pixel of ground to count on: the camera looks past the map or "
-                    "the Earth; tilt it less or fly lower",
-                    "tilt_deg",
+                    "images without a thousandth of a pixel of ground to count on: the camera looks "
+                    "past the map or the Earth",
+                    field="tilt_deg",
+                    remedy="tilt it less or fly lower",
                 )
             raise InvalidInput(
-                "images without a thousandth of a pixel of ground to count on: the camera looks past the map or the "
-                "Earth; fly lower",
-                "agl_m",
+                "images without a thousandth of a pixel of ground to count on: the camera looks past "
+                "the map or the Earth",
+                field="agl_m",
+                remedy="fly lower",
             )
         raise InvalidInput(
-            f"overlap {overlap}: leaves under a thousandth of a pixel between captures; overlap less"
+            "overlap {0}: leaves under a thousandth of a pixel between captures",
+            overlap,
+            remedy="overlap less",
         )
 
 
@@ -199,7 +210,7 @@ def _row_centres(mission: Mission, box: Box, frames: Frames, pixel: float) -> tu
     count = int(np.searchsorted(edges.bottom_v, rows.last_bottom)) + 1
     while count > len(centres):
         # Rows share a part of the higher one, and so come nearer to each other than their number was counted for.
-        refuse_too_many(count, mission.max_images)
+        refuse_too_many(count, mission.output.max_images)
         missing, step = rows.last_bottom - edges.bottom_v[-1], edges.bottom_v[-1] - edges.bottom_v[-2]
         centres, edges = rows.settle(rows.first_top, len(centres) + math.ceil(missing / step) + _COUNT_MORE)
         count = int(np.searchsorted(edges.bottom_v, rows.last_bottom)) + 1
@@ -246,9 +257,10 @@ class _Rows:
         sees = (edges.size[1] > 0.0) & (edges.bottom_v >= self._north) & (edges.top_v <= self._south)
         if not sees.any():
             raise InvalidInput(
-                f"camera at {self._mission.agl_m:g} m, tilted so: from nowhere on the map does it see this area; tilt "
-                "it less or fly lower",
-                "tilt_deg",
+                "camera at {0:g} m, tilted so: from nowhere on the map does it see this area",
+                self._mission.flight.agl_m,
+                field="tilt_deg",
+                remedy="tilt it less or fly lower",
             )
         places = tried[sees]
         highest, lowest = (
@@ -266,14 +278,16 @@ class _Rows:
         return float(missing[nearest]) > (2.0 / _TRIED_PLACES if between else 0.0)
 
     def _gaps(self) -> InvalidInput:
-        if self._mission.tilt_deg or self._mission.roll_deg:
+        if self._mission.attitude.tilt_deg or self._mission.attitude.roll_deg:
             return InvalidInput(
-                f"rows from {self._mission.agl_m:g} m cannot be placed so that their images cover this area; tilt the "
-                "camera less, fly lower or take a smaller area"
+                "rows from {0:g} m cannot be placed so that their images cover this area",
+                self._mission.flight.agl_m,
+                remedy="tilt the camera less, fly lower or take a smaller area",
             )
         return InvalidInput(
-            f"rows from {self._mission.agl_m:g} m cannot be placed so that their images cover this area; fly lower or "
-            "take a smaller area"
+            "rows from {0:g} m cannot be placed so that their images cover this area",
+            self._mission.flight.agl_m,
+            remedy="fly lower or take a smaller area",
         )
 
     def refuse_gaps(self, centres: Floats) -> None:
@@ -294,10 +308,10 @@ class _Rows:
     def _steps(self, centres: Floats, edges: FrameEdges) -> Floats:
         """Distance of each row from the one before, for rows at these centres."""
         height = edges.bottom_v - edges.top_v
-        shared = self._mission.overlap_across * np.maximum(height[1:], height[:-1])
+        shared = self._mission.flight.overlap_across * np.maximum(height[1:], height[:-1])
         below, above = (edges.bottom_v - centres)[:-1], (centres - edges.top_v)[1:]
         steps: Floats = below + above - shared - self._meeting
-        refuse_no_step(steps, self._mission.overlap_across, self._mission)
+        refuse_no_step(steps, self._mission.flight.overlap_across, self._mission)
         return steps
 
     def most(self) -> int:
@@ -305,23 +319,25 @@ class _Rows:
         nodes, weights = gauss_legendre(_COUNT_NODES)
         half = (self._south - self._north) / 2.0
         edges = self._edges(self._north + half * (1.0 + nodes))
-        step = (edges.bottom_v - edges.top_v) * (1.0 - self._mission.overlap_across) - self._meeting
-        refuse_no_step(step, self._mission.overlap_across, self._mission)
+        step = (edges.bottom_v - edges.top_v) * (1.0 - self._mission.flight.overlap_across) - self._meeting
+        refuse_no_step(step, self._mission.flight.overlap_across, self._mission)
         count = half * float(np.sum(weights / step))
-        refuse_too_many(math.floor(count * (1.0 - _COUNT_SHARE)), self._mission.max_images)
+        refuse_too_many(math.floor(count * (1.0 - _COUNT_SHARE)), self._mission.output.max_images)
         if count > _MANY_ROWS:
             # Rows are placed in seconds then: what is beyond the limit in any case is refused before.
             width, _ = edges.size
             columns = np.ceil(
-                np.maximum(self._across - width, 0.0) / (width * (1.0 - self._mission.overlap_along))
+                np.maximum(self._across - width, 0.0) / (width * (1.0 - self._mission.flight.overlap_along))
             )
             images = half * float(np.sum(weights / step * (columns + 1.0)))
             # The last row ends with the area: those that only its own height has room for are not flown.
             images *= max(
-                1.0 - self._mission.overlap_across / (1.0 - self._mission.overlap_across) / count, 0.0
+                1.0
+                - self._mission.flight.overlap_across / (1.0 - self._mission.flight.overlap_across) / count,
+                0.0,
             )
-            if images * _SURELY > self._mission.max_images:
-                refuse_too_many(math.ceil(images * _ENOUGH), self._mission.max_images)
+            if images * _SURELY > self._mission.output.max_images:
+                refuse_too_many(math.ceil(images * _ENOUGH), self._mission.output.max_images)
         return math.ceil(count * (1.0 + _COUNT_SHARE)) + _COUNT_MORE
 
     def settle(self, top: float, count: int) -> tuple[Floats, FrameEdges]:
@@ -346,7 +362,9 @@ class _Rows:
             if stalled == _STALLED:
                 break
         raise InvalidInput(
-            f"rows from {self._mission.agl_m:g} m cannot be placed so near to a pole; fly lower or farther from it"
+            "rows from {0:g} m cannot be placed so near to a pole",
+            self._mission.flight.agl_m,
+            remedy="fly lower or farther from it",
         )
 
     def centring_shift(self, count: int, spare: float) -> float:
@@ -410,23 +428,31 @@ def _paper(mission: Mission, area: Box | Polygon, frames: Frames) -> Layout:
     reach = box.span_deg / 2.0 + abs(middle_lon - turn - zone.central_meridian_deg)
     if reach > _UTM_REACH_DEG:
         raise InvalidInput(
-            f"paper layout over {box.span_deg:g} deg of longitude: its UTM grid holds to {_UTM_REACH_DEG:g} deg from "
-            "the zone's meridian; use --layout cover",
-            "layout",
+            "paper layout over {0:g} deg of longitude: its UTM grid holds to {1:g} deg from the zone's "
+            "meridian",
+            box.span_deg,
+            _UTM_REACH_DEG,
+            field="layout",
+            remedy=Message("use {0} {1}", OptionName("layout"), "cover"),
         )
     (left, right), (top, bottom) = zone.forward(
         np.array([box.west_deg, box.continuous_east_deg]) - turn, np.array([box.north_deg, box.south_deg])
     )
-    width, height = mission.camera.ground_size_m(mission.agl_m)
-    step_x, step_y = width * (1.0 - mission.overlap_along), height * (1.0 - mission.overlap_across)
+    width, height = mission.camera.ground_size_m(mission.flight.agl_m)
+    step_x, step_y = (
+        width * (1.0 - mission.flight.overlap_along),
+        height * (1.0 - mission.flight.overlap_across),
+    )
     columns = _paper_count(float(right - left), width, step_x)
     rows = _paper_count(float(top - bottom), height, step_y)
-    refuse_too_many(columns * rows, mission.max_images)
+    refuse_too_many(columns * rows, mission.output.max_images)
     row, column = (index.ravel() for index in np.indices((int(rows), int(columns)), dtype=np.int64))
     lon, lat = zone.inverse(left + column * step_x, top - row * step_y)
     lon = zone.central_meridian_deg + np.mod(lon - zone.central_meridian_deg + 180.0, 360.0) - 180.0 + turn
     layout = _level(mission, column, row, lat, lon)
-    return in_order(layout if isinstance(area, Box) else _over(area, layout, frames(lat), 0.0), mission.order)
+    return in_order(
+        layout if isinstance(area, Box) else _over(area, layout, frames(lat), 0.0), mission.flight.order
+    )
 
 
 def _paper_count(extent_m: float, size_m: float, step_m: float) -> float:

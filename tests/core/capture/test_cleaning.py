@@ -101,7 +101,7 @@ def test_the_roadmap_decides_for_all_and_only_marks(dataset):
     results = {one.map_type: one for one in clean(folder, THRESHOLD)}
     roadmap = table_of(folder, "roadmap")
     expected = {name for name, bits in zip(roadmap.img_names, roadmap.entropies) if bits < THRESHOLD}
-    if worked_out.mission.image_format == "tif":
+    if worked_out.mission.output.image_format == "tif":
         assert expected == low(folder, "roadmap")
         assert low(folder, "satellite") == set()
     assert 0 < len(expected) < len(worked_out)

@@ -29,6 +29,7 @@ from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 from terrainav.core.picture.map_frame import window_of
 
+from tests.support.missions import schema_1
 from tests.support.patterns import MODULUS, decode_position
 from tests.support.sources import CentredSource, FailingSource, PatternSource, missing
 
@@ -73,12 +74,12 @@ def test_every_picture_is_there_and_each_part_was_fetched_once(in_one_go):
     assert not result.cancelled
     assert set(source.fetched.values()) == {1}
     assert result.requests == result.unique_parts == len(source.fetched) == 2 * worked_out.requests
-    for map_type in MISSION.map_types:
+    for map_type in MISSION.imagery.map_types:
         assert {path.name for path in (folder / map_type).iterdir()} == {
             f"{name}.tif" for name in worked_out.names
         } | {"meta_data.csv"}
     files = {"mission.json", "plan.csv", "footprints.geojson", "journal.jsonl"}
-    assert {path.name for path in folder.iterdir()} == files | set(MISSION.map_types)
+    assert {path.name for path in folder.iterdir()} == files | set(MISSION.imagery.map_types)
 
 
 def test_pixels_are_where_the_files_say(in_one_go):
@@ -87,7 +88,7 @@ def test_pixels_are_where_the_files_say(in_one_go):
     gdal.UseExceptions()
     worked_out, folder, _, _ = in_one_go
     resolution = worked_out.grid.resolution_m_per_px(worked_out.zoom)
-    for map_type in MISSION.map_types:
+    for map_type in MISSION.imagery.map_types:
         for name in worked_out.names:
             data = gdal.Open(str(folder / map_type / f"{name}.tif"))
             west, step_x, _, north, _, step_y = data.GetGeoTransform()
@@ -104,7 +105,7 @@ def test_pixels_are_where_the_files_say(in_one_go):
 
 def test_the_table_says_what_the_files_are(in_one_go):
     worked_out, folder, _, source = in_one_go
-    for map_type in MISSION.map_types:
+    for map_type in MISSION.imagery.map_types:
         table = Table.load(folder / map_type / "meta_data.csv")
         assert table.img_names == tuple(f"{name}.tif" for name in worked_out.names)
         np.testing.assert_array_equal(table.columns, worked_out.column)
@@ -131,7 +132,7 @@ def test_mission_and_journal(in_one_go):
     assert Mission.load(folder / "mission.json") == worked_out.mission
     lines = [json.loads(line) for line in (folder / "journal.jsonl").read_text(encoding="utf-8").splitlines()]
     assert sorted((line["map_type"], line["name"]) for line in lines) == sorted(
-        (map_type, name) for map_type in MISSION.map_types for name in worked_out.names
+        (map_type, name) for map_type in MISSION.imagery.map_types for name in worked_out.names
     )
     assert {line["status"] for line in lines} == {"done"}
 
@@ -239,12 +240,14 @@ def test_failed_parts_fail_their_pictures_by_name(in_one_go, tmp_path):
     assert 1 <= len(concerned) < len(worked_out) / 2
     reason = "tile 18/65608/103691: 404, not found"
     assert result.failed == tuple(
-        Failure(map_type, worked_out.names[i], reason) for map_type in MISSION.map_types for i in concerned
+        Failure(map_type, worked_out.names[i], reason)
+        for map_type in MISSION.imagery.map_types
+        for i in concerned
     )
     assert result.written == result.total - len(result.failed)
     assert set(source.fetched.values()) == {1}
     assert result.requests == result.unique_parts
-    for map_type in MISSION.map_types:
+    for map_type in MISSION.imagery.map_types:
         table = Table.load(tmp_path / map_type / "meta_data.csv")
         assert len(table) == len(worked_out)
         assert [i for i, status in enumerate(table.status) if status == "failed"] == concerned
@@ -409,8 +412,10 @@ def test_progress_counts_up_to_everything(tmp_path):
     )
     assert last.requests == result.requests
     assert [p.done + p.failed for p in seen] == sorted(p.done + p.failed for p in seen)
-    assert [p.map_type for p in seen] == sorted((p.map_type for p in seen), key=MISSION.map_types.index)
-    assert len(seen) <= result.seconds / 0.1 + 2 * len(MISSION.map_types)
+    assert [p.map_type for p in seen] == sorted(
+        (p.map_type for p in seen), key=MISSION.imagery.map_types.index
+    )
+    assert len(seen) <= result.seconds / 0.1 + 2 * len(MISSION.imagery.map_types)
     assert threads == {caller}
 
 
@@ -489,7 +494,7 @@ def test_a_folder_of_an_earlier_version_is_resumed(tmp_path):
     mission = MISSION.with_(max_px=640, zoom=None)
     capture(planned(mission), PatternSource(), tmp_path)
     mark = tmp_path / "mission.json"
-    data = json.loads(mark.read_text())
+    data = schema_1(json.loads(mark.read_text()))
     del data["image_px"]
     mark.write_text(json.dumps(data))
     assert Mission.load(mark) == mission

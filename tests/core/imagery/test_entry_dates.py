@@ -35,6 +35,7 @@ def test_dates_of_each_kind(dates, right, wrong):
     for date in wrong:
         with pytest.raises(InvalidInput) as raised:
             dates.checked(date)
+        assert raised.value.field == "date"
         assert repr(date) in str(raised.value)
         assert "\n" not in str(raised.value)
 

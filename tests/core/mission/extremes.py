@@ -159,7 +159,10 @@ def run(case: Case) -> Outcome:
         return Outcome(case, str(refused), "", math.nan, math.nan, math.nan, time.perf_counter() - start)
     seconds = time.perf_counter() - start
     covered = (
-        case.mission.layout != "cover" or len(made) > MOST or made.coverage is None or made.coverage.complete
+        case.mission.flight.layout != "cover"
+        or len(made) > MOST
+        or made.coverage is None
+        or made.coverage.complete
     )
     chosen = made.accuracy
     methods = ", ".join(choice.method.name for choice in chosen.choices)

@@ -268,6 +268,6 @@ def test_a_mission_of_far_too_many_images_is_refused_before_its_rows_are_placed(
         plan(mission, PixelGrid())
     named = float(re.search(r"of ([\d,]+) images", str(refused.value))[1].replace(",", ""))
     # The zone of a sphere, by what an image shows on level ground, a thousand times along and a thousand times across.
-    width, height = mission.camera.ground_size_m(mission.agl_m)
+    width, height = mission.camera.ground_size_m(mission.flight.agl_m)
     zone_m2 = 4.0 * math.pi * 6_371_007.0**2 * math.sin(math.radians(80.0))
     assert named == pytest.approx(1e6 * zone_m2 / (width * height), rel=0.1)

@@ -24,7 +24,7 @@ def test_the_route_keeps_to_the_schema(tmp_path, mission):
     root = ET.parse(tmp_path / "field.gpx").getroot()
     assert (root.tag, root.get("version"), bool(root.get("creator"))) == (f"{GPX}gpx", "1.1", True)
     assert [child.tag for child in root] == [f"{GPX}metadata", f"{GPX}rte"]
-    assert root.find(f"{GPX}metadata/{GPX}time").text == mission.start
+    assert root.find(f"{GPX}metadata/{GPX}time").text == mission.flight.start
     points = root.findall(f"{GPX}rte/{GPX}rtept")
     for element, one in zip(points, waypoints(flown)):
         # In the schema's order; without a height above sea level, which is not known.

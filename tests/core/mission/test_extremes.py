@@ -38,7 +38,7 @@ def test_every_case_ends_within_its_bound_or_with_one_clear_line(part):
                 accepted = plan(case.mission.with_(accept_error=True), GRID).accuracy
                 assert accepted.budget_px < accepted.bound_px < 0.51
             continue
-        assert outcome.bound_px <= case.mission.error_budget_px, case.name
+        assert outcome.bound_px <= case.mission.accuracy.error_budget_px, case.name
         assert outcome.error_px <= outcome.bound_px, (case.name, outcome)
         assert outcome.covered, case.name
         assert outcome.condition >= 1.0 or math.isinf(outcome.condition), case.name
@@ -58,6 +58,6 @@ def test_footprints_are_refused_only_for_the_reasons_there_are():
         mission = case.mission
         if mission.kind != "single" or abs(mission.area.poses[0][0]) > 60.0 or mission.camera.fov_deg < 1.0:
             continue
-        level = not mission.tilt_deg
-        if level and 1.0 < mission.agl_m < 3e5 and 0.1 < mission.camera.aspect_ratio < 10.0:
+        level = not mission.attitude.tilt_deg
+        if level and 1.0 < mission.flight.agl_m < 3e5 and 0.1 < mission.camera.aspect_ratio < 10.0:
             assert not outcome_of(index).refusal, case.name

@@ -15,6 +15,8 @@ from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 from terrainav.core.mission.wind import Wind
 
+from tests.support.errors import refused
+
 AGRICENTER = Box(35.16, -89.90, 35.115, -89.823)
 
 
@@ -91,11 +93,12 @@ def test_what_was_chosen_and_left_out_in_words():
 
 def test_more_than_the_budget_only_when_told_to():
     mission = Mission(Points(((35.0, -89.0, 16e3),)), 16e3, frame="map")
-    with pytest.raises(
-        InvalidInput, match=r"error budget 0.1 px: no methods fit; the closest are picture map"
-    ) as refused:
+    over = "error budget {0:g} px: no methods fit; the closest are {1} with {2} px, {3} times as much"
+    with refused(over, field="error_budget_px") as caught:
         plan(mission, PixelGrid())
-    assert "--accept-error" in str(refused.value)
+    budget, closest, _, _ = caught.value.message.values
+    assert (budget, closest) == (0.1, "picture map")
+    assert [option.name for option in caught.value.remedy.values] == ["error_budget", "accept_error"]
     accepted = plan(mission.with_(accept_error=True), PixelGrid())
     assert accepted.accuracy.bound_px > 0.1
     assert accepted.size_px is None

@@ -2,73 +2,29 @@
 
 from __future__ import annotations
 
+import copy
 import dataclasses
 import json
 import math
+import pickle
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from terrainav.core.errors import InvalidInput
+from terrainav.core.fields import declared_fields
 from terrainav.core.geodesy.camera import Camera
 from terrainav.core.geodesy.mercator import PixelGrid
 from terrainav.core.mission.area import Box, Points, Polygon
 from terrainav.core.mission.estimate import estimate
-from terrainav.core.mission.mission import Mission, utc_time
-from terrainav.core.mission.options import MAP_TYPES
+from terrainav.core.mission.mission import Mission, flat_fields
+from terrainav.core.mission.parts import FLAT_PARTS, Flight, utc_time
 from terrainav.core.mission.plan import plan
 from terrainav.core.mission.wind import Wind
 
-BOX = Box(35.16, -89.90, 35.115, -89.823)
-TRIANGLE = Polygon(
-    (((-89.9, 35.16), (-89.82, 35.16), (-89.86, 35.11)), ((-89.87, 35.15), (-89.85, 35.15), (-89.86, 35.14)))
-)
+from tests.support.missions import TRIANGLE, missions, schema_1
 
-areas = st.one_of(
-    st.tuples(st.floats(0, 90), st.floats(-180, 180), st.floats(-90, 0), st.floats(-180, 180)).map(
-        lambda v: Box(*v)
-    ),
-    st.just(TRIANGLE),
-    st.lists(
-        st.tuples(st.floats(-90, 90), st.floats(-180, 180), st.floats(0.01, 1e6)), min_size=1, max_size=3
-    ).flatmap(
-        lambda v: st.one_of(
-            st.just(Points(tuple(v))),
-            st.lists(st.floats(-360, 360), min_size=len(v), max_size=len(v)).map(
-                lambda yaws: Points(tuple(v), tuple(yaws))
-            ),
-        )
-    ),
-)
-missions = st.builds(
-    Mission,
-    area=areas,
-    agl_m=st.floats(0.01, 1e6),
-    camera=st.builds(Camera, st.floats(0.1, 179), st.floats(0.01, 100)),
-    overlap_along=st.floats(0, 0.999),
-    overlap_across=st.floats(0, 0.999),
-    layout=st.sampled_from(["cover", "paper"]),
-    map_types=st.permutations(MAP_TYPES).map(lambda v: tuple(v[:2])),
-    source=st.text(min_size=1).filter(lambda text: text.isprintable()),
-    img_size=st.one_of(st.none(), st.just((64, 48, 1))),
-    seed=st.integers(0, 2**31),
-    yaw_deg=st.floats(-360, 360),
-    tilt_deg=st.floats(-180, 180),
-    roll_deg=st.floats(-180, 180),
-    ground_height_m=st.floats(-12e3, 9e3),
-    error_budget_px=st.floats(1e-9, 100),
-    accept_error=st.booleans(),
-    frame=st.sampled_from(["auto", "map", "camera"]),
-    mesh=st.sampled_from(["auto", "rays"]),
-    resampling=st.sampled_from(["nearest", "bilinear", "bicubic", "lanczos"]),
-    wind=st.one_of(st.none(), st.builds(Wind, st.floats(0, 10), st.floats(0, 359), st.floats(0, 0.5))),
-    grid_angle_deg=st.floats(-180, 180),
-    crosshatch=st.booleans(),
-    order=st.sampled_from(["serpentine", "one-way"]),
-    airspeed_m_per_s=st.floats(11, 340),
-    start=st.sampled_from(["2024-06-21T12:00:00Z", "1999-12-31T23:59:59.25Z"]),
-    date=st.sampled_from(["", "2024-06-21", "1950-1965", "2024-06-21T12:00:00Z"]),
-)
+BOX = Box(35.16, -89.90, 35.115, -89.823)
 
 
 @given(missions)
@@ -76,7 +32,7 @@ def test_a_mission_comes_back_from_json(mission):
     text = mission.to_json()
     assert Mission.from_json(text) == mission
     assert Mission.from_json(text).to_json() == text
-    assert json.loads(text)["schema"] == 1
+    assert json.loads(text)["schema"] == 2
 
 
 def test_a_mission_comes_back_from_a_file(tmp_path):
@@ -88,7 +44,7 @@ def test_a_mission_comes_back_from_a_file(tmp_path):
 
 def earlier(**fields):
     """Text of a mission file as it was written before there was an image's size."""
-    data = Mission(Points(((35.0, -89.0, 120.0),)), 120.0).to_dict()
+    data = schema_1(Mission(Points(((35.0, -89.0, 120.0),)), 120.0).to_dict())
     del data["image_px"]
     return json.dumps({**data, "max_px": 640, **fields})
 
@@ -115,12 +71,107 @@ def test_a_mission_file_without_an_image_s_size_means_what_it_meant():
 
 def test_null_stands_for_the_default():
     needed = {"schema": 1, "agl_m": 120, "area": {"type": "points", "poses": [[35, -89, 120]]}}
-    for field in filter(lambda one: one.compare, dataclasses.fields(Mission)):
-        if field.name in needed:
-            with pytest.raises(InvalidInput, match=f"mission without '{field.name}'"):
-                Mission.from_dict({**needed, field.name: None})
+    for name in ("area", "camera", "wind", *(field.name for field in flat_fields())):
+        if name in needed:
+            with pytest.raises(InvalidInput, match=f"mission without '{name}'"):
+                Mission.from_dict({**needed, name: None})
         else:
-            assert Mission.from_dict({**needed, field.name: None}) == Mission.from_dict(needed), field.name
+            assert Mission.from_dict({**needed, name: None}) == Mission.from_dict(needed), name
+    whole = Mission.from_dict(needed)
+    for name, part in FLAT_PARTS.items():
+        nulls = dict.fromkeys(field.name for field in declared_fields(part) if not field.needed)
+        nulls.update({"agl_m": 120.0} if name == "flight" else {})
+        assert Mission.from_dict({**whole.to_dict(), name: nulls}) == whole
+    assert Mission.from_dict({**whole.to_dict(), **dict.fromkeys(("imagery", "output", "camera"))}) == whole
+
+
+def test_a_mission_is_written_flat_and_read_by_its_parts():
+    mission = Mission(BOX, 120.0, overlap_along=0.6, zoom=17)
+    assert (mission.flight, mission.pixels.zoom) == (Flight(agl_m=120.0, overlap_along=0.6), 17)
+    assert mission.with_(overlap_along=0.7, zoom=None, gsd_m_per_px=1.0) == Mission(
+        BOX, 120.0, overlap_along=0.7, gsd_m_per_px=1.0
+    )
+    names = [field.name for field in flat_fields()]
+    assert len(names) == len(set(names)), "a flat name has to be of one part"
+    for make in (mission.with_, lambda **more: Mission(BOX, 120.0, **more)):
+        with pytest.raises(TypeError, match=r"'overlap_aloong', did you mean 'overlap_along'"):
+            make(overlap_aloong=0.5)
+    assert pickle.loads(pickle.dumps(mission)) == copy.deepcopy(mission) == mission
+    with pytest.raises(dataclasses.FrozenInstanceError):
+        mission.flight = Flight(1.0)
+
+
+def test_every_field_says_what_it_is():
+    """Titles and help are fragments; a default is right; whoever refuses a value names its field."""
+    for part in (*FLAT_PARTS.values(), Camera, Wind):
+        for field in declared_fields(part):
+            assert field.help == field.help.strip().rstrip(".")
+            assert not field.title[0].isupper()
+            assert field.needed or field.settled(field.default) == field.default
+            assert field.settled(field.starts_with) == field.starts_with
+            wrong = [object(), *(limit for limit in (field.above, field.below) if limit is not None)]
+            wrong += [limit - 1 for limit in (field.least,) if limit is not None]
+            wrong += [limit + 1 for limit in (field.most,) if limit is not None]
+            for value in wrong:
+                with pytest.raises(InvalidInput) as refused:
+                    field.settled(value)
+                assert refused.value.field == field.name
+
+
+#: As version 0.1 wrote it.
+OF_VERSION_0_1 = (
+    '{"schema": 1, "area": {"type": "polygon", "rings": [[[-89.9, 35.1], [-89.8, 35.1], [-89.85, '
+    '35.2]]]}, "camera": {"fov_deg": 61.23456789, "aspect_ratio": 1.2345678}, "agl_m": 123.456789, '
+    '"overlap_along": 0.123456, "overlap_across": 0.07, "layout": "paper", "map_types": ["terrain", '
+    '"satellite"], "source": "esri-wayback", "zoom": 17, "gsd_m_per_px": null, "image_px": 900, "max_px":'
+    ' 1024, "upsample": true, "image_format": "png", "img_size": [64, 48, 1], "seed": 7, "max_images": '
+    '1000, "yaw_deg": 12.5, "tilt_deg": -3.25, "roll_deg": 1.5, "ground_height_m": -12.5, '
+    '"error_budget_px": 0.25, "accept_error": true, "frame": "camera", "mesh": "rays", "resampling": '
+    '"lanczos", "date": "2021-06-30", "grid_angle_deg": -12.5, "crosshatch": true, "order": "one-way", '
+    '"airspeed_m_per_s": 17.5, "start": "2024-06-21T10:30:00.25Z", "wind": {"speed_m_per_s": 3.21, '
+    '"from_deg": 123.5, "turbulence": 0.15, "seed": 99}, "footprint": "auto"}'
+)
+
+
+def test_a_mission_file_of_version_0_1_is_read_as_it_was_meant():
+    mission = Mission.from_json(OF_VERSION_0_1)
+    assert mission == Mission(
+        Polygon((((-89.9, 35.1), (-89.8, 35.1), (-89.85, 35.2)),)),
+        123.456789,
+        Camera(61.23456789, 1.2345678),
+        overlap_along=0.123456,
+        overlap_across=0.07,
+        layout="paper",
+        map_types=("terrain", "satellite"),
+        source="esri-wayback",
+        date="2021-06-30",
+        zoom=17,
+        image_px=900,
+        max_px=1024,
+        upsample=True,
+        image_format="png",
+        img_size=(64, 48, 1),
+        seed=7,
+        max_images=1000,
+        yaw_deg=12.5,
+        tilt_deg=-3.25,
+        roll_deg=1.5,
+        ground_height_m=-12.5,
+        error_budget_px=0.25,
+        accept_error=True,
+        frame="camera",
+        mesh="rays",
+        resampling="lanczos",
+        wind=Wind(3.21, 123.5, 0.15, 99),
+        airspeed_m_per_s=17.5,
+        grid_angle_deg=-12.5,
+        crosshatch=True,
+        order="one-way",
+        start="2024-06-21T10:30:00.25Z",
+    )
+    # None of its fields went unread.
+    assert set(json.loads(OF_VERSION_0_1)) <= {*schema_1(mission.to_dict()), "footprint"}
+    assert mission.notes == ()
 
 
 def test_defaults_may_be_left_out():
@@ -133,7 +184,11 @@ def test_defaults_may_be_left_out():
     [
         ("", "not JSON"),
         ("[]", "must be an object"),
-        ('{"schema": 2}', "schema 2"),
+        ('{"schema": 3}', "schema 3"),
+        ('{"schema": 2, "area": {}, "flight": {"agl": 1}}', "mission field 'flight.agl': not one of agl_m"),
+        ('{"schema": 2, "area": {}, "agl_m": 1}', "mission field 'agl_m': not one of accuracy"),
+        ('{"schema": 2, "area": {"type": "disc"}, "flight": {"agl_m": 1}}', "disc"),
+        ('{"schema": 2, "area": {}, "flight": 1}', "mission field 'flight' is 1: must be an object"),
         ('{"agl_m": 1}', "schema None"),
         ('{"schema": 1, "agl_m": 1}', "'area'"),
         ('{"schema": 1, "agl_m": 1, "area": {"type": "disc"}}', "disc"),
@@ -148,16 +203,22 @@ def test_defaults_may_be_left_out():
         ),
         (
             '{"schema": 1, "agl_m": 1, "zoom": 1.5, "area": {"type": "points", "poses": [[1, 2, 3]]}}',
-            "'zoom' is 1.5",
+            "zoom 1.5: must be a whole number",
         ),
         (
             '{"schema": 1, "agl_m": 1, "max_px": NaN, "area": {"type": "points", "poses": [[1, 2, 3]]}}',
             "NaN: JSON has finite numbers only",
         ),
-        ('{"schema": 1, "agl_m": 1, "map_types": "satellite", "area": {}}', "must be a list"),
-        ('{"schema": 1, "agl_m": 1, "upsample": 1, "area": {}}', "must be true or false"),
-        ('{"schema": 1, "agl_m": 1, "area": {"type": "points", "poses": [[1, 2, "a"]]}}', "wrong type"),
-        ('{"schema": 1, "agl_m": 1, "area": {"type": "box", "north": 1}}', "area.north: not one of"),
+        (
+            '{"schema": 1, "agl_m": 1, "map_types": "satellite", "area": {"type": "points", "poses": [[1, 2, 3]]}}',
+            "must be a list",
+        ),
+        (
+            '{"schema": 1, "agl_m": 1, "upsample": 1, "area": {"type": "points", "poses": [[1, 2, 3]]}}',
+            "must be true or false",
+        ),
+        ('{"schema": 1, "agl_m": 1, "area": {"type": "points", "poses": [[1, "a", 3]]}}', "wrong type"),
+        ('{"schema": 1, "agl_m": 1, "area": {"type": "box", "north": 1}}', "'area.north': not one of"),
         ('{"schema": 1, "agl_m": 1, "area": {"type": "box", "north_deg": 1}}', "without area.west_deg"),
         ('{"schema": 1, "agl_m": 1, "area": ["x"]}', "must be an object"),
         ('{"schema": 1, "agl_m": 1, "area": {"type": "points", "poses": [[1]]}}', "wrong type"),
@@ -181,44 +242,53 @@ def test_a_missing_mission_file_is_named(tmp_path):
     [
         ({"agl_m": 0.0}, "height above ground 0.0 m: must be above 0"),
         ({"agl_m": math.inf}, "height above ground inf"),
-        ({"agl_m": 1e155}, "height above ground 1e+155 m: must be at most 1e+09 m"),
+        ({"agl_m": 1e155}, "height above ground 1e+155 m: must be at most 1e+09"),
         ({"img_size": (60_000, 60_000, 3)}, "at most 20,000 px along a side and 200,000,000 px in all"),
         ({"img_size": (20_000, 10_001, 1)}, "at most 20,000 px along a side and 200,000,000 px in all"),
         ({"img_size": (1, 10**400, 3)}, "at most 20,000 px along a side"),
-        ({"image_px": 10**400}, "image_px of more than 64 bits: must be at most 18446744073709551615"),
-        ({"max_px": 10**400}, "max_px of more than 64 bits"),
+        (
+            {"image_px": 10**400},
+            "image's longer side of more than 64 bits: must be at most 18446744073709551615",
+        ),
+        ({"max_px": 10**400}, "longest side of more than 64 bits"),
         ({"zoom": 10**400}, "zoom of more than 64 bits"),
-        ({"max_images": 10**400}, "max_images of more than 64 bits"),
+        ({"max_images": 10**400}, "most images of more than 64 bits"),
         ({"seed": 10**400}, "seed of more than 64 bits"),
-        ({"overlap_along": 1.0}, "overlap 1.0: must be at least 0 and below 1"),
-        ({"overlap_across": -0.1}, "overlap -0.1"),
-        ({"overlap_along": math.nan}, "overlap nan"),
+        ({"overlap_along": 1.0}, "overlap along rows 1.0: must be at least 0 and below 1"),
+        ({"overlap_across": -0.1}, "overlap across rows -0.1"),
+        ({"overlap_along": math.nan}, "overlap along rows nan"),
         ({"layout": "spiral"}, "layout 'spiral': must be one of cover, paper"),
-        ({"map_types": ("hybrid",)}, "map type 'hybrid'"),
+        ({"map_types": ("hybrid",)}, "map types 'hybrid'"),
         ({"map_types": ()}, "no map type"),
         ({"map_types": ("terrain", "terrain")}, "once"),
+        ({"map_types": (["terrain"],)}, "map types ['terrain']: must be one of"),
+        ({"zoom": -(10**400)}, "must be 0 or more"),
         ({"image_format": "bmp"}, "image format 'bmp'"),
         ({"source": ""}, "source is empty"),
         ({"zoom": 3, "gsd_m_per_px": 1.0}, "give one of the two"),
         ({"zoom": -1}, "zoom -1"),
         ({"gsd_m_per_px": 0.0}, "ground sample distance 0.0"),
-        ({"max_px": 0}, "longest side of a picture 0 px"),
-        ({"image_px": 0}, "longer side of the camera's image 0 px"),
-        ({"max_images": 0}, "0 images"),
+        ({"max_px": 0}, "longest side 0 px: must be 1 or more"),
+        ({"image_px": 0}, "image's longer side 0 px: must be 1 or more"),
+        ({"max_images": 0}, "most images 0: must be 1 or more"),
         ({"img_size": (0, 5, 3)}, "image size 0 5 3"),
         ({"img_size": (5, 5, 2)}, "1 or 3 channels"),
         ({"tilt_deg": 181.0}, "tilt 181.0 deg"),
         ({"yaw_deg": math.nan}, "yaw nan deg"),
         ({"ground_height_m": 2e4}, "ground height 20000.0 m"),
-        ({"error_budget_px": 0.0}, "error budget 0.0 px: must be a number above 0"),
+        ({"error_budget_px": 0.0}, "error budget 0.0 px: must be above 0"),
         ({"mesh": "mesh-0.1px"}, "mesh 'mesh-0.1px': must be one of auto, rays"),
-        ({"frame": "round"}, "frame 'round'"),
+        ({"frame": "round"}, "kind of image 'round': must be one of auto, map, camera"),
         ({"mesh": "mesh"}, "mesh 'mesh'"),
         ({"resampling": "cubic"}, "resampling 'cubic'"),
         ({"grid_angle_deg": 181.0}, "grid angle 181.0 deg: must be from -180 to 180"),
         ({"grid_angle_deg": math.nan}, "grid angle nan deg"),
-        ({"order": "zigzag"}, "order of flight 'zigzag': must be one of serpentine, one-way"),
-        ({"airspeed_m_per_s": 0.0}, "airspeed 0.0 m/s: must be 0.1 to 340.0"),
+        ({"order": "zigzag"}, "order of rows 'zigzag': must be one of serpentine, one-way"),
+        ({"airspeed_m_per_s": 0.0}, "airspeed 0.0 m/s: must be from 0.1 to 340"),
+        ({"error_budget_px": math.inf}, "error budget inf px: must be a finite number"),
+        ({"gsd_m_per_px": "fine"}, "ground sample distance 'fine': must be a number"),
+        ({"upsample": "yes"}, "allow enlarged pixels 'yes': must be true or false"),
+        ({"img_size": (5, 5)}, "image size (5, 5): must be three whole numbers"),
         ({"start": "2024-06-21"}, "start '2024-06-21': must be UTC as 2024-06-21T10:30:00Z"),
         ({"start": "2024-06-21T10:30:00+01:00"}, "must be UTC as"),
         ({"start": "2024-06-21 10:30:00Z"}, "must be UTC as"),
@@ -253,7 +323,7 @@ def test_values_outside_their_domain_are_named(change, says):
 )
 def test_methods_that_only_version_0_1_had_are_ignored_with_the_reason(old, noted):
     wanted = Mission(BOX, 120.0, mesh="rays" if old.get("mesh") == "rays" else "auto")
-    read = Mission.from_dict({**wanted.to_dict(), **old})
+    read = Mission.from_dict({**schema_1(wanted.to_dict()), **old})
     # They are the same mission, so that a folder of version 0.1 can be resumed.
     assert read == wanted
     assert read.to_json() == wanted.to_json()
@@ -274,7 +344,7 @@ def test_methods_that_only_version_0_1_had_are_ignored_with_the_reason(old, note
 )
 def test_methods_that_no_version_had_are_refused(wrong, says):
     with pytest.raises(InvalidInput) as refused:
-        Mission.from_dict({**Mission(BOX, 120.0).to_dict(), **wrong})
+        Mission.from_dict({**schema_1(Mission(BOX, 120.0).to_dict()), **wrong})
     assert says in str(refused.value)
 
 

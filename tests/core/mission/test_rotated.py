@@ -47,7 +47,7 @@ ORACLE_M = 8 * np.finfo(float).eps * 6378137.0
 def image_positions(made, index, lon, lat):
     """Where captures (k, 1) see ground points (m,), right and up in half images (k, m, 2); NaN behind the camera."""
     poses = made.poses.take(np.asarray(index))
-    ground_m = made.mission.ground_height_m
+    ground_m = made.mission.flight.ground_height_m
     camera = np.stack(TO_EARTH.transform(poses.lon_deg, poses.lat_deg, poses.agl_m + ground_m), axis=-1)
     point = np.stack(TO_EARTH.transform(lon, lat, np.full_like(lon, ground_m)), axis=-1)
     sight = point - camera[:, np.newaxis]
@@ -121,8 +121,10 @@ def passes_of(made):
 
 
 def ideal_count(made):
-    width, height = made.mission.camera.ground_size_m(made.mission.agl_m)
-    steps = width * (1 - made.mission.overlap_along) * height * (1 - made.mission.overlap_across)
+    width, height = made.mission.camera.ground_size_m(made.mission.flight.agl_m)
+    steps = (
+        width * (1 - made.mission.flight.overlap_along) * height * (1 - made.mission.flight.overlap_across)
+    )
     return made.mission.area.area_m2() / steps
 
 
@@ -198,8 +200,8 @@ def test_hardly_more_pictures_are_flown_than_their_whole_ground_asks_for(name):
     made = plan(SCENES[name], GRID)
     # The area's border takes about half a row and half a column more on each side.
     perimeter = 2 * (np.sqrt(SCENES[name].area.area_m2()) * 2.2)
-    width, height = made.mission.camera.ground_size_m(made.mission.agl_m)
-    share = (1 - made.mission.overlap_along) * (1 - made.mission.overlap_across)
+    width, height = made.mission.camera.ground_size_m(made.mission.flight.agl_m)
+    share = (1 - made.mission.flight.overlap_along) * (1 - made.mission.flight.overlap_across)
     border = perimeter * math.hypot(width, height) / 2 / (width * height * share)
     assert ideal_count(made) <= len(made) < 1.03 * ideal_count(made) + border
 
@@ -296,17 +298,17 @@ def test_neighbours_share_at_least_what_is_said(name):
     made = plan(SCENES[name], GRID)
     said = made.overlap
     mission = made.mission
-    assert said.least_along == pytest.approx(mission.overlap_along, abs=1e-6)
-    assert said.least_across == pytest.approx(mission.overlap_across, abs=1e-6)
-    if mission.tilt_deg:
+    assert said.least_along == pytest.approx(mission.flight.overlap_along, abs=1e-6)
+    assert said.least_across == pytest.approx(mission.flight.overlap_across, abs=1e-6)
+    if mission.attitude.tilt_deg:
         return
     # The middle of the next picture of a row lies a step to the right in this one.
     beside = np.flatnonzero((np.diff(made.row) == 0) & (np.diff(made.column) == 1))[::97]
     for index in beside.tolist():
         lon, lat = made.lon_deg[index + 1 : index + 2], made.lat_deg[index + 1 : index + 2]
         (x, y) = image_positions(made, [index], lon, lat)[0, 0]
-        assert 1.0 - x / 2.0 >= mission.overlap_along - 1e-9
-        assert 1.0 - x / 2.0 == pytest.approx(mission.overlap_along, abs=5e-4)
+        assert 1.0 - x / 2.0 >= mission.flight.overlap_along - 1e-9
+        assert 1.0 - x / 2.0 == pytest.approx(mission.flight.overlap_along, abs=5e-4)
         assert abs(y) < 5e-4
 
 
@@ -471,7 +473,8 @@ def test_no_place_of_any_box_is_left_out(place, agl, angle, crosshatch, overlaps
         area,
         agl,
         Camera(*lens),
-        *overlaps,
+        overlap_along=overlaps[0],
+        overlap_across=overlaps[1],
         grid_angle_deg=angle,
         crosshatch=crosshatch,
         yaw_deg=yaw,

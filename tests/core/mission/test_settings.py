@@ -164,14 +164,18 @@ def make(**given):
 def test_the_papers_example():
     mission = make(coords="35.22_-90.07_35.06_-89.73_400", overlap=["0.25"], aspect_ratio=["16", "9"])
     assert mission.area == Box(35.22, -90.07, 35.06, -89.73)
-    assert (mission.agl_m, mission.overlap_along, mission.overlap_across) == (400.0, 0.25, 0.25)
+    assert (mission.flight.agl_m, mission.flight.overlap_along, mission.flight.overlap_across) == (
+        400.0,
+        0.25,
+        0.25,
+    )
     assert mission.camera.fov_deg == 78.8
     assert mission.camera.aspect_ratio == pytest.approx(16 / 9)
 
 
 def test_overlap_along_and_across():
     mission = make(coords="35.22_-90.07_35.06_-89.73_400", overlap=["0.8", "0.6"])
-    assert (mission.overlap_along, mission.overlap_across) == (0.8, 0.6)
+    assert (mission.flight.overlap_along, mission.flight.overlap_across) == (0.8, 0.6)
 
 
 def test_a_height_of_its_own_replaces_the_coordinates():
@@ -195,7 +199,7 @@ def test_a_camera_by_name():
     ],
 )
 def test_a_camera_by_name_brings_its_own_pixels(given, image_px):
-    assert make(coords="35.1_-89.8_120", **given).image_px == image_px
+    assert make(coords="35.1_-89.8_120", **given).pixels.image_px == image_px
 
 
 def test_an_image_of_no_pixels_is_refused():
@@ -249,8 +253,8 @@ def test_a_camera_of_the_user_s_own(tmp_path, monkeypatch):
         ({"coords": "1_2_3", "camera": ""}, "camera '' is unknown"),
         ({"coords": "1_2_3", "aspect_ratio": ["0", "3"]}, "aspect ratio 0 3"),
         ({"coords": "1_2_3", "fov": "180"}, "field of view 180"),
-        ({"coords": "1_2_3", "overlap": ["1"]}, "overlap 1.0"),
-        ({"coords": "1_2_3", "map_type": ["hybrid"]}, "map type 'hybrid'"),
+        ({"coords": "1_2_3", "overlap": ["1"]}, "overlap along rows 1.0"),
+        ({"coords": "1_2_3", "map_type": ["hybrid"]}, "map types 'hybrid'"),
     ],
 )
 def test_what_is_missing_or_contradicts_is_named(given, says):
@@ -273,10 +277,15 @@ def test_attitude_budget_and_wind():
         airspeed="12",
         seed="7",
     )
-    assert (mission.yaw_deg, mission.tilt_deg, mission.roll_deg, mission.ground_height_m) == (30, 60, -2, 80)
-    assert (mission.error_budget_px, mission.resampling) == (0.5, "bicubic")
+    assert (
+        mission.attitude.yaw_deg,
+        mission.attitude.tilt_deg,
+        mission.attitude.roll_deg,
+        mission.flight.ground_height_m,
+    ) == (30, 60, -2, 80)
+    assert (mission.accuracy.error_budget_px, mission.accuracy.resampling) == (0.5, "bicubic")
     assert mission.wind == Wind(8.0, 270.0, 0.2, 7)
-    assert mission.airspeed_m_per_s == 12.0
+    assert mission.flight.airspeed_m_per_s == 12.0
     assert make(coords="35.1_-89.8_120").wind is None
     with pytest.raises(InvalidInput, match="takes 3 values"):
         make(coords="35.1_-89.8_120", wind=["8"])
@@ -291,8 +300,12 @@ def test_the_flight():
         airspeed="12",
         start="2024-06-21T10:30:00Z",
     )
-    assert (mission.grid_angle_deg, mission.crosshatch, mission.order) == (37.0, True, "one-way")
-    assert (mission.airspeed_m_per_s, mission.start) == (12.0, "2024-06-21T10:30:00Z")
+    assert (mission.flight.grid_angle_deg, mission.flight.crosshatch, mission.flight.order) == (
+        37.0,
+        True,
+        "one-way",
+    )
+    assert (mission.flight.airspeed_m_per_s, mission.flight.start) == (12.0, "2024-06-21T10:30:00Z")
     assert mission.wind is None
     with pytest.raises(InvalidInput, match=r"option order 'zigzag': must be one of serpentine, one-way"):
         make(coords="35.1_-89.8_120", order="zigzag")
@@ -313,10 +326,10 @@ def test_the_date_is_the_mission_s_and_the_cache_the_run_s():
     )
     assert (values["cache_dir"], values["no_cache"], values["cache_limit"]) == ("/fast/disk", True, None)
     mission = mission_from(values)
-    assert mission.date == "2021"
+    assert mission.imagery.date == "2021"
     assert mission == make(coords="35.1_-89.8_120", date="2021")
     assert mission != make(coords="35.1_-89.8_120", date="2022")
-    assert make(coords="35.1_-89.8_120").date == ""
+    assert make(coords="35.1_-89.8_120").imagery.date == ""
     assert set(RUN_OPTIONS) <= {option.name for option in OPTIONS}
 
 

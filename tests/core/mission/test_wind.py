@@ -447,11 +447,11 @@ def test_wind_is_ready_for_json():
     [
         ({"speed_m_per_s": -1.0}, "wind speed -1.0 m/s"),
         ({"speed_m_per_s": math.nan}, "wind speed nan"),
-        ({"from_deg": math.inf}, "wind from inf deg"),
-        ({"turbulence": -0.1}, "turbulence intensity -0.1"),
-        ({"turbulence": math.nan}, "turbulence intensity nan"),
-        ({"seed": -1}, "seed -1"),
-        ({"seed": 1.5}, "seed 1.5"),
+        ({"from_deg": math.inf}, "wind direction inf deg"),
+        ({"turbulence": -0.1}, "turbulence -0.1"),
+        ({"turbulence": math.nan}, "turbulence nan"),
+        ({"seed": -1}, "seed of the wind -1"),
+        ({"seed": 1.5}, "seed of the wind 1.5"),
     ],
 )
 def test_a_wind_that_cannot_be(changes, says):

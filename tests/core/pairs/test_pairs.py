@@ -170,7 +170,7 @@ def test_the_table_names_every_image_with_its_pose(pairs):
     settings = json.loads((folder / "pairs.json").read_text(encoding="utf-8"))
     assert [place["part"] for place in settings["places"]] == list(worked_out.parts)
     assert settings["parts"]["ground_shared"] is False
-    assert settings["mission"]["source"] == "pattern"
+    assert settings["mission"]["imagery"]["source"] == "pattern"
     for file in settings["missions"].values():
         assert (folder / file).is_file()
     assert source.grid == worked_out.plans["drone"].grid

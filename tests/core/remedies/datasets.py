@@ -125,36 +125,36 @@ def _two_folders(case: Case) -> None:
     case.follow("move one of the two away", moved)
 
 
-@remedy("dataset/dataset.py", "folder {}: {} {} in it and in {} as well; remove one of the two")
-def _in_both(case: Case) -> None:
+def _in_both(case: Case, several: bool) -> None:
     folder = captured(case)
-    image = images_in(folder)[0]
+    images = images_in(folder)[: 1 + several]
     (folder / "satellite" / "rejected").mkdir()
-    shutil.copy(image, folder / "satellite" / "rejected")
+    for image in images:
+        shutil.copy(image, folder / "satellite" / "rejected")
     case.refused(lambda: clean(folder))
 
     def removed():
-        (folder / "satellite" / "rejected" / image.name).unlink()
+        for image in images:
+            (folder / "satellite" / "rejected" / image.name).unlink()
         clean(folder)
 
     case.follow("remove one of the two", removed)
 
 
-@remedy(
-    "dataset/dataset.py", "folder {}: {} of the table {} not there; put {} back, or capture again (--resume)"
-)
-def _not_there(case: Case) -> None:
+def _not_there(case: Case, several: bool) -> None:
     folder = captured(case)
-    image = images_in(folder)[0]
-    image.rename(case.tmp_path / "kept.png")
+    images = images_in(folder)[: 1 + several]
+    for image in images:
+        image.rename(case.tmp_path / image.name)
     case.refused(lambda: clean(folder))
     other = copied(folder)
 
     def back():
-        (case.tmp_path / "kept.png").rename(image)
+        for image in images:
+            (case.tmp_path / image.name).rename(image)
         clean(folder)
 
-    case.follow("put it back", back)
+    case.follow("put them back" if several else "put it back", back)
 
     def resumed():
         again(other)
@@ -163,27 +163,27 @@ def _not_there(case: Case) -> None:
     case.follow("capture again (--resume)", resumed)
 
 
-@remedy(
-    "dataset/dataset.py",
-    "folder {}: {} {} not in the table; finish the capture (--resume), or remove what does not belong to it",
-)
-def _not_in_the_table(case: Case) -> None:
+def _not_in_the_table(case: Case, several: bool) -> None:
     source, folder = PatternSource(), case.tmp_path / "out"
     worked_out = plan(MISSION, source.grid)
-    capture(worked_out, source, folder, only=[0, 1])
-    foreign = folder / "satellite" / "9_9_35.10000000_-89.90000000_18.png"
-    shutil.copy(images_in(folder)[0], foreign)
+    capture(worked_out, source, folder, only=[0, 1, 2])
+    foreign = [
+        folder / "satellite" / f"9_{row}_35.10000000_-89.90000000_18.png" for row in range(1 + several)
+    ]
+    for image in foreign:
+        shutil.copy(images_in(folder)[0], image)
     case.refused(lambda: clean(folder))
 
     def removed():
-        foreign.unlink()
+        for image in foreign:
+            image.unlink()
         clean(folder)
 
     case.follow("remove what does not belong to it", removed)
     # A run that was killed has images whose table is not written yet.
     table = folder / "satellite" / TABLE_FILE
     lines = table.read_text(encoding="utf-8").splitlines(keepends=True)
-    table.write_text("".join(lines[:-1]), encoding="utf-8")
+    table.write_text("".join(lines[: -1 - several]), encoding="utf-8")
     case.refused(lambda: clean(folder))
 
     def finished():
@@ -191,6 +191,18 @@ def _not_in_the_table(case: Case) -> None:
         clean(folder)
 
     case.follow("finish the capture (--resume)", finished)
+
+
+for _entry, _one in {
+    _in_both: "{} is in it and in {} as well; remove one of the two",
+    _not_there: "{} of the table is not there; put it back, or capture again (--resume)",
+    _not_in_the_table: (
+        "{} is not in the table; finish the capture (--resume), or remove what does not belong to it"
+    ),
+}.items():
+    _many = _one.replace(" is ", " are ", 1).replace("put it", "put them")
+    remedy("dataset/dataset.py", f"folder {{}}: {_one}")(partial(_entry, several=False))
+    remedy("dataset/dataset.py", f"folder {{}}: {_many}")(partial(_entry, several=True))
 
 
 @remedy("dataset/dataset.py", "folder {}: {} in it is no folder, which images are moved to; move it away")

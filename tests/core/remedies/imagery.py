@@ -302,7 +302,7 @@ def _by_points(case: Case) -> None:
     case.follow("make a map of it first, by gdalwarp", warped)
 
 
-@remedy("imagery/raster/source.py", "; name one of those within, such as {}")
+@remedy("imagery/raster/source.py", "name one of those within, such as {}")
 def _within(case: Case) -> None:
     from osgeo import gdal
 
@@ -350,7 +350,7 @@ def _folder(case: Case) -> None:
     case.follow("name a raster file", lambda: read(path))
 
 
-@remedy("imagery/raster/source.py", "has changed since it was opened; start anew")
+@remedy("imagery/raster/source.py", "{}: has changed since it was opened; start anew")
 def _changed(case: Case) -> None:
     path = raster(case)
     with closing(open_raster(path)) as source:

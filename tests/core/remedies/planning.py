@@ -44,7 +44,7 @@ def planned(module, message, mission, ways, grid=GRID):
     def entry(case: Case) -> None:
         text = case.refused(partial(plan, mission, grid))
         # A camera that is level cannot be tilted less.
-        assert mission.tilt_deg or mission.roll_deg or "tilt" not in text.partition("; ")[2]
+        assert mission.attitude.tilt_deg or mission.attitude.roll_deg or "tilt" not in text.partition("; ")[2]
         named = re.search(r"(?:with|are) ([0-9.e+-]+) (?:px|m)\b", text)
         for what, way in ways.items():
             if isinstance(way, PixelGrid):
@@ -78,7 +78,7 @@ planned(
     PixelGrid(centre_decimals=6, max_size_px=640),
 )
 
-LARGER_PICTURES = "or allow larger pictures (--max-px)"
+LARGER_PICTURES = "{}, or allow larger pictures (--max-px)"
 #: What is put together of parts: how many px are too many for a mission on a grid, and each thing advised for it.
 TOO_LARGE = {
     "fly lower": (Mission(AREA, 120.0, max_px=640), PixelGrid(min_zoom=19), {"agl_m": 60.0}),
@@ -103,7 +103,7 @@ for _advice, (_mission, _grid, _change) in TOO_LARGE.items():
 
 planned(
     "layout/framing.py",
-    "or make them smaller (--max-px)",
+    "{}, or make them smaller (--max-px)",
     at(35.0, 9e3, image_px=20_000, accept_error=True),
     {"make them smaller (--max-px)": {"max_px": 10_000}},
 )
@@ -326,7 +326,7 @@ def _sees_the_sky(case: Case) -> None:
 
 
 @remedy(
-    "geodesy/camera.py",
+    "geodesy/lens.py",
     "sensor {} by {} mm and a picture of {} to 1: pixels would not be square; give the part of the "
     "sensor that the picture "
     "shows",
@@ -340,7 +340,7 @@ def _not_square(case: Case) -> None:
 
 
 @remedy(
-    "geodesy/camera.py",
+    "geodesy/lens.py",
     "field of view across the diagonal {} deg: must be between 0 and 180, both excluded; choose a less "
     "extreme field of "
     "view or aspect ratio",

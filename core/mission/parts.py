@@ -1,0 +1,415 @@
+"""The parts of a mission that are plain fields, each field declared once. Knows no numerics, as help needs none."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from ..errors import InvalidInput
+from ..fields import Part, declared, field_named
+from ..limits import MAX_PICTURE_PX, MAX_PICTURE_SIDE_PX
+from ..map_types import ROADMAP, SATELLITE, TERRAIN
+
+if TYPE_CHECKING:
+    from datetime import datetime
+
+#: Rows to and fro, or each from its beginning.
+SERPENTINE, ONE_WAY = "serpentine", "one-way"
+#: Rows that leave nothing out, or the published UTM grid.
+COVER, PAPER = "cover", "paper"
+#: The cheapest that fits the error budget.
+AUTO = "auto"
+#: A ray for every pixel of a camera frame, in place of a mesh that is as coarse as the error budget allows.
+RAYS = "rays"
+#: Longest side of a picture in the paper's layout where no other limit is given.
+PAPER_MAX_PX = 640
+#: Greatest height above ground, metres: up to there double precision holds the ground to less than a micrometre.
+HIGHEST_AGL_M = 1e9
+#: Ground lies between these, metres: the shore of the Dead Sea and Everest, with room for geoid and lakes' beds.
+LOWEST_GROUND_M, HIGHEST_GROUND_M = -12_000.0, 9_000.0
+#: UTC as ISO 8601 writes it: to the second, or with up to six decimals of one.
+_UTC = r"[0-9]{4}-[0-9]{2}-[0-9]{2}T[0-9]{2}:[0-9]{2}:[0-9]{2}(\.[0-9]{1,6})?Z"
+_CHANNELS = (1, 3)
+
+
+def utc_time(text: str) -> datetime:
+    """Time of an ISO 8601 text in UTC, such as 2024-06-21T10:30:00Z; with the time zone UTC.
+
+    Raises
+    ------
+    InvalidInput
+        Another form, or a day or an hour that is not.
+    """
+    from datetime import datetime, timezone
+
+    if re.fullmatch(_UTC, text):
+        form = "%Y-%m-%dT%H:%M:%S.%fZ" if "." in text else "%Y-%m-%dT%H:%M:%SZ"
+        try:
+            return datetime.strptime(text, form).replace(tzinfo=timezone.utc)
+        except ValueError as wrong:
+            raise InvalidInput("start {0!r}: no such time ({1})", text, wrong, field="start") from wrong
+    raise InvalidInput("start {0!r}: must be UTC as 2024-06-21T10:30:00Z", text, field="start")
+
+
+def _check_start(text: str) -> None:
+    utc_time(text)
+
+
+def _check_source(text: str) -> None:
+    if not text:
+        raise InvalidInput("source is empty: name one, or give a URL template or a file", field="source")
+
+
+def _check_date(text: str) -> None:
+    if text != text.strip() or not text.isprintable():
+        raise InvalidInput(
+            "date {0!r}: must be text without spaces around it, such as 2024-06-21", text, field="date"
+        )
+
+
+def _check_map_types(map_types: tuple[str, ...]) -> None:
+    if not map_types:
+        known = ", ".join(field_named(Imagery, "map_types").choices)
+        raise InvalidInput("no map type: give one or more of {0}", known, field="map_types")
+    if len(set(map_types)) != len(map_types):
+        raise InvalidInput("map types {0}: each may be named once", " ".join(map_types), field="map_types")
+
+
+def _check_size(size: tuple[Any, ...]) -> None:
+    if len(size) != 3 or not all(isinstance(one, int) and not isinstance(one, bool) for one in size):
+        raise InvalidInput(
+            "image size {0}: must be three whole numbers, width, height and channels",
+            str(size),
+            field="img_size",
+        )
+    width, height, channels = size
+    if width < 1 or height < 1 or channels not in _CHANNELS:
+        raise InvalidInput(
+            "image size {0} {1} {2}: needs a width and a height of 1 px or more, and 1 or 3 channels",
+            width,
+            height,
+            channels,
+            field="img_size",
+        )
+    if max(width, height) > MAX_PICTURE_SIDE_PX or width * height > MAX_PICTURE_PX:
+        raise InvalidInput(
+            "image size {0} x {1} px: must be at most {2:,} px along a side and {3:,} px in all",
+            width,
+            height,
+            MAX_PICTURE_SIDE_PX,
+            MAX_PICTURE_PX,
+            field="img_size",
+        )
+
+
+@dataclass(frozen=True)
+class Attitude(Part):
+    """Which way every capture looks: yaw, then tilt, then roll, as in `Camera.rays_enu`."""
+
+    yaw_deg: float = declared(
+        0.0,
+        title="yaw",
+        help="direction of the image's top edge, clockwise from north; counted from the grid's own north where a grid "
+        "angle turns the rows, and replaced by the points' own yaws",
+        unit="deg",
+        least=-360.0,
+        most=360.0,
+        advanced=True,
+    )
+    tilt_deg: float = declared(
+        0.0,
+        title="tilt",
+        help="how far the view is lifted from straight down towards the image's top edge; 90 looks level",
+        unit="deg",
+        least=-180.0,
+        most=180.0,
+        advanced=True,
+    )
+    roll_deg: float = declared(
+        0.0,
+        title="roll",
+        help="how far the camera is rolled about its line of sight, right side down",
+        unit="deg",
+        least=-180.0,
+        most=180.0,
+        advanced=True,
+    )
+
+
+@dataclass(frozen=True)
+class Flight(Part):
+    """How an area is flown: heights, overlaps, rows, speed and time."""
+
+    agl_m: float = declared(
+        title="height above ground",
+        label="height above gro&und",
+        help="height of the captures above ground (AGL); coordinates, and points with heights, have their own",
+        unit="m",
+        above=0.0,
+        most=HIGHEST_AGL_M,
+        suggested=120.0,
+    )
+    ground_height_m: float = declared(
+        0.0,
+        title="ground height",
+        help="height of the ground above the WGS84 ellipsoid",
+        unit="m",
+        least=LOWEST_GROUND_M,
+        most=HIGHEST_GROUND_M,
+        advanced=True,
+    )
+    overlap_along: float = declared(
+        0.0,
+        title="overlap along rows",
+        help="front overlap: share of an image that the next one of its row shows again",
+        unit="share",
+        least=0.0,
+        below=1.0,
+        option="overlap",
+    )
+    overlap_across: float = declared(
+        0.0,
+        title="overlap across rows",
+        help="side overlap: share of an image that the next row shows again",
+        unit="share",
+        least=0.0,
+        below=1.0,
+        option="overlap",
+    )
+    layout: str = declared(
+        COVER,
+        title="layout",
+        label="la&yout",
+        help="cover: rows that leave nothing out; paper: the grid in UTM as published",
+        choices={COVER: "Cover (no gaps)", PAPER: "Paper (UTM grid)"},
+    )
+    grid_angle_deg: float = declared(
+        0.0,
+        title="grid angle",
+        help="how far the rows of an area, and the images with them, are turned clockwise from east; points have none",
+        unit="deg",
+        least=-180.0,
+        most=180.0,
+    )
+    crosshatch: bool = declared(
+        False,
+        title="crosshatch",
+        help="fly an area a second time, in rows across the first ones: about twice the images",
+    )
+    order: str = declared(
+        SERPENTINE,
+        title="order of rows",
+        help="serpentine: every other row is flown back; one-way: every row is flown from its beginning",
+        choices={SERPENTINE: "Serpentine (to and fro)", ONE_WAY: "One way"},
+    )
+    airspeed_m_per_s: float = declared(
+        15.0,
+        title="airspeed",
+        help="speed of the flight through the air",
+        unit="m/s",
+        # From hovering drift to the speed of sound: what the model of the wind is of.
+        least=0.1,
+        most=340.0,
+        advanced=True,
+    )
+    start: str = declared(
+        "2000-01-01T00:00:00Z",
+        title="start",
+        help="time of the first image, in UTC as 2024-06-21T10:30:00Z: the clock of the simulated flight",
+        advanced=True,
+        check=_check_start,
+        schema={"pattern": f"^{_UTC}$"},
+    )
+
+
+@dataclass(frozen=True)
+class Imagery(Part):
+    """What is photographed, and when it was."""
+
+    source: str = declared(
+        "world",
+        title="source",
+        help="where the imagery comes from: a name (see terrainav sources), a URL template, wmts:URL#layer=NAME, "
+        "wms:URL#layers=NAME, or a file (GeoTIFF, VRT, MBTiles, …)",
+        check=_check_source,
+        schema={"minLength": 1},
+    )
+    map_types: tuple[str, ...] = declared(
+        (SATELLITE,),
+        title="map types",
+        help="kinds of imagery, each captured into a folder of its own",
+        choices={SATELLITE: "Satellite", ROADMAP: "Roadmap", TERRAIN: "Terrain"},
+        option="map_type",
+        check=_check_map_types,
+        schema={"minItems": 1, "uniqueItems": True},
+    )
+    date: str = declared(
+        "",
+        title="date of the imagery",
+        help="as the source writes it, where it has imagery of several dates",
+        advanced=True,
+        check=_check_date,
+    )
+    seed: int = declared(
+        2024,
+        title="seed",
+        help="of whatever is random, such as the synthetic landscape and gusts of wind",
+        advanced=True,
+    )
+
+
+@dataclass(frozen=True)
+class Pixels(Part):
+    """Which of the source's pixels make the images."""
+
+    image_px: int = declared(
+        640,
+        title="image's longer side",
+        label="image's lo&nger side",
+        help="pixels along the longer side of the camera's image: the source's pixels are taken that come nearest to "
+        "the camera's; a camera by name brings its own",
+        unit="px",
+        least=1,
+        option="image_px",
+        advanced=True,
+    )
+    zoom: int | None = declared(
+        None,
+        title="zoom",
+        help="zoom of the source, instead of the one whose pixels come nearest to the camera's",
+        least=0,
+        suggested=18,
+        advanced=True,
+    )
+    gsd_m_per_px: float | None = declared(
+        None,
+        title="ground sample distance",
+        help="ground that a pixel of the source is to show; the zoom nearest to it is taken",
+        unit="m",
+        above=0.0,
+        option="gsd",
+        suggested=0.5,
+        advanced=True,
+    )
+    max_px: int | None = declared(
+        None,
+        title="longest side",
+        help="no image gets a longer side than so many pixels of a source's 256 px tiles: where one would, a lower "
+        "zoom is taken for all; without it there is no limit, or 640 in the layout paper",
+        unit="px",
+        least=1,
+        option="max_px",
+        advanced=True,
+    )
+    upsample: bool = declared(
+        False,
+        title="allow enlarged pixels",
+        help="also take zooms above the source's native one: images get more pixels, and show nothing more",
+        advanced=True,
+    )
+
+    def __post_init__(self) -> None:
+        """Check every field; refuse a zoom beside a ground sample distance."""
+        super().__post_init__()
+        if self.zoom is not None and self.gsd_m_per_px is not None:
+            raise InvalidInput(
+                "zoom {0} and ground sample distance {1} m: give one of the two",
+                self.zoom,
+                self.gsd_m_per_px,
+                field="zoom",
+            )
+
+
+@dataclass(frozen=True)
+class Accuracy(Part):
+    """How wrong images and footprints may be, and what kind of image is made."""
+
+    error_budget_px: float = declared(
+        0.1,
+        title="error budget",
+        help="most that the errors of all stages may sum to, by their bounds, in pixels of the planned image; the "
+        "cheapest methods that fit are taken",
+        unit="px",
+        above=0.0,
+        advanced=True,
+    )
+    accept_error: bool = declared(
+        False,
+        title="go on beyond the budget",
+        help="take the most accurate methods where none fit the error budget, instead of refusing",
+        advanced=True,
+    )
+    frame: str = declared(
+        AUTO,
+        title="kind of image",
+        help="map: a window of the source's own pixels, north-up, for cameras that look straight down; camera: the "
+        "image as the camera sees it; auto: a map frame where its error fits the budget",
+        choices={AUTO: "Automatic", "map": "Map frame (north-up)", "camera": "Camera frame (as seen)"},
+        advanced=True,
+    )
+    mesh: str = declared(
+        AUTO,
+        title="mesh",
+        help="ground under a camera frame: auto is a mesh as coarse as the error budget allows, rays one ray a pixel",
+        choices={AUTO: "Automatic", RAYS: "One ray a pixel"},
+        advanced=True,
+    )
+    resampling: str = declared(
+        "bilinear",
+        title="resampling",
+        help="how camera frames take their values between the source's pixels; map frames are not resampled",
+        choices={
+            "nearest": "Nearest pixel",
+            "bilinear": "Bilinear",
+            "bicubic": "Bicubic",
+            "lanczos": "Lanczos",
+        },
+        advanced=True,
+    )
+
+
+@dataclass(frozen=True)
+class Output(Part):
+    """What is written."""
+
+    image_format: str = declared(
+        "tif",
+        title="image format",
+        help="of the image files, all of which state their coordinate reference system: tif and png are lossless",
+        choices={"tif": "GeoTIFF (lossless)", "jpg": "JPEG (smaller)", "png": "PNG"},
+        option="format",
+    )
+    img_size: tuple[int, int, int] | None = declared(
+        None,
+        title="image size",
+        help="resize images: width, height, channels (1 or 3)",
+        advanced=True,
+        check=_check_size,
+        schema={
+            "prefixItems": [
+                *2 * [{"type": "integer", "minimum": 1, "maximum": MAX_PICTURE_SIDE_PX}],
+                {"enum": list(_CHANNELS)},
+            ],
+            "items": False,
+            "minItems": 3,
+        },
+    )
+    max_images: int = declared(
+        10_000_000,
+        title="most images",
+        help="missions of more images are refused",
+        least=1,
+        advanced=True,
+    )
+
+
+#: Parts that are given by the names of their fields, which no two of them share.
+FLAT_PARTS: dict[str, type[Part]] = {
+    "attitude": Attitude,
+    "flight": Flight,
+    "imagery": Imagery,
+    "pixels": Pixels,
+    "accuracy": Accuracy,
+    "output": Output,
+}

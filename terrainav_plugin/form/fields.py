@@ -1,0 +1,61 @@
+"""What people read of a declared field of a mission, in their language: titles, tips, choices."""
+
+from __future__ import annotations
+
+from ...core.fields import Field, field_named
+from ...core.mission.parts import Imagery
+from ..i18n import begun, tr, translate
+
+
+def label_of(field: Field) -> str:
+    """Title that begins a row, with the mark of its key."""
+    return begun(translate(field.label or field.title))
+
+
+def title_of(field: Field) -> str:
+    """Title without a key, and with the unit of numbers."""
+    unit = unit_words(field.unit)
+    title = begun(translate(field.title))
+    return f"{title} ({unit})" if unit else title
+
+
+def sentence_of(field: Field) -> str:
+    """What a field does, as a sentence."""
+    return begun(translate(field.help)) + "."
+
+
+def tip_of(field: Field, unit: str | None = None) -> str:
+    """What a field does, its unit and its range.
+
+    Parameters
+    ----------
+    unit : str or None
+        In words, where it is shown in another than its own; its range is another one then, too.
+    """
+    numbers = field.kind in (float, int)
+    beside = [unit_words(field.unit), translate(field.right)] if unit is None and numbers else [unit or ""]
+    text = begun(translate(field.help))
+    shown = ", ".join(filter(None, beside))
+    return f"{text} ({shown})" if shown else text
+
+
+def choices_of(field: Field) -> tuple[tuple[str, str], ...]:
+    """Values of a field, each with what people read."""
+    return tuple((value, translate(label)) for value, label in field.choices.items())
+
+
+def map_type_title(name: str) -> str:
+    """What a map type is called: its folder's name where it is none of the usual ones."""
+    return translate(field_named(Imagery, "map_types").choices.get(name, name))
+
+
+def unit_words(unit: str) -> str:
+    """Unit of a field in words; empty for none."""
+    words = {
+        "m": tr("metres"),
+        "deg": tr("degrees"),
+        "px": tr("px"),
+        "m/s": tr("metres a second"),
+        "share": tr("share"),
+    }
+    return words.get(unit, "")

@@ -1,0 +1,92 @@
+"""Panel and Processing say of a mission's fields what is declared of them, and have all of them."""
+
+from __future__ import annotations
+
+import pytest
+from qgis.core import QgsApplication, QgsProcessingParameterDefinition
+from qgis.PyQt.QtWidgets import QCheckBox, QComboBox
+from terrainav.core.fields import declared_fields, field_named
+from terrainav.core.mission.mission import flat_fields
+from terrainav.core.mission.parts import Flight
+from terrainav.core.mission.wind import Wind
+from terrainav.terrainav_plugin.form.fields import choices_of, label_of, sentence_of, tip_of, title_of
+from terrainav.terrainav_plugin.form.state import DECLARED, SAME, WITHOUT_ENTRY, FormState
+
+#: What models and scripts of users name.
+IDS = set(
+    "EXTENT AREA COORDS AGL CAMERA FOV ASPECT OVERLAP_ALONG OVERLAP_ACROSS LAYOUT GRID_ANGLE CROSSHATCH ORDER SOURCE "
+    "OTHER_SOURCE MAP_TYPES FORMAT AGL_FIELD YAW_FIELD YAW TILT ROLL GROUND_HEIGHT ERROR_BUDGET ACCEPT_ERROR FRAME "
+    "RESAMPLING IMAGE_PX ZOOM GSD MAX_PX UPSAMPLE IMG_SIZE DATE WIND_SPEED WIND_FROM TURBULENCE AIRSPEED START SEED "
+    "MAX_IMAGES MISSION".split()
+)
+
+
+def test_every_field_has_its_place_in_the_panel(desk):
+    entered = {name for group in desk.form.groups for name in group.entries}
+    entered |= {"source", "date", "map_types"}
+    assert set(SAME) - entered == set(WITHOUT_ENTRY)
+    assert not entered & set(WITHOUT_ENTRY)
+
+
+def test_entries_say_what_is_declared(desk):
+    entries = {name: widget for group in desk.form.groups for name, widget in group.entries.items()}
+    for name, field in DECLARED.items():
+        if name not in entries or name in ("agl", "fov_deg"):
+            continue
+        widget = entries[name]
+        assert widget.toolTip().startswith(sentence_of(field)[:-1]), name
+        if isinstance(widget, QCheckBox):
+            assert widget.text().replace("&", "") == title_of(field)
+        if isinstance(widget, QComboBox):
+            shown = [(widget.itemData(at), widget.itemText(at)) for at in range(widget.count())]
+            assert tuple(shown) == choices_of(field)
+        if name in SAME:
+            assert getattr(FormState(), name) == field.default
+
+
+def test_words_of_a_field():
+    agl, tilt = field_named(Flight, "agl_m"), DECLARED["tilt_deg"]
+    assert label_of(agl).replace("&", "") == "Height above ground"
+    assert title_of(agl) == "Height above ground (metres)"
+    assert tip_of(tilt).endswith("90 looks level (degrees, from -180 to 180)")
+    assert tip_of(DECLARED["overlap_along"], "percent").endswith("shows again (percent)")
+
+
+@pytest.fixture
+def parameters(plugin):
+    algorithm = QgsApplication.processingRegistry().createAlgorithmById("terrainav:plan")
+    # It owns them.
+    yield {one.name(): one for one in algorithm.parameterDefinitions() if not one.isDestination()}
+    del algorithm
+
+
+def test_parameters_keep_their_ids_and_have_all_fields(parameters):
+    assert set(parameters) >= IDS
+    # The mesh had been forgotten here.
+    assert "MESH" in parameters
+
+
+def test_parameters_have_the_declared_defaults_and_ranges(parameters):
+    for field in flat_fields():
+        name = {
+            "overlap_along": "OVERLAP_ALONG",
+            "overlap_across": "OVERLAP_ACROSS",
+            "map_types": "MAP_TYPES",
+        }.get(field.name, field.name_of_option.upper())
+        parameter = parameters[name]
+        advanced = bool(parameter.flags() & QgsProcessingParameterDefinition.Flag.FlagAdvanced)
+        assert advanced == field.advanced, name
+        if name in ("SOURCE", "START", "DATE", "IMG_SIZE", "IMAGE_PX"):
+            # A list with sources of the user's own, texts that say nothing where they are empty, a camera's own.
+            continue
+        assert parameter.description() == title_of(field)
+        usual = list(field.default) if field.name == "map_types" else field.default
+        assert parameter.defaultValue() == (field.starts_with if field.needed else usual), name
+        if field.choices:
+            assert parameter.options() == list(field.choices)
+        if field.least is not None:
+            assert parameter.minimum() == field.least
+        if field.most is not None:
+            assert parameter.maximum() == field.most
+    turbulence = next(one for one in declared_fields(Wind) if one.name == "turbulence")
+    assert parameters["TURBULENCE"].defaultValue() == turbulence.starts_with == FormState().turbulence

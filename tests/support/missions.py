@@ -1,0 +1,69 @@
+"""Missions of every kind, for properties that hold of all of them."""
+
+from __future__ import annotations
+
+from hypothesis import strategies as st
+from terrainav.core.fields import field_named
+from terrainav.core.geodesy.camera import Camera
+from terrainav.core.mission.area import Box, Points, Polygon
+from terrainav.core.mission.mission import Mission
+from terrainav.core.mission.parts import FLAT_PARTS, Imagery
+from terrainav.core.mission.wind import Wind
+
+TRIANGLE = Polygon(
+    (((-89.9, 35.16), (-89.82, 35.16), (-89.86, 35.11)), ((-89.87, 35.15), (-89.85, 35.15), (-89.86, 35.14)))
+)
+
+areas = st.one_of(
+    st.tuples(st.floats(0, 90), st.floats(-180, 180), st.floats(-90, 0), st.floats(-180, 180)).map(
+        lambda v: Box(*v)
+    ),
+    st.just(TRIANGLE),
+    st.lists(
+        st.tuples(st.floats(-90, 90), st.floats(-180, 180), st.floats(0.01, 1e6)), min_size=1, max_size=3
+    ).flatmap(
+        lambda v: st.one_of(
+            st.just(Points(tuple(v))),
+            st.lists(st.floats(-360, 360), min_size=len(v), max_size=len(v)).map(
+                lambda yaws: Points(tuple(v), tuple(yaws))
+            ),
+        )
+    ),
+)
+missions = st.builds(
+    Mission,
+    area=areas,
+    agl_m=st.floats(0.01, 1e6),
+    camera=st.builds(Camera, st.floats(0.1, 179), st.floats(0.01, 100)),
+    overlap_along=st.floats(0, 0.999),
+    overlap_across=st.floats(0, 0.999),
+    layout=st.sampled_from(["cover", "paper"]),
+    map_types=st.permutations(list(field_named(Imagery, "map_types").choices)).map(lambda v: tuple(v[:2])),
+    source=st.text(min_size=1).filter(lambda text: text.isprintable()),
+    img_size=st.one_of(st.none(), st.just((64, 48, 1))),
+    seed=st.integers(0, 2**31),
+    yaw_deg=st.floats(-360, 360),
+    tilt_deg=st.floats(-180, 180),
+    roll_deg=st.floats(-180, 180),
+    ground_height_m=st.floats(-12e3, 9e3),
+    error_budget_px=st.floats(1e-9, 100),
+    accept_error=st.booleans(),
+    frame=st.sampled_from(["auto", "map", "camera"]),
+    mesh=st.sampled_from(["auto", "rays"]),
+    resampling=st.sampled_from(["nearest", "bilinear", "bicubic", "lanczos"]),
+    wind=st.one_of(st.none(), st.builds(Wind, st.floats(0, 10), st.floats(0, 359), st.floats(0, 0.5))),
+    grid_angle_deg=st.floats(-180, 180),
+    crosshatch=st.booleans(),
+    order=st.sampled_from(["serpentine", "one-way"]),
+    airspeed_m_per_s=st.floats(11, 340),
+    start=st.sampled_from(["2024-06-21T12:00:00Z", "1999-12-31T23:59:59.25Z"]),
+    date=st.sampled_from(["", "2024-06-21", "1950-1965", "2024-06-21T12:00:00Z"]),
+)
+
+
+def schema_1(data):
+    """Mapping of a mission file as version 0.1 wrote it: every field beside the others, in no part."""
+    flat = {name: data[name] for name in ("area", "camera", "wind")}
+    for name in FLAT_PARTS:
+        flat.update(data[name])
+    return {"schema": 1, **flat}

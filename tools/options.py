@@ -1,0 +1,225 @@
+"""Writes what follows from the declared fields of a mission: the schema of its files, and the tables of options.
+
+Examples
+--------
+::
+
+    python tools/options.py    # resources/mission.schema.json and docs/options.md, after a change of a field
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+from dataclasses import fields
+from pathlib import Path
+from typing import Any
+
+from terrainav.core.fields import Field, declared_fields, field_named
+from terrainav.core.geodesy.camera import Camera
+from terrainav.core.limits import MAX_WHOLE_NUMBER
+from terrainav.core.mission.mission import SCHEMA, Mission
+from terrainav.core.mission.options import OPTIONS, RUN_OPTIONS
+from terrainav.core.mission.parts import FLAT_PARTS, Attitude, Flight
+from terrainav.core.mission.wind import Wind
+
+ROOT = Path(__file__).resolve().parent.parent
+SCHEMA_FILE, PAGE = ROOT / "resources" / "mission.schema.json", ROOT / "docs" / "options.md"
+_TYPES = {float: "number", int: "integer", bool: "boolean", str: "string", tuple: "array"}
+_UNITS = {"m": "metres", "deg": "degrees"}
+_HEAD = """# Every option of a mission
+
+Made by `python tools/options.py` from what `core/mission/parts.py`, `core/mission/wind.py` and `core/geodesy/lens.py`
+declare. An option is given to the command as `--name value`, in the environment as `TERRAINAV_NAME`, or in
+`config.json` as `"name"`; the command line comes first. A mission file holds the same in its parts, as
+`resources/mission.schema.json` has it, and a program writes it flat: `Mission(area, agl_m=120.0, overlap_along=0.6)`.
+"""
+_PARTS = {
+    "camera": "Camera",
+    "attitude": "Attitude",
+    "flight": "Flight",
+    "wind": "Wind",
+    "imagery": "Imagery",
+    "pixels": "Pixels",
+    "accuracy": "Accuracy",
+    "output": "Output",
+}
+#: Options whose names do not follow from one field each.
+_TOGETHER = {
+    "fov_deg": "`--fov`, `--hfov`, `--vfov`, `--sensor` with `--focal-length`, or `--camera`",
+    "aspect_ratio": "`--aspect-ratio`",
+    "agl_m": "in `--coords`, or `--agl` with `--agl-unit`",
+    "overlap_along": "`--overlap`, first",
+    "overlap_across": "`--overlap`, last",
+    "speed_m_per_s": "`--wind`, first",
+    "from_deg": "`--wind`, second",
+    "turbulence": "`--wind`, last",
+    "seed of the wind": "",
+}
+
+
+def parts() -> dict[str, Any]:
+    """Parts whose fields are declared, in the order of a mission file."""
+    declared = {"camera": Camera, "wind": Wind, **FLAT_PARTS}
+    return {one.name: declared[one.name] for one in fields(Mission) if one.name in declared}
+
+
+def schema() -> dict[str, Any]:
+    """JSON Schema of a mission file."""
+    properties: dict[str, Any] = {"schema": {"const": SCHEMA}, "area": _area()}
+    for name, part in parts().items():
+        of_part = {one.name: _property(one) for one in declared_fields(part)}
+        needed = [one.name for one in declared_fields(part) if one.needed]
+        properties[name] = {
+            "type": "object" if needed else ["object", "null"],
+            "properties": of_part,
+            "additionalProperties": False,
+            **({"required": needed} if needed else {}),
+        }
+    properties["pixels"]["not"] = {
+        "type": "object",
+        "required": ["zoom", "gsd_m_per_px"],
+        "properties": {"zoom": {"type": "integer"}, "gsd_m_per_px": {"type": "number"}},
+    }
+    return {
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        "title": "TerrAInav mission",
+        "description": "What is asked of a flight; null stands for a field's default.",
+        "type": "object",
+        "properties": properties,
+        "required": ["schema", "area", "flight"],
+        "additionalProperties": False,
+    }
+
+
+def _property(field: Field) -> dict[str, Any]:
+    kind = _TYPES[field.kind]
+    said: dict[str, Any] = {"description": _sentence(field), "type": kind if field.needed else [kind, "null"]}
+    if not field.needed:
+        said["default"] = list(field.default) if isinstance(field.default, tuple) else field.default
+    for limit, name in (
+        ("least", "minimum"),
+        ("most", "maximum"),
+        ("above", "exclusiveMinimum"),
+        ("below", "exclusiveMaximum"),
+    ):
+        if getattr(field, limit) is not None:
+            said[name] = getattr(field, limit)
+    if field.kind is int:
+        said.setdefault("maximum", MAX_WHOLE_NUMBER)
+    choices = list(field.choices)
+    if choices and field.kind is tuple:
+        said["items"] = {"enum": choices}
+    elif choices:
+        said["enum"] = [*choices, None]
+    return {**said, **field.schema}
+
+
+def _area() -> dict[str, Any]:
+    lat, lon = (
+        {"type": "number", "minimum": -90, "maximum": 90},
+        {"type": "number", "minimum": -360, "maximum": 360},
+    )
+    agl = _property(field_named(Flight, "agl_m"))
+    yaw = _property(field_named(Attitude, "yaw_deg"))
+    yaw = {"type": "number", "minimum": yaw["minimum"], "maximum": yaw["maximum"]}
+    del agl["description"]
+
+    def of_type(name: str, **properties: Any) -> dict[str, Any]:
+        needed = [one for one in properties if one != "yaws_deg"]
+        return {
+            "type": "object",
+            "properties": {"type": {"const": name}, **properties},
+            "required": ["type", *needed],
+            "additionalProperties": False,
+        }
+
+    def tuple_of(*items: Any) -> dict[str, Any]:
+        return {"type": "array", "prefixItems": list(items), "minItems": len(items), "items": False}
+
+    ring = {"type": "array", "items": tuple_of(lon, lat), "minItems": 3}
+    return {
+        "description": "Ground to cover, or points to capture, in degrees; a box whose west exceeds its east crosses "
+        "the antimeridian.",
+        "oneOf": [
+            of_type("box", north_deg=lat, west_deg=lon, south_deg=lat, east_deg=lon),
+            of_type("polygon", rings={"type": "array", "items": ring, "minItems": 1}),
+            of_type(
+                "points",
+                poses={"type": "array", "items": tuple_of(lat, lon, agl), "minItems": 1},
+                yaws_deg={"type": ["array", "null"], "items": yaw},
+            ),
+        ],
+    }
+
+
+def page() -> str:
+    """Tables of all options, one a part."""
+    text = [_HEAD]
+    for name, part in parts().items():
+        text += [
+            f"## {_PARTS[name]}",
+            "",
+            "| option | in the file | what it does | unit and range | default |",
+        ]
+        text.append("| --- | --- | --- | --- | --- |")
+        text += [_row(name, one) for one in declared_fields(part)]
+        text.append("")
+    declared = {one.name_of_option for part in parts().values() for one in declared_fields(part)}
+    ways = [one for one in OPTIONS if one.name not in declared | {"overlap", "wind"}]
+    own = [one for one in ways if one.name not in RUN_OPTIONS]
+    run = [one for one in ways if one.name in RUN_OPTIONS]
+    for title, some in (("Places and cameras in other words", own), ("The run", run)):
+        text += [f"## {title}", "", "| option | what it does | default |", "| --- | --- | --- |"]
+        text += [
+            f"| `--{one.name.replace('_', '-')}` | {_cell(one.help)} | {_default(one.default)} |"
+            for one in some
+        ]
+        text.append("")
+    return "\n".join(text)
+
+
+def _row(part: str, field: Field) -> str:
+    usual = f"`--{field.name_of_option.replace('_', '-')}`"
+    key = "seed of the wind" if (part, field.name) == ("wind", "seed") else field.name
+    about = ", ".join(filter(None, (_UNITS.get(field.unit, field.unit), field.right)))
+    if field.choices:
+        about = ", ".join(f"`{choice}`" for choice in field.choices)
+    default = "needed" if field.needed else _default(field.default)
+    return (
+        f"| {_TOGETHER.get(key, usual)} | `{part}.{field.name}` | {_cell(field.help)} | {about} | {default} |"
+    )
+
+
+def _default(value: Any) -> str:
+    if value is None or value is False or value == "":
+        return ""
+    if isinstance(value, float):
+        return f"`{value:g}`"
+    return f"`{' '.join(map(str, value)) if isinstance(value, tuple) else value}`"
+
+
+def _cell(text: str) -> str:
+    begun = text if "_" in text.partition(" ")[0] else text[:1].upper() + text[1:]
+    return begun.replace("|", "\\|")
+
+
+def _sentence(field: Field) -> str:
+    unit = _UNITS.get(field.unit, field.unit)
+    return f"{_cell(field.help)}" + (f" ({unit})" if unit else "") + "."
+
+
+def schema_text() -> str:
+    """Text of the schema's file."""
+    return json.dumps(schema(), indent=1, ensure_ascii=False) + "\n"
+
+
+def main() -> int:
+    """Write both; returns the exit code."""
+    SCHEMA_FILE.write_text(schema_text(), encoding="utf-8")
+    PAGE.write_text(page(), encoding="utf-8")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
