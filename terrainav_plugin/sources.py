@@ -251,7 +251,7 @@ def terms_problem(mission: Mission, requests: int) -> tuple[str, bool] | None:
         return None
     policy, title, can_agree = refused.policy, refused.title, refused.can_agree
     without = tr("agreeing to its terms") if can_agree else tr("breaking its terms")
-    text = tr("{title}: {requests} requests, and {most} at most pass without {without}.").format(
+    text = tr("{title}: {requests} requests; more than {most} are not possible without {without}.").format(
         title=title, requests=number_text(requests), most=number_text(policy.max_tiles), without=without
     )
     quoted = "{text} <i>{terms}</i> (<a href='{url}'>{url}</a>). ".format(
@@ -295,9 +295,9 @@ def tile_layer_uri(name: str, map_type: str, date: str = "") -> str:
         )
     if template.levels:
         raise InvalidInput(
-            tr("{title} names its zooms otherwise than QGIS does: add its layer by QGIS's Browser").format(
-                title=entry.title
-            )
+            tr(
+                "{title} numbers its zooms differently from QGIS: add its layer with QGIS's Browser panel"
+            ).format(title=entry.title)
         )
     grid = entry.grid()
     url = template.text

@@ -398,7 +398,7 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/layers.py"/>
-        <source>no point is there to be taken: select some, or take all of the layer</source>
+        <source>no points to use: select some, or use all points of the layer</source>
         <translation>no hay ningún punto que tomar: seleccionar algunos, o tomar todos los de la capa</translation>
     </message>
     <message>
@@ -408,7 +408,7 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/layers.py"/>
-        <source>{count} polygons are selected, and an area is one: select only that one, or join them first (Vector &gt; Geoprocessing Tools &gt; Dissolve)</source>
+        <source>{count} polygons are selected, but an area is a single polygon: select only one, or join them first (Vector &gt; Geoprocessing Tools &gt; Dissolve)</source>
         <translation>hay {count} polígonos seleccionados, y un área es uno: seleccionar solo ese, o unirlos antes (Vectorial &gt; Herramientas de geoproceso &gt; Disolver)</translation>
     </message>
     <message>
@@ -433,7 +433,7 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/layers.py"/>
-        <source>{feature} has {count} parts, and an area is one: take it apart first (Vector &gt; Geometry Tools &gt; Multipart to Singleparts) and select one of them</source>
+        <source>{feature} has {count} parts, but an area is a single polygon: split it first (Vector &gt; Geometry Tools &gt; Multipart to Singleparts) and select one part</source>
         <translation>{feature} tiene {count} partes, y un área es una: separarlas antes (Vectorial &gt; Herramientas de geometría &gt; Multiparte a monoparte) y seleccionar una de ellas</translation>
     </message>
     <message>
@@ -448,7 +448,7 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/layers.py"/>
-        <source>{feature} is no sound polygon, {what}: repair it first (Processing: Fix geometries)</source>
+        <source>{feature} is not a valid polygon ({what}): repair it first (Processing: Fix geometries)</source>
         <translation>{feature} no es un polígono válido, {what}: repararlo antes (Procesos: Corregir geometrías)</translation>
     </message>
     <message>
@@ -739,7 +739,7 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/capture/run.py"/>
-        <source>All {total} images are there: {written} captured now in {time}, {skipped} before.</source>
+        <source>All {total} images captured: {written} now, in {time}; {skipped} in earlier runs.</source>
         <translation>Las {total} imágenes están: {written} capturadas ahora en {time}, {skipped} antes.</translation>
     </message>
     <message>
@@ -956,7 +956,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/cleaning/panel.py"/>
-        <source>Images with less entropy are rejected: 0 bits is a single grey, 8 bits the most there can be</source>
+        <source>Images with less entropy are rejected. 0 bits: a single grey; 8 bits: the maximum</source>
         <translation>Se rechazan las imágenes con menos entropía: 0 bits es un solo gris, 8 bits lo máximo que puede haber</translation>
     </message>
     <message>
@@ -976,7 +976,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/cleaning/panel.py"/>
-        <source>Map type that is shown; cleaning is of all map types, each with this threshold</source>
+        <source>Map type shown here; cleaning applies this threshold to all map types</source>
         <translation>Tipo de mapa que se muestra; se limpian todos los tipos de mapa, cada uno con este umbral</translation>
     </message>
     <message>
@@ -1066,7 +1066,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/cleaning/panel.py"/>
-        <source>Threshold in bits that parts the entropies in two groups best, by Otsu's method: the dotted line</source>
+        <source>Threshold in bits that best separates the entropies into two groups (Otsu's method): the dotted line</source>
         <translation>Umbral en bits que mejor separa las entropías en dos grupos, por el método de Otsu: la línea de puntos</translation>
     </message>
     <message>
@@ -1168,7 +1168,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/dataset/footprints.py"/>
-        <source>it is none of a capture</source>
+        <source>it was not written by a capture</source>
         <translation>no es de ninguna captura</translation>
     </message>
     <message>
@@ -1497,12 +1497,12 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/missions/missions.py"/>
-        <source>Of the mission in the panel: images with too little to see</source>
+        <source>Reject images with too little to see from the panel&apos;s mission</source>
         <translation>De la misión del panel: imágenes con demasiado poco que ver</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/missions/missions.py"/>
-        <source>Of the mission in the panel: those that could not be made earlier</source>
+        <source>Capture the images of the panel&apos;s mission that failed earlier</source>
         <translation>De la misión del panel: las que no se pudieron hacer antes</translation>
     </message>
     <message>
@@ -1733,7 +1733,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/camera.py"/>
-        <source>The values entered make no camera: put right what is marked, and save then.</source>
+        <source>The values entered are not a valid camera: correct the marked entries, then save.</source>
         <translation>Los valores introducidos no forman una cámara: corregir lo marcado y guardar después.</translation>
     </message>
     <message>
@@ -1743,7 +1743,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/camera.py"/>
-        <source>What the field of view is given by: degrees across the picture's diagonal, width or height, or focal length and sensor in mm. Choosing another shows the same camera in its numbers.</source>
+        <source>How to enter the field of view: in degrees across the image's diagonal, width or height, or as focal length and sensor in mm. Choosing another way converts the values.</source>
         <translation>Con qué se da el campo de visión: grados en la diagonal, la anchura o la altura de la imagen, o distancia focal y sensor en mm. Al elegir otro se muestra la misma cámara en sus números.</translation>
     </message>
     <message>
@@ -1758,12 +1758,12 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/choices.py"/>
-        <source> (own detail to {native})</source>
+        <source> (full detail to zoom {native})</source>
         <translation> (detalle propio hasta {native})</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/choices.py"/>
-        <source>A service of many layers: choose it, then one of them, which is kept with your own sources.</source>
+        <source>A service with several layers: choose it, then a layer. The layer is saved with your own sources.</source>
         <translation>Un servicio de muchas capas: elegirlo y después una de ellas, que se guarda con las fuentes propias.</translation>
     </message>
     <message>
@@ -1773,22 +1773,22 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/choices.py"/>
-        <source>Connection that is not there</source>
+        <source>Missing connection</source>
         <translation>Conexión que no existe</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/choices.py"/>
-        <source>Drawn by QGIS as the map shows it, and read from where the layer's data are.</source>
+        <source>QGIS draws it as on the map, and reads it from the layer's own data source.</source>
         <translation>Dibujado por QGIS como lo muestra el mapa, y leído de donde están los datos de la capa.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/choices.py"/>
-        <source>Its terms are not known here: they are yours to check.</source>
+        <source>TerrAInav does not know its terms: check them yourself.</source>
         <translation>Sus condiciones no se conocen aquí: corresponde al usuario comprobarlas.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/choices.py"/>
-        <source>Layer that is not there</source>
+        <source>Missing layer</source>
         <translation>Capa que no existe</translation>
     </message>
     <message>
@@ -1920,7 +1920,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
-        <source>100 % of {area}, but for missing imagery</source>
+        <source>100 % of {area}, except where imagery is missing</source>
         <translation>100 % de {area}, salvo donde faltan imágenes</translation>
     </message>
     <message>
@@ -2019,7 +2019,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
-        <source>Put right what is marked above.</source>
+        <source>Correct the entries marked above.</source>
         <translation>Corregir lo marcado arriba.</translation>
     </message>
     <message>
@@ -2096,7 +2096,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
-        <source>the source's own pixels are {source}: the picture has no more detail than that</source>
+        <source>the source's own pixels are {source}: images show no finer detail</source>
         <translation>los píxeles propios de la fuente son de {source}: la imagen no tiene más detalle</translation>
     </message>
     <message>
@@ -2111,7 +2111,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
-        <source>{count} requests, more than the {most} that pass freely: Capture asks you to agree to the terms</source>
+        <source>{count} requests; more than {most} need your consent: Capture will ask you to agree to the terms</source>
         <translation>{count} peticiones, más que las {most} que se permiten sin más: Capturar le pide que acepte las condiciones</translation>
     </message>
     <message>
@@ -2319,7 +2319,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/options_page.py"/>
-        <source>A key is the password of a Basic configuration in QGIS's authentication database, which is encrypted. Only the id of the configuration is kept here; no project, mission or layer holds a key.</source>
+        <source>Keys are stored encrypted in QGIS's authentication database, each as the password of a Basic configuration. TerrAInav saves only the configuration's id; no project, mission or layer contains a key.</source>
         <translation>Una clave es la contraseña de una configuración de autenticación básica en la base de datos de autenticación de QGIS, que está cifrada. Aquí solo se guarda el identificador de la configuración; ningún proyecto, misión o capa contiene una clave.</translation>
     </message>
     <message>
@@ -2334,7 +2334,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/options_page.py"/>
-        <source>Beyond it the tiles that were used longest ago go, in MB</source>
+        <source>Size limit of the cache in MB; beyond it, the least recently used tiles are deleted</source>
         <translation>Al superarlo se borran las teselas usadas hace más tiempo, en MB</translation>
     </message>
     <message>
@@ -2466,7 +2466,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/options_page.py"/>
-        <source>Tiles that providers let keep: what is there is not asked for again</source>
+        <source>Tiles that providers allow to be stored; they are not requested again</source>
         <translation>Teselas que los proveedores dejan guardar: lo que está en ella no se vuelve a pedir</translation>
     </message>
     <message>
@@ -2497,7 +2497,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/options_page.py"/>
-        <source>{folder}: must be a whole path, such as {example}</source>
+        <source>{folder}: must be an absolute path, such as {example}</source>
         <translation>{folder}: debe ser una ruta completa, como {example}</translation>
     </message>
     <message>
@@ -2517,7 +2517,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/planning.py"/>
-        <source>The entries have changed before their plan was there: press the button again.</source>
+        <source>The entries changed while the plan was being computed: press the button again.</source>
         <translation>Las entradas han cambiado antes de que estuviera su plan: pulsar el botón de nuevo.</translation>
     </message>
     <message>
@@ -2537,7 +2537,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/planning.py"/>
-        <source>not timed beside a run</source>
+        <source>not timed during a capture</source>
         <translation>sin medir mientras hay una captura en curso</translation>
     </message>
     <message>
@@ -2627,12 +2627,12 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>Ground sample distance of the camera: the ground that one pixel of an image with the longer side of the camera shows, straight down, in centimetres (inches with feet) per px. Height and ground sample distance follow each other; the one typed last stays. How fine the source's own pixels are is in the estimates.</source>
+        <source>Ground sample distance of the camera, straight down, in cm per px (inches with feet). Height and ground sample distance depend on each other; the one typed last stays. The estimates show the ground sample distance of the source.</source>
         <translation>Distancia de muestreo del terreno (GSD) de la cámara: el terreno que muestra un píxel de una imagen con el lado mayor de la cámara, en vertical, en centímetros (pulgadas con los pies) por px. La altura y la distancia de muestreo se siguen la una a la otra; se mantiene la última tecleada. La finura de los píxeles de la fuente figura en la estimación.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>Gusts move and turn the camera at every exposure: pictures are then as the camera really sees them</source>
+        <source>Gusts move and turn the camera at every exposure; images show what the moved camera sees</source>
         <translation>Las ráfagas mueven y giran la cámara en cada exposición: las imágenes son entonces como las ve realmente la cámara</translation>
     </message>
     <message>
@@ -2667,7 +2667,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>Settings of the mission's file that this panel has no entries for</source>
+        <source>Settings in the mission file that the panel cannot show</source>
         <translation>Ajustes del archivo de la misión para los que este panel no tiene campos</translation>
     </message>
     <message>
@@ -2682,7 +2682,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>Which of the source's pixels make the pictures. Automatic: those that come nearest to the camera's, whose ground per px follows from the height and the image's longer side.</source>
+        <source>Zoom of the source. Automatic: the zoom whose ground per px is nearest to the camera's, which follows from the height and the image's longer side.</source>
         <translation>Con qué píxeles de la fuente se hacen las imágenes. Automático: los más próximos a los de la cámara, cuyo terreno por px resulta de la altura y del lado mayor de la imagen.</translation>
     </message>
     <message>
@@ -2905,7 +2905,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
-        <source>What {date} in the address stands for where no date is asked for</source>
+        <source>Default value of {date} in the address</source>
         <translation>Lo que representa {date} en la dirección cuando no se pide ninguna fecha</translation>
     </message>
     <message>
@@ -3064,12 +3064,12 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/preview/layers.py"/>
-        <source>images that show a place here, on average: {count}</source>
+        <source>mean overlap count here: {count}</source>
         <translation>imágenes que muestran un punto de aquí, en promedio: {count}</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/preview/layers.py"/>
-        <source>images that show its middle: {count}</source>
+        <source>overlap count at the centre: {count}</source>
         <translation>imágenes que muestran su centro: {count}</translation>
     </message>
     <message>
@@ -3382,7 +3382,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/clean.py"/>
-        <source>Rejects images whose entropy is below a threshold. Where there are images of the roadmap, theirs decide for all map types; elsewhere the image's own does.</source>
+        <source>Rejects images whose entropy is below a threshold. If a place has a roadmap image, its entropy decides for all map types; otherwise each image's own entropy does.</source>
         <translation>Rechaza las imágenes cuya entropía está por debajo de un umbral. Donde hay imágenes de callejero, las suyas deciden para todos los tipos de mapa; en los demás casos, la de la propia imagen.</translation>
     </message>
     <message>
@@ -3422,12 +3422,12 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/clean.py"/>
-        <source>{names}: still as before images were moved; “Open dataset folder” among the panel's missions makes it anew.</source>
+        <source>{names}: does not yet reflect the moved images; to update it, choose “Open dataset folder” in the panel's Missions menu.</source>
         <translation>{names}: sigue como antes de mover imágenes; «Abrir carpeta de conjunto de datos», en las misiones del panel, lo crea de nuevo.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>A mission as the plan writes it; all parameters above are left aside then.</source>
+        <source>A mission file written by the plan. All parameters above are then ignored.</source>
         <translation>Una misión tal como la escribe el plan; los parámetros anteriores no se tienen en cuenta.</translation>
     </message>
     <message>
@@ -3472,12 +3472,12 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>Instead of the one above: a name of your own, a URL template with {z}, {x}, {y}, wmts:URL#layer=NAME, wms:URL#layers=NAME, a raster or MBTiles file, or qgis:project for the project's map.</source>
+        <source>Used instead of the source above: one of your own sources by name, a URL template with {z}, {x}, {y}, wmts:URL#layer=NAME, wms:URL#layers=NAME, a raster or MBTiles file, or qgis:project for the project's map.</source>
         <translation>En lugar de la anterior: un nombre de fuente propia, una plantilla de URL con {z}, {x}, {y}, wmts:URL#layer=NOMBRE, wms:URL#layers=NOMBRE, un archivo ráster o MBTiles, o qgis:project para el mapa del proyecto.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>Its field of view, aspect ratio and pixels. Without one, those below count.</source>
+        <source>Sets the field of view, aspect ratio and pixels. If no camera is chosen, the values below apply.</source>
         <translation>Su campo de visión, relación de aspecto y píxeles. Sin ella cuentan los de abajo.</translation>
     </message>
     <message>
@@ -3652,7 +3652,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/plan.py"/>
-        <source>Works a mission out and fetches no imagery: where each picture is taken, which ground it shows, when on the flight, and what the whole takes.</source>
+        <source>Plans a mission without fetching imagery: the position, ground and time of each image, and the time and data that the capture needs.</source>
         <translation>Calcula una misión sin pedir imágenes: dónde se toma cada imagen, qué terreno muestra, en qué momento del vuelo, y qué exige el conjunto.</translation>
     </message>
     <message>
@@ -3832,12 +3832,12 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/split.py"/>
-        <source>With blocks only: least distance between the ground of two parts.</source>
+        <source>With blocks only: minimum distance between the ground of two parts.</source>
         <translation>Solo con bloques: distancia mínima entre el terreno de dos partes.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/split.py"/>
-        <source>With blocks only; empty finds one that comes near the shares.</source>
+        <source>With blocks only. If empty, a size is found that gives parts close to the shares.</source>
         <translation>Solo con bloques; vacío busca uno que se acerque a las proporciones.</translation>
     </message>
     <message>
@@ -4173,12 +4173,12 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/sources.py"/>
-        <source>{title} names its zooms otherwise than QGIS does: add its layer by QGIS's Browser</source>
+        <source>{title} numbers its zooms differently from QGIS: add its layer with QGIS's Browser panel</source>
         <translation>{title} nombra sus zooms de otro modo que QGIS: añadir su capa con el Navegador de QGIS</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/sources.py"/>
-        <source>{title}: {requests} requests, and {most} at most pass without {without}.</source>
+        <source>{title}: {requests} requests; more than {most} are not possible without {without}.</source>
         <translation>{title}: {requests} peticiones, y como máximo {most} pasan sin {without}.</translation>
     </message>
     <message>
@@ -6896,7 +6896,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/export/waypoints.py"/>
-        <source>the wind is left out: the places are those that were meant</source>
+        <source>wind is left out: waypoints are at the planned positions</source>
         <translation>se omite el viento: los lugares son los previstos</translation>
     </message>
     <message>

@@ -90,8 +90,8 @@ def polygon_of(
     if len(found) > 1:
         raise InvalidInput(
             tr(
-                "{count} polygons are selected, and an area is one: select only that one, or join them first "
-                "(Vector > Geoprocessing Tools > Dissolve)"
+                "{count} polygons are selected, but an area is a single polygon: select only one, or join "
+                "them first (Vector > Geoprocessing Tools > Dissolve)"
             ).format(count=len(found))
         )
     name = tr("feature {id}").format(id=found[0].id())
@@ -104,8 +104,8 @@ def polygon_of(
     if len(parts) > 1:
         raise InvalidInput(
             tr(
-                "{feature} has {count} parts, and an area is one: take it apart first (Vector > Geometry Tools > "
-                "Multipart to Singleparts) and select one of them"
+                "{feature} has {count} parts, but an area is a single polygon: split it first (Vector > "
+                "Geometry Tools > Multipart to Singleparts) and select one part"
             ).format(feature=name, count=len(parts))
         )
     _refuse_invalid(geometry, name)
@@ -143,7 +143,7 @@ def points_of(
             poses.append((lat, lon, agl))
             yaws += yaw
     if not poses:
-        raise InvalidInput(tr("no point is there to be taken: select some, or take all of the layer"))
+        raise InvalidInput(tr("no points to use: select some, or use all points of the layer"))
     return Points(tuple(poses), tuple(yaws))
 
 
@@ -263,9 +263,9 @@ def _refuse_invalid(geometry: QgsGeometry, name: str) -> None:
         if where.hasWhere():
             what += f" ({number_text(where.where().x(), 'g')}, {number_text(where.where().y(), 'g')})"
         raise InvalidInput(
-            tr("{feature} is no sound polygon, {what}: repair it first (Processing: Fix geometries)").format(
-                feature=name, what=what
-            )
+            tr(
+                "{feature} is not a valid polygon ({what}): repair it first (Processing: Fix geometries)"
+            ).format(feature=name, what=what)
         )
 
 

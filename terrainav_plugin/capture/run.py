@@ -239,7 +239,7 @@ def done_text(result: CaptureResult) -> str:
         return tr("All {total} images were there already.").format(total=number_text(result.total))
     time = duration_text(result.seconds)
     if result.skipped:
-        return tr("All {total} images are there: {written} captured now in {time}, {skipped} before.").format(
+        return tr("All {total} images captured: {written} now, in {time}; {skipped} in earlier runs.").format(
             total=number_text(result.total),
             written=number_text(result.written),
             time=time,

@@ -234,9 +234,7 @@ class CleanPanel(QgsDockWidget):
         self.folder.fileChanged.connect(self._folder_entered)
         self.map_type = QComboBox()
         self.map_type.setObjectName("clean_map_type")
-        self.map_type.setToolTip(
-            tr("Map type that is shown; cleaning is of all map types, each with this threshold")
-        )
+        self.map_type.setToolTip(tr("Map type shown here; cleaning applies this threshold to all map types"))
         self.map_type.activated.connect(
             lambda index: self.map_type_chosen.emit(self.map_type.itemData(index))
         )
@@ -248,14 +246,15 @@ class CleanPanel(QgsDockWidget):
         self.threshold.setSuffix(tr(" bits"))
         self.threshold.setValue(DEFAULT_ENTROPY)
         self.threshold.setToolTip(
-            tr("Images with less entropy are rejected: 0 bits is a single grey, 8 bits the most there can be")
+            tr("Images with less entropy are rejected. 0 bits: a single grey; 8 bits: the maximum")
         )
         self.threshold.valueChanged.connect(self._threshold_set)
         self.suggest = push_button(
             "suggest",
             tr("S&uggest"),
             tr(
-                "Threshold in bits that parts the entropies in two groups best, by Otsu's method: the dotted line"
+                "Threshold in bits that best separates the entropies into two groups (Otsu's method): the "
+                "dotted line"
             ),
         )
         self.suggest.clicked.connect(lambda _checked: self._suggest())

@@ -78,7 +78,7 @@ class FootprintFile:
             raise _unreadable(self.path, wrong.strerror) from wrong
         self._offsets, self._bounds = np.concatenate(offsets), np.concatenate(bounds)
         if not len(self) or np.isnan(self._bounds).any():
-            raise _unreadable(self.path, tr("it is none of a capture"))
+            raise _unreadable(self.path, tr("it was not written by a capture"))
 
     def __len__(self) -> int:
         return len(self._offsets)

@@ -139,10 +139,10 @@ class Missions(QObject):
         )
         menu.addSeparator()
         failed = menu.addAction(tr("Capture only the &failed images"), self.capture_failed)
-        failed.setToolTip(tr("Of the mission in the panel: those that could not be made earlier"))
+        failed.setToolTip(tr("Capture the images of the panel's mission that failed earlier"))
         failed.setEnabled((self._folder() / FAILED_FILE).is_file())
         clean = menu.addAction(tr("&Clean dataset…"), self.clean)
-        clean.setToolTip(tr("Of the mission in the panel: images with too little to see"))
+        clean.setToolTip(tr("Reject images with too little to see from the panel's mission"))
         clean.setEnabled((self._folder() / MISSION_FILE).is_file())
 
     # --- opening

@@ -113,8 +113,8 @@ class CameraEntries(Entries):
             (SENSOR, tr("Focal length")),
         )
         tip = tr(
-            "What the field of view is given by: degrees across the picture's diagonal, width or height, or focal "
-            "length and sensor in mm. Choosing another shows the same camera in its numbers."
+            "How to enter the field of view: in degrees across the image's diagonal, width or height, or as "
+            "focal length and sensor in mm. Choosing another way converts the values."
         )
         self.fov_mode = combo("fov_mode", modes, tip)
         self.fov_mode.setMinimumContentsLength(_MODE_LETTERS)
@@ -232,7 +232,9 @@ def save_camera(name: str, state: FormState) -> None:
 
     camera = camera_of(state)
     if camera is None:
-        raise InvalidInput(tr("The values entered make no camera: put right what is marked, and save then."))
+        raise InvalidInput(
+            tr("The values entered are not a valid camera: correct the marked entries, then save.")
+        )
     fraction = Fraction(camera.aspect_ratio).limit_denominator(_MOST_IN_RATIO)
     exact = fraction.numerator / fraction.denominator == camera.aspect_ratio
     ratio = [fraction.numerator, fraction.denominator] if exact else [camera.aspect_ratio, 1]

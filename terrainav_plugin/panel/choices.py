@@ -101,12 +101,14 @@ def source_choices(project: QgsProject) -> tuple[list[SourceChoice], str]:
         wrong = str(unreadable)
     choices = [_of_entry(entry) for entry in entries]
     choices += [_of_connection(name) for name in connection_names()]
-    asked = tr("A service of many layers: choose it, then one of them, which is kept with your own sources.")
+    asked = tr(
+        "A service with several layers: choose it, then a layer. The layer is saved with your own sources."
+    )
     choices += [
         SourceChoice(SERVICE_PREFIX + name, tr("{name}…").format(name=name), group=SERVICE, limits=asked)
         for name in service_names()
     ]
-    drawn = tr("Drawn by QGIS as the map shows it, and read from where the layer's data are.")
+    drawn = tr("QGIS draws it as on the map, and reads it from the layer's own data source.")
     choices += [
         SourceChoice(name, title, group=PROJECT, limits=html.escape(drawn))
         for name, title in layer_choices(project)
@@ -119,10 +121,10 @@ def unlisted(name: str) -> SourceChoice | None:
     from ...core.imagery.opening import is_file
 
     if is_connection(name):
-        title = tr("Connection that is not there")
+        title = tr("Missing connection")
         return SourceChoice(name, title, group=CONNECTION, limits=html.escape(name[len(XYZ) :]))
     if is_of_qgis(name):
-        return SourceChoice(name, tr("Layer that is not there"), group=PROJECT)
+        return SourceChoice(name, tr("Missing layer"), group=PROJECT)
     if is_file(name):
         return SourceChoice(name, Path(name).name, group=FILE, limits=html.escape(name))
     return None
@@ -153,7 +155,7 @@ def limits_html(entry: CatalogueEntry) -> str:
         bulk = tr("at most {count} requests").format(count=number_text(policy.max_tiles))
     words = [bulk, tr("zoom {least} to {most}").format(least=entry.min_zoom, most=entry.max_zoom)]
     if entry.native_zoom < entry.max_zoom:
-        words[-1] += tr(" (own detail to {native})").format(native=entry.native_zoom)
+        words[-1] += tr(" (full detail to zoom {native})").format(native=entry.native_zoom)
     if policy.max_connections is not None:
         words.append(tr("{count} connections").format(count=policy.max_connections))
     if policy.requests_per_s is not None:
@@ -162,7 +164,7 @@ def limits_html(entry: CatalogueEntry) -> str:
     words[0] = words[0][:1].upper() + words[0][1:]
     text = html.escape("; ".join(words))
     if entry.user and not (policy.licence or policy.terms or policy.terms_url):
-        return f"{text}.<br/>{html.escape(tr('Its terms are not known here: they are yours to check.'))}"
+        return f"{text}.<br/>{html.escape(tr('TerrAInav does not know its terms: check them yourself.'))}"
     licence = html.escape(policy.licence or tr("Licence not stated"))
     if policy.terms_url:
         terms = f'<a href="{html.escape(policy.terms_url)}">{html.escape(tr("terms"))}</a>'

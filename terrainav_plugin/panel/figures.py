@@ -102,7 +102,7 @@ class Figures(QScrollArea):
 
     def show_problem(self, text: str) -> None:
         """Show why there are no figures; an empty text where fields say so themselves."""
-        self._show(problem=text, warnings="" if text else tr("Put right what is marked above."))
+        self._show(problem=text, warnings="" if text else tr("Correct the entries marked above."))
 
     def sizeHint(self) -> QSize:
         """All of the text at this width."""
@@ -245,7 +245,7 @@ def _limit(plan: Plan, policy: Policy | None) -> list[tuple[str, str]]:
         text = tr("{count} of the {most} requests that the provider allows")
     elif policy.bulk_allowed == "ask":
         text = tr(
-            "{count} requests, more than the {most} that pass freely: Capture asks you to agree to the terms"
+            "{count} requests; more than {most} need your consent: Capture will ask you to agree to the terms"
         )
     else:
         text = tr(
@@ -351,14 +351,16 @@ def _gsd(summary: Summary, unit: str, coarser_m: float | None) -> str:
     text = tr("requested {requested}, delivered {delivered}").format(requested=requested, delivered=delivered)
     if coarser_m is None:
         return text
-    hint = tr("the source's own pixels are {source}: the picture has no more detail than that")
+    hint = tr("the source's own pixels are {source}: images show no finer detail")
     return f"{text} ({hint.format(source=gsd_text(coarser_m, unit))})"
 
 
 def _coverage(summary: Summary, unit: str) -> str:
     if summary.complete:
         text = (
-            tr("100 % of {area}, but for missing imagery") if summary.lacks_imagery else tr("100 % of {area}")
+            tr("100 % of {area}, except where imagery is missing")
+            if summary.lacks_imagery
+            else tr("100 % of {area}")
         )
         return text.format(area=area_text(summary.area_m2, unit))
     # Rounded down: what is not complete never reads 100.

@@ -164,14 +164,14 @@ class OptionsPage(QgsOptionsPageWidget):
         from ...core.imagery.cache.tile_cache import default_folder
 
         box, form = _box(tr("Cache of tiles"))
-        tip = tr("Tiles that providers let keep: what is there is not asked for again")
+        tip = tr("Tiles that providers allow to be stored; they are not requested again")
         self._folder(form, tr("Folder of the cache"), "cache_folder", str(default_folder()), tip)
         limits = Settings.cache_limit_mb
         self.cache_limit = _whole(
             "cache_limit",
             limits.least,
             limits.most,
-            tr("Beyond it the tiles that were used longest ago go, in MB"),
+            tr("Size limit of the cache in MB; beyond it, the least recently used tiles are deleted"),
         )
         self.cache_limit.setSuffix(" MB")
         self.cache_limit.setSingleStep(500)
@@ -193,8 +193,9 @@ class OptionsPage(QgsOptionsPageWidget):
         layout = QVBoxLayout(box)
         about = QLabel(
             tr(
-                "A key is the password of a Basic configuration in QGIS's authentication database, which is encrypted. "
-                "Only the id of the configuration is kept here; no project, mission or layer holds a key."
+                "Keys are stored encrypted in QGIS's authentication database, each as the password of a "
+                "Basic configuration. TerrAInav saves only the configuration's id; no project, mission or "
+                "layer contains a key."
             )
         )
         about.setWordWrap(True)
@@ -241,7 +242,7 @@ def folder_problem(text: str) -> str:
     try:
         folder = Path(text).expanduser()
         if not folder.is_absolute():
-            return tr("{folder}: must be a whole path, such as {example}").format(
+            return tr("{folder}: must be an absolute path, such as {example}").format(
                 folder=text, example=Path.home() / "TerrAInav"
             )
         there = next(place for place in (folder, *folder.parents) if place.exists())

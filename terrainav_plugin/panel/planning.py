@@ -114,7 +114,7 @@ class Planning(QObject):
         if self._when_planned is not None:
             self._when_planned = None
             self._messages.info(
-                tr("The entries have changed before their plan was there: press the button again.")
+                tr("The entries changed while the plan was being computed: press the button again.")
             )
         self.plan()
 
@@ -133,7 +133,7 @@ class Planning(QObject):
     def _show_figures(self, planned: Planned) -> None:
         cost = self._cost_of(planned.mission)
         if not cost and (not self._may_time() or self._when_planned is not None):
-            cost = tr("not timed beside a run")
+            cost = tr("not timed during a capture")
         unit = self._form.state().agl_unit
         policy = policy_of(planned.mission.imagery.source)
         self._dock.figures.show_readout(readout(planned.plan, planned.summary, unit, cost, policy))

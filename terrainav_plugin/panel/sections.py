@@ -91,9 +91,9 @@ class FlightEntries(Entries):
         self.take("agl_unit", self.agl_unit)
         self.add("agl", label_of(DECLARED["agl"]), self.agl, row(self.agl, self.agl_unit, stretch=0))
         tip = tr(
-            "Ground sample distance of the camera: the ground that one pixel of an image with the longer side of the "
-            "camera shows, straight down, in centimetres (inches with feet) per px. Height and ground sample distance "
-            "follow each other; the one typed last stays. How fine the source's own pixels are is in the estimates."
+            "Ground sample distance of the camera, straight down, in cm per px (inches with feet). Height "
+            "and ground sample distance depend on each other; the one typed last stays. The estimates show "
+            "the ground sample distance of the source."
         )
         self.camera_gsd = spin("camera_gsd", 0.0, _GSD, 4, "", tip)
         self.camera_gsd.valueChanged.connect(lambda: setattr(self, "height_by", "gsd"))
@@ -159,8 +159,8 @@ class PixelsSection(Section):
             ("gsd", tr("Ground per px")),
         )
         tip = tr(
-            "Which of the source's pixels make the pictures. Automatic: those that come nearest to the camera's, whose "
-            "ground per px follows from the height and the image's longer side."
+            "Zoom of the source. Automatic: the zoom whose ground per px is nearest to the camera's, which "
+            "follows from the height and the image's longer side."
         )
         self.add("resolution", tr("Source's pixels"), combo("resolution", ways, tip))
         self._zoom = self.add_declared("zoom")
@@ -201,9 +201,7 @@ class WindSection(Section):
         self.setCheckable(True)
         self.setChecked(False)
         self.setToolTip(
-            tr(
-                "Gusts move and turn the camera at every exposure: pictures are then as the camera really sees them"
-            )
+            tr("Gusts move and turn the camera at every exposure; images show what the moved camera sees")
         )
         for name in ("wind_speed_m_per_s", "wind_from_deg", "turbulence"):
             self.add_declared(name)
@@ -246,7 +244,7 @@ class AccuracySection(Section):
         self.more.setObjectName("more")
         self.more.setWordWrap(True)
         self.more.setTextFormat(Qt.TextFormat.RichText)
-        self.more.setToolTip(tr("Settings of the mission's file that this panel has no entries for"))
+        self.more.setToolTip(tr("Settings in the mission file that the panel cannot show"))
         self.more.linkActivated.connect(self.reset_clicked)
         self._form.addRow(self.more)
         self._form.addRow(marks.label("more", self.more))

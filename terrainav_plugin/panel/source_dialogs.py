@@ -99,9 +99,7 @@ class AddSourceDialog(QDialog):
         self.attribution = _line("attribution", tr("Credit that goes into every image's metadata"))
         self.licence = _line("licence", tr("Licence of the imagery, such as CC BY 4.0"))
         self.terms_url = _line("terms_url", tr("Address of the provider's terms of use"))
-        self.default_date = _line(
-            "default_date", tr("What {date} in the address stands for where no date is asked for")
-        )
+        self.default_date = _line("default_date", tr("Default value of {date} in the address"))
         self.placeholders = _line(
             "placeholders",
             tr("SHA-256 of tiles that show no imagery, 16 digits or more of each, with spaces between them"),

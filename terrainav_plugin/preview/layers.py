@@ -96,7 +96,7 @@ def _map_tip(role: str) -> str:
         attitude = tr("yaw {yaw}°, tilt {tilt}°, roll {roll}°").format(
             **{angle: f'[% round("{angle}", 2) %]' for angle in ("yaw", "tilt", "roll")}
         )
-        overlap = tr("images that show its middle: {count}").format(count='[% "overlap" %]')
+        overlap = tr("overlap count at the centre: {count}").format(count='[% "overlap" %]')
         horizon = tr("the horizon is in the picture").replace("'", "''")
         sky = f"[% CASE WHEN \"horizon\" THEN '<br/>{horizon}' ELSE '' END %]"
         return f"{name}{gsd}<br/>{attitude}{sky}<br/>{overlap}<br/>{time}"
@@ -108,7 +108,7 @@ def _map_tip(role: str) -> str:
             end="[% format_date(\"end\", 'yyyy-MM-dd HH:mm:ss') %]",
         )
     if role == "density":
-        return tr("images that show a place here, on average: {count}").format(count='[% "images" %]')
+        return tr("mean overlap count here: {count}").format(count='[% "images" %]')
     return ""
 
 

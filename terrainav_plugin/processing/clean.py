@@ -50,8 +50,8 @@ class Clean(Algorithm):
         """Help."""
         return paragraphs(
             tr(
-                "Rejects images whose entropy is below a threshold. Where there are images of the roadmap, theirs "
-                "decide for all map types; elsewhere the image's own does."
+                "Rejects images whose entropy is below a threshold. If a place has a roadmap image, its "
+                "entropy decides for all map types; otherwise each image's own entropy does."
             ),
             tr(
                 "Nothing is deleted. mark notes in the table's column “rejected” why an image is rejected; move also "
@@ -166,7 +166,7 @@ def _tell_of_mosaics(folder: Path, feedback: QgsProcessingFeedback) -> None:
     if mosaics:
         feedback.pushWarning(
             tr(
-                "{names}: still as before images were moved; “Open dataset folder” among the panel's missions "
-                "makes it anew."
+                "{names}: does not yet reflect the moved images; to update it, choose “Open dataset folder” "
+                "in the panel's Missions menu."
             ).format(names=", ".join(mosaics))
         )

@@ -72,7 +72,7 @@ def add_mission_parameters(algorithm: Algorithm, *, listed: bool) -> None:
     mission = QgsProcessingParameterFile("MISSION", tr("Mission file"), extension="json", optional=True)
     algorithm.add(
         mission,
-        tr("A mission as the plan writes it; all parameters above are left aside then."),
+        tr("A mission file written by the plan. All parameters above are then ignored."),
         advanced=True,
     )
 
@@ -192,7 +192,9 @@ def _add_area(algorithm: Algorithm) -> None:
 def _add_camera(algorithm: Algorithm, listed: bool) -> None:
     algorithm.add(
         _choice("CAMERA", tr("Camera"), _cameras(listed), None),
-        tr("Its field of view, aspect ratio and pixels. Without one, those below count."),
+        tr(
+            "Sets the field of view, aspect ratio and pixels. If no camera is chosen, the values below apply."
+        ),
     )
     field = field_named(Lens, "fov_deg")
     algorithm.add(
@@ -216,8 +218,9 @@ def _add_source(algorithm: Algorithm, listed: bool) -> None:
     algorithm.add(
         QgsProcessingParameterString("OTHER_SOURCE", tr("Other source"), optional=True),
         tr(
-            "Instead of the one above: a name of your own, a URL template with {z}, {x}, {y}, wmts:URL#layer=NAME, "
-            "wms:URL#layers=NAME, a raster or MBTiles file, or qgis:project for the project's map."
+            "Used instead of the source above: one of your own sources by name, a URL template with {z}, "
+            "{x}, {y}, wmts:URL#layer=NAME, wms:URL#layers=NAME, a raster or MBTiles file, or qgis:project "
+            "for the project's map."
         ),
     )
 

@@ -84,8 +84,8 @@ class Plan(Algorithm):
         """Help."""
         return paragraphs(
             tr(
-                "Works a mission out and fetches no imagery: where each picture is taken, which ground it shows, when "
-                "on the flight, and what the whole takes."
+                "Plans a mission without fetching imagery: the position, ground and time of each image, and "
+                "the time and data that the capture needs."
             ),
             tr(
                 "Footprints are those of the pictures that a capture of the same mission writes. Coverage and overlap "

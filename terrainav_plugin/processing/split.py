@@ -98,13 +98,13 @@ class Split(Algorithm):
             QgsProcessingParameterNumber(
                 "BLOCK", tr("Side of the blocks (m)"), number.Double, None, True, 0.0, _WIDEST_M
             ),
-            tr("With blocks only; empty finds one that comes near the shares."),
+            tr("With blocks only. If empty, a size is found that gives parts close to the shares."),
         )
         self.add(
             QgsProcessingParameterNumber(
                 "GAP", tr("Gap between parts (m)"), number.Double, 0.0, False, 0.0, _WIDEST_M
             ),
-            tr("With blocks only: least distance between the ground of two parts."),
+            tr("With blocks only: minimum distance between the ground of two parts."),
         )
         self.add(
             QgsProcessingParameterString("FRAME", tr("Frame of the labels"), "utm"),

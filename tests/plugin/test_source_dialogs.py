@@ -239,7 +239,7 @@ def test_layers_come_and_go_in_the_chooser(source_list):
     assert desk.form.source.currentText() == "old trees"
     desk.enter_small_mission()
     project.removeAllMapLayers()
-    desk.wait(lambda: desk.form.source.currentText() == "Layer that is not there")
+    desk.wait(lambda: desk.form.source.currentText() == "Missing layer")
     desk.session.capture()
     desk.wait(lambda: "no such layer" in desk.message("source"))
 

@@ -258,7 +258,7 @@ def test_connection_that_is_gone_is_said_at_the_field(desk):
     desk.enter_small_mission()
     QgsSettings().remove(XYZ_SETTINGS)
     desk.session.source_list.refresh()
-    assert desk.form.source.currentText() == "Connection that is not there"
+    assert desk.form.source.currentText() == "Missing connection"
     desk.session.capture()
     desk.wait(lambda: "no such XYZ connection" in desk.message("source") + desk.message("key"))
 

@@ -113,5 +113,5 @@ def not_flown(plan: Plan) -> tuple[str, ...]:
             )
         )
     if plan.nominal is not None:
-        notes.append(Message("the wind is left out: the places are those that were meant"))
+        notes.append(Message("wind is left out: waypoints are at the planned positions"))
     return tuple(notes)

@@ -54,8 +54,8 @@ def _none_selected(case: Case) -> None:
 
 @remedy(
     "area/layers.py",
-    "{count} polygons are selected, and an area is one: select only that one, or join them first (Vector > "
-    "Geoprocessing Tools > Dissolve)",
+    "{count} polygons are selected, but an area is a single polygon: select only one, or join them first "
+    "(Vector > Geoprocessing Tools > Dissolve)",
 )
 def _several(case: Case) -> None:
     beside = "Polygon ((9 0, 20 0, 20 9, 9 9, 9 0))"
@@ -79,8 +79,8 @@ def _no_polygon(case: Case) -> None:
 
 @remedy(
     "area/layers.py",
-    "{feature} has {count} parts, and an area is one: take it apart first (Vector > Geometry Tools > Multipart to "
-    "Singleparts) and select one of them",
+    "{feature} has {count} parts, but an area is a single polygon: split it first (Vector > Geometry Tools > "
+    "Multipart to Singleparts) and select one part",
 )
 def _parts(case: Case) -> None:
     case.refused(lambda: area(TWO_PARTS))
@@ -93,7 +93,7 @@ def _parts(case: Case) -> None:
 
 @remedy(
     "area/layers.py",
-    "{feature} is no sound polygon, {what}: repair it first (Processing: Fix geometries)",
+    "{feature} is not a valid polygon ({what}): repair it first (Processing: Fix geometries)",
 )
 def _unsound(case: Case) -> None:
     spike = "Polygon ((0 0, 9 0, 9 9, 5 9, 5 15, 5 9, 0 9, 0 0))"
@@ -125,7 +125,7 @@ def _through_a_pole(case: Case) -> None:
     case.follow("cut it", lambda: polygon_of([feature(half)], cone, CONTEXT))
 
 
-@remedy("area/layers.py", "no point is there to be taken: select some, or take all of the layer")
+@remedy("area/layers.py", "no points to use: select some, or use all points of the layer")
 def _no_points(case: Case) -> None:
     case.refused(points)
     case.follow("select some", lambda: points("Point (1 1)"))

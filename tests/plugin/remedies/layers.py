@@ -182,7 +182,7 @@ def _several_keys(case: Case) -> None:
 
 @remedy(
     "panel/choices.py",
-    "A service of many layers: choose it, then one of them, which is kept with your own sources.",
+    "A service with several layers: choose it, then a layer. The layer is saved with your own sources.",
 )
 def _service_of_layers(case: Case) -> None:
     case.fixture("connections")
@@ -242,7 +242,9 @@ def _keyed(case: Case) -> None:
     case.follow("show another source", lambda: shown(desk, "osm"))
 
 
-@remedy("sources.py", "{title} names its zooms otherwise than QGIS does: add its layer by QGIS's Browser")
+@remedy(
+    "sources.py", "{title} numbers its zooms differently from QGIS: add its layer with QGIS's Browser panel"
+)
 def _other_zooms(case: Case) -> None:
     case.fixture("desk")
     with wmts_service(level="EPSG:3857:{}") as (running, layer):

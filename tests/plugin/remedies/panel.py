@@ -151,7 +151,7 @@ def _beyond_the_limit(case: Case) -> None:
 
 @remedy(
     "panel/camera.py",
-    "The values entered make no camera: put right what is marked, and save then.",
+    "The values entered are not a valid camera: correct the marked entries, then save.",
 )
 def _no_camera(case: Case) -> None:
     case.fixture("desk")
@@ -177,7 +177,7 @@ def _no_folder(case: Case) -> None:
     case.follow("choose where the pictures go", lambda: captured(desk))
 
 
-@remedy("panel/planning.py", "The entries have changed before their plan was there: press the button again.")
+@remedy("panel/planning.py", "The entries changed while the plan was being computed: press the button again.")
 def _changed_meanwhile(case: Case) -> None:
     desk = case.fixture("desk")
     single(desk)
@@ -189,7 +189,7 @@ def _changed_meanwhile(case: Case) -> None:
     case.follow("press the button again.", lambda: captured(desk))
 
 
-@remedy("panel/figures.py", "Put right what is marked above.")
+@remedy("panel/figures.py", "Correct the entries marked above.")
 def _marked(case: Case) -> None:
     desk = case.fixture("desk")
     desk.enter_box(**{**SMALL_BOX, "north": "99"})
@@ -201,7 +201,7 @@ def _marked(case: Case) -> None:
         desk.type_text(desk.form.edges["north"], SMALL_BOX["north"])
         return desk.wait_planned() is not None and bool(desk.dock.estimates.text())
 
-    case.follow("Put right what is marked above.", mend)
+    case.follow("Correct the entries marked above.", mend)
 
 
 @remedy("panel/options_page.py", "{folder}: {file} is a file; choose a folder")
