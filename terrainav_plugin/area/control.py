@@ -12,7 +12,7 @@ from qgis.PyQt.QtWidgets import QApplication, QFileDialog
 from ...core.errors import InvalidInput, TerrAInavError
 from ...core.mission.area import Area, Box, Points
 from ..compat import POLYGON, VECTOR
-from ..form.area import FormError, area_words, entered_area, unit_of, with_area
+from ..form.area import FormError, area_words, entered_area, with_area
 from ..i18n import tr, translate
 from ..map.canvas import box_of, canvas_rectangle, show_extent
 from ..messages import Messages
@@ -67,7 +67,7 @@ class AreaControl(QObject):
     ) -> None:
         super().__init__()
         self._iface, self._panel, self._messages = iface, panel, messages
-        self._entries, self._editing = entries, editing
+        self._entries, self._editing, self._box_tool = entries, editing, box_tool
         self._canvas, self._project = iface.mapCanvas(), QgsProject.instance()
         self._task: ReadTask | None = None
         #: Layer of which a selected polygon is waited for.
@@ -278,7 +278,9 @@ class AreaControl(QObject):
         self.tool.start()
 
     def _follow(self) -> None:
-        area = entered_area(self._editing.state())
+        state = self._editing.state()
+        area = entered_area(state)
+        self.tool.length_unit = self._box_tool.length_unit = state.agl_unit
         self.tool.set_area(area)
         self.mark.set_area(area)
 
@@ -298,7 +300,7 @@ class AreaControl(QObject):
         """Show the numbers of what is still being dragged."""
         state = self._editing.state()
         self._entries.show_edges(with_area(state, area))
-        self._entries.show_words(area_words(area, *unit_of(state)), not isinstance(area, Box))
+        self._entries.show_words(area_words(area, state.agl_unit), not isinstance(area, Box))
 
     def _show_on_canvas(self) -> None:
         """Move the map only where the area could not be seen."""

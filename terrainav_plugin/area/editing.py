@@ -8,7 +8,7 @@ from functools import partial
 from qgis.PyQt.QtCore import QObject, pyqtSignal
 
 from ...core.mission.area import Area
-from ..form.area import FormError, area_words, entered_area, unit_of, with_area, with_coordinates
+from ..form.area import FormError, area_words, entered_area, with_area, with_coordinates
 from ..form.state import FormState
 from ..form.text import looks_like_coordinates
 from ..i18n import tr
@@ -58,7 +58,7 @@ class AreaEditing(QObject):
         self.undo_keys = UndoKeys(self.history)
         self._shape_lost = False
         #: An area in a unit and its words, so that large shapes are looked at once.
-        self._worded: tuple[Area | None, tuple[float, str], str] = (None, (1.0, ""), "")
+        self._worded: tuple[Area | None, str, str] = (None, "", "")
         entries.connect_history(self.history)
         entries.box_wanted.connect(self.make_box)
         # Text fields take the keys before the panel does.
@@ -97,9 +97,8 @@ class AreaEditing(QObject):
         self.history.note()
         state = self._read()
         area = entered_area(state)
-        unit = unit_of(state)
-        if (area, unit) != self._worded[:2]:
-            self._worded = area, unit, "" if area is None else area_words(area, *unit)
+        if (area, state.agl_unit) != self._worded[:2]:
+            self._worded = area, state.agl_unit, "" if area is None else area_words(area, state.agl_unit)
         self._entries.show_words(self._worded[2], bool(self._entries.shape), self._shape_lost)
         self.noted.emit()
 

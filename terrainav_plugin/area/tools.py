@@ -16,6 +16,7 @@ from ..compat import POLYGON
 from ..form.area import readout, size_text
 from ..i18n import tr, translate
 from ..map.canvas import TemporaryTool, box_of, lon_lat_of
+from ..units import METRES
 from .bands import AreaBands, PointerText, area_band
 from .outline import Outline, contains, grip_at, middle_of, moved, place_at, stretched
 
@@ -54,6 +55,8 @@ class BoxTool(TemporaryTool):
 
     def __init__(self, canvas: QgsMapCanvas) -> None:
         super().__init__(canvas)
+        #: Unit of the sizes that are said at the pointer.
+        self.length_unit = METRES
         self._band: QgsRubberBand | None = None
         self._readout = PointerText(canvas)
         self._pressed_at: QPoint | None = None
@@ -130,7 +133,7 @@ class BoxTool(TemporaryTool):
     def _say_size(self, at: QPoint) -> None:
         """Say beside the pointer how large the box would be; nothing where there is none."""
         try:
-            text = size_text(self._box(at))
+            text = size_text(self._box(at), self.length_unit)
         except (TerrAInavError, QgsCsException):
             text = ""
         self._readout.say(text, at)
@@ -195,6 +198,8 @@ class AreaTool(TemporaryTool):
     def __init__(self, canvas: QgsMapCanvas, undo_keys: QObject) -> None:
         super().__init__(canvas)
         self._undo_keys = undo_keys
+        #: Unit of the sizes that are said at the pointer.
+        self.length_unit = METRES
         self._area: Area | None = None
         self._dragged: Area | None = None
         self._outline: Outline | None = None
@@ -307,7 +312,7 @@ class AreaTool(TemporaryTool):
         else:
             self._dragged = moved(self._area, dlat, dlon)
         self._draw()
-        self._readout.say(readout(self._dragged), at)
+        self._readout.say(readout(self._dragged, self.length_unit), at)
         self.dragging.emit(self._dragged)
 
     def _put_back(self) -> bool:

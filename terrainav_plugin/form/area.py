@@ -17,7 +17,7 @@ from ...core.mission.coords import parse_coords
 from ...core.mission.mission import area_from_dict
 from ...core.safe_json import parse_json
 from ..i18n import localized, number_text, tr, translate
-from ..units import M_PER_FT, METRES, area_text, length_text
+from ..units import FEET, M_PER_FT, area_text, length_text
 from .state import BOX_FIELDS, FormState
 from .text import SEPARATORS, degrees_text, exact_degrees_text, parse_number
 
@@ -96,11 +96,6 @@ def entered_area(state: FormState) -> Area | None:
         return Box(*(parse_number(getattr(state, name)) for name in BOX_FIELDS))
     except (TerrAInavError, ValueError):
         return None
-
-
-def unit_of(state: FormState) -> tuple[float, str]:
-    """Metres in the unit of heights, and its name."""
-    return (M_PER_FT, tr("ft")) if state.agl_unit == "ft" else (1.0, tr("m"))
 
 
 @dataclass(frozen=True)
@@ -203,24 +198,19 @@ def size_m(box: Box) -> tuple[float, float]:
     return width, float(radii.mean()) * math.radians(box.north_deg - box.south_deg)
 
 
-def size_text(box: Box) -> str:
-    """Width, height and ground of a box."""
-    width, height = (length_text(length, METRES) for length in size_m(box))
-    return f"{width} × {height}, {area_text(box.area_m2(), METRES)}"
+def size_text(box: Box, unit: str) -> str:
+    """Width, height and ground of a box, in metres or feet and what goes with them."""
+    width, height = (length_text(length, unit) for length in size_m(box))
+    return f"{width} × {height}, {area_text(box.area_m2(), unit)}"
 
 
-def area_words(area: Area, m_per_unit: float = 1.0, unit: str = "m") -> str:
-    """What an area is, in a line.
-
-    Parameters
-    ----------
-    m_per_unit, unit
-        Of the heights of points.
-    """
+def area_words(area: Area, unit: str) -> str:
+    """What an area is, in a line, in metres or feet and what goes with them."""
     if isinstance(area, Box):
-        return tr("Box, {size}").format(size=size_text(area))
+        return tr("Box, {size}").format(size=size_text(area, unit))
     if isinstance(area, Polygon):
-        return _polygon_words(area)
+        return _polygon_words(area, unit)
+    m_per_unit, unit_name = (M_PER_FT, tr("ft")) if unit == FEET else (1.0, tr("m"))
     heights = [agl / m_per_unit for _, _, agl in area.poses]
     words = [
         tr("Single capture") if len(heights) == 1 else tr("{n} points").format(n=number_text(len(heights)))
@@ -228,7 +218,7 @@ def area_words(area: Area, m_per_unit: float = 1.0, unit: str = "m") -> str:
     low, high = (
         localized(f"{height:,.1f}".rstrip("0").rstrip(".")) for height in (min(heights), max(heights))
     )
-    words.append((low if low == high else f"{low}–{high}") + f" {unit} AGL")
+    words.append((low if low == high else f"{low}–{high}") + f" {unit_name} AGL")
     if area.yaws_deg:
         if len(heights) == 1:
             words.append(tr("yaw {yaw}°").format(yaw=number_text(area.yaws_deg[0], "g")))
@@ -237,11 +227,11 @@ def area_words(area: Area, m_per_unit: float = 1.0, unit: str = "m") -> str:
     return ", ".join(words)
 
 
-def readout(area: Area) -> str:
+def readout(area: Area, unit: str) -> str:
     """What is said at the cursor while an area is drawn or moved."""
     if isinstance(area, Points):
         return tr("{n} points").format(n=len(area.poses)) if len(area.poses) > 1 else tr("Single capture")
-    return size_text(area) if isinstance(area, Box) else area_text(area.area_m2(), METRES)
+    return size_text(area, unit) if isinstance(area, Box) else area_text(area.area_m2(), unit)
 
 
 def _edges(box: Box, text: Callable[[float], str]) -> dict[str, str]:
@@ -287,11 +277,11 @@ def _number(text: str) -> float:
         raise InvalidInput(tr("yaw “{text}”: must be a number of degrees").format(text=text)) from wrong
 
 
-def _polygon_words(polygon: Polygon) -> str:
+def _polygon_words(polygon: Polygon, unit: str) -> str:
     corners = sum(len(ring) for ring in polygon.rings)
     words = [tr("Polygon"), tr("{n} corners").format(n=number_text(corners))]
     holes = len(polygon.rings) - 1
     if holes:
         words.append(tr("1 hole") if holes == 1 else tr("{n} holes").format(n=holes))
-    words.append(area_text(polygon.area_m2(), METRES))
+    words.append(area_text(polygon.area_m2(), unit))
     return ", ".join(words)

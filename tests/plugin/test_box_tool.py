@@ -95,26 +95,35 @@ def test_escape_while_dragging_gives_up_and_restores_the_tool(desk):
     assert desk.canvas.extent() == extent
 
 
-def test_size_is_told_beside_the_pointer_while_drawing(desk, screenshot):
-    """By another program's geodesics."""
+@pytest.mark.parametrize(
+    ("unit", "km", "km2"), [("m", "km", "km²"), ("ft", "mi", "sq mi")], ids=["metres", "feet"]
+)
+def test_size_is_told_beside_the_pointer_while_drawing(desk, screenshot, unit, km, km2):
+    """By another program's geodesics; in the unit of the heights, in the panel too."""
+    desk.choose(desk.form.agl_unit, unit)
     desk.look_at("EPSG:3857", (-10_010_000, 4_178_000, -9_998_000, 4_187_000))
     desk.click(desk.form.draw_box)
     viewport, start, end = desk.canvas.viewport(), desk.at(0.3, 0.3), desk.at(0.6, 0.7)
     QTest.mousePress(viewport, Qt.MouseButton.LeftButton, Qt.KeyboardModifier.NoModifier, start)
+    # A pointer that is there already does not move.
+    QTest.mouseMove(viewport, start)
     QTest.mouseMove(viewport, end)
     desk.wait(lambda: viewport.findChild(QLabel, "terrainav_readout") is not None)
     label = viewport.findChild(QLabel, "terrainav_readout")
+    desk.wait(lambda: not label.text().startswith("0 "))
     (west, north), (east, south) = corners_by_pyproj(desk, "EPSG:3857", start, end)
     geod = Geod(ellps="WGS84")
     middle = (north + south) / 2.0
-    width = geod.inv(west, middle, east, middle)[2] / 1000.0
-    height = geod.inv(west, south, west, north)[2] / 1000.0
-    ground = width * height
-    assert label.text() == f"{width:.4g} km × {height:.4g} km, {ground:.4g} km²"
+    m_per_unit = {"km": 1000.0, "mi": 1609.344}[km]
+    width = geod.inv(west, middle, east, middle)[2] / m_per_unit
+    height = geod.inv(west, south, west, north)[2] / m_per_unit
+    size = f"{width:.4g} {km} × {height:.4g} {km}, {width * height:.4g} {km2}"
+    assert label.text() == size
     assert viewport.rect().contains(label.geometry())
-    screenshot("draw-box")
+    screenshot(f"draw-box-{unit}")
     QTest.mouseRelease(viewport, Qt.MouseButton.LeftButton, Qt.KeyboardModifier.NoModifier, end)
     desk.wait(lambda: viewport.findChild(QLabel, "terrainav_readout") is None)
+    assert desk.form.findChild(QLabel, "area_words").text() == f"Box, {size}"
 
 
 def test_escape_before_dragging_restores_the_tool(desk):
