@@ -1471,6 +1471,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/missions/missions.py"/>
+        <source>Capture the images of the panel's mission that failed earlier</source>
+        <translation>De la misión del panel: las que no se pudieron hacer antes</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/missions/missions.py"/>
         <source>In this project</source>
         <translation>En este proyecto</translation>
     </message>
@@ -1497,16 +1502,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/missions/missions.py"/>
-        <source>Reject images with too little to see from the panel&apos;s mission</source>
-        <translation>De la misión del panel: imágenes con demasiado poco que ver</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/missions/missions.py"/>
-        <source>Capture the images of the panel&apos;s mission that failed earlier</source>
-        <translation>De la misión del panel: las que no se pudieron hacer antes</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/missions/missions.py"/>
         <source>Open &amp;dataset folder…</source>
         <translation>Abrir carpeta de conjunto de &amp;datos…</translation>
     </message>
@@ -1514,6 +1509,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/missions/missions.py"/>
         <source>Open &amp;recent</source>
         <translation>Abrir &amp;reciente</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/missions/missions.py"/>
+        <source>Reject images with too little to see from the panel's mission</source>
+        <translation>De la misión del panel: imágenes con demasiado poco que ver</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/missions/missions.py"/>
@@ -1678,6 +1678,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/camera.py"/>
+        <source>How to enter the field of view: in degrees across the image's diagonal, width or height, or as focal length and sensor in mm. Choosing another way converts the values.</source>
+        <translation>Con qué se da el campo de visión: grados en la diagonal, la anchura o la altura de la imagen, o distancia focal y sensor en mm. Al elegir otro se muestra la misma cámara en sus números.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/camera.py"/>
         <source>Name of the camera with the values entered:</source>
         <translation>Nombre de la cámara con los valores introducidos:</translation>
     </message>
@@ -1743,11 +1748,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/camera.py"/>
-        <source>How to enter the field of view: in degrees across the image's diagonal, width or height, or as focal length and sensor in mm. Choosing another way converts the values.</source>
-        <translation>Con qué se da el campo de visión: grados en la diagonal, la anchura o la altura de la imagen, o distancia focal y sensor en mm. Al elegir otro se muestra la misma cámara en sus números.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/camera.py"/>
         <source>Width of the sensor in millimetres</source>
         <translation>Anchura del sensor en milímetros</translation>
     </message>
@@ -1773,8 +1773,18 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/choices.py"/>
+        <source>Licence not stated</source>
+        <translation>Licencia no indicada</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/choices.py"/>
         <source>Missing connection</source>
         <translation>Conexión que no existe</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/choices.py"/>
+        <source>Missing layer</source>
+        <translation>Capa que no existe</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/choices.py"/>
@@ -1785,16 +1795,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/panel/choices.py"/>
         <source>TerrAInav does not know its terms: check them yourself.</source>
         <translation>Sus condiciones no se conocen aquí: corresponde al usuario comprobarlas.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/choices.py"/>
-        <source>Missing layer</source>
-        <translation>Capa que no existe</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/choices.py"/>
-        <source>Licence not stated</source>
-        <translation>Licencia no indicada</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/choices.py"/>
@@ -1940,6 +1940,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
+        <source>Correct the entries marked above.</source>
+        <translation>Corregir lo marcado arriba.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/figures.py"/>
         <source>Cost</source>
         <translation>Coste</translation>
     </message>
@@ -2016,11 +2021,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/panel/figures.py"/>
         <source>Picture size, methods with their error bounds, and what is left out</source>
         <translation>Tamaño de la imagen, métodos con sus cotas de error y lo que se omite</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/figures.py"/>
-        <source>Correct the entries marked above.</source>
-        <translation>Corregir lo marcado arriba.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
@@ -2111,13 +2111,13 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
-        <source>{count} requests; more than {most} need your consent: Capture will ask you to agree to the terms</source>
-        <translation>{count} peticiones, más que las {most} que se permiten sin más: Capturar le pide que acepte las condiciones</translation>
+        <source>{count} requests, more than the {most} that the provider allows: take a smaller area, coarser pixels or another source</source>
+        <translation>{count} peticiones, más que las {most} que permite el proveedor: tome un área menor, píxeles más gruesos u otra fuente</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
-        <source>{count} requests, more than the {most} that the provider allows: take a smaller area, coarser pixels or another source</source>
-        <translation>{count} peticiones, más que las {most} que permite el proveedor: tome un área menor, píxeles más gruesos u otra fuente</translation>
+        <source>{count} requests; more than {most} need your consent: Capture will ask you to agree to the terms</source>
+        <translation>{count} peticiones, más que las {most} que se permiten sin más: Capturar le pide que acepte las condiciones</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
@@ -2319,11 +2319,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/options_page.py"/>
-        <source>Keys are stored encrypted in QGIS's authentication database, each as the password of a Basic configuration. TerrAInav saves only the configuration's id; no project, mission or layer contains a key.</source>
-        <translation>Una clave es la contraseña de una configuración de autenticación básica en la base de datos de autenticación de QGIS, que está cifrada. Aquí solo se guarda el identificador de la configuración; ningún proyecto, misión o capa contiene una clave.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/options_page.py"/>
         <source>At most</source>
         <translation>Como máximo</translation>
     </message>
@@ -2331,11 +2326,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/panel/options_page.py"/>
         <source>Authentication configuration</source>
         <translation>Configuración de autenticación</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/options_page.py"/>
-        <source>Size limit of the cache in MB; beyond it, the least recently used tiles are deleted</source>
-        <translation>Al superarlo se borran las teselas usadas hace más tiempo, en MB</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/options_page.py"/>
@@ -2399,6 +2389,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/options_page.py"/>
+        <source>Keys are stored encrypted in QGIS's authentication database, each as the password of a Basic configuration. TerrAInav saves only the configuration's id; no project, mission or layer contains a key.</source>
+        <translation>Una clave es la contraseña de una configuración de autenticación básica en la base de datos de autenticación de QGIS, que está cifrada. Aquí solo se guarda el identificador de la configuración; ningún proyecto, misión o capa contiene una clave.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/options_page.py"/>
         <source>Look at it or clear it…</source>
         <translation>Ver o vaciar…</translation>
     </message>
@@ -2453,6 +2448,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/results/viewer.py"/>
         <source>Size</source>
         <translation>Tamaño</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/options_page.py"/>
+        <source>Size limit of the cache in MB; beyond it, the least recently used tiles are deleted</source>
+        <translation>Al superarlo se borran las teselas usadas hace más tiempo, en MB</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/options_page.py"/>
@@ -2682,11 +2682,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>Zoom of the source. Automatic: the zoom whose ground per px is nearest to the camera's, which follows from the height and the image's longer side.</source>
-        <translation>Con qué píxeles de la fuente se hacen las imágenes. Automático: los más próximos a los de la cámara, cuyo terreno por px resulta de la altura y del lado mayor de la imagen.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
         <source>Width of the resized pictures in pixels (px)</source>
         <translation>Anchura de las imágenes redimensionadas en píxeles (px)</translation>
     </message>
@@ -2710,6 +2705,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/results/viewer.py"/>
         <source>Zoom</source>
         <translation>Zoom</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>Zoom of the source. Automatic: the zoom whose ground per px is nearest to the camera's, which follows from the height and the image's longer side.</source>
+        <translation>Con qué píxeles de la fuente se hacen las imágenes. Automático: los más próximos a los de la cámara, cuyo terreno por px resulta de la altura y del lado mayor de la imagen.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
@@ -2796,6 +2796,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
         <source>Default date</source>
         <translation>Fecha predeterminada</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
+        <source>Default value of {date} in the address</source>
+        <translation>Lo que representa {date} en la dirección cuando no se pide ninguna fecha</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
@@ -2902,11 +2907,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
         <source>What you call it</source>
         <translation>Cómo se la quiere llamar</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
-        <source>Default value of {date} in the address</source>
-        <translation>Lo que representa {date} en la dirección cuando no se pide ninguna fecha</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
@@ -3472,16 +3472,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>Used instead of the source above: one of your own sources by name, a URL template with {z}, {x}, {y}, wmts:URL#layer=NAME, wms:URL#layers=NAME, a raster or MBTiles file, or qgis:project for the project's map.</source>
-        <translation>En lugar de la anterior: un nombre de fuente propia, una plantilla de URL con {z}, {x}, {y}, wmts:URL#layer=NOMBRE, wms:URL#layers=NOMBRE, un archivo ráster o MBTiles, o qgis:project para el mapa del proyecto.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>Sets the field of view, aspect ratio and pixels. If no camera is chosen, the values below apply.</source>
-        <translation>Su campo de visión, relación de aspecto y píxeles. Sin ella cuentan los de abajo.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
         <source>Mission file</source>
         <translation>Archivo de misión</translation>
     </message>
@@ -3497,8 +3487,18 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <source>Sets the field of view, aspect ratio and pixels. If no camera is chosen, the values below apply.</source>
+        <translation>Su campo de visión, relación de aspecto y píxeles. Sin ella cuentan los de abajo.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
         <source>Source of imagery</source>
         <translation>Fuente de las imágenes</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <source>Used instead of the source above: one of your own sources by name, a URL template with {z}, {x}, {y}, wmts:URL#layer=NAME, wms:URL#layers=NAME, a raster or MBTiles file, or qgis:project for the project's map.</source>
+        <translation>En lugar de la anterior: un nombre de fuente propia, una plantilla de URL con {z}, {x}, {y}, wmts:URL#layer=NOMBRE, wms:URL#layers=NOMBRE, un archivo ráster o MBTiles, o qgis:project para el mapa del proyecto.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
@@ -3637,6 +3637,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/plan.py"/>
+        <source>Plans a mission without fetching imagery: the position, ground and time of each image, and the time and data that the capture needs.</source>
+        <translation>Calcula una misión sin pedir imágenes: dónde se toma cada imagen, qué terreno muestra, en qué momento del vuelo, y qué exige el conjunto.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/plan.py"/>
         <source>The layer cannot be written: {reason}</source>
         <translation>No se puede escribir la capa: {reason}</translation>
     </message>
@@ -3649,11 +3654,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/processing/plan.py"/>
         <source>Time of the capture (seconds)</source>
         <translation>Tiempo de la captura (segundos)</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/plan.py"/>
-        <source>Plans a mission without fetching imagery: the position, ground and time of each image, and the time and data that the capture needs.</source>
-        <translation>Calcula una misión sin pedir imágenes: dónde se toma cada imagen, qué terreno muestra, en qué momento del vuelo, y qué exige el conjunto.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/plan.py"/>
@@ -3832,13 +3832,13 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/split.py"/>
-        <source>With blocks only: minimum distance between the ground of two parts.</source>
-        <translation>Solo con bloques: distancia mínima entre el terreno de dos partes.</translation>
+        <source>With blocks only. If empty, a size is found that gives parts close to the shares.</source>
+        <translation>Solo con bloques; vacío busca uno que se acerque a las proporciones.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/split.py"/>
-        <source>With blocks only. If empty, a size is found that gives parts close to the shares.</source>
-        <translation>Solo con bloques; vacío busca uno que se acerque a las proporciones.</translation>
+        <source>With blocks only: minimum distance between the ground of two parts.</source>
+        <translation>Solo con bloques: distancia mínima entre el terreno de dos partes.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/split.py"/>

@@ -144,7 +144,7 @@ def test_polygon_across_the_antimeridian_runs_on():
         (
             "EPSG:32616",
             "Polygon ((0 0, 10 10, 0 10, 10 0, 0 0))",
-            r"feature 7 is no sound polygon, .*intersection.* \(5, 5\): repair it first",
+            r"feature 7 is not a valid polygon \(.*intersection.* \(5, 5\)\): repair it first",
         ),
         (
             "EPSG:32616",

@@ -55,7 +55,7 @@ def test_enlarged_pixels_are_offered_beside_the_figures(desk):
     warnings = desk.dock.figures.warnings
     assert warnings.isVisibleTo(desk.dock)
     assert "Allow enlarged pixels" in warnings.text()
-    assert "no more detail than that" in html.unescape(desk.dock.estimates.text())
+    assert "show no finer detail" in html.unescape(desk.dock.estimates.text())
     warnings.linkActivated.emit("enlarge")
     assert desk.form.pixels.entries["upsample"].isChecked()
     planned = desk.wait_planned()

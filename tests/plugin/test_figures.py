@@ -98,7 +98,7 @@ def test_source_that_is_coarser_than_the_camera_is_said_to_be():
     near = Mission(area=Box(35.14, -89.87, 35.1395, -89.8695), agl_m=20.0, source=COARSE)
     summary, lines = lines_of(near)
     own = f"{100.0 * summary.delivered_gsd_m_per_px:.4g} cm"
-    hint = f"(the source's own pixels are {own}: the picture has no more detail than that)"
+    hint = f"(the source's own pixels are {own}: images show no finer detail)"
     assert lines["Ground per px"].endswith(hint)
     assert "detail" not in lines_of(near.with_(agl_m=2000.0))[1]["Ground per px"]
 

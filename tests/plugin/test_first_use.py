@@ -206,7 +206,7 @@ def type_number(spin, text):
     [
         ("OpenStreetMap", "50", "more than the 250 that the provider allows"),
         ("OpenStreetMap", "3000", "of the 250 requests that the provider allows"),
-        ("swisstopo SWISSIMAGE", "20", "Capture asks you to agree to the terms"),
+        ("swisstopo SWISSIMAGE", "20", "Capture will ask you to agree to the terms"),
     ],
 )
 def test_limit_of_the_provider_is_compared_with_the_plan(desk, screenshot, title, agl, words):

@@ -124,7 +124,7 @@ def test_wrong_values_are_marked_in_words_and_not_kept(page, tmp_path, screensho
     file.write_text("")
     page.folders["missions_folder"].setFilePath("flights/of/mine")
     page.folders["cache_folder"].setFilePath(str(file / "below"))
-    assert "must be a whole path" in page.marks.message("missions_folder")
+    assert "must be an absolute path" in page.marks.message("missions_folder")
     assert "is a file; choose a folder" in page.marks.message("cache_folder")
     assert not page.isValid()
     screenshot("options-wrong", page)
@@ -243,7 +243,7 @@ def test_folders_that_cannot_be_written_to(tmp_path):
     assert folder_problem("") == ""
     assert folder_problem(str(tmp_path / "new" / "below")) == ""
     assert folder_problem("~/flights") == ""
-    assert "must be a whole path" in folder_problem("flights")
+    assert "must be an absolute path" in folder_problem("flights")
     (tmp_path / "file").write_text("")
     assert "is a file" in folder_problem(str(tmp_path / "file"))
 

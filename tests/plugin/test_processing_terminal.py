@@ -79,7 +79,7 @@ def test_the_algorithms_are_listed_and_explained(terminal):
     for name in ("plan", "capture", "capturefailed", "clean", "split", "accuracyreport"):
         assert f"terrainav:{name}\t" in listed
     told = terminal("help", "terrainav:plan").stdout
-    assert "fetches no imagery" in told
+    assert "without fetching imagery" in told
     assert "OVERLAP_ALONG" in told
 
 

@@ -68,7 +68,7 @@ def press(desk, run, action):
         (1, 1, "One image captured in 2 s."),
         (9, 0, "All 9 images were there already."),
         (1_200, 1_200, "1,200 images captured in 2 s."),
-        (93, 75, "All 93 images are there: 75 captured now in 2 s, 18 before."),
+        (93, 75, "All 93 images captured: 75 now, in 2 s; 18 in earlier runs."),
     ],
 )
 def test_ends_are_told_in_words_that_fit_the_number(total, written, text):
@@ -305,8 +305,8 @@ def test_cancelled_run_is_no_failure_shows_what_is_finished_and_is_resumed_from_
     total = len(run.plan)
     assert again.result.written == total - kept
     for text in (row_of(prepared, again).text.text(), " ".join(prepared.messages())):
-        assert f"All {total} images are there: {total - kept} captured now in" in text
-        assert f"{kept} before." in text
+        assert f"All {total} images captured: {total - kept} now, in" in text
+        assert f"{kept} in earlier runs." in text
     assert (run.folder / "satellite.vrt").read_text().count("<ComplexSource>") == total
 
 

@@ -217,7 +217,7 @@ def test_xyz_connection_of_qgis_is_a_source(desk, tmp_path, configured, tiles, h
     connect_xyz("My tiles", url=url, zmin=3, zmax=17, authcfg=authcfg, referer="https://ref.example/")
     desk.session.source_list.refresh()
     desk.choose(desk.form.source, "qgis:xyz/My tiles")
-    assert "yours to check" in desk.form.imagery.limits.text()
+    assert "check them yourself" in desk.form.imagery.limits.text()
     assert "zoom 3 to 17" in desk.form.imagery.limits.text()
     assert not desk.form.key.isVisibleTo(desk.dock)
     desk.enter_small_mission()

@@ -25,9 +25,9 @@ ROOT = Path(__file__).parents[2]
 
 #: What clauses of advice begin with.
 VERBS = frozenset(
-    "add agree allow ask capture choose clean click close copy cut drag draw enter finish fly get give go have install "
-    "leave make mend move name overlap pip plan press put raise remove rename repair resize resume run say select set "
-    "shorten show split start take tick tilt try use wait write".split()
+    "add agree allow ask capture choose clean click close copy correct cut drag draw enter finish fly get give go "
+    "have install leave make mend move name overlap pip plan press put raise remove rename repair resize resume run "
+    "say select set shorten show split start take tick tilt try use wait write".split()
 )
 #: What clauses of refusals begin with that say what is wrong, or what would be right.
 STATEMENTS = frozenset(

@@ -128,7 +128,7 @@ def test_what_the_file_cannot_say_is_told(tmp_path):
     mission = IN_WIND.with_(roll_deg=4.0, airspeed_m_per_s=22.0)
     notes = " | ".join(write_plan(worked_out(mission), tmp_path / "n.litchi.csv").notes)
     assert "the roll of 4 deg is left out" in notes
-    assert "the wind is left out" in notes
+    assert "wind is left out" in notes
     assert "speed of 22 m/s is cut to Litchi's 15 m/s" in notes
     assert {row["speed(m/s)"] for row in rows(tmp_path / "n.litchi.csv")} == {"15.00"}
 

@@ -65,7 +65,7 @@ def test_waypoints_are_the_nominal_captures(tmp_path):
     assert speed[:3] == [1, 15.0, -1]  # over ground; the throttle stays
     assert mount == [-70.0, 0, 0, 0, 0, 0, 2]  # targeted by MAVLink
     assert {tuple(item["params"][:3]) for item in items if item["command"] == PICTURE} == {(0, 0, 1)}
-    assert "the wind is left out" in exported.notes[0]
+    assert "wind is left out" in exported.notes[0]
     assert "place of take-off" in exported.notes[-1]
 
 

@@ -60,7 +60,7 @@ def _none_selected(case: Case) -> None:
 def _several(case: Case) -> None:
     beside = "Polygon ((9 0, 20 0, 20 9, 9 9, 9 0))"
     case.refused(lambda: area(SQUARE, beside))
-    case.follow("select only that one", lambda: area(SQUARE))
+    case.follow("select only one", lambda: area(SQUARE))
     joined = QgsGeometry.unaryUnion([QgsGeometry.fromWkt(SQUARE), QgsGeometry.fromWkt(beside)])
     case.follow("join them first (Vector > Geoprocessing Tools > Dissolve)", lambda: area(joined))
 
@@ -86,7 +86,7 @@ def _parts(case: Case) -> None:
     case.refused(lambda: area(TWO_PARTS))
     apart = QgsGeometry.fromWkt(TWO_PARTS).asGeometryCollection()
     case.follow(
-        "take it apart first (Vector > Geometry Tools > Multipart to Singleparts) and select one of them",
+        "split it first (Vector > Geometry Tools > Multipart to Singleparts) and select one part",
         lambda: area(apart[1]),
     )
 
@@ -129,7 +129,7 @@ def _through_a_pole(case: Case) -> None:
 def _no_points(case: Case) -> None:
     case.refused(points)
     case.follow("select some", lambda: points("Point (1 1)"))
-    case.follow("take all of the layer", lambda: points("Point (1 1)", "Point (2 2)"))
+    case.follow("use all points of the layer", lambda: points("Point (1 1)", "Point (2 2)"))
 
 
 @remedy("area/layers.py", "{feature} has no geometry: give it a point, or leave it out")

@@ -206,10 +206,12 @@ def _service_of_layers(case: Case) -> None:
         wrong = in_dialog(desk, ServiceDialog, choose)
         case.follow("choose it", lambda: desk.choose(desk.form.source, SERVICE_PREFIX + "Survey"))
         assert not wrong, wrong
-        case.follow("then one of them", lambda: bool(user_sources()))
+        case.follow("then a layer", lambda: bool(user_sources()))
     # The dialog closes when the layer is kept.
     (kept,) = user_sources()
-    case.follow("which is kept with your own sources.", lambda: desk.session.state().source_name == kept.name)
+    case.follow(
+        "The layer is saved with your own sources.", lambda: desk.session.state().source_name == kept.name
+    )
 
 
 # --- backgrounds
@@ -251,7 +253,7 @@ def _other_zooms(case: Case) -> None:
         levels = [[zoom, f"EPSG:3857:{zoom}"] for zoom in range(20)]
         add("named", {**described(f"{running.url}/tiles/{{z}}/{{x}}/{{y}}.png"), "levels": levels})
         case.refused(lambda: tile_layer_uri("named", "satellite"))
-        case.follow("add its layer by QGIS's Browser", layer.isValid)
+        case.follow("add its layer with QGIS's Browser panel", layer.isValid)
 
 
 @remedy("panel/source_dialogs.py", "“{name}” is taken; choose another name")

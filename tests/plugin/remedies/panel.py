@@ -161,8 +161,8 @@ def _no_camera(case: Case) -> None:
         mission_form.mission(state)
     (field,) = marked.value.messages
     state = replace(state, **{field: "3:2"})
-    case.follow("put right what is marked", lambda: mission_form.mission(state))
-    case.follow("and save then.", lambda: save_camera("mine", state))
+    case.follow("correct the marked entries", lambda: mission_form.mission(state))
+    case.follow("then save.", lambda: save_camera("mine", state))
     assert [preset.name for preset in user_cameras()] == ["mine"]
 
 
