@@ -51,10 +51,14 @@ def wait_until_drawn() -> None:
     # A raster whose drawing is broken off has QGIS say "Image is a null image" (QgsRasterDrawer::drawImage).
     wait("drawing the map", lambda: not canvas.isDrawing())
     drawn: list[bool] = []
-    canvas.mapCanvasRefreshed.connect(lambda: drawn.append(True))
+
+    def note() -> None:
+        drawn.append(True)
+
+    canvas.mapCanvasRefreshed.connect(note)
     canvas.refreshAllLayers()
     wait("drawing the map", lambda: bool(drawn) and not canvas.isDrawing())
-    canvas.mapCanvasRefreshed.disconnect()
+    canvas.mapCanvasRefreshed.disconnect(note)
     QTest.qWait(10 * POLL_MS)
 
 
