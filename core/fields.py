@@ -140,6 +140,16 @@ class Field:
         return self.option or own
 
     @property
+    def about(self) -> str:
+        """Unit and limits in words."""
+        return ", ".join(filter(None, (self.unit_in_words, self.right)))
+
+    @property
+    def unit_in_words(self) -> str:
+        """Unit as people write it in a sentence."""
+        return {"deg": "degrees", "m": "metres"}.get(self.unit, self.unit)
+
+    @property
     def starts_with(self) -> Any:
         """What a form shows of it before anybody has entered anything."""
         return self.suggested if self.suggested is not None else self.default

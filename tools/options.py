@@ -26,7 +26,6 @@ from terrainav.core.mission.wind import Wind
 ROOT = Path(__file__).resolve().parent.parent
 SCHEMA_FILE, PAGE = ROOT / "resources" / "mission.schema.json", ROOT / "docs" / "options.md"
 _TYPES = {float: "number", int: "integer", bool: "boolean", str: "string", tuple: "array"}
-_UNITS = {"m": "metres", "deg": "degrees"}
 _HEAD = """# Every option of a mission
 
 Made by `python tools/options.py` from what `core/mission/parts.py`, `core/mission/wind.py` and `core/geodesy/lens.py`
@@ -182,7 +181,7 @@ def page() -> str:
 def _row(part: str, field: Field) -> str:
     usual = f"`--{field.name_of_option.replace('_', '-')}`"
     key = "seed of the wind" if (part, field.name) == ("wind", "seed") else field.name
-    about = ", ".join(filter(None, (_UNITS.get(field.unit, field.unit), field.right)))
+    about = field.about
     if field.choices:
         about = ", ".join(f"`{choice}`" for choice in field.choices)
     default = "needed" if field.needed else _default(field.default)
@@ -205,8 +204,7 @@ def _cell(text: str) -> str:
 
 
 def _sentence(field: Field) -> str:
-    unit = _UNITS.get(field.unit, field.unit)
-    return f"{_cell(field.help)}" + (f" ({unit})" if unit else "") + "."
+    return _cell(field.help) + (f" ({field.unit_in_words})" if field.unit_in_words else "") + "."
 
 
 def schema_text() -> str:

@@ -47,7 +47,7 @@ class Option:
             choices=tuple(field.choices) if field.choices and field.kind is str else None,
             metavar=("W", "H", "C") if field.name == "img_size" else None,
             flag=field.kind is bool,
-            about=_about(field),
+            about=field.about,
         )
 
     @property
@@ -112,12 +112,6 @@ def _truth(value: Any, what: str) -> bool:
     if str(value).lower() not in words:
         raise InvalidInput("{0} {1!r}: must be true or false", what, value)
     return words[str(value).lower()]
-
-
-def _about(field: Field) -> str:
-    """Unit and limits of a field in words."""
-    unit = {"deg": "degrees", "m": "metres"}.get(field.unit, field.unit)
-    return ", ".join(filter(None, (unit, field.right)))
 
 
 def _fields(*parts: type, but: tuple[str, ...] = ()) -> tuple[Option, ...]:

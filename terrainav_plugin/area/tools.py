@@ -15,7 +15,7 @@ from ...core.mission.area import Area, Box, Points
 from ..compat import POLYGON
 from ..form.area import readout, size_text
 from ..i18n import tr, translate
-from ..map.canvas import TemporaryTool, box_of, lon_lat_of
+from ..map.canvas import ClickTool, TemporaryTool, box_of
 from ..units import METRES
 from .bands import AreaBands, PointerText, area_band
 from .outline import Outline, contains, grip_at, middle_of, moved, place_at, stretched
@@ -151,32 +151,12 @@ class BoxTool(TemporaryTool):
             self._band = None
 
 
-class PointTool(TemporaryTool):
-    """Tells the longitude and latitude of a click, whatever the project's CRS.
+class PointTool(ClickTool):
+    """Tells the place of one click, and gives the canvas back."""
 
-    Signals
-    -------
-    clicked(float, float)
-        Latitude and longitude in degrees.
-    refused(str)
-        Why the place cannot be used.
-    """
-
-    clicked = pyqtSignal(float, float)
-    refused = pyqtSignal(str)
-
-    def canvasReleaseEvent(self, event: QgsMapMouseEvent) -> None:
-        """Take the place."""
-        if event.button() != Qt.MouseButton.LeftButton:
-            return
-        crs = self.canvas().mapSettings().destinationCrs()
-        try:
-            lon, lat = lon_lat_of(self.toMapCoordinates(event.pos()), crs, QgsProject.instance())
-        except (TerrAInavError, QgsCsException) as wrong:
-            self.refused.emit(translate(wrong))
-            return
+    def _take(self, lat_deg: float, lon_deg: float) -> None:
         self.stop()
-        self.clicked.emit(lat, lon)
+        super()._take(lat_deg, lon_deg)
 
 
 class AreaTool(TemporaryTool):

@@ -14,13 +14,13 @@ from qgis.core import (
     QgsProject,
     QgsRectangle,
 )
-from qgis.gui import QgsMapCanvas, QgsMapTool
-from qgis.PyQt.QtCore import QEvent, QObject, Qt
+from qgis.gui import QgsMapCanvas, QgsMapMouseEvent, QgsMapTool
+from qgis.PyQt.QtCore import QEvent, QObject, Qt, pyqtSignal
 from qgis.PyQt.QtGui import QKeyEvent
 
-from ...core.errors import InvalidInput
+from ...core.errors import InvalidInput, TerrAInavError
 from ...core.mission.area import Box
-from ..i18n import tr
+from ..i18n import tr, translate
 
 LON_LAT = "EPSG:4326"
 #: Points a side is walked along: a parallel's bulge between two of them is under 1/16000 of the side's own.
@@ -155,6 +155,36 @@ class TemporaryTool(QgsMapTool):
             self.give_up()
             return True
         return super().eventFilter(watched, event)
+
+
+class ClickTool(TemporaryTool):
+    """Tells the places of clicks, whatever the project's CRS, until another tool is chosen.
+
+    Signals
+    -------
+    clicked(float, float)
+        Latitude and longitude in degrees.
+    refused(str)
+        Why a place cannot be used.
+    """
+
+    clicked = pyqtSignal(float, float)
+    refused = pyqtSignal(str)
+
+    def canvasReleaseEvent(self, event: QgsMapMouseEvent) -> None:
+        """Tell the place."""
+        if event.button() != Qt.MouseButton.LeftButton:
+            return
+        crs = self.canvas().mapSettings().destinationCrs()
+        try:
+            lon, lat = lon_lat_of(self.toMapCoordinates(event.pos()), crs, QgsProject.instance())
+        except (TerrAInavError, QgsCsException) as wrong:
+            self.refused.emit(translate(wrong))
+            return
+        self._take(lat, lon)
+
+    def _take(self, lat_deg: float, lon_deg: float) -> None:
+        self.clicked.emit(lat_deg, lon_deg)
 
 
 def _outline(rectangle: QgsRectangle) -> list[QgsPointXY]:

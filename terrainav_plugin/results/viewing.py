@@ -5,14 +5,13 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from qgis.core import QgsCoordinateReferenceSystem, QgsCsException, QgsProject, QgsVectorLayer
-from qgis.gui import QgisInterface, QgsMapMouseEvent, QgsRubberBand
-from qgis.PyQt.QtCore import QObject, Qt, pyqtSignal
+from qgis.gui import QgisInterface, QgsRubberBand
+from qgis.PyQt.QtCore import QObject
 from qgis.PyQt.QtGui import QColor
 
-from ...core.errors import TerrAInavError
 from ..compat import POLYGON
 from ..i18n import tr, translate
-from ..map.canvas import TemporaryTool, lon_lat_of, show_extent
+from ..map.canvas import ClickTool, show_extent
 from ..map.mission_group import CAPTURED, ROLE
 from ..messages import Messages
 from ..paths import open_in_system
@@ -31,33 +30,6 @@ _SIZE_PX = (420, 640)
 _MARGIN = 2.0
 
 
-class ViewTool(TemporaryTool):
-    """Tells the places of clicks, one after the other, until another tool is chosen.
-
-    Signals
-    -------
-    clicked(float, float)
-        Latitude and longitude in degrees.
-    refused(str)
-        Why a place cannot be used.
-    """
-
-    clicked = pyqtSignal(float, float)
-    refused = pyqtSignal(str)
-
-    def canvasReleaseEvent(self, event: QgsMapMouseEvent) -> None:
-        """Tell the place."""
-        if event.button() != Qt.MouseButton.LeftButton:
-            return
-        crs = self.canvas().mapSettings().destinationCrs()
-        try:
-            lon, lat = lon_lat_of(self.toMapCoordinates(event.pos()), crs, QgsProject.instance())
-        except (TerrAInavError, QgsCsException) as wrong:
-            self.refused.emit(translate(wrong))
-            return
-        self.clicked.emit(lat, lon)
-
-
 class Viewing(QObject):
     """The tool, the window, and the outline of the image that is shown."""
 
@@ -65,7 +37,7 @@ class Viewing(QObject):
         super().__init__()
         self._project, self._iface, self._messages = project, iface, messages
         self._canvas = iface.mapCanvas()
-        self.tool = ViewTool(self._canvas)
+        self.tool = ClickTool(self._canvas)
         self.tool.clicked.connect(self._clicked)
         self.tool.refused.connect(messages.warning)
         self.viewer: Viewer | None = None
