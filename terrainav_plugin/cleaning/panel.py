@@ -84,6 +84,7 @@ class CleanPanel(QgsDockWidget):
             chart.threshold_moved.connect(self.threshold.setValue)
             chart.show_threshold(self.threshold.value())
         self.counts = wrapped_label("counts")
+        self.counts.setTextFormat(Qt.TextFormat.RichText)
         self.notes = wrapped_label("notes")
         self.strip = ExampleStrip()
         self._make_buttons()

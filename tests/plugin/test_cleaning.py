@@ -173,6 +173,8 @@ def test_threshold_is_dragged_typed_and_moved_by_keys(desk, dataset, opened, scr
     histogram, bars = panel.charts
     total = len(panel.entropies)
     assert f"of {total} images kept" in panel.findChild(QLabel, "counts").text()
+    # Its numbers are bold, and no markup is to be read.
+    assert panel.counts.textFormat() == Qt.TextFormat.RichText
 
     # Dragged with the mouse over the histogram.
     frame = histogram.frame()
