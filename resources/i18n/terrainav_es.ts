@@ -7109,13 +7109,13 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/layout/rows.py"/>
-        <source>area reaches latitude {0}: pictures end at ±{1:.4f} (Web Mercator)</source>
-        <translation>el área llega a la latitud {0}: las imágenes terminan en ±{1:.4f} (Web Mercator)</translation>
+        <source>a camera at {0:g} m with this tilt sees the area from nowhere on the map</source>
+        <translation>una cámara a {0:g} m con esta inclinación no ve el área desde ningún lugar del mapa</translation>
     </message>
     <message>
         <location filename="../../core/mission/layout/rows.py"/>
-        <source>camera at {0:g} m, tilted so: from nowhere on the map does it see this area</source>
-        <translation>cámara a {0:g} m, con esta inclinación: desde ningún lugar del mapa ve este área</translation>
+        <source>area reaches latitude {0}: pictures end at ±{1:.4f} (Web Mercator)</source>
+        <translation>el área llega a la latitud {0}: las imágenes terminan en ±{1:.4f} (Web Mercator)</translation>
     </message>
     <message>
         <location filename="../../core/mission/layout/rows.py"/>
@@ -7134,8 +7134,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/layout/rows.py"/>
-        <source>images without a thousandth of a pixel of ground to count on: the camera looks past the map or the Earth</source>
-        <translation>imágenes sin una milésima de píxel de terreno con la que contar: la cámara mira más allá del mapa o de la Tierra</translation>
+        <source>images with under 0.001 px of map in them: the camera looks past the map or the Earth</source>
+        <translation>imágenes con menos de 0,001 px de mapa: la cámara mira más allá del mapa o de la Tierra</translation>
     </message>
     <message>
         <location filename="../../core/mission/layout/rows.py"/>
@@ -7149,8 +7149,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/layout/rows.py"/>
-        <source>overlap {0}: leaves under a thousandth of a pixel between captures</source>
-        <translation>solape {0}: deja menos de una milésima de píxel entre capturas</translation>
+        <source>overlap {0}: leaves under 0.001 px between captures</source>
+        <translation>solape {0}: deja menos de 0,001 px entre capturas</translation>
     </message>
     <message>
         <location filename="../../core/mission/layout/rows.py"/>

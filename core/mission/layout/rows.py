@@ -183,21 +183,14 @@ def refuse_no_step(step: Floats, overlap: float, mission: Mission) -> None:
     """Refuse steps from capture to capture, or from row to row, that do not go on."""
     if not (step > 0.0).all():
         if overlap == 0.0:
-            if mission.attitude.tilt_deg or mission.attitude.roll_deg:
-                raise InvalidInput(
-                    "images without a thousandth of a pixel of ground to count on: the camera looks "
-                    "past the map or the Earth",
-                    field="tilt_deg",
-                    remedy="tilt it less or fly lower",
-                )
+            turned = mission.attitude.tilt_deg or mission.attitude.roll_deg
             raise InvalidInput(
-                "images without a thousandth of a pixel of ground to count on: the camera looks past "
-                "the map or the Earth",
-                field="agl_m",
-                remedy="fly lower",
+                "images with under 0.001 px of map in them: the camera looks past the map or the Earth",
+                field="tilt_deg" if turned else "agl_m",
+                remedy="tilt it less or fly lower" if turned else "fly lower",
             )
         raise InvalidInput(
-            "overlap {0}: leaves under a thousandth of a pixel between captures",
+            "overlap {0}: leaves under 0.001 px between captures",
             overlap,
             remedy="overlap less",
         )
@@ -257,7 +250,7 @@ class _Rows:
         sees = (edges.size[1] > 0.0) & (edges.bottom_v >= self._north) & (edges.top_v <= self._south)
         if not sees.any():
             raise InvalidInput(
-                "camera at {0:g} m, tilted so: from nowhere on the map does it see this area",
+                "a camera at {0:g} m with this tilt sees the area from nowhere on the map",
                 self._mission.flight.agl_m,
                 field="tilt_deg",
                 remedy="tilt it less or fly lower",

@@ -188,7 +188,7 @@ planned(
 )
 planned(
     "layout/rows.py",
-    "overlap {}: leaves under a thousandth of a pixel between captures; overlap less",
+    "overlap {}: leaves under 0.001 px between captures; overlap less",
     Mission(Box(35, -89, 35, -89), 120.0, overlap_along=0.9999999),
     {"overlap less": {"overlap_along": 0.9}},
 )
@@ -201,22 +201,21 @@ planned(
 )
 planned(
     "layout/rows.py",
-    "images without a thousandth of a pixel of ground to count on: the camera looks past the map or the Earth; tilt it "
+    "images with under 0.001 px of map in them: the camera looks past the map or the Earth; tilt it "
     "less or fly lower",
     Mission(Box(84, 0, 83.5, 1), 8e5, tilt_deg=20.0),
     {"tilt it less": {"tilt_deg": 2.0}, "fly lower": {"agl_m": 8e4}},
 )
 planned(
     "layout/rows.py",
-    "images without a thousandth of a pixel of ground to count on: the camera looks past the map or the "
-    "Earth; fly lower",
+    "images with under 0.001 px of map in them: the camera looks past the map or the Earth; fly lower",
     over(70.0, agl_m=3e6),
     {"fly lower": {"agl_m": 3e5}},
 )
 ASIDE = Mission(Box(84.5, 0, 84, 1), 3e5, yaw_deg=180.0, tilt_deg=50.0)
 planned(
     "layout/rows.py",
-    "camera at {} m, tilted so: from nowhere on the map does it see this area; tilt it less or fly lower",
+    "a camera at {} m with this tilt sees the area from nowhere on the map; tilt it less or fly lower",
     ASIDE,
     {"tilt it less": {"tilt_deg": 5.0}, "fly lower": {"agl_m": 1e4}},
 )
