@@ -93,7 +93,7 @@ def measure(count: int, folder: Path) -> Figures:
     watched = steps.watch(Preview, *OWN_STEPS)
     watched.__enter__()
     preview = Preview(project, canvas)
-    left, bottom, right, top = planned.edges_m
+    left, bottom, right, top = planned.edges
     canvas.setExtent(QgsRectangle(left.min(), bottom.min(), right.max(), top.max()))
     settle()
     watch = Heartbeat()

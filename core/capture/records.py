@@ -109,7 +109,7 @@ def job_of(
     shot = shot_of(plan, index)
     place: Place
     if plan.size_px is None:
-        west, south, east, north = (float(edges[index]) for edges in plan.edges_m)
+        west, south, east, north = (float(edges[index]) for edges in plan.edges)
         place = Georeference(west, south, east, north, width, height)
     else:
         place = ControlPoints.of(plan, index, width, height)

@@ -132,8 +132,14 @@ def map_frame_px(scene: Scene) -> Floats:
         1.05 * bend / radius * (width_px * height_m / 4.0 + (width_px * width_m + height_px * height_m) / 8.0)
     )
     second = scene.half_diagonal_px * (np.maximum(width_m, height_m) / radius) ** 2 * (1.0 + bend**2)
-    on_map = _MAP_NOISE_M / scene.nadir_px_m
-    return with_noise(scene, flat_bending_px(scene) + converging + second) + on_map + _attitude_px(scene)
+    flat = flat_bending_px(scene) + converging + second
+    return with_noise(scene, flat) + map_noise_px(scene) + _attitude_px(scene)
+
+
+def map_noise_px(scene: Scene) -> Floats:
+    """Noise of positions on a map, in level pictures, (n,)."""
+    noise: Floats = _MAP_NOISE_M / scene.nadir_px_m
+    return noise
 
 
 def _attitude_px(scene: Scene) -> Floats:
@@ -179,10 +185,18 @@ def mesh_noise_px(scene: Scene) -> Floats:
     return _NOISE_PX + 4.0 * _MAP_NOISE_M / scene.nadir_px_m
 
 
-def outside_flat_domain(scene: Scene) -> str:
-    """Why the methods of flat ground have no bound here, with the value and the limit; empty where they have one."""
+def outside_flat_domain(scene: Scene, bend: Floats | None = None) -> str:
+    """Why the methods of flat ground have no bound here, with the value and the limit; empty where they have one.
+
+    Parameters
+    ----------
+    bend : array (n,) or None
+        How much the plane of the map bends the ground's straight lines, over the Earth's curvature; None for Mercator,
+        which does as the tangent of the latitude.
+    """
+    bend = scene.lat_tangent if bend is None else bend
     stretch = float(np.max(scene.height_share)) * scene.diagonal_tangent**2
-    size = float(np.max(scene.size_share * np.maximum(scene.lat_tangent, 1.0)))
+    size = float(np.max(scene.size_share * np.maximum(bend, 1.0)))
     tilted = float(max(np.max(np.abs(scene.poses.tilt_deg)), np.max(np.abs(scene.poses.roll_deg))))
     if tilted > 0.0:
         return Message("tilt or roll of {0:g} deg: holds for cameras that look straight down", tilted)
@@ -222,13 +236,14 @@ def grazing(sin_below: Floats, height_share: Floats) -> tuple[Floats, Floats]:
     return reach * sin_below, 1.0 - reach**2 * (1.0 - sin_below**2)
 
 
-def condition_number(scene: Scene) -> float:
+def condition_number(scene: Scene, *, on_mercator: bool = True) -> float:
     """Largest relative change of a ground position per relative change of what it is worked out from.
 
-    The larger of sec φ, of Mercator's latitude, and of the ray that meets the ground most flatly: its ground distance
+    The larger of sec φ, of Mercator's latitude where the pictures lie on its map, and of the ray that meets the ground most flatly: its ground distance
     against its angle off nadir, on a sphere. Infinite where the horizon is in the picture.
     """
-    mercator = 1.0 / float(np.min(np.cos(np.radians(np.abs(scene.poses.lat_deg)))))
+    nearest_pole = float(np.max(np.abs(scene.poses.lat_deg))) if on_mercator else 0.0
+    mercator = 1.0 / float(np.cos(np.radians(nearest_pole)))
     sin_below, _ = corner_angles(scene)
     share = scene.height_share[:, np.newaxis]
     lifted, squared = grazing(sin_below, share)

@@ -8,9 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InvalidInput
+from .accuracy import Scene, map_noise_px, with_noise
 from .camera import EDGE_MIDPOINTS, Camera, Poses
 from .ellipsoid import WGS84, Ellipsoid, trace
-from .mercator import PixelGrid, lat_to_v, lon_to_u, u_to_lon, v_to_lat, wrap_lon_deg
+from .mercator import PixelGrid, lat_to_v, lon_to_u, v_to_lat, wrap_lon_deg
+from .planes import ProjectedPlane
 
 Floats = NDArray[np.float64]
 Numbers = NDArray[np.int64]
@@ -21,10 +23,15 @@ Numbers = NDArray[np.int64]
 _CENTRE_STEP_PX = 2.0**-20
 
 
+#: How much larger a quadratic surface may be than at nine points of a square, and poses looked at in one go.
+_BETWEEN_NINE, _BATCH = 1.25**2, 1 << 16
+
+
 class FrameEdges(NamedTuple):
     """Edges of frames as world fractions, (n,) each.
 
-    ``west_u`` and ``east_u`` count from the camera's meridian, ``top_v`` and ``bottom_v`` from the map's north.
+    ``west_u`` and ``east_u`` count from the camera's meridian (on a plane of a source's own: from its west), ``top_v``
+    and ``bottom_v`` from the north.
     """
 
     west_u: Floats
@@ -41,8 +48,8 @@ class FrameEdges(NamedTuple):
 class Windows(NamedTuple):
     """Rectangles in a source's global pixel grid at one zoom; arrays of one shape (n,).
 
-    Left and top count from 180° W and 85.0511° N; left is continuous (below 0 or beyond the world's
-    width across the antimeridian). They are whole numbers (int64), or float64 where the source places
+    Left and top count from 180° W and 85.0511° N, or from the upper left corner of a plane of the source's own; left is
+    continuous (below 0 or beyond the world's width across the antimeridian). They are whole numbers (int64), or float64 where the source places
     pictures by their centre.
     """
 
@@ -58,21 +65,29 @@ class Windows(NamedTuple):
         return left, top, left + self.width_px, top + self.height_px
 
 
-def map_frame_edges(camera: Camera, poses: Poses, ground: Ellipsoid = WGS84) -> FrameEdges:
+def map_frame_edges(
+    camera: Camera, poses: Poses, ground: Ellipsoid = WGS84, own: ProjectedPlane | None = None
+) -> FrameEdges:
     """Map-frame edges of north-up nadir cameras, through the exact midpoints of the image edges.
 
     Parameters
     ----------
     poses : Poses
         (n,); their attitude is taken as level and north-up.
+    own : ProjectedPlane or None
+        The plane of the frames, to whose north the cameras' tops point; None for the Web-Mercator map.
 
     Raises
     ------
     InvalidInput
-        Where an edge midpoint looks past the Earth or beyond a pole: no rectangle of the map holds the picture.
+        Where an edge midpoint looks past the Earth, beyond a pole of the map or beyond the plane: no rectangle holds
+        the picture.
     """
     lat_deg, agl_m = poses.lat_deg, poses.agl_m
-    seen = trace(lat_deg[:, np.newaxis], agl_m[:, np.newaxis], camera.rays_enu(EDGE_MIDPOINTS), ground)
+    yaw_deg = 0.0 if own is None else -own.north_deg(lat_deg, poses.lon_deg)
+    seen = trace(
+        lat_deg[:, np.newaxis], agl_m[:, np.newaxis], camera.rays_enu(EDGE_MIDPOINTS, yaw_deg), ground
+    )
     if not seen.hit.all():
         at = int(np.flatnonzero(~seen.hit.all(axis=1))[0])
         raise InvalidInput(
@@ -81,6 +96,10 @@ def map_frame_edges(camera: Camera, poses: Poses, ground: Ellipsoid = WGS84) -> 
             camera.fov_deg,
             remedy="fly lower or narrow the field of view",
         )
+    if own is not None:
+        u, v = own.forward(seen.lat_deg, poses.lon_deg[:, np.newaxis] + seen.dlon_deg)
+        refuse_beyond_plane(own, poses, np.isfinite(u).all(axis=1))
+        return FrameEdges(u[:, 3], u[:, 1], v[:, 0], v[:, 2])
     north, east, south = seen.lat_deg[:, 0], seen.dlon_deg[:, 1], seen.lat_deg[:, 2]
     over_pole = (np.abs(seen.dlon_deg[:, 0]) > 90.0) | (np.abs(seen.dlon_deg[:, 2]) > 90.0)
     if over_pole.any():
@@ -92,6 +111,53 @@ def map_frame_edges(camera: Camera, poses: Poses, ground: Ellipsoid = WGS84) -> 
             remedy="fly lower or farther from the pole",
         )
     return FrameEdges(-east / 360.0, east / 360.0, lat_to_v(north), lat_to_v(south))
+
+
+def own_frame_px(scene: Scene, own: ProjectedPlane) -> Floats:
+    """Bound of map frames on a plane of a source's own, and of leaving a small attitude out, (n,).
+
+    What convergence, scale and the Earth's bend put wrong is found at the corners of the image, at the middles of its
+    edges and in its own. A quadratic surface through those nine is nowhere more than (5/4)² times as large, and
+    ρ(max(w, h)/R)²(1 + B²) is for what is none, B the plane's bend.
+    """
+    count = len(scene.poses.lat_deg)
+    if count > _BATCH:
+        sizes = (np.broadcast_to(size, count) for size in (scene.width_px, scene.height_px))
+        width, height = sizes
+        parts = [
+            own_frame_px(Scene(scene.camera, width[at], height[at], scene.poses.take(at), scene.ground), own)
+            for at in (slice(start, start + _BATCH) for start in range(0, count, _BATCH))
+        ]
+        return np.concatenate(parts)
+    poses, across = scene.poses, np.linspace(-1.0, 1.0, 3)
+    x, y = (points.ravel() for points in np.meshgrid(across, across))
+    rays = scene.camera.rays_enu(tuple(zip(x.tolist(), y.tolist())), *poses.attitude)
+    seen = trace(poses.lat_deg[:, np.newaxis], poses.agl_m[:, np.newaxis], rays, scene.ground)
+    u, v = own.forward(seen.lat_deg, poses.lon_deg[:, np.newaxis] + seen.dlon_deg)
+    edges = map_frame_edges(scene.camera, poses, scene.ground, own)
+    width, height = edges.size
+    off_x = (u - edges.west_u[:, np.newaxis]) / width[:, np.newaxis] - (x + 1.0) / 2.0
+    off_y = (v - edges.top_v[:, np.newaxis]) / height[:, np.newaxis] - (1.0 - y) / 2.0
+    width_px, height_px = (np.broadcast_to(size, count) for size in (scene.width_px, scene.height_px))
+    found = np.hypot(off_x * width_px[:, np.newaxis], off_y * height_px[:, np.newaxis]).max(axis=1)
+    size_m = 2.0 * poses.agl_m * max(scene.camera.half_tangents)
+    bend = own.bend(poses.lat_deg, poses.lon_deg)
+    third = scene.half_diagonal_px * (size_m / scene.radius_m) ** 2 * (1.0 + bend**2)
+    bound: Floats = with_noise(scene, _BETWEEN_NINE * found + third) + map_noise_px(scene)
+    return np.where(np.isfinite(bound), bound, np.inf)
+
+
+def refuse_beyond_plane(own: ProjectedPlane, poses: Poses, reached: NDArray[np.bool_]) -> None:
+    """Refuse poses that a projection does not reach; ``reached`` is (n,)."""
+    if not reached.all():
+        at = int(np.flatnonzero(~reached)[0])
+        raise InvalidInput(
+            "picture at latitude {0!r}, longitude {1!r}: lies beyond what the source's CRS {2} can show",
+            float(poses.lat_deg[at]),
+            float(poses.lon_deg[at]),
+            own.name,
+            remedy="choose an area that the source shows",
+        )
 
 
 def windows_of(
@@ -109,7 +175,7 @@ def windows_of(
         The windows' left edges are continuous with them.
     """
     world = grid.world_px(zoom)
-    u = lon_to_u(lon_deg)
+    u = grid.meridian_u(lon_deg)
     left, right = (_rounded((u + edge[run]) * float(world)) for edge in (edges.west_u, edges.east_u))
     top, bottom = (_rounded(edge * float(world)) for edge in (edges.top_v, edges.bottom_v))
     windows = Windows(left, top[run], right - left, (bottom - top)[run])
@@ -118,12 +184,22 @@ def windows_of(
     return _centred(windows, grid, zoom, grid.centre_decimals)
 
 
+def runs_on(grid: PixelGrid, poses: Poses) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """`Poses.runs`, whose geometry differs by longitude alone: on a plane of a source's own each pose is one."""
+    if grid.own is None:
+        return poses.runs()
+    every = np.arange(len(poses.lat_deg))
+    return every, every
+
+
 def map_windows(
     camera: Camera, poses: Poses, grid: PixelGrid, zoom: int, ground: Ellipsoid = WGS84
 ) -> Windows:
     """Map frames of north-up nadir cameras on a source's pixel grid; raises InvalidInput as `map_frame_edges` does."""
-    first, run = poses.runs()
-    return windows_of(map_frame_edges(camera, poses.take(first), ground), run, poses.lon_deg, grid, zoom)
+    first, run = runs_on(grid, poses)
+    return windows_of(
+        map_frame_edges(camera, poses.take(first), ground, grid.own), run, poses.lon_deg, grid, zoom
+    )
 
 
 def _rounded(position_px: Floats) -> Numbers:
@@ -160,4 +236,5 @@ def window_centres(windows: Windows, grid: PixelGrid, zoom: int) -> tuple[Floats
     """Latitude and longitude (wrapped) in degrees of the windows' centres, (n,) each."""
     world = grid.world_px(zoom)
     left, top, right, bottom = windows.bounds_px
-    return v_to_lat((top + bottom) / 2.0 / world), wrap_lon_deg(u_to_lon((left + right) / 2.0 / world))
+    lat_deg, lon_deg = grid.plane.inverse((left + right) / 2.0 / world, (top + bottom) / 2.0 / world)
+    return lat_deg, wrap_lon_deg(lon_deg)

@@ -1,4 +1,4 @@
-"""Web Mercator (EPSG:3857) and the pixel grid of a source over it.
+"""Web Mercator (EPSG:3857), and the pixel grid of a source over it or over another plane.
 
 World fractions (u, v) run from 0 to 1 eastward from 180° W and southward from 85.0511° N. A position in
 pixels at a zoom is the fraction times the world's width in pixels there.
@@ -8,14 +8,17 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Union
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InvalidInput
 from .ellipsoid import WGS84
+from .planes import ProjectedPlane
 
 Floats = NDArray[np.float64]
+Numbers = NDArray[np.int64]
 
 #: Half the width of the EPSG:3857 world in metres.
 HALF_WORLD_M = math.pi * WGS84.a_m
@@ -64,6 +67,29 @@ def wrap_lon_deg(lon_deg: Floats) -> Floats:
     return np.where(inside, lon, np.mod(lon + 180.0, 360.0) - 180.0)
 
 
+@dataclass(frozen=True)
+class WebMercator:
+    """The plane of EPSG:3857 as world fractions; `planes.ProjectedPlane` says what the methods do."""
+
+    crs: str = "EPSG:3857"
+    west: float = -HALF_WORLD_M
+    north: float = HALF_WORLD_M
+    width: float = 2.0 * HALF_WORLD_M
+    height: float = 2.0 * HALF_WORLD_M
+
+    def forward(self, lat_deg: Floats, lon_deg: Floats) -> tuple[Floats, Floats]:
+        """World fractions of positions in degrees (any shape)."""
+        return lon_to_u(lon_deg), lat_to_v(lat_deg)
+
+    def inverse(self, u: Floats, v: Floats) -> tuple[Floats, Floats]:
+        """Latitude and longitude (not wrapped) in degrees of world fractions (any shape)."""
+        return v_to_lat(v), u_to_lon(u)
+
+
+#: A plane that pictures may lie in.
+Plane = Union[WebMercator, ProjectedPlane]
+
+
 #: What sides of an outline may leave their chords by, as a share of their length.
 _BEND_SHARE = 0.01
 
@@ -91,6 +117,9 @@ class PixelGrid:
     extent : tuple of (u, v) pairs, or None
         Corners, one after the other around, of the convex ground that the source has imagery of, as world fractions;
         u may lie beyond 0 or 1 across the antimeridian. None where nothing is known to end.
+    plane : WebMercator or ProjectedPlane
+        What the world is that the pixels divide: the whole map, or the rectangle about a raster in a CRS of its own. At
+        a zoom as large as the raster's native one a pixel is one of the raster's, and twice as large at each below.
     """
 
     tile_px: int = 256
@@ -100,6 +129,7 @@ class PixelGrid:
     max_size_px: int | None = None
     centre_decimals: int | None = None
     extent: tuple[tuple[float, float], ...] | None = None
+    plane: Plane = WebMercator()
 
     def __post_init__(self) -> None:
         if self.tile_px < 256 or self.tile_px % 256:
@@ -122,27 +152,43 @@ class PixelGrid:
         """Width (and height) of the world in px at ``zoom``."""
         return self.tile_px << zoom
 
-    def resolution_m_per_px(self, zoom: int) -> float:
-        """Metres of EPSG:3857 per px at ``zoom`` (metres on the ground only at the equator)."""
-        return 2.0 * HALF_WORLD_M / self.world_px(zoom)
+    @property
+    def own(self) -> ProjectedPlane | None:
+        """Plane of a CRS of its own; None for the Web-Mercator map, which goes around the Earth."""
+        return self.plane if isinstance(self.plane, ProjectedPlane) else None
 
-    def ground_m_per_px(self, lat_deg: Floats, zoom: int) -> Floats:
-        """Metres of ground per px, east to west on the ellipsoid, at ``zoom`` and ``lat_deg`` (any shape)."""
+    def pixel_size(self, zoom: int) -> tuple[float, float]:
+        """Width and height of a pixel at ``zoom`` in the CRS's unit (of the map: metres on the ground at the equator)."""
+        return self.plane.width / self.world_px(zoom), self.plane.height / self.world_px(zoom)
+
+    def meridian_u(self, lon_deg: Floats) -> Floats:
+        """World fractions that frames and views count from: the cameras' meridians on the map, else the plane's west."""
+        return np.zeros(np.shape(lon_deg)) if self.own else lon_to_u(lon_deg)
+
+    def wrapped(self, column: Numbers, zoom: int) -> Numbers:
+        """Columns of tiles within the world, which the map goes on around, and a plane of its own does not."""
+        return column if self.own else column % (1 << zoom)
+
+    def ground_m_per_px(self, lat_deg: Floats, lon_deg: Floats, zoom: int) -> Floats:
+        """Metres of ground per px, along the pixels' rows on the ellipsoid, at ``zoom`` and positions (any shape)."""
+        if self.own is not None:
+            return self.own.ground_m(lat_deg, lon_deg)[0] / self.world_px(zoom)
         shrink = WGS84.normal_radius_m(lat_deg) / WGS84.a_m * np.cos(np.radians(lat_deg))
-        size: Floats = self.resolution_m_per_px(zoom) * shrink
+        size: Floats = self.pixel_size(zoom)[0] * shrink
         return size
 
-    def edges_m(
+    def edges(
         self, left_px: Floats, top_px: Floats, width_px: Floats, height_px: Floats, zoom: int
     ) -> tuple[Floats, Floats, Floats, Floats]:
-        """West, south, east, north of windows in metres of EPSG:3857 (float64 arrays of their shape)."""
-        resolution = self.resolution_m_per_px(zoom)
+        """West, south, east, north of windows in the CRS's unit (float64 arrays of their shape)."""
+        across, down = self.pixel_size(zoom)
         left, top = np.asarray(left_px, np.float64), np.asarray(top_px, np.float64)
+        west, north = self.plane.west, self.plane.north
         return (
-            -HALF_WORLD_M + left * resolution,
-            HALF_WORLD_M - (top + height_px) * resolution,
-            -HALF_WORLD_M + (left + width_px) * resolution,
-            HALF_WORLD_M - top * resolution,
+            west + left * across,
+            north - (top + height_px) * down,
+            west + (left + width_px) * across,
+            north - top * down,
         )
 
 

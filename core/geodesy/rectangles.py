@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import NamedTuple, Union
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,10 +13,13 @@ from .ellipsoid import WGS84, Ellipsoid, above_tangent_plane_m, sight_lines
 from .footprint import Corners, exact, outline
 from .frames import FrameEdges
 from .mercator import lat_to_v, lon_to_u, u_to_lon, v_to_lat
+from .planes import ProjectedPlane, TurnedPlane
 from .projections import NOISE_M, LocalPlane
 
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
+#: A plane in metres that rows of captures lie in.
+RowsPlane = Union[LocalPlane, TurnedPlane]
 #: Ratios that are tried where the horizon cuts an image, each by halving.
 _TRIED_RATIOS = 7
 #: Rounding an edge to the grid may move it outward by half a pixel; the rest is for what float64 does to positions.
@@ -267,7 +270,7 @@ class Sides(NamedTuple):
 
 
 def image_rings(
-    camera: Camera, poses: Poses, plane: LocalPlane, ground: Ellipsoid = WGS84
+    camera: Camera, poses: Poses, plane: RowsPlane, ground: Ellipsoid = WGS84
 ) -> tuple[Floats, Floats, Flags]:
     """Where images lie in a plane, from the place of the camera: their frames (n, k, 2) and their centres (n, 2).
 
@@ -284,7 +287,7 @@ def image_rings(
     return points[:, 1:], points[:, 0], seen.hit.all(axis=1)
 
 
-def common_sides(camera: Camera, poses: Poses, plane: LocalPlane, ground: Ellipsoid = WGS84) -> Sides:
+def common_sides(camera: Camera, poses: Poses, plane: RowsPlane, ground: Ellipsoid = WGS84) -> Sides:
     """Sides of one rectangle, from the place of the camera, that the images of all poses show whole.
 
     Parameters
@@ -312,7 +315,7 @@ def common_sides(camera: Camera, poses: Poses, plane: LocalPlane, ground: Ellips
     return Sides(*left_bottom[:, np.newaxis], *right_top[:, np.newaxis])
 
 
-def own_sides(camera: Camera, poses: Poses, plane: LocalPlane, ground: Ellipsoid = WGS84) -> Sides:
+def own_sides(camera: Camera, poses: Poses, plane: RowsPlane, ground: Ellipsoid = WGS84) -> Sides:
     """Sides of the rectangle inside each image, in the plane, (n,): as large as the image's centre allows.
 
     Of no extent where an image does not see ground in all its parts.
@@ -341,8 +344,22 @@ def own_sides(camera: Camera, poses: Poses, plane: LocalPlane, ground: Ellipsoid
     return Sides(x - across, y - up, x + across, y + up)
 
 
+def inscribed_edges_on(
+    own: ProjectedPlane, camera: Camera, poses: Poses, ground: Ellipsoid = WGS84, pixel: float = 0.0
+) -> FrameEdges:
+    """`inscribed_edges` on a plane of a source's own; of no extent where an image sees ground in not all its parts."""
+    plane = TurnedPlane(own, own.west, own.north, float(poses.lon_deg[0]), 0.0)
+    sides = own_sides(camera, poses, plane, ground)
+    place = np.stack(plane.forward(poses.lat_deg, poses.lon_deg))
+    left, right = (np.where(np.isfinite(side), side, place[0]) for side in (sides.left_m, sides.right_m))
+    bottom, top = (np.where(np.isfinite(side), side, place[1]) for side in (sides.bottom_m, sides.top_m))
+    across, down = own.width * own.unit_m, own.height * own.unit_m
+    edges = FrameEdges(left / across, right / across, -top / down, -bottom / down)
+    return _narrowed(edges, _MARGIN_PX * pixel)
+
+
 def _sides_shown(
-    camera: Camera, poses: Poses, plane: LocalPlane, ground: Ellipsoid, centre: Floats, half: Floats
+    camera: Camera, poses: Poses, plane: RowsPlane, ground: Ellipsoid, centre: Floats, half: Floats
 ) -> Flags:
     """Whether images show the whole borders, and so all, of rectangles about centres (n, 2), from the camera's place.
 

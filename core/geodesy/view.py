@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 
 from .accuracy import Scene, grazing, mesh_noise_px
 from .ellipsoid import GroundPoints, clearance, trace
-from .mercator import PixelGrid, lat_to_v, lon_to_u
+from .mercator import PixelGrid, lat_to_v
+from .planes import ProjectedPlane
 
 Floats = NDArray[np.float64]
 Numbers = NDArray[np.int64]
@@ -38,6 +39,10 @@ _BEYOND_SECOND_ORDER = 1.3
 _LONGEST_RAY = 3.0
 #: Longitudes of one cell farther apart than this are on two sides of a pole or of the camera's far meridian.
 _FAR_SIDE_DEG = 90.0
+#: A bend that no cell keeps within a pixel of.
+_NO_BOUND = 1e12
+#: Tiles by which positions may lie beyond a plane of a source's own: at 0.1 m a pixel, 1,700 km.
+_BEYOND_TILES = 1 << 26
 #: Corners of a cell in the order upper left, lower left, lower right, upper right, as columns of its box.
 _CORNER_X, _CORNER_Y = (0, 0, 2, 2), (1, 3, 3, 1)
 
@@ -149,16 +154,17 @@ class View:
                 sample.v.max(axis=1),
             )
 
-    def tile_keys(self, lon_deg: Floats, moved_v: Floats) -> Numbers:
+    def tile_keys(self, lon_deg: Floats, moved_u: Floats, moved_v: Floats) -> Numbers:
         """One number for every tile that cameras see, each once; columns wrapped.
 
         Parameters
         ----------
-        lon_deg, moved_v : array (n,)
-            Longitudes of cameras, and how far south of the view's own place they stand, as world fractions.
+        lon_deg, moved_u, moved_v : array (n,)
+            Longitudes of cameras, and how far from the view's own place they stand, as world fractions, eastward (on
+            the map from its meridian, which is none) and southward.
         """
         found = [np.empty(0, np.int64)]
-        u = lon_to_u(lon_deg)
+        u = self.grid.meridian_u(lon_deg) + moved_u
         for zoom, *extent in self.extents():
             step = max(_EXTENTS_COUNTED // len(extent[0]), 1)
             for start in range(0, len(u), step):
@@ -175,10 +181,13 @@ class View:
         columns, rows = (
             int(np.max(last - first)) + 1 for first, last in ((first_x, last_x), (first_y, last_y))
         )
+        # Tiles beyond a plane of a source's own count from below 0.
+        beyond = _BEYOND_TILES if self.grid.own else 0
         keys = [
             (zoom << 56)
-            + (np.minimum(first_y + down, last_y) << 28)
-            + np.minimum(first_x + across, last_x) % (1 << zoom)
+            + ((np.minimum(first_y + down, last_y) + beyond) << 28)
+            + self.grid.wrapped(np.minimum(first_x + across, last_x), zoom)
+            + beyond
             for across in range(columns)
             for down in range(rows)
         ]
@@ -194,17 +203,18 @@ class View:
             np.floor(((u + du) * world + reach) / size).astype(np.int64)
             for du, reach in ((west, -KERNEL_REACH_PX), (east, KERNEL_REACH_PX))
         )
-        lowest = world // size - 1
         first_y, last_y = (
-            np.clip(np.floor((v * world + reach) / size).astype(np.int64), 0, lowest)
+            np.floor((v * world + reach) / size).astype(np.int64)
             for v, reach in ((north, -KERNEL_REACH_PX), (south, KERNEL_REACH_PX))
         )
+        if not self.grid.own:
+            first_y, last_y = (np.clip(row, 0, world // size - 1) for row in (first_y, last_y))
         return first_x, last_x, first_y, last_y
 
     def tiles(self, lon_deg: float) -> list[tuple[int, int, int]]:
         """Zoom, column and row of every tile that a camera at this longitude sees; columns not wrapped."""
         found: set[tuple[int, int, int]] = set()
-        u = float(lon_to_u(np.asarray(lon_deg)))
+        u = float(self.grid.meridian_u(np.asarray(lon_deg)))
         for zoom, west, east, north, south in self.extents():
             spans = self._tile_spans(zoom, u, west, east, north, south)
             for x0, x1, y0, y1 in np.unique(np.stack(spans), axis=1).T.tolist():
@@ -230,7 +240,7 @@ def view(
     by_rays : bool
         Trace every pixel though the mesh would do: for kernels that only single samples can have.
     """
-    rays = ImageRays.of(scene)
+    rays = ImageRays.of(scene, grid.own)
     by_rays = by_rays or tolerance_px == 0.0
     cells = mesh(rays, _EXTENT_TOLERANCE_PX if by_rays else tolerance_px)
     width, height = scene.one_size_px
@@ -309,7 +319,7 @@ def _loose(
     for start in range(0, len(rows), _BATCH):
         row, column = rows[start : start + _BATCH], columns[start : start + _BATCH]
         _, v, hit = rays.map_points(column + 0.5, row + 0.5)
-        off_map = hit & ~((v >= 0.0) & (v <= 1.0))
+        off_map = hit & ~rays.on_map(v)
         sky[row, column] = ~hit
         unmapped[row, column] = off_map
         found += _sampled(rays, row[hit & ~off_map], column[hit & ~off_map], grid, zooms)
@@ -327,7 +337,7 @@ def _sampled(
     found = []
     for zoom, samples_x, samples_y, at in _groups(_detail(per_x, per_y, grid, zooms)):
         sub_du, sub_v, hit = rays.map_points(*_sample_points(row[at], column[at], samples_x, samples_y))
-        inside = hit & (sub_v >= 0.0) & (sub_v <= 1.0)
+        inside = hit & rays.on_map(sub_v)
         # Samples of a pixel on the very horizon, or on the map's edge, fall back on its middle.
         sub_du = np.where(inside, sub_du, du[at, np.newaxis])
         sub_v = np.where(inside, sub_v, v[at, np.newaxis])
@@ -353,7 +363,7 @@ def _spans(
         with np.errstate(invalid="ignore"):
             way = np.abs(next_du - du)
             # Points beyond a pole, or beyond the camera's far meridian, are near though their longitudes are not.
-            length = np.hypot(np.minimum(way, 1.0 - way), next_v - v)
+            length = np.hypot(way if rays.own else np.minimum(way, 1.0 - way), next_v - v)
         spans = np.where(hit & np.isfinite(length), length, spans)
     return np.asarray(spans, np.float64)
 
@@ -380,15 +390,16 @@ class ImageRays(NamedTuple):
     origin: Floats
     per_x: Floats
     per_y: Floats
+    own: ProjectedPlane | None = None
 
     @classmethod
-    def of(cls, scene: Scene) -> ImageRays:
-        """Rays of a scene of one pose."""
+    def of(cls, scene: Scene, own: ProjectedPlane | None = None) -> ImageRays:
+        """Rays of a scene of one pose, over the Web-Mercator map or over a plane of a source's own."""
         pose = scene.poses
         corner, right, below = scene.camera.rays_enu(
             ((-1.0, 1.0), (1.0, 1.0), (-1.0, -1.0)), *(float(angle[0]) for angle in pose.attitude)
         )
-        return cls(scene, corner, (right - corner) / scene.width_px, (below - corner) / scene.height_px)
+        return cls(scene, corner, (right - corner) / scene.width_px, (below - corner) / scene.height_px, own)
 
     def at(self, x_px: Floats | Numbers, y_px: Floats | Numbers) -> Floats:
         """Rays of image points, (..., 3)."""
@@ -404,9 +415,26 @@ class ImageRays(NamedTuple):
     def map_points(
         self, x_px: Floats | Numbers, y_px: Floats | Numbers
     ) -> tuple[Floats, Floats, NDArray[np.bool_]]:
-        """World fractions from the camera's meridian and from the map's north, and which rays hit."""
+        """World fractions from the camera's meridian (or the plane's west) and from the north, and which rays hit."""
         seen = self.ground(x_px, y_px)
+        if self.own is not None:
+            return *self.own.forward(seen.lat_deg, self.scene.poses.lon_deg[0] + seen.dlon_deg), seen.hit
         return seen.dlon_deg / 360.0, lat_to_v(seen.lat_deg), seen.hit
+
+    def on_map(self, v: Floats) -> NDArray[np.bool_]:
+        """Which positions lie within the map's latitudes, or are reached by the plane's projection."""
+        if self.own is not None:
+            return np.asarray(np.isfinite(v))
+        return np.asarray((v >= 0.0) & (v <= 1.0))
+
+    def bends(self, x_px: Floats | Numbers, y_px: Floats | Numbers, v: Floats) -> Floats:
+        """How much straight lines of the ground bend at image points, over the Earth's curvature (`Plane.bend`)."""
+        if self.own is None:
+            return np.abs(np.sinh((0.5 - v) * (2.0 * np.pi)))
+        seen = self.ground(x_px, y_px)
+        lat, lon = (np.where(np.isfinite(v), angle, 0.0) for angle in (seen.lat_deg, seen.dlon_deg))
+        bend = self.own.bend(lat, self.scene.poses.lon_deg[0] + lon)
+        return np.where(np.isfinite(v) & np.isfinite(bend), bend, _NO_BOUND)
 
     def clearance(self, x_px: Floats, y_px: Floats) -> tuple[Floats, Floats]:
         """As `ellipsoid.clearance`."""
@@ -439,7 +467,9 @@ def mesh(rays: ImageRays, tolerance_px: float) -> Cells:
         # The perspective of a thin cell hangs on its short side, and enlarges that side's noise along the long one.
         thinness = size.max(axis=1) / size.min(axis=1)
         bound = _BEYOND_SECOND_ORDER * (along_x + along_y) + noise * thinness
-        whole = hit.all(axis=1) & (spread <= _FAR_SIDE_DEG / 360.0) & ((v >= 0.0) & (v <= 1.0)).all(axis=1)
+        whole = hit.all(axis=1) & rays.on_map(v).all(axis=1)
+        if rays.own is None:
+            whole &= spread <= _FAR_SIDE_DEG / 360.0
         even = np.maximum(uneven_x, uneven_y) <= _MOST_UNEVEN
         fits = whole & even & (bound <= tolerance_px)
         fitting.append((box[fits], du[fits], v[fits], bound[fits]))
@@ -512,7 +542,7 @@ def _errors_px(
     lifted, grazed2, v = (
         np.where(good[:, np.newaxis], a, b) for a, b in ((lifted, 1.0), (grazed2, 1.0), (v, 0.5))
     )
-    bend = (1.0 + 2.0 * np.abs(np.sinh((0.5 - v) * (2.0 * np.pi)))).max(axis=1)
+    bend = (1.0 + 2.0 * rays.bends(box[:, _CORNER_X], box[:, _CORNER_Y], v)).max(axis=1)
     receding, steepening = _receding(lifted, np.sqrt(grazed2), share)
     focal = float(np.broadcast_to(scene.focal_px, 1)[0])
     slant = share * (2.0 + share) / (lifted + np.sqrt(grazed2))

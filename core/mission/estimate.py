@@ -229,7 +229,7 @@ def upsampling(plan: Plan) -> tuple[str, ...]:
         written_m *= float(min(np.median(plan.width_px) / width, np.median(plan.height_px) / height))
     # A camera frame takes its pixels from zooms up to its own, and from no higher one.
     zoom = min(grid.native_zoom, plan.zoom if plan.size_px is None else sampled_zooms(mission, grid)[1])
-    own_m = float(np.median(grid.ground_m_per_px(plan.lat_deg, zoom)))
+    own_m = float(np.median(grid.ground_m_per_px(plan.lat_deg, plan.lon_deg, zoom)))
     factor = own_m / written_m
     if factor <= 1.0 + _UPSAMPLING_SLACK:
         return ()

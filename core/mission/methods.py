@@ -12,7 +12,9 @@ from ..errors import InvalidInput, Message, OptionName
 from ..geodesy import accuracy
 from ..geodesy.accuracy import Scene
 from ..geodesy.camera import Poses
+from ..geodesy.frames import own_frame_px, runs_on
 from ..geodesy.mercator import PixelGrid
+from ..geodesy.planes import ProjectedPlane
 from .area import Points
 from .layout.framing import (
     CameraFraming,
@@ -214,18 +216,19 @@ def exact_footprint(scene: Scene) -> Method:
     return Method(_FOOTPRINT, "exact", bound_px, bound_px * accuracy.ground_m_per_px(scene))
 
 
-def map_frame(scene: Scene, outside: str = "") -> Method:
-    """Pictures that are rectangles of the map.
+def map_frame(scene: Scene, outside: str = "", own: ProjectedPlane | None = None) -> Method:
+    """Pictures that are rectangles of the map, or of a plane of the source's own.
 
     Parameters
     ----------
     outside : str
         Why there are none, apart from what the scene itself says; or empty.
     """
-    outside = outside or accuracy.outside_flat_domain(scene)
+    bend = None if own is None else own.bend(scene.poses.lat_deg, scene.poses.lon_deg)
+    outside = outside or accuracy.outside_flat_domain(scene, bend)
     if outside:
         return Method(_PICTURE, "map", math.inf, math.inf, outside)
-    px = accuracy.map_frame_px(scene)
+    px = accuracy.map_frame_px(scene) if own is None else own_frame_px(scene, own)
     # A pixel spans most ground at the corners of a level picture: its rays are slanted there by 1 + t².
     metres = float(np.max(px * scene.nadir_px_m)) * (1.0 + scene.diagonal_tangent**2)
     return Method(_PICTURE, "map", float(np.max(px)), metres)
@@ -263,7 +266,7 @@ def choose_methods(mission: Mission, grid: PixelGrid, disturbed: Disturbed) -> t
     no_camera_frame = _NO_CAMERA_FRAME if grid.centre_decimals is not None else ""
     picture: Choice | None = None
     if mission.accuracy.frame != "camera":
-        outside = _no_map_frame(mission)
+        outside = _no_map_frame(mission, grid)
         if not outside:
             flown = framed(mission, grid, MapFraming(mission, grid), disturbed)
             check_sizes(flown, mission, grid)
@@ -275,11 +278,11 @@ def choose_methods(mission: Mission, grid: PixelGrid, disturbed: Disturbed) -> t
                 # A camera's image has no such limits, or is refused for its own.
                 outside = wrong.message
         if not outside:
-            scene = _resolved(scene_of(mission, flown))
-            found, footprint = map_frame(scene), exact_footprint(scene)
+            scene = _resolved(scene_of(mission, flown, grid))
+            found, footprint = map_frame(scene, own=grid.own), exact_footprint(scene)
             fits = found.bound_px + footprint.bound_px <= mission.accuracy.error_budget_px
             if fits or mission.accuracy.frame == "map" or no_camera_frame:
-                return flown, _accuracy(mission, scene, Choice(footprint), Choice(found), None)
+                return flown, _accuracy(mission, grid, scene, Choice(footprint), Choice(found), None)
             reason = _too_much(found.bound_px, footprint.bound_px, mission.accuracy.error_budget_px)
         elif mission.accuracy.frame == "map":
             raise InvalidInput(
@@ -297,20 +300,20 @@ def choose_methods(mission: Mission, grid: PixelGrid, disturbed: Disturbed) -> t
         )
     flown = framed(mission, grid, CameraFraming(mission, grid), disturbed)
     check_windows(flown, mission, grid)
-    scene = _resolved(scene_of(mission, flown))
+    scene = _resolved(scene_of(mission, flown, grid))
     found, footprint = camera_frame(scene), exact_footprint(scene)
     picture = Choice(found) if picture is None else Choice(found, picture.rejected, picture.reason)
     pixels = choose_pixels(mission, scene, found.bound_px + footprint.bound_px)
-    return flown, _accuracy(mission, scene, Choice(footprint), picture, pixels)
+    return flown, _accuracy(mission, grid, scene, Choice(footprint), picture, pixels)
 
 
-def _no_map_frame(mission: Mission) -> str:
+def _no_map_frame(mission: Mission, grid: PixelGrid) -> str:
     """Why a mission has no map frames whatever its budget; empty where it may have some."""
     if is_rotated(mission):
         return _ROTATED
     if mission.wind is not None and mission.wind.sigma_m_per_s > 0.0:
         return _WIND
-    return accuracy.outside_flat_domain(_ends(mission))
+    return accuracy.outside_flat_domain(_ends(mission), None if grid.own is None else np.zeros(1))
 
 
 def choose_pixels(mission: Mission, scene: Scene, others_px: float) -> Choice:
@@ -324,9 +327,9 @@ def choose_pixels(mission: Mission, scene: Scene, others_px: float) -> Choice:
     return Choice(TRACED, found, _too_much(found.bound_px, others_px, mission.accuracy.error_budget_px))
 
 
-def scene_of(mission: Mission, flown: Framed) -> Scene:
+def scene_of(mission: Mission, flown: Framed, grid: PixelGrid) -> Scene:
     """What the bounds of a framed mission depend on, once for each run of poses that share it."""
-    first, _ = flown.poses.runs()
+    first, _ = runs_on(grid, flown.poses)
     poses = flown.poses.take(first)
     if flown.size_px is not None:
         return Scene(
@@ -374,7 +377,7 @@ def _ends(mission: Mission) -> Scene:
 
 
 def _accuracy(
-    mission: Mission, scene: Scene, footprint: Choice, picture: Choice, pixels: Choice | None
+    mission: Mission, grid: PixelGrid, scene: Scene, footprint: Choice, picture: Choice, pixels: Choice | None
 ) -> Accuracy:
     """What was chosen; raises InvalidInput where its bounds exceed the budget and the mission does not accept that."""
     made = Accuracy(
@@ -382,7 +385,7 @@ def _accuracy(
         footprint=footprint,
         picture=picture,
         pixels=pixels,
-        condition=accuracy.condition_number(scene),
+        condition=accuracy.condition_number(scene, on_mercator=grid.own is None),
         terrain_px_per_m=accuracy.terrain_px_per_m(scene),
         left_out=tuple(_left_out(mission, picture.method, pixels)),
     )

@@ -47,7 +47,7 @@ def pictures_m(plan: Plan, part: slice = _ALL) -> Iterator[list[Ring]]:
         Several where it crosses the antimeridian.
     """
     if plan.size_px is None:
-        for edges in zip(*(edge[part].tolist() for edge in plan.edges_m)):
+        for edges in zip(*(edge[part].tolist() for edge in plan.edges)):
             yield _rectangles(*edges)
         return
     corners = plan.corners

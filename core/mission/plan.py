@@ -14,8 +14,9 @@ from ..errors import InvalidInput
 from ..geodesy.accuracy import Scene
 from ..geodesy.camera import Poses
 from ..geodesy.footprint import Corners, Outline, ground_corners, outline, poles_seen
-from ..geodesy.frames import Windows, window_centres
+from ..geodesy.frames import Windows, runs_on, window_centres
 from ..geodesy.mercator import MAX_LAT_DEG, PixelGrid, lat_to_v
+from ..geodesy.planes import TurnedPlane
 from ..geodesy.view import View, view
 from .area import Points
 from .flight import Legs, fly, intervals_s, legs
@@ -123,7 +124,7 @@ class Plan:
 
     @cached_property
     def _runs(self) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-        return self.poses.runs()
+        return runs_on(self.grid, self.poses)
 
     @cached_property
     def poles(self) -> NDArray[np.int64]:
@@ -136,6 +137,8 @@ class Plan:
         """Whether a picture may have pixels without ground, or with ground that no map of the source shows."""
         if self.size_px is None:
             return False
+        if self.grid.own is not None:
+            return not self.corners.hit.all()
         beyond = np.abs(self.corners.lat_deg) > MAX_LAT_DEG
         return bool(not self.corners.hit.all() or beyond.any() or self.poles.any())
 
@@ -199,10 +202,10 @@ class Plan:
         ]
 
     @cached_property
-    def edges_m(self) -> tuple[Floats, Floats, Floats, Floats]:
-        """West, south, east, north of the windows in metres of EPSG:3857, (n,) each."""
+    def edges(self) -> tuple[Floats, Floats, Floats, Floats]:
+        """West, south, east, north of the windows in metres of EPSG:3857, or in the unit of the source's CRS, (n,) each."""
         left, top, width, height = (np.asarray(part, np.float64) for part in self.windows)
-        return self.grid.edges_m(left, top, width, height, self.zoom)
+        return self.grid.edges(left, top, width, height, self.zoom)
 
     @cached_property
     def coverage(self) -> Coverage | None:
@@ -232,15 +235,28 @@ class Plan:
     @cached_property
     def _rectangles(self) -> tuple[Rectangles, ...]:
         """What the images of each pass show, in its plane."""
-        ends = [*(part.first for part in self.passes[1:]), len(self)]
+        if self.grid.own is not None and self.size_px is None:
+            return tuple(self._windows_in(part, at) for part, at in self._slices())
         mission, moved = self.mission, self.nominal is not None
-        slices = [slice(part.first, end) for part, end in zip(self.passes, ends)]
         return tuple(
             rotated_rectangles(
                 mission, part, self.poses.take(at), self.row[at], ground_of(mission), own=moved
             )
-            for part, at in zip(self.passes, slices)
+            for part, at in self._slices()
         )
+
+    def _slices(self) -> list[tuple[Pass, slice]]:
+        ends = [*(part.first for part in self.passes[1:]), len(self)]
+        return [(part, slice(part.first, end)) for part, end in zip(self.passes, ends)]
+
+    def _windows_in(self, part: Pass, at: slice) -> Rectangles:
+        """Map frames in the plane of rows that run along their source's."""
+        plane = part.plane
+        if not isinstance(plane, TurnedPlane):
+            raise InvalidInput("windows of the map in a plane about an area")
+        west, south, east, north = (edge[at] for edge in self.edges)
+        (x0, y0), (x1, y1) = plane.of_crs(west, south), plane.of_crs(east, north)
+        return Rectangles(x0, y0, x1, y1)
 
     @cached_property
     def requests(self) -> int:
@@ -263,10 +279,13 @@ class Plan:
         if len(first) > most:
             starts = np.arange(0, len(self), -(-len(self) // most))
             starts = np.union1d(starts, [part.first for part in self.passes]).astype(np.intp)
-        v = lat_to_v(self.lat_deg)
+        moved = np.zeros(len(self)), lat_to_v(self.lat_deg)
+        if self.grid.own is not None:
+            moved = self.grid.own.forward(self.lat_deg, self.lon_deg)
         seen: NDArray[np.int64] = np.empty(0, np.int64)
         for start, end in zip(starts.tolist(), np.append(starts[1:], len(self)).tolist()):
-            keys = self.view(start).tile_keys(self.lon_deg[start:end], v[start:end] - v[start])
+            u, v = (place[start:end] - place[start] for place in moved)
+            keys = self.view(start).tile_keys(self.lon_deg[start:end], u, v)
             seen = np.union1d(seen, keys)
         return len(seen)
 
@@ -332,13 +351,13 @@ class Plan:
     def picture_gsd_m_per_px(self) -> float:
         """Ground sample distance of the planned pictures: of the zoom's pixels, or of camera frames straight down."""
         if self.size_px is None:
-            return float(np.median(self.grid.ground_m_per_px(self.lat_deg, self.zoom)))
+            return float(np.median(self.grid.ground_m_per_px(self.lat_deg, self.lon_deg, self.zoom)))
         return self.camera_gsd_m_per_px
 
     @cached_property
     def source_gsd_m_per_px(self) -> float:
         """Ground sample distance of the finest pixels that the source has of its own, median over the captures."""
-        return float(np.median(self.grid.ground_m_per_px(self.lat_deg, self.grid.native_zoom)))
+        return float(np.median(self.grid.ground_m_per_px(self.lat_deg, self.lon_deg, self.grid.native_zoom)))
 
     @cached_property
     def camera_gsd_m_per_px(self) -> float:

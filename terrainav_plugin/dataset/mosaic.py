@@ -305,8 +305,8 @@ def _virtual_raster(
     folder: Path,
 ) -> Iterator[str]:
     """Text of the raster, after GDAL's VRT format (gdal.org/drivers/raster/vrt.html)."""
-    west, _, _, north = (float(edge) for edge in plan.grid.edges_m(*origin, *size, plan.zoom))
-    resolution = plan.grid.resolution_m_per_px(plan.zoom)
+    west, _, _, north = (float(edge) for edge in plan.grid.edges(*origin, *size, plan.zoom))
+    resolution = plan.grid.pixel_size(plan.zoom)[0]
     yield f'<VRTDataset rasterXSize="{size[0]}" rasterYSize="{size[1]}">\n'
     yield f"<SRS>{xml_text(WEB_MERCATOR_WKT)}</SRS>\n"
     yield f"<GeoTransform>{west!r}, {resolution!r}, 0.0, {north!r}, 0.0, {-resolution!r}</GeoTransform>\n"

@@ -378,8 +378,8 @@ def _write(picture: WorldPicture, path: Path, progress: Callable[[float], bool])
         finally:
             for future in drawing:
                 future.cancel()
-    edges = source.grid.edges_m(picture.left * size, picture.top * size, width, height, picture.zoom)
-    _save(pixels, path, float(edges[0]), float(edges[3]), source.grid.resolution_m_per_px(picture.zoom))
+    edges = source.grid.edges(picture.left * size, picture.top * size, width, height, picture.zoom)
+    _save(pixels, path, float(edges[0]), float(edges[3]), source.grid.pixel_size(picture.zoom)[0])
 
 
 def _save(pixels: np.ndarray, path: Path, west_m: float, north_m: float, resolution_m: float) -> None:

@@ -220,7 +220,7 @@ def _rings(area: Box | Polygon) -> list[tuple[Floats, Floats]]:
 
 
 def _gsd(plan: Plan) -> Floats:
-    return plan.grid.ground_m_per_px(plan.lat_deg, plan.zoom)
+    return plan.grid.ground_m_per_px(plan.lat_deg, plan.lon_deg, plan.zoom)
 
 
 def _times(picked: Picked) -> Iterator[tuple[QDateTime, QDateTime]]:

@@ -87,7 +87,7 @@ class Scene:
 
     def __init__(self, plan: Plan, check: Callable[[], None] = lambda: None) -> None:
         self.plan = plan
-        self.windows = Boxes.wrapped(*plan.edges_m)
+        self.windows = Boxes.wrapped(*plan.edges)
         check()
         self.index = CaptureIndex(self.windows if plan.size_px is None else _seen(plan))
         check()

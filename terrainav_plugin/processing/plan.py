@@ -325,7 +325,7 @@ def _attributes(plan: Plan) -> Iterator[tuple[Any, ...]]:
         np.asarray(plan.windows.top_px, np.float64),
         plan.width_px,
         plan.height_px,
-        plan.grid.ground_m_per_px(plan.lat_deg, plan.zoom),
+        plan.grid.ground_m_per_px(plan.lat_deg, plan.lon_deg, plan.zoom),
         ~plan.corners.hit.all(axis=1),
         plan.times_s,
     )

@@ -83,7 +83,7 @@ class LayerSource:
         ground = self._ground(part) if self._snapshot.ground else None
         image = blank(part.width_px, part.height_px) if ground is None else to_image(ground)
         settings = self._settings(part)
-        settings.setExtentBuffer(_REACH_PX * self.grid.resolution_m_per_px(part.zoom))
+        settings.setExtentBuffer(_REACH_PX * self.grid.pixel_size(part.zoom)[0])
         self._jobs.draw(image, settings, self._snapshot.drawing)
         shown = to_array(image)
         if ground is None:
@@ -174,7 +174,7 @@ class LayerSource:
             return sampled(pipes, settings, self._edges(tile), size, self._jobs)
         extent = settings.extent()
         if layer.crs() == settings.destinationCrs():
-            extent.grow(-_INSET_PX * self.grid.resolution_m_per_px(tile.zoom))
+            extent.grow(-_INSET_PX * self.grid.pixel_size(tile.zoom)[0])
             return pipes.block(extent, size, self._jobs)
         image = blank(*size)
         self._jobs.draw(image, settings, [layer])
@@ -182,7 +182,7 @@ class LayerSource:
 
     def _edges(self, window: Window) -> tuple[float, float, float, float]:
         _, *rectangle = window
-        west, south, east, north = (float(edge) for edge in self.grid.edges_m(*rectangle, window.zoom))
+        west, south, east, north = (float(edge) for edge in self.grid.edges(*rectangle, window.zoom))
         return west, south, east, north
 
     def _settings(self, window: Window) -> QgsMapSettings:

@@ -220,7 +220,7 @@ def footprints(plan):
     to_degrees = Transformer.from_crs("EPSG:3857", "EPSG:4326", always_xy=True)
     pixel = 2.0 * 20_037_508.342789244 / 256.0 / 2.0**plan.zoom
     rectangles = []
-    for west, south, east, north in zip(*plan.edges_m):
+    for west, south, east, north in zip(*plan.edges):
         left, bottom = to_degrees.transform(west - pixel, south - pixel)
         right, top = to_degrees.transform(east + pixel, north + pixel)
         rectangles.append(QgsGeometry.fromRect(QgsRectangle(left, bottom, right, top)))

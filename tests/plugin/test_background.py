@@ -152,7 +152,7 @@ def test_background_shows_the_world_where_it_is(desk):
     west, resolution, _, north, _, _ = file.GetGeoTransform()
     source = open_source("world")
     zoom = next(
-        z for z in range(23) if source.grid.resolution_m_per_px(z) == pytest.approx(resolution, rel=1e-9)
+        z for z in range(23) if source.grid.pixel_size(z)[0] == pytest.approx(resolution, rel=1e-9)
     )
     half_world = 20_037_508.342789244
     left, top = round((west + half_world) / resolution), round((half_world - north) / resolution)

@@ -96,7 +96,7 @@ def test_mosaic_shows_the_pixels_of_the_files(prepared, server):
     capture(prepared)
     layer = prepared.layer("Satellite images")
     assert layer.dataProvider().bandCount() == 4
-    west, south, east, north = planned.edges_m
+    west, south, east, north = planned.edges
     for index in (0, len(planned) // 2, len(planned) - 1):
         file = gdal.Open(str(prepared.folder / "satellite" / f"{planned.names[index]}.tif"))
         expected = np.moveaxis(file.ReadAsArray(), 0, -1)
@@ -143,7 +143,7 @@ def test_mosaic_lies_exactly_where_it_came_from(prepared):
     left = (int(planned.windows.left_px.min()) // 256 + 1) * 256
     first_top = (int(planned.windows.top_px.min()) // 256 + 1) * 256
     for top in (first_top, first_top + height, first_top + 4 * height):
-        edges = (float(edge) for edge in planned.grid.edges_m(left, top, width, height, planned.zoom))
+        edges = (float(edge) for edge in planned.grid.edges(left, top, width, height, planned.zoom))
         extent = QgsRectangle(*edges)
         own = encode_position(left + np.arange(width), top + np.arange(height))
         assert np.array_equal(drawn(prepared, mosaic, extent, width, height), own)

@@ -67,7 +67,7 @@ def assert_shows_what_is_there(desk, layers=()):
     assert named(desk) == there
     assert np.all(gdal.Open(str(desk.folder / "satellite.vrt")).GetRasterBand(4).ReadAsArray() == 255)
     shown = [f"{name}.tif" in there for name in plan.names]
-    west, south, east, north = (edge[shown] for edge in plan.edges_m)
+    west, south, east, north = (edge[shown] for edge in plan.edges)
     for layer in (desk.layer("Satellite images"), *layers):
         extent, provider = layer.extent(), layer.dataProvider()
         edges = extent.xMinimum(), extent.yMinimum(), extent.xMaximum(), extent.yMaximum()

@@ -41,7 +41,7 @@ def test_preview_is_one_group_of_layers(previewed):
 def test_previewed_images_have_the_edges_of_the_plan(previewed):
     layer, planned = previewed.layer("Planned images"), previewed.session.planned.plan
     assert layer.crs().authid() == "EPSG:3857"
-    assert np.array_equal(rectangles(layer), np.stack(planned.edges_m, axis=1))
+    assert np.array_equal(rectangles(layer), np.stack(planned.edges, axis=1))
     first = next(layer.getFeatures())
     assert first["name"] == planned.names[0]
     assert (first["column"], first["row"]) == (planned.column[0], planned.row[0])
@@ -209,7 +209,7 @@ def test_images_across_the_antimeridian_stay_on_the_map():
     boxes = [feature.geometry().boundingBox() for feature in drawn["footprints"]]
     assert all(-half_world <= b.xMinimum() and b.xMaximum() <= half_world for b in boxes)
     shares = sum(feature.geometry().area() for feature in drawn["footprints"])
-    west, south, east, north = planned.edges_m
+    west, south, east, north = planned.edges
     assert shares == pytest.approx(float(((east - west) * (north - south)).sum()), rel=1e-9)
     lines = drawn["flight"][0].geometry().asMultiPolyline()
     assert all(-half_world <= point.x() <= half_world for line in lines for point in line)

@@ -84,7 +84,7 @@ class Map:
     def whole(self):
         """The mission in the project's CRS."""
         there = QgsCoordinateTransform(self.layer("footprints").crs(), self.project.crs(), self.project)
-        west, south, east, north = self.plan.edges_m
+        west, south, east, north = self.plan.edges
         return there.transformBoundingBox(QgsRectangle(west.min(), south.min(), east.max(), north.max()))
 
     def look_at(self, rectangle):
@@ -228,7 +228,7 @@ def test_million_captures_are_seen_in_steps_of_bounded_size(map_, large, screens
         corners = max(corners, sum(f.geometry().constGet().nCoordinates() for f in layers["flight"]))
         if map_.counts()["footprints"]:
             seen_images = True
-            west, south, east, north = large.edges_m
+            west, south, east, north = large.edges
             view = map_.preview.drawing.covers
             inside = (west < view.east) & (east > view.west) & (south < view.north) & (north > view.south)
             assert map_.counts()["footprints"] == inside.sum()
@@ -369,7 +369,7 @@ def test_layers_names_and_styles_survive_every_view(map_):
 def test_images_can_be_coloured_by_overlap(map_, screenshot):
     planned = map_.show(SMALL, overlap_along=0.6, overlap_across=0.4)
     layer = map_.layer("footprints")
-    west, south, east, north = planned.edges_m
+    west, south, east, north = planned.edges
     x, y = (west + east) / 2.0, (south + north) / 2.0
     shown = (west[:, None] <= x) & (x < east[:, None]) & (south[:, None] < y) & (y <= north[:, None])
     counts = dict(zip(planned.names, shown.sum(axis=0).tolist()))

@@ -218,7 +218,7 @@ def test_plan_gives_what_the_core_plans(tmp_path):
     assert len((tmp_path / "plan.csv").read_text().splitlines()) == len(expected) + 1
     found = features_of(results["FOOTPRINTS"])
     assert [feature["name"] for feature in found] == list(expected.names)
-    west, south, east, north = expected.edges_m
+    west, south, east, north = expected.edges
     for index, feature in enumerate(found):
         box = feature.geometry().boundingBox()
         edges = (box.xMinimum(), box.yMinimum(), box.xMaximum(), box.yMaximum())
@@ -716,7 +716,7 @@ def test_in_a_model(tmp_path, qtbot):
             _, done = model.run(parameters, context, feedback)
         assert done, feedback.textLog()
         (whole,) = features_of(str(tmp_path / f"whole-{beside}.gpkg"))
-        west, south, east, north = expected.edges_m
+        west, south, east, north = expected.edges
         box = whole.geometry().boundingBox()
         np.testing.assert_allclose(
             (box.xMinimum(), box.yMinimum(), box.xMaximum(), box.yMaximum()),

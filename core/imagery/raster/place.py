@@ -117,7 +117,7 @@ class Place:
             From the outer corner of the raster's first pixel; not finite where the raster's system does not reach.
             Of shapes (1, width_px + 2) and (height_px + 2, 1) where the raster is upright.
         """
-        size_m = grid.resolution_m_per_px(window.zoom)
+        size_m = grid.pixel_size(window.zoom)[0]
         x = -HALF_WORLD_M + (window.left_px + np.arange(-1, window.width_px + 1) + 0.5) * size_m
         y = HALF_WORLD_M - (window.top_px + np.arange(-1, window.height_px + 1) + 0.5) * size_m
         if self.is_upright:

@@ -14,9 +14,9 @@ from ...errors import InvalidInput, Message, OptionName
 from ...geodesy.accuracy import Scene
 from ...geodesy.camera import Poses
 from ...geodesy.ellipsoid import WGS84, Ellipsoid, trace
-from ...geodesy.frames import FrameEdges, Windows, map_frame_edges, windows_of
-from ...geodesy.mercator import MAX_LAT_DEG, PixelGrid, fitting_zoom, lat_to_v
-from ...geodesy.rectangles import inscribed_edges
+from ...geodesy.frames import FrameEdges, Windows, map_frame_edges, runs_on, windows_of
+from ...geodesy.mercator import MAX_LAT_DEG, PixelGrid, fitting_zoom, lat_to_v, wrap_lon_deg
+from ...geodesy.rectangles import inscribed_edges, inscribed_edges_on
 from ...geodesy.view import fitting_detail
 from ...limits import MAX_PICTURE_PX, MAX_PICTURE_SIDE_PX
 from ..area import Points
@@ -30,6 +30,8 @@ Disturbed = Callable[[Layout, Poses], Poses]
 
 #: Ratio down to which a wanted distance counts as the source's own, which are people's figures of three digits.
 _SAME_SIZE = 0.995
+#: What a raster's pixels may be larger than the distance asked for, by the rounding of its file.
+_SAME_PIXEL = 1e-9
 #: Share of a half frame by which those of turned rows may be smaller so that many share theirs, and what turning and
 #: stretching a frame may move it by beyond their first order.
 _NARROWED, _BEYOND_FIRST_ORDER = 1e-3, 1.1
@@ -95,10 +97,14 @@ def framed(mission: Mission, grid: PixelGrid, framing: Framing, disturbed: Distu
         return lay_out(mission, frames, pixel)
 
     passes: tuple[Pass, ...] = ()
-    if is_rotated(mission):
-        layout, passes = lay_out_rotated(mission, ground_of(mission))
+    if is_rotated(mission) or (grid.own and not isinstance(mission.area, Points)):
+        layout, passes = lay_out_rotated(mission, ground_of(mission), grid.own)
     else:
         layout = laid_out(0.0)
+        if grid.own is not None:
+            # What is asked for counts from the grid's north, as its rows do.
+            north_deg = grid.own.north_deg(layout.lat_deg, layout.lon_deg)
+            layout = layout._replace(yaw_deg=wrap_lon_deg(layout.yaw_deg - north_deg))
     zoom = framing.zoom(layout)
     if not passes and not isinstance(mission.area, Points):
         # Outer frames need room for their rounding, a share of a pixel; that may, at the border of two zooms,
@@ -110,10 +116,10 @@ def framed(mission: Mission, grid: PixelGrid, framing: Framing, disturbed: Distu
             layout = laid_out(1.0 / grid.world_px(zoom))
     poses = disturbed(layout, nominal_poses(mission, layout))
     pixel = 1.0 / grid.world_px(zoom)
-    if passes and mission.wind is None:
+    if passes and mission.wind is None and grid.own is None:
         edges, run = _rounded_edges(framing, poses, pixel), np.arange(len(poses.lat_deg))
     else:
-        first, run = poses.runs()
+        first, run = runs_on(grid, poses)
         edges = framing.edges(poses.take(first), pixel)
     windows = windows_of(edges, run, poses.lon_deg, grid, zoom)
     return Framed(layout, poses, zoom, windows, framing.size_px(layout), passes)
@@ -201,7 +207,11 @@ def _check_size(width_px: int, height_px: int, mission: Mission, grid: PixelGrid
 
 def _nearest_zoom(mission: Mission, grid: PixelGrid, layout: Layout, px_m: Floats) -> int:
     """Zoom whose pixels come nearest in ratio to those of an image, which show ``px_m`` right below each capture."""
-    stretch = WGS84.normal_radius_m(layout.lat_deg) * np.cos(np.radians(layout.lat_deg)) * 2.0 * math.pi
+    stretch = (
+        WGS84.normal_radius_m(layout.lat_deg) * np.cos(np.radians(layout.lat_deg)) * 2.0 * math.pi
+        if grid.own is None
+        else grid.own.ground_m(layout.lat_deg, layout.lon_deg)[0]
+    )
     span = float(np.median(px_m / np.maximum(stretch, 1.0)))
     return fitting_detail(span, grid, (grid.min_zoom, _highest(mission, grid)))
 
@@ -241,7 +251,7 @@ class MapFraming:
 
     def edges(self, poses: Poses, _pixel: float, /) -> FrameEdges:
         """Edges through the midpoints of the images' edges, whatever the pixel."""
-        return map_frame_edges(self.mission.camera, poses, ground_of(self.mission))
+        return map_frame_edges(self.mission.camera, poses, ground_of(self.mission), self.grid.own)
 
     def size_px(self, layout: Layout) -> None:
         """None: each picture is as large as its window."""
@@ -252,11 +262,11 @@ class MapFraming:
         if mission.pixels.zoom is not None:
             return _checked_zoom(mission.pixels.zoom, mission, grid)
         if mission.pixels.gsd_m_per_px is not None:
-            return _zoom_for_gsd(mission.pixels.gsd_m_per_px, grid, layout.lat_deg, _highest(mission, grid))
+            return _zoom_for_gsd(mission.pixels.gsd_m_per_px, grid, layout, _highest(mission, grid))
         camera_px_m = mission.camera.gsd_m_per_px(1.0, mission.pixels.image_px) * layout.agl_m
         zoom = _nearest_zoom(mission, grid, layout, camera_px_m)
         poses = Poses.level(layout.lat_deg, layout.lon_deg, layout.agl_m)
-        first, run = poses.runs()
+        first, run = runs_on(grid, poses)
         edges = self.edges(poses.take(first), 0.0)
         if mission.output.img_size is not None:
             zoom = max(min(zoom, _zoom_for_size(mission.output.img_size, edges, grid)), grid.min_zoom)
@@ -291,6 +301,10 @@ class CameraFraming:
 
     def edges(self, poses: Poses, pixel: float) -> FrameEdges:
         """Edges of the rectangles inside, with room for their rounding."""
+        if self.grid.own is not None:
+            return inscribed_edges_on(
+                self.grid.own, self.mission.camera, poses, ground_of(self.mission), pixel
+            )
         return inscribed_edges(self.mission.camera, poses, ground_of(self.mission), pixel)
 
     def size_px(self, layout: Layout) -> tuple[int, int]:
@@ -302,13 +316,17 @@ class CameraFraming:
         if mission.output.img_size is not None:
             width = min(width, max(float(mission.output.img_size[0]), mission.output.img_size[1] * aspect))
         ground_m = mission.camera.ground_size_m(float(np.median(layout.agl_m)))[0]
-        finest_m = float(np.median(grid.ground_m_per_px(layout.lat_deg, _highest(mission, grid))))
+        finest_m = float(
+            np.median(grid.ground_m_per_px(layout.lat_deg, layout.lon_deg, _highest(mission, grid)))
+        )
         if mission.pixels.gsd_m_per_px is not None:
             if mission.pixels.gsd_m_per_px < finest_m * _SAME_SIZE:
                 raise _too_fine(mission.pixels.gsd_m_per_px, finest_m)
             width = ground_m / mission.pixels.gsd_m_per_px
         elif mission.pixels.zoom is not None:
-            width = ground_m / float(np.median(grid.ground_m_per_px(layout.lat_deg, mission.pixels.zoom)))
+            width = ground_m / float(
+                np.median(grid.ground_m_per_px(layout.lat_deg, layout.lon_deg, mission.pixels.zoom))
+            )
         elif not mission.pixels.upsample:
             width = min(width, max(ground_m / finest_m, 1.0, aspect))
         size = round(width), round(width / aspect)
@@ -362,12 +380,18 @@ def _zoom_for_size(size: tuple[int, int, int], edges: FrameEdges, grid: PixelGri
     return -fitting_zoom(times, 256.0)
 
 
-def _zoom_for_gsd(gsd_m_per_px: float, grid: PixelGrid, lat_deg: Floats, highest: int) -> int:
-    """Return the lowest zoom whose pixels are nowhere larger than asked for."""
+def _zoom_for_gsd(gsd_m_per_px: float, grid: PixelGrid, layout: Layout, highest: int) -> int:
+    """Return the lowest zoom whose pixels are nowhere larger than asked for.
+
+    Those of a CRS of its own are as large as it says: its scale is not held against them.
+    """
+    own = grid.own
     for zoom in range(grid.min_zoom, highest + 1):
-        if float(grid.ground_m_per_px(lat_deg, zoom).max()) <= gsd_m_per_px:
+        if own is not None and grid.pixel_size(zoom)[0] * own.unit_m <= gsd_m_per_px * (1.0 + _SAME_PIXEL):
             return zoom
-    finest = float(grid.ground_m_per_px(lat_deg, highest).max())
+        if float(grid.ground_m_per_px(layout.lat_deg, layout.lon_deg, zoom).max()) <= gsd_m_per_px:
+            return zoom
+    finest = float(grid.ground_m_per_px(layout.lat_deg, layout.lon_deg, highest).max())
     raise _too_fine(gsd_m_per_px, finest)
 
 
@@ -410,7 +434,9 @@ def check_windows(framed: Framed, mission: Mission, grid: PixelGrid) -> None:
     windows, poses, zoom = framed.windows, framed.poses, framed.zoom
     world = grid.world_px(zoom)
     _, top, _, bottom = windows.bounds_px
-    if framed.size_px is not None:
+    if grid.own is not None:
+        outside = np.zeros(len(top), bool)
+    elif framed.size_px is not None:
         middle = (top + bottom) / 2.0
         outside = ~((middle >= 0.0) & (middle <= world))
     else:

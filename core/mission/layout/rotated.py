@@ -1,4 +1,4 @@
-"""Rows that are turned from east, or crossed: an area in the plane of its rows, flown to and fro."""
+"""Rows in a plane, flown to and fro: those that are turned from east or crossed, and those on a source's own CRS."""
 
 from __future__ import annotations
 
@@ -12,8 +12,9 @@ from ...errors import InvalidInput, Message, OptionName
 from ...geodesy.camera import Poses
 from ...geodesy.ellipsoid import Ellipsoid
 from ...geodesy.mercator import wrap_lon_deg
+from ...geodesy.planes import ProjectedPlane
 from ...geodesy.projections import NOISE_M, LocalPlane
-from ...geodesy.rectangles import Sides, common_sides, image_rings, own_sides
+from ...geodesy.rectangles import RowsPlane, Sides, common_sides, image_rings, own_sides
 from ..area import Box, Points, Polygon, crossed_and_held, ground_m2, in_band, sides_of, touching
 from ..mission import Mission
 from .coverage import Coverage, Overlap, Rectangles, gaps, joined, overlap_of, shares
@@ -39,6 +40,8 @@ _ACROSS_DEG = 90.0
 #: Pieces of a rectangle's width and height, about pixels of a picture, to which images' own ones are rounded inward:
 #: those of a million in wind, of which no two sides are level, are too many to be counted as they are.
 _PIECES = 512
+#: Points along each side of an area that say what it spans on a plane.
+_MIDDLE_POINTS = 8
 #: Share of the images that an area's ground asks for which are needed in any case.
 _SURELY = 0.95
 
@@ -48,7 +51,7 @@ class Pass(NamedTuple):
 
     Attributes
     ----------
-    plane : LocalPlane
+    plane : LocalPlane or TurnedPlane
         Its first axis is the direction of the rows, its second that of yaw 0.
     sides : Sides
         The rectangle of ground, from the place of the camera, that every image of the pass shows.
@@ -56,7 +59,7 @@ class Pass(NamedTuple):
         Index of its first capture.
     """
 
-    plane: LocalPlane
+    plane: RowsPlane
     sides: Sides
     first: int
 
@@ -79,8 +82,12 @@ def is_rotated(mission: Mission) -> bool:
     )
 
 
-def lay_out_rotated(mission: Mission, ground: Ellipsoid) -> tuple[Layout, tuple[Pass, ...]]:
-    """Places of the captures of a mission whose rows are turned or crossed.
+def lay_out_rotated(
+    mission: Mission, ground: Ellipsoid, own: ProjectedPlane | None = None
+) -> tuple[Layout, tuple[Pass, ...]]:
+    """Places of the captures of a mission whose rows lie in a plane.
+
+    That is one about the area, or the plane of the source's own CRS, where rows run along grid east.
 
     Raises
     ------
@@ -105,7 +112,8 @@ def lay_out_rotated(mission: Mission, ground: Ellipsoid) -> tuple[Layout, tuple[
             remedy=Message("use {0} {1}", OptionName("layout"), "cover"),
         )
     box = area.bounds
-    refuse_beyond_mercator(box)
+    if own is None:
+        refuse_beyond_mercator(box)
     middle = (box.north_deg + box.south_deg) / 2.0, box.west_deg + box.span_deg / 2.0
     angles = [mission.flight.grid_angle_deg, mission.flight.grid_angle_deg + _ACROSS_DEG][
         : 1 + mission.flight.crosshatch
@@ -113,7 +121,7 @@ def lay_out_rotated(mission: Mission, ground: Ellipsoid) -> tuple[Layout, tuple[
     parts: list[Layout] = []
     passes: list[Pass] = []
     for angle in angles:
-        plane = LocalPlane(*middle, angle)
+        plane = LocalPlane(*middle, angle) if own is None else own.turned(*_middle_on(own, area), angle)
         flown, rows = (sum(len(part.row) for part in parts), sum(int(part.row.max()) + 1 for part in parts))
         part, sides = _laid_out(mission, area, plane, ground, flown)
         parts.append(part._replace(row=part.row + rows))
@@ -126,8 +134,30 @@ def lay_out_rotated(mission: Mission, ground: Ellipsoid) -> tuple[Layout, tuple[
     )
 
 
+def _middle_on(own: ProjectedPlane, area: Box | Polygon) -> tuple[float, float]:
+    """Latitude and longitude of the middle of what an area spans on a plane: that of one about a pole is the pole."""
+    lon, lat = (np.concatenate(values) for values in zip(*_rings_of(area)))
+    ends = np.linspace(0.0, 1.0, _MIDDLE_POINTS, endpoint=False)
+    lon, lat = (
+        (part[:, np.newaxis] + ends * (np.roll(part, -1) - part)[:, np.newaxis]).ravel()
+        for part in (lon, lat)
+    )
+    u, v = own.forward(lat, lon)
+    there = np.isfinite(u)
+    if not there.all():
+        raise InvalidInput(
+            "area: the source's CRS {0} does not reach latitude {1!r}, longitude {2!r}",
+            own.name,
+            float(lat[~there][0]),
+            float(lon[~there][0]),
+            remedy="choose an area that the source shows",
+        )
+    middle = own.inverse(*(np.array((float(part.min()) + float(part.max())) / 2.0) for part in (u, v)))
+    return float(middle[0]), float(middle[1])
+
+
 def _laid_out(
-    mission: Mission, area: Box | Polygon, plane: LocalPlane, ground: Ellipsoid, flown: int
+    mission: Mission, area: Box | Polygon, plane: RowsPlane, ground: Ellipsoid, flown: int
 ) -> tuple[Layout, Sides]:
     """One pass, after so many captures, and the rectangle that its images have in common."""
     sides = _common(mission, _shape(area, plane, _EXTENT_M), plane, ground)
@@ -170,12 +200,12 @@ def _laid_out(
     return in_order(Layout(column[keep], row[keep], lat, lon, agl, yaw), mission.flight.order), sides
 
 
-def _yaws_deg(mission: Mission, plane: LocalPlane, lat_deg: Floats, lon_deg: Floats) -> Floats:
+def _yaws_deg(mission: Mission, plane: RowsPlane, lat_deg: Floats, lon_deg: Floats) -> Floats:
     """Yaws of images that lie in the plane as the mission says: those of its middle, less its convergence."""
     return wrap_lon_deg(mission.attitude.yaw_deg - plane.north_deg(lat_deg, lon_deg))
 
 
-def _posed(mission: Mission, plane: LocalPlane, x_m: Floats, y_m: Floats) -> Poses:
+def _posed(mission: Mission, plane: RowsPlane, x_m: Floats, y_m: Floats) -> Poses:
     lat, lon = plane.inverse(x_m, y_m)
     tilt, roll = (
         np.full(lat.shape, angle) for angle in (mission.attitude.tilt_deg, mission.attitude.roll_deg)
@@ -184,7 +214,7 @@ def _posed(mission: Mission, plane: LocalPlane, x_m: Floats, y_m: Floats) -> Pos
     return Poses(lat, lon, agl, _yaws_deg(mission, plane, lat, lon), tilt, roll)
 
 
-def _common(mission: Mission, shape: Shape, plane: LocalPlane, ground: Ellipsoid) -> Sides:
+def _common(mission: Mission, shape: Shape, plane: RowsPlane, ground: Ellipsoid) -> Sides:
     """Sides of the rectangle that images all over a shape show, from the camera's place."""
     middle = _posed(mission, plane, np.zeros(1), np.zeros(1))
     ring, _, whole = image_rings(mission.camera, middle, plane, ground)
@@ -233,24 +263,27 @@ def _common(mission: Mission, shape: Shape, plane: LocalPlane, ground: Ellipsoid
     return Sides(left + across, bottom + up, right - across, top - up)
 
 
-def _shape(area: Box | Polygon, plane: LocalPlane, bend_m: float) -> Shape:
+def _shape(area: Box | Polygon, plane: RowsPlane, bend_m: float) -> Shape:
     """An area in a plane, its sides cut into pieces that leave the true ones by no more than asked for."""
-    if isinstance(area, Box):
-        west, east = area.west_deg, area.continuous_east_deg
-        corners = [
-            (
-                np.array([west, east, east, west], np.float64),
-                np.array([area.north_deg, area.north_deg, area.south_deg, area.south_deg], np.float64),
-            )
-        ]
-    else:
-        corners = area.arrays()
-    found = [_cut(lon, lat, plane, bend_m) for lon, lat in corners]
+    found = [_cut(lon, lat, plane, bend_m) for lon, lat in _rings_of(area)]
     # Twice what is seen, for pieces that bend unevenly.
     return Shape(tuple((x, y) for x, y, _ in found), 2.0 * max(bend for _, _, bend in found))
 
 
-def _cut(lon_deg: Floats, lat_deg: Floats, plane: LocalPlane, bend_m: float) -> tuple[Floats, Floats, float]:
+def _rings_of(area: Box | Polygon) -> list[tuple[Floats, Floats]]:
+    """Longitudes and latitudes of the corners of an area's rings, the outer one first."""
+    if isinstance(area, Polygon):
+        return area.arrays()
+    west, east = area.west_deg, area.continuous_east_deg
+    return [
+        (
+            np.array([west, east, east, west], np.float64),
+            np.array([area.north_deg, area.north_deg, area.south_deg, area.south_deg], np.float64),
+        )
+    ]
+
+
+def _cut(lon_deg: Floats, lat_deg: Floats, plane: RowsPlane, bend_m: float) -> tuple[Floats, Floats, float]:
     """Ring of a polygon in a plane, cut where its sides are bent; the most that its pieces are seen to leave chords."""
     for halvings in range(_MOST_HALVINGS + 1):
         x, y = plane.forward(lat_deg, lon_deg)

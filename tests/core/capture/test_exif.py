@@ -93,7 +93,7 @@ def test_the_tags_alone_put_the_edges_of_a_map_frame_where_the_file_has_them(tmp
         east = u_to_lon((left + columns / wide * width) / world)
         north = v_to_lat((top + rows / high * height) / world)
         _, _, apart = Geod(ellps="WGS84").inv(seen_lon, seen_lat, east, north)
-        ground_m = worked_out.grid.ground_m_per_px(worked_out.lat_deg, worked_out.zoom)[0]
+        ground_m = worked_out.grid.ground_m_per_px(worked_out.lat_deg, worked_out.lon_deg, worked_out.zoom)[0]
         assert apart.max() < MAP_FRAME_PX * ground_m, (lat, img_size)
 
 

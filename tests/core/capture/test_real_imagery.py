@@ -41,7 +41,7 @@ def tiles(tmp_path_factory):
     folder = tmp_path_factory.mktemp("naip")
     colours, warped = str(folder / "colours.tif"), str(folder / "warped.tif")
     gdal.Translate(colours, str(PHOTOGRAPH), bandList=[1, 2, 3])
-    side = PixelGrid().resolution_m_per_px(NATIVE_ZOOM)
+    side = PixelGrid().pixel_size(NATIVE_ZOOM)[0]
     gdal.Warp(
         warped,
         colours,

@@ -87,7 +87,7 @@ def test_pixels_are_where_the_files_say(in_one_go):
     gdal = pytest.importorskip("osgeo.gdal", reason="GDAL's Python modules are not installed")
     gdal.UseExceptions()
     worked_out, folder, _, _ = in_one_go
-    resolution = worked_out.grid.resolution_m_per_px(worked_out.zoom)
+    resolution = worked_out.grid.pixel_size(worked_out.zoom)[0]
     for map_type in MISSION.imagery.map_types:
         for name in worked_out.names:
             data = gdal.Open(str(folder / map_type / f"{name}.tif"))

@@ -54,7 +54,7 @@ def gdal():
 def georeference(window, size=None) -> Georeference:
     _, _, width, height = window
     west, south, east, north = (
-        float(edge) for edge in GRID.edges_m(*(np.asarray(value, np.float64) for value in window), ZOOM)
+        float(edge) for edge in GRID.edges(*(np.asarray(value, np.float64) for value in window), ZOOM)
     )
     return Georeference(west, south, east, north, *(size or (width, height)))
 
@@ -324,7 +324,7 @@ def test_gdal_reads_positions_out_of_the_pixels(gdal, tmp_path):
         write_picture(tmp_path, image_format, pixels, georeference(WINDOWS["Agricenter"]), DESCRIPTION)
         data = gdal.Open(str(tmp_path / f"{DESCRIPTION.name}.{image_format}"))
         west, _, _, north, _, _ = data.GetGeoTransform()
-        resolution = GRID.resolution_m_per_px(ZOOM)
+        resolution = GRID.pixel_size(ZOOM)[0]
         stated = ((west + HALF_WORLD_M) / resolution, (HALF_WORLD_M - north) / resolution)
         assert np.round(stated, 6).tolist() == [left, top]
 

@@ -81,7 +81,7 @@ def test_no_pixel_of_the_map_is_in_two_parts(tmp_path_factory, grounds, seed, bl
     zoom, tile_px, windows = grounds
     grid = PixelGrid(tile_px)
     folder = dataset_of(tmp_path_factory.mktemp("blocks") / "out", zoom, windows, grid)
-    side_m = block and block * 12 * grid.resolution_m_per_px(zoom)
+    side_m = block and block * 12 * grid.pixel_size(zoom)[0]
     made = split_or_none(folder, seed=seed, block_m=side_m)
     assume(made is not None)
     seen = {part: set() for part in PARTS}
@@ -118,7 +118,7 @@ def test_gap_is_kept_on_the_ground(tmp_path_factory, grounds, gap_px):
     zoom, tile_px, windows = grounds
     grid = PixelGrid(tile_px)
     world = grid.world_px(zoom)
-    gap_m = min(gap_px * grid.resolution_m_per_px(zoom), 1e6)
+    gap_m = min(gap_px * grid.pixel_size(zoom)[0], 1e6)
     # Where images far apart are near each other in no other way, some parts can be made.
     windows = windows + [(left + step, top, w, h) for step in (200, 400) for left, top, w, h in windows[:6]]
     folder = dataset_of(tmp_path_factory.mktemp("gap") / "out", zoom, windows, grid)

@@ -80,7 +80,7 @@ def test_the_world_is_square():
 @pytest.mark.parametrize("tile_px", [256, 512])
 def test_window_edges_are_stated_from_the_corner_of_the_world(tile_px):
     grid = PixelGrid(tile_px=tile_px)
-    west, south, east, north = grid.edges_m(*(np.array([v]) for v in (1000, 2000, 300, 200)), zoom=14)
+    west, south, east, north = grid.edges(*(np.array([v]) for v in (1000, 2000, 300, 200)), zoom=14)
     resolution = Fraction(2 * HALF_WORLD_M) / (tile_px * 2**14)
     assert float(west[0]) == pytest.approx(float(-Fraction(HALF_WORLD_M) + 1000 * resolution), abs=1e-8)
     assert float(east[0]) == pytest.approx(float(-Fraction(HALF_WORLD_M) + 1300 * resolution), abs=1e-8)
@@ -90,8 +90,8 @@ def test_window_edges_are_stated_from_the_corner_of_the_world(tile_px):
 
 def test_ground_per_pixel_is_the_papers_table():
     grid = PixelGrid()
-    assert float(grid.ground_m_per_px(np.array(0.0), 0)) == pytest.approx(156_543.03, abs=0.01)
-    assert float(grid.ground_m_per_px(np.array(0.0), 19)) == pytest.approx(0.2986, abs=1e-4)
+    assert float(grid.ground_m_per_px(np.array(0.0), np.array(0.0), 0)) == pytest.approx(156_543.03, abs=0.01)
+    assert float(grid.ground_m_per_px(np.array(0.0), np.array(0.0), 19)) == pytest.approx(0.2986, abs=1e-4)
 
 
 @given(st.integers(0, 22), st.integers(1, 4096))

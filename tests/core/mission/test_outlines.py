@@ -58,7 +58,7 @@ def test_rings_are_counter_clockwise_within_the_world_and_lose_no_ground(name):
 @pytest.mark.parametrize("name", SCENES)
 def test_pictures_on_the_map_are_the_frames_that_files_state_or_what_the_camera_sees(name):
     made = plan(SCENES[name], GRID)
-    west, south, east, north = made.edges_m
+    west, south, east, north = made.edges
     for index, (rings, seen) in enumerate(zip(pictures_m(made), footprints_deg(made))):
         for x, y in rings:
             assert area((x, y)) > 0.0

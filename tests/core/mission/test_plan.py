@@ -247,7 +247,7 @@ def test_points_keep_their_own_heights_and_share_a_zoom():
     assert worked_out.column.tolist() == [0, 1]
     assert worked_out.coverage is None
     assert worked_out.overlap.least_along is None
-    widths = worked_out.windows.width_px * GRID.ground_m_per_px(worked_out.lat_deg, worked_out.zoom)
+    widths = worked_out.windows.width_px * GRID.ground_m_per_px(worked_out.lat_deg, worked_out.lon_deg, worked_out.zoom)
     assert widths[0] / widths[1] == pytest.approx(2.0, rel=0.01)
 
 
@@ -435,7 +435,7 @@ def test_camera_frames_have_no_more_pixels_than_the_ground_right_below():
     coarse = PixelGrid(max_zoom=20, native_zoom=16)
     mission = Mission(Points(((35.14, -89.86, 600.0),)), 600.0, frame="camera", tilt_deg=20.0)
     own = plan(mission, coarse)
-    source_m = float(coarse.ground_m_per_px(own.lat_deg, 16)[0])
+    source_m = float(coarse.ground_m_per_px(own.lat_deg, own.lon_deg, 16)[0])
     width_m = mission.camera.ground_size_m(600.0)[0]
     assert own.size_px[0] == round(width_m / source_m)
     assert max(plan(mission.with_(upsample=True), coarse).size_px) == 640

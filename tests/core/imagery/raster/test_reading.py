@@ -26,7 +26,7 @@ from tests.support import rasters  # noqa: E402
 #: A raster of one tile that lies on the map's own grid, so that pixels come out as they are stored.
 ZOOM, COLUMN, ROW, SIZE = 15, 17_240, 11_380, 64
 TILE = Window(ZOOM, COLUMN * 256, ROW * 256, SIZE, SIZE)
-SIZE_M = PixelGrid().resolution_m_per_px(ZOOM)
+SIZE_M = PixelGrid().pixel_size(ZOOM)[0]
 ON_GRID = (
     -HALF_WORLD_M + COLUMN * 256 * SIZE_M,
     SIZE_M,

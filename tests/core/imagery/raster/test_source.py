@@ -63,8 +63,8 @@ def off_map(epsg, x, y):
 
 def map_centres(window, grid):
     """Map coordinates (h, w) of a window's pixels."""
-    west, _, _, north = grid.edges_m(*window[1:], window.zoom)
-    size = grid.resolution_m_per_px(window.zoom)
+    west, _, _, north = grid.edges(*window[1:], window.zoom)
+    size = grid.pixel_size(window.zoom)[0]
     return np.meshgrid(
         west + (np.arange(window.width_px) + 0.5) * size, north - (np.arange(window.height_px) + 0.5) * size
     )
@@ -72,7 +72,7 @@ def map_centres(window, grid):
 
 def window_about(source, epsg, x, y, zoom, size=256):
     map_x, map_y = on_map(epsg, x, y)
-    size_m = source.grid.resolution_m_per_px(zoom)
+    size_m = source.grid.pixel_size(zoom)[0]
     left, top = (map_x + HALF_WORLD_M) / size_m, (HALF_WORLD_M - map_y) / size_m
     return Window(zoom, round(float(left)) - size // 2, round(float(top)) - size // 2, size, size)
 
@@ -144,7 +144,7 @@ def test_captured_files_state_where_their_pixels_lie(tmp_path):
     assert not result.failed
     assert worked_out.zoom == source.grid.native_zoom
     windows = worked_out.windows
-    edges = source.grid.edges_m(*windows, worked_out.zoom)
+    edges = source.grid.edges(*windows, worked_out.zoom)
     to_utm = pyproj.Transformer.from_crs(3857, UTM_EPSG, always_xy=True)
     seen = []
     for index, name in enumerate(worked_out.names):
@@ -165,7 +165,7 @@ def test_captured_files_state_where_their_pixels_lie(tmp_path):
 @pytest.mark.parametrize("zoom", [3, 14, 19, 22])
 def test_pixels_on_the_map_s_own_grid_are_copied_and_their_overviews_averaged(zoom, tmp_path):
     grid = PixelGrid()
-    size = grid.resolution_m_per_px(zoom)
+    size = grid.pixel_size(zoom)[0]
     left, top = (
         (grid.world_px(zoom) * 17 // 32) // 256 * 256 - 64,
         (grid.world_px(zoom) * 11 // 32) // 256 * 256 - 32,
@@ -196,7 +196,7 @@ def test_a_cog_in_google_s_tiling_scheme_is_copied(tmp_path, library):
     west, size, _, north, _, _ = stored.GetGeoTransform()
     source = open_raster(cog)
     zoom = source.grid.native_zoom
-    assert source.grid.resolution_m_per_px(zoom) == pytest.approx(size, rel=1e-9)
+    assert source.grid.pixel_size(zoom)[0] == pytest.approx(size, rel=1e-9)
     left, top = round((west + HALF_WORLD_M) / size), round((HALF_WORLD_M - north) / size)
     window = Window(zoom, left + 256, top + 256, 256, 256)
     alpha = stored.GetRasterBand(1).GetMaskBand().ReadAsArray(256, 256, 256, 256)
@@ -214,7 +214,7 @@ def test_enlarged_it_is_gdal_s_bilinear(tmp_path):
     source = open_raster(path)
     zoom = source.grid.native_zoom + 2
     window = window_about(source, UTM_EPSG, UTM[0] + 120.0, UTM[3] - 120.0, zoom, 128)
-    edges = source.grid.edges_m(*window[1:], zoom)
+    edges = source.grid.edges(*window[1:], zoom)
     warped = gdal.Warp(
         "",
         str(path),
@@ -250,7 +250,7 @@ def test_native_zoom_is_the_highest_that_does_not_enlarge(epsg, geotransform, tm
 
     def raster_px_per_px(zoom):
         """Steps of columns and rows over one pixel of the map at the raster's centre."""
-        size = source.grid.resolution_m_per_px(zoom)
+        size = source.grid.pixel_size(zoom)[0]
         x, y = off_map(
             epsg, map_x + np.array([-0.5, 0.5, 0, 0]) * size, map_y + np.array([0, 0, -0.5, 0.5]) * size
         )
@@ -271,7 +271,7 @@ def test_across_the_antimeridian(tmp_path):
         source = open_raster(rasters.write(tmp_path / f"{epsg}.tif", colours, geotransform, epsg))
         zoom = source.grid.native_zoom
         world = source.grid.world_px(zoom)
-        top = int((HALF_WORLD_M - 900_000.0) / source.grid.resolution_m_per_px(zoom))
+        top = int((HALF_WORLD_M - 900_000.0) / source.grid.pixel_size(zoom)[0])
         window = Window(zoom, world - 60, top, 120, 100)
         pixels = picture_of(source, window).astype(float)
         x, y = map_centres(window, source.grid)

@@ -29,7 +29,7 @@ from tests.support import rasters  # noqa: E402
 from tests.support.services import ServiceServer  # noqa: E402
 
 ZOOM, SIZE = 15, 64
-SIZE_M = PixelGrid().resolution_m_per_px(ZOOM)
+SIZE_M = PixelGrid().pixel_size(ZOOM)[0]
 ON_GRID = (
     -HALF_WORLD_M + 17_240 * 256 * SIZE_M,
     SIZE_M,
