@@ -5,9 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
+from pyproj import CRS
 
 from ..errors import InvalidInput
 from ..geodesy.footprint import exact
@@ -17,7 +19,9 @@ from ..mission.plan import Plan
 from .metadata import degrees, xml_text
 from .tiff import Kind, Tag
 
-EPSG = 3857
+WEB_MERCATOR = "EPSG:3857"
+#: What GeoTIFF says of a CRS that has no code.
+_USER_DEFINED = 32767
 #: WGS 84 and Web Mercator as WKT 1, which every GDAL reads; texts that do not depend on PROJ's version or database.
 WGS84_WKT = (
     'GEOGCS["WGS 84",DATUM["WGS_1984",SPHEROID["WGS 84",6378137,298.257223563,AUTHORITY["EPSG","7030"]],'
@@ -46,10 +50,12 @@ class Georeference:
     Parameters
     ----------
     west_m, south_m, east_m, north_m : float
-        Outer edges of the outermost pixels in metres of EPSG:3857; east beyond the world's half width
+        Outer edges of the outermost pixels in the CRS's unit; on EPSG:3857 east may lie beyond the world's half width,
         where a picture crosses the antimeridian.
     width_px, height_px : int
         Size of the picture as written; the pixels need not be square.
+    crs : str
+        ``EPSG:code`` of a projected CRS, or its WKT.
     """
 
     west_m: float
@@ -58,6 +64,7 @@ class Georeference:
     north_m: float
     width_px: int
     height_px: int
+    crs: str = WEB_MERCATOR
 
     def __post_init__(self) -> None:
         edges = (self.west_m, self.south_m, self.east_m, self.north_m)
@@ -72,7 +79,7 @@ class Georeference:
 
     @property
     def pixel_size_m(self) -> tuple[float, float]:
-        """Width and height of a pixel in metres of EPSG:3857, both positive."""
+        """Width and height of a pixel in the CRS's unit, both positive."""
         return (self.east_m - self.west_m) / self.width_px, (self.north_m - self.south_m) / self.height_px
 
     @property
@@ -90,7 +97,7 @@ class Georeference:
     def aux_xml(self, metadata: Mapping[str, str]) -> str:
         """Text of GDAL's auxiliary file (PAM): CRS, geotransform and metadata, for formats that hold no CRS."""
         return _pam_text(
-            f'  <SRS dataAxisToSRSAxisMapping="1,2">{xml_text(WEB_MERCATOR_WKT)}</SRS>\n'
+            f'  <SRS dataAxisToSRSAxisMapping="1,2">{xml_text(_wkt_1(self.crs))}</SRS>\n'
             f"  <GeoTransform>{', '.join(map(repr, self.geotransform))}</GeoTransform>\n",
             metadata,
         )
@@ -101,9 +108,8 @@ class Georeference:
         return [
             Tag(33550, Kind.DOUBLE, [width_m, height_m, 0.0]),  # ModelPixelScale
             Tag(33922, Kind.DOUBLE, [0.0, 0.0, 0.0, self.west_m, self.north_m, 0.0]),  # ModelTiepoint
-            Tag(
-                34735, Kind.SHORT, _geo_keys([(1024, 1), (1025, 1), (3072, EPSG)])
-            ),  # projected, areas, the CRS
+            # Projected, areas, the CRS: one without a code stands beside the file, where GDAL looks first.
+            Tag(34735, Kind.SHORT, _geo_keys([(1024, 1), (1025, 1), (3072, _code(self.crs))])),
         ]
 
 
@@ -174,6 +180,16 @@ class ControlPoints:
             Tag(33922, Kind.DOUBLE, ties),  # ModelTiepoint
             Tag(34735, Kind.SHORT, _geo_keys([(1024, 2), (1025, 1), (2048, _GEOGRAPHIC_EPSG)])),
         ]
+
+
+def _code(crs: str) -> int:
+    return int(crs[5:]) if crs.startswith("EPSG:") else _USER_DEFINED
+
+
+@lru_cache(maxsize=8)
+def _wkt_1(crs: str) -> str:
+    """CRS as WKT 1, which every GDAL reads."""
+    return WEB_MERCATOR_WKT if crs == WEB_MERCATOR else str(CRS.from_user_input(crs).to_wkt("WKT1_GDAL"))
 
 
 def _geo_keys(keys: list[tuple[int, int]]) -> list[int]:

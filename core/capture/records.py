@@ -110,7 +110,7 @@ def job_of(
     place: Place
     if plan.size_px is None:
         west, south, east, north = (float(edges[index]) for edges in plan.edges)
-        place = Georeference(west, south, east, north, width, height)
+        place = Georeference(west, south, east, north, width, height, plan.grid.plane.crs)
     else:
         place = ControlPoints.of(plan, index, width, height)
     pose = {name: float(values[index]) for name, values in zip(plan.poses._fields, plan.poses)}
@@ -142,15 +142,15 @@ def _effective_gsd_m(plan: Plan, index: int) -> float:
     """Metres of ground that a picture tells apart in its middle: a pixel of its own, or of the source where larger."""
     mission, grid = plan.mission, plan.grid
     if plan.size_px is None:
-        lat = np.asarray(plan.frame_centres[0][index])
-        own, zoom = float(grid.ground_m_per_px(lat, plan.zoom)), plan.zoom
+        lat, lon = (np.asarray(angle[index]) for angle in plan.frame_centres)
+        own, zoom = float(grid.ground_m_per_px(lat, lon, plan.zoom)), plan.zoom
     else:
-        lat = np.asarray(plan.lat_deg[index])
+        lat, lon = np.asarray(plan.lat_deg[index]), np.asarray(plan.lon_deg[index])
         own = mission.camera.ground_size_m(float(plan.agl_m[index]))[0] / plan.size_px[0]
         zoom = sampled_zooms(mission, grid)[1]
     if mission.output.img_size is not None:
         own *= float(plan.width_px[index]) / mission.output.img_size[0]
-    return max(own, float(grid.ground_m_per_px(lat, min(zoom, grid.native_zoom))))
+    return max(own, float(grid.ground_m_per_px(lat, lon, min(zoom, grid.native_zoom))))
 
 
 def _camera_metadata(plan: Plan, shot: Window | Shot) -> tuple[tuple[str, str], ...]:
@@ -204,7 +204,7 @@ def table_of(plan: Plan, source: Source, outcomes: Mapping[str, Outcome]) -> Tab
         yaw_deg=poses.yaw_deg,
         tilt_deg=poses.tilt_deg,
         roll_deg=poses.roll_deg,
-        left_px=np.mod(left, plan.grid.world_px(plan.zoom)),
+        left_px=np.asarray(plan.grid.wrapped_px(left, plan.zoom), np.float64),
         top_px=top,
         width_px=width,
         height_px=height,

@@ -103,7 +103,10 @@ def _levels(table: Table, agl_m: float, fov_deg: float) -> Floats:
     ground_m = 2.0 * agl_m * math.tan(math.radians(fov_deg) / 2.0)
     diagonal_px = np.hypot(table.image_width_px, table.image_height_px)
     coarse = np.array(
-        [float(_GRID.ground_m_per_px(lat, zoom)) for lat, zoom in zip(table.lat_deg, table.zoom.tolist())]
+        [
+            float(_GRID.ground_m_per_px(lat, lon, zoom))
+            for lat, lon, zoom in zip(table.lat_deg, table.lon_deg, table.zoom.tolist())
+        ]
     )
     exact = np.log2(coarse * diagonal_px / ground_m)
     whole = np.round(exact)

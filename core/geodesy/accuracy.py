@@ -239,8 +239,9 @@ def grazing(sin_below: Floats, height_share: Floats) -> tuple[Floats, Floats]:
 def condition_number(scene: Scene, *, on_mercator: bool = True) -> float:
     """Largest relative change of a ground position per relative change of what it is worked out from.
 
-    The larger of sec φ, of Mercator's latitude where the pictures lie on its map, and of the ray that meets the ground most flatly: its ground distance
-    against its angle off nadir, on a sphere. Infinite where the horizon is in the picture.
+    The larger of sec φ, of Mercator's latitude where the pictures lie on its map, and of the ray that meets the ground
+    most flatly: its ground distance against its angle off nadir, on a sphere. Infinite where the horizon is in the
+    picture.
     """
     nearest_pole = float(np.max(np.abs(scene.poses.lat_deg))) if on_mercator else 0.0
     mercator = 1.0 / float(np.cos(np.radians(nearest_pole)))

@@ -11,7 +11,7 @@ from ..errors import InvalidInput
 from .accuracy import Scene, map_noise_px, with_noise
 from .camera import EDGE_MIDPOINTS, Camera, Poses
 from .ellipsoid import WGS84, Ellipsoid, trace
-from .mercator import PixelGrid, lat_to_v, lon_to_u, v_to_lat, wrap_lon_deg
+from .mercator import PixelGrid, lat_to_v, lon_to_u, wrap_lon_deg
 from .planes import ProjectedPlane
 
 Floats = NDArray[np.float64]
@@ -49,8 +49,8 @@ class Windows(NamedTuple):
     """Rectangles in a source's global pixel grid at one zoom; arrays of one shape (n,).
 
     Left and top count from 180° W and 85.0511° N, or from the upper left corner of a plane of the source's own; left is
-    continuous (below 0 or beyond the world's width across the antimeridian). They are whole numbers (int64), or float64 where the source places
-    pictures by their centre.
+    continuous (below 0 or beyond the world's width across the antimeridian). They are whole numbers (int64), or float64
+    where the source places pictures by their centre.
     """
 
     left_px: Numbers | Floats

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Union
+from typing import TypeVar, Union
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +19,8 @@ from .planes import ProjectedPlane
 
 Floats = NDArray[np.float64]
 Numbers = NDArray[np.int64]
+#: Whole numbers, one or many.
+Whole = TypeVar("Whole", int, NDArray[np.int64])
 
 #: Half the width of the EPSG:3857 world in metres.
 HALF_WORLD_M = math.pi * WGS84.a_m
@@ -158,16 +160,20 @@ class PixelGrid:
         return self.plane if isinstance(self.plane, ProjectedPlane) else None
 
     def pixel_size(self, zoom: int) -> tuple[float, float]:
-        """Width and height of a pixel at ``zoom`` in the CRS's unit (of the map: metres on the ground at the equator)."""
+        """Width and height of a pixel at ``zoom`` in the CRS's unit (of the map: metres of the equator)."""
         return self.plane.width / self.world_px(zoom), self.plane.height / self.world_px(zoom)
 
     def meridian_u(self, lon_deg: Floats) -> Floats:
-        """World fractions that frames and views count from: the cameras' meridians on the map, else the plane's west."""
+        """World fractions that frames and views count from: cameras' meridians on the map, else the plane's west."""
         return np.zeros(np.shape(lon_deg)) if self.own else lon_to_u(lon_deg)
 
-    def wrapped(self, column: Numbers, zoom: int) -> Numbers:
+    def wrapped(self, column: Whole, zoom: int) -> Whole:
         """Columns of tiles within the world, which the map goes on around, and a plane of its own does not."""
         return column if self.own else column % (1 << zoom)
+
+    def wrapped_px(self, left_px: Floats | Numbers, zoom: int) -> Floats | Numbers:
+        """Left edges within the world, as `wrapped` has columns."""
+        return left_px if self.own else np.mod(left_px, self.world_px(zoom))
 
     def ground_m_per_px(self, lat_deg: Floats, lon_deg: Floats, zoom: int) -> Floats:
         """Metres of ground per px, along the pixels' rows on the ellipsoid, at ``zoom`` and positions (any shape)."""

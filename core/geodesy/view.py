@@ -430,7 +430,8 @@ class ImageRays(NamedTuple):
     def bends(self, x_px: Floats | Numbers, y_px: Floats | Numbers, v: Floats) -> Floats:
         """How much straight lines of the ground bend at image points, over the Earth's curvature (`Plane.bend`)."""
         if self.own is None:
-            return np.abs(np.sinh((0.5 - v) * (2.0 * np.pi)))
+            steepness: Floats = np.abs(np.sinh((0.5 - v) * (2.0 * np.pi)))
+            return steepness
         seen = self.ground(x_px, y_px)
         lat, lon = (np.where(np.isfinite(v), angle, 0.0) for angle in (seen.lat_deg, seen.dlon_deg))
         bend = self.own.bend(lat, self.scene.poses.lon_deg[0] + lon)

@@ -17,7 +17,8 @@ Pixels = NDArray[np.uint8]
 class Window(NamedTuple):
     """A rectangle of a source's global pixel grid at a zoom; hashable, so that equal ones are fetched once.
 
-    Left and top count px from 180° W and 85.0511° N; they are whole but for sources addressed by centre.
+    Left and top count px from the upper left corner of the grid's plane (of the map 180° W and 85.0511° N); they are
+    whole but for sources addressed by centre.
     """
 
     zoom: int
@@ -101,15 +102,15 @@ class Source(Protocol):
 
 
 def tile_parts(window: Window, grid: PixelGrid) -> list[Part]:
-    """Tiles of ``grid`` that fill a whole-numbered window, by rows; columns wrap around the world.
+    """Tiles of ``grid`` that fill a whole-numbered window, by rows; columns wrap around the world, where it is the map.
 
     The part of a tile starts at ``x * tile_px, y * tile_px`` of its wrapped column x and row y.
     """
-    size, columns = grid.tile_px, 1 << window.zoom
+    size = grid.tile_px
     left, top = int(window.left_px), int(window.top_px)
     return [
         Part(
-            Window(window.zoom, column % columns * size, row * size, size, size),
+            Window(window.zoom, grid.wrapped(column, window.zoom) * size, row * size, size, size),
             column * size - left,
             row * size - top,
         )

@@ -37,7 +37,7 @@ def metres(lon_deg: Floats, lat_deg: Floats) -> Ring:
 
 
 def pictures_m(plan: Plan, part: slice = _ALL) -> Iterator[list[Ring]]:
-    """What each picture shows, in metres of EPSG:3857: a map frame, or the footprint of a camera frame.
+    """What each picture shows, in the plan's CRS (EPSG:3857, or the source's own): a map frame, or a footprint.
 
     Map frames are as their files state them. What a footprint has beyond the map is cut off; it may leave nothing.
 
@@ -46,9 +46,17 @@ def pictures_m(plan: Plan, part: slice = _ALL) -> Iterator[list[Ring]]:
     list of (easting, northing)
         Several where it crosses the antimeridian.
     """
+    own = plan.grid.own
     if plan.size_px is None:
         for edges in zip(*(edge[part].tolist() for edge in plan.edges)):
-            yield _rectangles(*edges)
+            yield _rectangles(*edges) if own is None else [_rectangle(*edges)]
+        return
+    if own is not None:
+        for index in range(*part.indices(len(plan))):
+            lon, lat = footprint_ring(plan, index)
+            x, y = own.to_crs(lat, lon)
+            reached = np.isfinite(x)
+            yield [(x[reached], y[reached])] if reached.sum() > 2 else []
         return
     corners = plan.corners
     lon, lat = corners.lon_deg[part], corners.lat_deg[part]
@@ -165,10 +173,11 @@ def _rectangles(west: float, south: float, east: float, north: float) -> list[Ri
     spans = [(west - shift, min(east - shift, HALF_WORLD_M))]
     if east - shift > HALF_WORLD_M:
         spans.append((-HALF_WORLD_M, east - shift - _WORLD_M))
-    return [
-        (np.array([left, right, right, left]), np.array([south, south, north, north]))
-        for left, right in spans
-    ]
+    return [_rectangle(left, south, right, north) for left, right in spans]
+
+
+def _rectangle(west: float, south: float, east: float, north: float) -> Ring:
+    return np.array([west, east, east, west]), np.array([south, south, north, north])
 
 
 def _clipped_to_map(lon_deg: Floats, lat_deg: Floats) -> Ring:

@@ -31,7 +31,7 @@ from .layout.coverage import (
     unique_tiles,
 )
 from .layout.framing import ground_of, nominal_poses, sampled_zooms
-from .layout.rotated import Pass, rotated_coverage, rotated_overlap, rotated_rectangles
+from .layout.rotated import Pass, rotated_coverage, rotated_overlap, rotated_rectangles, share_on
 from .layout.rows import Layout
 from .methods import Accuracy, choose_methods
 from .mission import Mission
@@ -203,7 +203,7 @@ class Plan:
 
     @cached_property
     def edges(self) -> tuple[Floats, Floats, Floats, Floats]:
-        """West, south, east, north of the windows in metres of EPSG:3857, or in the unit of the source's CRS, (n,) each."""
+        """West, south, east, north of the windows in the unit of the grid's CRS (metres of EPSG:3857), (n,) each."""
         left, top, width, height = (np.asarray(part, np.float64) for part in self.windows)
         return self.grid.edges(left, top, width, height, self.zoom)
 
@@ -219,7 +219,14 @@ class Plan:
     @cached_property
     def imagery(self) -> Imagery:
         """What the source has imagery of, as far as its grid says where that ends."""
-        return imagery_of(self.mission.area, self.windows, self.grid, self.zoom)
+        found, own, extent = (
+            imagery_of(self.mission.area, self.windows, self.grid, self.zoom),
+            self.grid.own,
+            self.grid.extent,
+        )
+        if own is None or extent is None or isinstance(self.mission.area, Points):
+            return found
+        return found._replace(share=share_on(self.mission.area, own, extent))
 
     @cached_property
     def overlap(self) -> Overlap:

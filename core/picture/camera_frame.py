@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import PartError
-from ..geodesy.mercator import PixelGrid, lon_to_u
+from ..geodesy.mercator import PixelGrid
 from ..geodesy.view import Patches, Samples, View
 from ..imagery.source import Part, Window
 from .map_frame import checked
@@ -29,7 +29,11 @@ def camera_parts(view: View, lon_deg: float) -> list[Part]:
     """
     size = view.grid.tile_px
     return [
-        Part(Window(zoom, column % (1 << zoom) * size, row * size, size, size), column * size, row * size)
+        Part(
+            Window(zoom, view.grid.wrapped(column, zoom) * size, row * size, size, size),
+            column * size,
+            row * size,
+        )
         for zoom, column, row in view.tiles(lon_deg)
     ]
 
@@ -70,7 +74,7 @@ def render(
         A part of another size than it was asked for, or without imagery where the picture shows it.
     """
     grounds = {zoom: _ground(zoom, parts, pixels) for zoom in {part.window.zoom for part in parts}}
-    u = float(lon_to_u(np.asarray(lon_deg)))
+    u = float(view.grid.meridian_u(np.asarray(lon_deg)))
     picture = np.zeros((view.height_px, view.width_px, 3), np.uint8)
     for patches in view.patches:
         ground = grounds[patches.zoom]

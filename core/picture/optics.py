@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..geodesy.camera import Camera
+from ..geodesy.ellipsoid import WGS84
 from ..geodesy.mercator import lat_to_v, lon_to_u
 from ..mission.cameras import shipped_cameras
 from ..mission.layout.framing import ground_of
@@ -103,7 +104,15 @@ def optics_of(plan: Plan, at: NDArray[np.int64]) -> Optics:
 def _map_frames(plan: Plan, at: NDArray[np.int64]) -> tuple[Floats, Floats, Floats, Floats]:
     """Focal lengths and principal point of the camera that looks straight down and sees a map frame."""
     world_px = float(plan.grid.world_px(plan.zoom))
-    lat, ground = plan.lat_deg[at], ground_of(plan.mission)
+    lat, ground, own = plan.lat_deg[at], ground_of(plan.mission), plan.grid.own
+    if own is not None:
+        # Metres of raised ground are as many more as its radius is longer.
+        raised = WGS84.normal_radius_m(lat) / ground.normal_radius_m(lat)
+        across_m, down_m = (size / world_px for size in own.ground_m(lat, plan.lon_deg[at]))
+        u, v = own.forward(lat, plan.lon_deg[at])
+        left, top = (np.asarray(values[at], np.float64) for values in plan.windows[:2])
+        agl = plan.agl_m[at] * raised
+        return agl / across_m, agl / down_m, u * world_px - left, v * world_px - top
     # Pixels of the map for each radian that the camera's ground moves along: a metre is 1/N cos or 1/M of one.
     px_per_rad = plan.agl_m[at] * world_px / (2.0 * math.pi * np.cos(np.radians(lat)))
     left, top = (np.asarray(values[at], np.float64) for values in plan.windows[:2])

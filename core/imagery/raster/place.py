@@ -12,6 +12,7 @@ from pyproj.exceptions import ProjError
 
 from ...errors import InvalidInput
 from ...geodesy.mercator import HALF_WORLD_M, PixelGrid, extent_of_outline, fitting_zoom
+from ...geodesy.planes import ProjectedPlane
 from ...geodesy.projections import through_proj
 from ..source import Window
 from .reading import Facts
@@ -22,6 +23,9 @@ _MAP = "EPSG:3857"
 #: Two systems are one where their coordinates agree to this: 1/1000 of a pixel at zoom 23, and a thousand times the
 #: noise of going to geographic coordinates and back.
 _SAME_M = 1e-5
+TILE_PX = 256
+#: What pixels of a raster may lie beside the map's, px, and still be those.
+_SAME_PX = 1e-3
 #: Points along each side of a raster where systems are compared.
 _COMPARED = 5
 
@@ -72,6 +76,44 @@ class Place:
         """Whether its coordinates are others than the map's."""
         return self._to_map is not None
 
+    def own_plane(self) -> tuple[ProjectedPlane, int] | None:
+        """Plane whose pixels at the zoom that is returned are the raster's own; None where they become the map's.
+
+        They do where its rows do not run along those of a projected CRS (degrees, turned rasters), and where
+        they are the map's.
+        """
+        across, down = (abs(float(step)) for step in self._steps.diagonal())
+        if not self._crs.is_projected or self._steps[0, 1] or self._steps[1, 0] or self._is_on_tiles():
+            return None
+        zoom = max(math.ceil(math.log2(max(self._width, self._height, TILE_PX) / TILE_PX)), 0)
+        size = TILE_PX << zoom
+        x, y = self._coordinates(np.array([0.0, self._width]), np.array([0.0, self._height]))
+        plane = ProjectedPlane(
+            named_crs(self._crs), float(x.min()), float(y.max()), across * size, down * size
+        )
+        corners = plane.from_crs(x, y)
+        if not np.isfinite(corners).all():
+            raise InvalidInput("its corners lie beyond what {0} reaches", self._crs.name)
+        return plane, zoom
+
+    def own_extent(self, zoom: int) -> tuple[tuple[float, float], ...]:
+        """Corners of the raster as fractions of its own plane."""
+        right, bottom = (side / (TILE_PX << zoom) for side in (self._width, self._height))
+        return ((0.0, 0.0), (right, 0.0), (right, bottom), (0.0, bottom))
+
+    def _is_on_tiles(self) -> bool:
+        """Whether its pixels are those of the map at one of its zooms."""
+        if self._to_map is not None or self._steps[0, 1] or self._steps[1, 0]:
+            return False
+        across, down = (abs(float(step)) for step in self._steps.diagonal())
+        zoom = math.log2(2.0 * HALF_WORLD_M / TILE_PX / across)
+        first = (self._origin - np.array([-HALF_WORLD_M, HALF_WORLD_M])) / across
+        return (
+            abs(across - down) * max(self._width, self._height) <= _SAME_PX * across
+            and abs(zoom - round(zoom)) * max(self._width, self._height) <= _SAME_PX
+            and bool((np.abs(first - np.rint(first)) <= _SAME_PX).all())
+        )
+
     @property
     def is_upright(self) -> bool:
         """Whether its columns and rows run along those of the map."""
@@ -109,7 +151,7 @@ class Place:
         )
 
     def positions(self, window: Window, grid: PixelGrid) -> tuple[Floats, Floats]:
-        """Columns and rows of the raster at the centres of a window's pixels and of one more around them.
+        """Columns and rows of the raster at the centres of pixels of the map, or of its own plane, and one more around.
 
         Returns
         -------
@@ -117,22 +159,23 @@ class Place:
             From the outer corner of the raster's first pixel; not finite where the raster's system does not reach.
             Of shapes (1, width_px + 2) and (height_px + 2, 1) where the raster is upright.
         """
-        size_m = grid.pixel_size(window.zoom)[0]
-        x = -HALF_WORLD_M + (window.left_px + np.arange(-1, window.width_px + 1) + 0.5) * size_m
-        y = HALF_WORLD_M - (window.top_px + np.arange(-1, window.height_px + 1) + 0.5) * size_m
-        if self.is_upright:
+        across, down = grid.pixel_size(window.zoom)
+        x = grid.plane.west + (window.left_px + np.arange(-1, window.width_px + 1) + 0.5) * across
+        y = grid.plane.north - (window.top_px + np.arange(-1, window.height_px + 1) + 0.5) * down
+        upright = grid.own is not None or self.is_upright
+        if upright:
             x, y = x[np.newaxis, :], y[:, np.newaxis]
         else:
             x, y = np.meshgrid(x, y)
-        if self._to_map is not None:
+        if self._to_map is not None and grid.own is None:
             x, y = through_proj(self._to_map.transform, x, y, direction=TransformDirection.INVERSE)
-        if self._period is not None:
+        if self._period is not None and grid.own is None:
             # A raster across the antimeridian counts on where the map begins anew.
             away = np.abs(x - self._centre_x) > self._period / 2.0
             if away.any():
                 turns = np.rint((x - self._centre_x) / self._period)
                 x = np.where(away & np.isfinite(x), x - turns * self._period, x)
-        if self.is_upright:
+        if upright:
             return (x - self._origin[0]) / self._steps[0, 0], (y - self._origin[1]) / self._steps[1, 1]
         to_pixels = np.linalg.inv(self._steps)
         right, up = x - self._origin[0], y - self._origin[1]
@@ -170,6 +213,12 @@ class Place:
             apart = map_x - x
             apart = apart - np.rint(apart / (2.0 * HALF_WORLD_M)) * (2.0 * HALF_WORLD_M)
             return bool((np.abs(apart) <= _SAME_M).all() and (np.abs(map_y - y) <= _SAME_M).all())
+
+
+def named_crs(crs: CRS) -> str:
+    """``EPSG:code`` where a CRS is one of those, else its WKT."""
+    code = crs.to_epsg()
+    return f"EPSG:{code}" if code else str(crs.to_wkt())
 
 
 def _horizontal(wkt: str) -> CRS:

@@ -15,22 +15,24 @@ import numpy as np
 
 from ...errors import InvalidInput, Message, PartError, SourceError
 from ...geodesy.mercator import PixelGrid
+from ...geodesy.planes import ProjectedPlane
 from ...limits import MAX_METADATA_CHARACTERS
 from ...text import printable
 from ..opening import FileSource
 from ..policy import Policy
 from ..source import Part, Pixels, Window, tile_parts
 from .colours import Colours, colours_of
-from .place import Place
+from .place import TILE_PX, Place
 from .reading import Box, Bytes, Facts, Pool, ReadError, opener
 from .resampling import MOST_PX, Boxes, Floats, Sums, boxes, means, reduced
 from .trust import check_virtual, drivers_for, file_of_part
 
 #: Highest zoom served, by enlarging, where the raster's own is below: that of tiles.
 _MAX_ZOOM = 22
+#: Zooms above a raster's own that are served by enlarging, where it has a plane of its own.
+_ENLARGED_ZOOMS = 6
 #: The finest pixels a grid can have, 0.1 mm.
 _HIGHEST_ZOOM = 30
-_TILE_PX = 256
 #: Pixels of an overview that a pixel of the map is the mean of at least, along each side. Overviews may have been made
 #: by leaving pixels out, which shifts them by half of one of theirs: an eighth of one of the map.
 _LEAST_OF_OVERVIEW_PX = 4.0
@@ -58,7 +60,7 @@ class RasterFile(FileSource):
         return open_raster(self.text, date=self.options.date or "")
 
 
-def open_raster(path: str | os.PathLike[str], *, date: str = "") -> RasterSource:
+def open_raster(path: str | os.PathLike[str], *, date: str = "", own_pixels: bool = True) -> RasterSource:
     """Open a raster file as a source of imagery.
 
     A picture that says where it lies: GeoTIFF, COG, JPEG 2000, a picture with world file and projection, a VRT of
@@ -72,6 +74,9 @@ def open_raster(path: str | os.PathLike[str], *, date: str = "") -> RasterSource
         GDAL's virtual file systems, ``/vsi…``.
     date : str
         Of the imagery, YYYY-MM-DD, YYYY-MM or YYYY; empty for what the file states, if anything.
+    own_pixels : bool
+        Whether pictures are made of the raster's own pixels in its own CRS, where that can be (see `RasterSource`).
+        False makes them of the Web-Mercator map's, so that they align with those of other sources.
 
     Raises
     ------
@@ -92,7 +97,7 @@ def open_raster(path: str | os.PathLike[str], *, date: str = "") -> RasterSource
     try:
         with pool.lent(0) as raster:
             facts = raster.facts()
-        return RasterSource(name, file, date or date_of_tags(facts.tags), facts, pool)
+        return RasterSource(name, file, date or date_of_tags(facts.tags), facts, pool, own_pixels=own_pixels)
     except ReadError as wrong:
         pool.close()
         raise InvalidInput("{0}: is no raster that can be read: {1}", file, wrong) from wrong
@@ -104,6 +109,9 @@ def open_raster(path: str | os.PathLike[str], *, date: str = "") -> RasterSource
 class RasterSource:
     """A raster file of 8 bits a colour, in any coordinate reference system; made by `open_raster`.
 
+    Where its rows run along those of a projected CRS, pictures are made of its own pixels, and of means of 2, 4, 8 … of
+    them along each side. Otherwise, and where they are the map's anyway, they are made of the map's pixels.
+
     Each pixel of the map is the mean over its footprint in the raster, placed by PROJ pixel by pixel: bilinear where
     it is no larger than the raster's, the average where it is, and the raster's own pixel, unchanged, where the two
     grids fall together. Where a footprint is not imagery throughout (beyond the edge, nodata, mask, alpha 0) the
@@ -114,7 +122,9 @@ class RasterSource:
     map_types: tuple[str, ...] = ()
     policy = Policy()
 
-    def __init__(self, name: str, path: str, date: str, facts: Facts, pool: Pool) -> None:
+    def __init__(
+        self, name: str, path: str, date: str, facts: Facts, pool: Pool, *, own_pixels: bool
+    ) -> None:
         if not facts.bands:
             inside = Message("name one of those within, such as {0}", facts.parts[0]) if facts.parts else None
             raise InvalidInput("is no raster itself", remedy=inside)
@@ -129,7 +139,7 @@ class RasterSource:
         self._sizes = facts.sizes
         self._pool = pool
         self._state = _state(path)
-        self.grid = self._own_grid()
+        self.grid = self._grid(self._place.own_plane() if own_pixels else None)
 
     def __repr__(self) -> str:
         return f"RasterSource({self._path!r}, {self.grid})"
@@ -177,15 +187,19 @@ class RasterSource:
         """Close the file; parts asked for from now on raise `Cancelled`."""
         self._pool.close()
 
-    def _own_grid(self) -> PixelGrid:
-        native = min(max(self._place.native_zoom(), 0), _HIGHEST_ZOOM)
+    def _grid(self, own: tuple[ProjectedPlane, int] | None) -> PixelGrid:
+        native = own[1] if own else min(max(self._place.native_zoom(), 0), _HIGHEST_ZOOM)
         width, height = self._sizes[-1]
         lowest = 0
         if width * height > MOST_PX:
             # Without overviews that are small enough, tiles of low zooms would be means of too many pixels.
-            side = self._sizes[0][0] / width * MOST_PX**0.5 / _TILE_PX
+            side = self._sizes[0][0] / width * MOST_PX**0.5 / TILE_PX
             lowest = max(native - int(np.log2(side)) + 1, 0)
-        return PixelGrid(_TILE_PX, lowest, max(native, _MAX_ZOOM), native, extent=self._place.extent())
+        if own is None:
+            highest, extent = max(native, _MAX_ZOOM), self._place.extent()
+            return PixelGrid(TILE_PX, lowest, highest, native, extent=extent)
+        highest, extent = min(native + _ENLARGED_ZOOMS, _HIGHEST_ZOOM), self._place.own_extent(native)
+        return PixelGrid(TILE_PX, lowest, highest, native, extent=extent, plane=own[0])
 
     def _mean_colours(self, over: Boxes, part: Window) -> Bytes:
         level = self._level(over)

@@ -35,7 +35,7 @@ def parts(count: int) -> Iterator[slice]:
 
 def batches(plan: Plan) -> Iterator[dict[str, list[Any]]]:
     """Columns of the table for one batch of captures after the other, as Python values."""
-    left = np.mod(plan.windows.left_px, plan.grid.world_px(plan.zoom))
+    left = plan.grid.wrapped_px(plan.windows.left_px, plan.zoom)
     lon = wrap_lon_deg(plan.lon_deg)
     corner_lon = wrap_lon_deg(plan.corners.lon_deg)
     for part in parts(len(plan)):

@@ -398,14 +398,17 @@ class Imagery(NamedTuple):
 
 
 def imagery_of(area: Area, windows: Windows, grid: PixelGrid, zoom: int) -> Imagery:
-    """What of an area, and of pictures over it, lies on the extent of the source's imagery."""
+    """What of an area, and of pictures over it, lies on the extent of the source's imagery.
+
+    The share of the area is None where that lies in a plane of its own (see `rotated.share_on`).
+    """
     whole = None if isinstance(area, Points) else 1.0
     if grid.extent is None:
         return Imagery(whole, 0, 0)
     extent = np.array(grid.extent, np.float64)
     extent = extent if _twice_area(extent) > 0.0 else extent[::-1]
-    outside, partly = _pictures_beyond(windows, extent, grid.world_px(zoom))
-    share = None if isinstance(area, Points) else _share(_rings(area), extent)
+    outside, partly = _pictures_beyond(windows, extent, grid, zoom)
+    share = None if isinstance(area, Points) or grid.own else _share(_rings(area), extent)
     return Imagery(share, outside, partly)
 
 
@@ -428,12 +431,13 @@ def _turns(u: Floats, extent: Floats) -> Floats:
     return np.arange(first, last + 1.0)
 
 
-def _pictures_beyond(windows: Windows, extent: Floats, world_px: int) -> tuple[int, int]:
+def _pictures_beyond(windows: Windows, extent: Floats, grid: PixelGrid, zoom: int) -> tuple[int, int]:
     """Pictures outside an extent (positively oriented), and partly so."""
+    world_px = grid.world_px(zoom)
     left, top, right, bottom = (edge / world_px for edge in windows.bounds_px)
     room = _ROUNDED_PX / world_px
     inside, touched = np.zeros(len(left), bool), np.zeros(len(left), bool)
-    for turn in _turns(np.concatenate([left, right]), extent):
+    for turn in [0.0] if grid.own else _turns(np.concatenate([left, right]), extent):
         corners = extent + np.array([turn, 0.0])
         (west, north), (east, south) = corners.min(axis=0), corners.max(axis=0)
         held = np.ones(len(left), bool)
@@ -459,14 +463,14 @@ def _share(rings: list[tuple[Floats, Floats]], extent: Floats) -> float:
         total += sign * WGS84.ring_area_m2(lon, lat)
         on_map = np.stack([lon_to_u(lon), lat_to_v(lat)], axis=1)
         for turn in _turns(on_map[:, 0], extent):
-            part = _within(on_map, extent + np.array([turn, 0.0]))
+            part = within(on_map, extent + np.array([turn, 0.0]))
             if len(part) > 2:
                 held += sign * WGS84.ring_area_m2(u_to_lon(part[:, 0]), v_to_lat(part[:, 1]))
     share = held / total if total > 0.0 else 1.0
     return 1.0 if share > 1.0 - _NOTHING_MISSING else max(share, 0.0)
 
 
-def _within(ring: Floats, convex: Floats) -> Floats:
+def within(ring: Floats, convex: Floats) -> Floats:
     """Ring inside a convex one that is positively oriented (Sutherland and Hodgman's clipping)."""
     for corner, following in zip(convex, np.roll(convex, -1, axis=0)):
         along = following - corner

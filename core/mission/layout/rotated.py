@@ -12,12 +12,12 @@ from ...errors import InvalidInput, Message, OptionName
 from ...geodesy.camera import Poses
 from ...geodesy.ellipsoid import Ellipsoid
 from ...geodesy.mercator import wrap_lon_deg
-from ...geodesy.planes import ProjectedPlane
+from ...geodesy.planes import ProjectedPlane, TurnedPlane
 from ...geodesy.projections import NOISE_M, LocalPlane
 from ...geodesy.rectangles import RowsPlane, Sides, common_sides, image_rings, own_sides
 from ..area import Box, Points, Polygon, crossed_and_held, ground_m2, in_band, sides_of, touching
 from ..mission import Mission
-from .coverage import Coverage, Overlap, Rectangles, gaps, joined, overlap_of, shares
+from .coverage import Coverage, Overlap, Rectangles, gaps, joined, overlap_of, shares, within
 from .rows import Layout, in_order, refuse_beyond_mercator, refuse_no_step, refuse_too_many
 
 Floats = NDArray[np.float64]
@@ -98,6 +98,14 @@ def lay_out_rotated(
     area = mission.area
     if isinstance(area, Points):
         raise InvalidInput("points have no rows that could be turned")
+    if mission.flight.layout != "cover" and not is_rotated(mission):
+        raise InvalidInput(
+            "layout {0}: lies on the Web-Mercator map, and the source has pixels of its own in {1}",
+            mission.flight.layout,
+            "" if own is None else own.name,
+            field="layout",
+            remedy=Message("use {0} {1}", OptionName("layout"), "cover"),
+        )
     if mission.flight.layout != "cover":
         what = (
             Message("grid angle {0:g} deg", mission.flight.grid_angle_deg)
@@ -219,6 +227,16 @@ def _common(mission: Mission, shape: Shape, plane: RowsPlane, ground: Ellipsoid)
     middle = _posed(mission, plane, np.zeros(1), np.zeros(1))
     ring, _, whole = image_rings(mission.camera, middle, plane, ground)
     if not whole.all():
+        if isinstance(plane, TurnedPlane):
+            raise InvalidInput(
+                "camera with tilt {0:g}, roll {1:g} deg from {2:g} m: sees past the horizon, and an area is covered by "
+                "images of ground alone on a source that has its own CRS",
+                mission.attitude.tilt_deg,
+                mission.attitude.roll_deg,
+                mission.flight.agl_m,
+                field="tilt_deg",
+                remedy="tilt it less or fly lower",
+            )
         if mission.attitude.tilt_deg or mission.attitude.roll_deg:
             raise InvalidInput(
                 "camera with tilt {0:g}, roll {1:g} deg from {2:g} m: sees past the horizon, where "
@@ -350,8 +368,57 @@ def rotated_coverage(
         missing = _near(shape, missing)
         if not len(missing.x0):
             break
-    lost = ground_m2(shape, *missing, plane.inverse)
+    lost = (
+        _ground_on(plane, shape, missing)
+        if isinstance(plane, TurnedPlane)
+        else ground_m2(shape, *missing, plane.inverse)
+    )
     return Coverage(area.area_m2(), float(lost.sum()), complete=not len(lost))
+
+
+def share_on(area: Box | Polygon, own: ProjectedPlane, extent: tuple[tuple[float, float], ...]) -> float:
+    """Share of an area that lies on a rectangle (its corners as fractions) of a plane, measured in the plane."""
+    plane = own.turned(*_middle_on(own, area), 0.0)
+    shape = _shape(area, plane, _EXTENT_M)
+    u, v = np.array(extent).T
+    x, y = plane.of_crs(own.west + u * own.width, own.north - v * own.height)
+    rectangle = np.array([[x.min(), y.min()], [x.max(), y.min()], [x.max(), y.max()], [x.min(), y.max()]])
+    points = np.concatenate([np.stack(ring, axis=1) for ring in shape.rings])
+    if (points >= rectangle[0]).all() and (points <= rectangle[2]).all():
+        return 1.0
+    whole, held = (sum(_clipped_m2(shape, some)) for some in (_around(points), rectangle))
+    return min(max(held / whole, 0.0), 1.0)
+
+
+def _around(points: Floats) -> Floats:
+    (west, south), (east, north) = points.min(axis=0), points.max(axis=0)
+    return np.array([[west, south], [east, south], [east, north], [west, north]])
+
+
+def _clipped_m2(shape: Shape, rectangle: Floats) -> list[float]:
+    """Areas in the plane of a shape's rings inside a rectangle (4, 2), holes negative."""
+    parts = [within(np.stack(ring, axis=1), rectangle) for ring in shape.rings]
+    areas = [
+        abs(float(np.sum(p[:, 0] * np.roll(p[:, 1], -1) - np.roll(p[:, 0], -1) * p[:, 1]))) / 2.0
+        for p in parts
+    ]
+    return [area if number == 0 else -area for number, area in enumerate(areas)]
+
+
+def _ground_on(plane: TurnedPlane, shape: Shape, found: Rectangles) -> Floats:
+    """Square metres of ground of a shape inside rectangles, (n,): their areas in the plane by its scale there.
+
+    A plane may hold a pole, about which longitudes have no order that an area could be worked out by.
+    """
+    x0, y0, x1, y1 = found
+    lat, lon = plane.inverse((x0 + x1) / 2.0, (y0 + y1) / 2.0)
+    own = plane.plane
+    across, down = own.ground_m(lat, lon)
+    scale = across / (own.width * own.unit_m) * down / (own.height * own.unit_m)
+    corners = np.stack([x0, y0, x1, y0, x1, y1, x0, y1], axis=1).reshape(-1, 4, 2)
+    inside = np.array([max(sum(_clipped_m2(shape, rectangle)), 0.0) for rectangle in corners])
+    ground: Floats = inside * scale
+    return ground[ground > 0.0]
 
 
 def _near(shape: Shape, found: Rectangles) -> Rectangles:
