@@ -151,9 +151,7 @@ def test_background_shows_the_world_where_it_is(desk):
     file = gdal.Open(layer.source())
     west, resolution, _, north, _, _ = file.GetGeoTransform()
     source = open_source("world")
-    zoom = next(
-        z for z in range(23) if source.grid.pixel_size(z)[0] == pytest.approx(resolution, rel=1e-9)
-    )
+    zoom = next(z for z in range(23) if source.grid.pixel_size(z)[0] == pytest.approx(resolution, rel=1e-9))
     half_world = 20_037_508.342789244
     left, top = round((west + half_world) / resolution), round((half_world - north) / resolution)
     assert (left % 256, top % 256) == (0, 0)

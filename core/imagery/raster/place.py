@@ -26,6 +26,8 @@ _SAME_M = 1e-5
 TILE_PX = 256
 #: What pixels of a raster may lie beside the map's, px, and still be those.
 _SAME_PX = 1e-3
+#: Rounding of coordinates that are taken to degrees and back.
+_SAME_SHARE = 1e-9
 #: Points along each side of a raster where systems are compared.
 _COMPARED = 5
 
@@ -91,9 +93,11 @@ class Place:
         plane = ProjectedPlane(
             named_crs(self._crs), float(x.min()), float(y.max()), across * size, down * size
         )
-        corners = plane.from_crs(x, y)
-        if not np.isfinite(corners).all():
-            raise InvalidInput("its corners lie beyond what {0} reaches", self._crs.name)
+        middle = x.mean(), y.mean()
+        back = plane.to_crs(*plane.from_crs(*middle))
+        # There and back its centre moves by nothing, but where the projection does not reach.
+        if not np.allclose(back, middle, rtol=_SAME_SHARE, atol=_SAME_PX * min(across, down)):
+            raise InvalidInput("its centre lies beyond what {0} reaches", self._crs.name)
         return plane, zoom
 
     def own_extent(self, zoom: int) -> tuple[tuple[float, float], ...]:

@@ -247,7 +247,9 @@ def test_points_keep_their_own_heights_and_share_a_zoom():
     assert worked_out.column.tolist() == [0, 1]
     assert worked_out.coverage is None
     assert worked_out.overlap.least_along is None
-    widths = worked_out.windows.width_px * GRID.ground_m_per_px(worked_out.lat_deg, worked_out.lon_deg, worked_out.zoom)
+    widths = worked_out.windows.width_px * GRID.ground_m_per_px(
+        worked_out.lat_deg, worked_out.lon_deg, worked_out.zoom
+    )
     assert widths[0] / widths[1] == pytest.approx(2.0, rel=0.01)
 
 

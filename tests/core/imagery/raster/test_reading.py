@@ -258,7 +258,7 @@ def test_rasters_without_a_place_on_the_map_are_refused_in_one_line(values, tmp_
         tmp_path / "world.tif", values[:3, :1, :1], (-180.0, 360.0, 0.0, 10.0, 0.0, -20.0), 4326
     )
     assert "its pixels are as wide as the whole map" in refused(one_pixel)
-    assert "does not lie on the Web-Mercator map" in refused(
+    assert "its centre lies beyond what WGS 84 / Pseudo-Mercator reaches" in refused(
         path("huge", (0.0, 1e300, 0.0, 0.0, 0.0, -1e300), 3857)
     )
     by_points = gdal.Open(str(path("points", None, None)), gdal.GA_Update)

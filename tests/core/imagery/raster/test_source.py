@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from concurrent.futures import ThreadPoolExecutor
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -19,7 +20,7 @@ from terrainav.core.imagery.raster.reading import (  # noqa: E402
     GdalFile,
     RasterioFile,
 )
-from terrainav.core.imagery.raster.source import open_raster  # noqa: E402
+from terrainav.core.imagery.raster.source import open_raster as open_any  # noqa: E402
 from terrainav.core.imagery.source import Window  # noqa: E402
 from terrainav.core.mission.area import Box  # noqa: E402
 from terrainav.core.mission.mission import Mission  # noqa: E402
@@ -28,6 +29,8 @@ from terrainav.core.picture.map_frame import assemble  # noqa: E402
 
 from tests.support import rasters  # noqa: E402
 
+#: These are about rasters as pixels of the map; `test_own_pixels` is about their own.
+open_raster = partial(open_any, own_pixels=False)
 # Beside a checkout, never inside it: USDA NAIP photographs of North Dakota on three dates, 5 m pixels, EPSG:26914.
 PHOTOGRAPHS = Path(__file__).resolve().parents[5] / "shared" / "data" / "naip"
 INSIDE_PHOTOGRAPHS = Box(47.028, -99.174, 47.012, -99.136)
