@@ -184,6 +184,7 @@ def table_of(plan: Plan, source: Source, outcomes: Mapping[str, Outcome]) -> Tab
     left, top, width, height = (np.asarray(values, np.float64)[at] for values in plan.windows)
     image_width, image_height = (np.asarray(size[at], np.float64) for size in (plan.width_px, plan.height_px))
     poses = plan.poses.take(at)
+    own = plan.grid.own
     unknown = np.full(len(at), np.nan)
     nominal = Poses(*(unknown,) * 6) if plan.nominal is None else plan.nominal.take(at)
     if plan.mission.output.img_size:
@@ -210,6 +211,11 @@ def table_of(plan: Plan, source: Source, outcomes: Mapping[str, Outcome]) -> Tab
         height_px=height,
         image_width_px=image_width,
         image_height_px=image_height,
+        crs=("" if own is None else own.crs,) * len(at),
+        west=unknown if own is None else plan.edges[0][at],
+        north=unknown if own is None else plan.edges[3][at],
+        pixel_width=np.full(len(at), np.nan if own is None else plan.grid.pixel_size(plan.zoom)[0]),
+        pixel_height=np.full(len(at), np.nan if own is None else plan.grid.pixel_size(plan.zoom)[1]),
         sky_share=np.array([row.sky_share for row in rows], np.float64),
         unmapped_share=np.array([row.unmapped_share for row in rows], np.float64),
         nominal_lat_deg=nominal.lat_deg,

@@ -22,6 +22,7 @@ from PIL import Image
 from ..errors import InvalidInput
 from ..geodesy.ellipsoid import sight_lines, trace
 from ..geodesy.mercator import lat_to_v, lon_to_u, v_to_lat, wrap_lon_deg
+from ..geodesy.planes import ProjectedPlane
 from .dataset import UNREADABLE, ImageSet
 from .folder import MISSION_FILE, PLAN_FILE
 from .published import framed
@@ -86,10 +87,10 @@ class Boxes(NamedTuple):
 def boxes_of(images: ImageSet, rows: NDArray[np.intp], dataset: Path, middle_lon_deg: float) -> Boxes:
     """Boxes of the ground that some images show.
 
-    Of map frames these are their windows, exactly; of the published datasets, what `published.framed` makes of the
-    images' sizes; of camera frames, the ground within the four corners of the plan's table, of which curved edges are
-    followed, and a margin. Not known is the ground of an image that sees the horizon or a pole, and of one that no map
-    has been the source of.
+    Of map frames these are their windows, exactly, or boxes about those in a CRS of their source's own; of the
+    published datasets, what `published.framed` makes of the images' sizes; of camera frames, the ground within the
+    four corners of the plan's table, of which curved edges are followed, and a margin. Not known is the ground of an
+    image that sees the horizon or a pole, and of one that no map has been the source of.
 
     Parameters
     ----------
@@ -119,6 +120,8 @@ def boxes_of(images: ImageSet, rows: NDArray[np.intp], dataset: Path, middle_lon
     # All images of a mission are frames of one kind.
     if len(framed_rows) and _of_camera(images, rows[framed_rows], dataset):
         edges[:, framed_rows] = _seen(table, rows[framed_rows], dataset / PLAN_FILE, middle_u)
+    elif len(framed_rows) and any(table.crs):
+        edges[:, framed_rows] = _on_planes(table, rows[framed_rows], middle_u)
     elif len(framed_rows):
         edges[:, framed_rows] = _windows(table, rows[framed_rows], images.folder, middle_u)
     return Boxes(*edges)
@@ -149,6 +152,35 @@ def _windows(table: Table, rows: NDArray[np.intp], folder: Path, middle_u: float
     return Boxes(
         left / world, (left + width) / world, v_to_lat((top + height) / world), v_to_lat(top / world)
     )
+
+
+def _on_planes(table: Table, rows: NDArray[np.intp], middle_u: float) -> Boxes:
+    """Boxes of windows in CRSs of their sources' own, of whose curved edges points are followed."""
+    edges = np.full((4, len(rows)), np.nan)
+    share = np.linspace(0.0, 1.0, _EDGE_POINTS)
+    across = np.concatenate([share, np.ones_like(share), share, np.zeros_like(share)])
+    down = np.concatenate([np.zeros_like(share), share, np.ones_like(share), share])
+    crs = np.array(table.crs)[rows]
+    for one in np.unique(crs):
+        at = np.flatnonzero(crs == one)
+        west, north, width, height, columns, lines = (
+            values[rows[at], np.newaxis]
+            for values in (
+                *(table.west, table.north, table.pixel_width, table.pixel_height),
+                *(table.width_px, table.height_px),
+            )
+        )
+        plane = ProjectedPlane(str(one), 0.0, 0.0, 1.0, 1.0)
+        lat, lon = plane.from_crs(west + across * width * columns, north - down * height * lines)
+        # Around a pole the longitudes go on and on, and no box holds the ground.
+        way = wrap_lon_deg(np.roll(lon, -1, axis=1) - lon)
+        known = np.isfinite(lat).all(axis=1) & (np.abs(way.sum(axis=1)) < 180.0)
+        lon = lon[:, :1] + np.concatenate([np.zeros((len(at), 1)), np.cumsum(way[:, :-1], axis=1)], axis=1)
+        u = lon_to_u(lon)
+        u = u - np.round(u[:, :1] - middle_u)
+        box = u.min(axis=1), u.max(axis=1), lat.min(axis=1), lat.max(axis=1)
+        edges[:, at] = np.where(known, box, np.nan)
+    return Boxes(*edges)
 
 
 def _published(images: ImageSet, rows: NDArray[np.intp]) -> Table:
@@ -205,7 +237,9 @@ def _of_camera(images: ImageSet, rows: NDArray[np.intp], dataset: Path) -> bool:
     that a capture leaves beside each.
     """
     table = images.table
-    turned = [np.nan_to_num(angle[rows]) != 0.0 for angle in (table.yaw_deg, table.tilt_deg, table.roll_deg)]
+    # Map frames in a CRS of their own point to its north.
+    angles = (*(() if any(table.crs) else (table.yaw_deg,)), table.tilt_deg, table.roll_deg)
+    turned = [np.nan_to_num(angle[rows]) != 0.0 for angle in angles]
     if np.any(turned):
         return True
     path = images.path(int(rows[0]))

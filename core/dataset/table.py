@@ -29,9 +29,11 @@ _OLD_HEADERS = {"row": "rows"}
 #: Columns of the published dataset, which every table has; all others may be missing, and their cells empty.
 _NEEDED = ("img_names", "columns", "rows", "lat_deg", "lon_deg", "zoom")
 _WHOLE = ("columns", "rows", "zoom")
-_TEXT = ("img_names", "source", "attribution", "imagery_date", "status", "reason")
+_TEXT = ("img_names", "crs", "source", "attribution", "imagery_date", "status", "reason")
 #: Those whose text is a provider's or a server's.
 _FOREIGN = ("source", "attribution", "imagery_date", "reason")
+#: Columns of images whose source has a CRS of its own; left out of the tables of others.
+_OWN = ("crs", "west", "north", "pixel_width", "pixel_height")
 #: Columns of whole numbers, written as such; readers of other datasets may find none in them.
 _PIXELS = ("left_px", "top_px", "width_px", "height_px", "image_width_px", "image_height_px")
 #: Column that is not ours alone: why an image is rejected; empty for one that is kept. A table without is not cleaned.
@@ -75,6 +77,11 @@ class Table:
         Windows in the source's global pixel grid at ``zoom``.
     image_width_px, image_height_px : array
         Sizes of the images as written.
+    crs : tuple of str
+        Code or WKT of the source's own CRS; empty where the windows are of the Web-Mercator map. Where no image has
+        one, tables are written without it and the next four.
+    west, north, pixel_width, pixel_height : array
+        Where the windows lie in that CRS, in its unit: their upper left corners, and the pixels of ``zoom``.
     sky_share, unmapped_share : array
         Shares of an image's pixels that see no ground, and ground that no Web-Mercator source has.
     nominal_lat_deg, nominal_lon_deg, nominal_agl_m, nominal_yaw_deg, nominal_tilt_deg, nominal_roll_deg : array
@@ -105,6 +112,11 @@ class Table:
     height_px: Floats
     image_width_px: Floats
     image_height_px: Floats
+    crs: tuple[str, ...]
+    west: Floats
+    north: Floats
+    pixel_width: Floats
+    pixel_height: Floats
     sky_share: Floats
     unmapped_share: Floats
     nominal_lat_deg: Floats
@@ -177,10 +189,11 @@ class Table:
 
     def _blocks(self) -> Iterator[str]:
         """Text of the headers and then of some rows at a time, as cells take far more memory than numbers."""
-        yield _csv([[*HEADERS, *self.other]])
+        written = [name for name in FIELDS if name not in _OWN or any(self.crs)]
+        yield _csv([[*(_HEADERS.get(name, name) for name in written), *self.other]])
         for start in range(0, len(self), _ROWS_A_BLOCK):
             rows = slice(start, start + _ROWS_A_BLOCK)
-            own = [_texts(name, getattr(self, name)[rows]) for name in FIELDS]
+            own = [_texts(name, getattr(self, name)[rows]) for name in written]
             yield _csv(zip(*own, *(column[rows] for column in self.other.values())))
 
     @classmethod
