@@ -185,18 +185,18 @@ def mesh_noise_px(scene: Scene) -> Floats:
     return _NOISE_PX + 4.0 * _MAP_NOISE_M / scene.nadir_px_m
 
 
-def outside_flat_domain(scene: Scene, bend: Floats | None = None) -> str:
+def outside_flat_domain(scene: Scene, bend: float | None = None) -> str:
     """Why the methods of flat ground have no bound here, with the value and the limit; empty where they have one.
 
     Parameters
     ----------
-    bend : array (n,) or None
-        How much the plane of the map bends the ground's straight lines, over the Earth's curvature; None for Mercator,
-        which does as the tangent of the latitude.
+    bend : float or None
+        How much the plane of the map bends the ground's straight lines at most, over the Earth's curvature; None for
+        Mercator, which does as the tangent of the latitude.
     """
-    bend = scene.lat_tangent if bend is None else bend
+    bends = scene.lat_tangent if bend is None else bend
     stretch = float(np.max(scene.height_share)) * scene.diagonal_tangent**2
-    size = float(np.max(scene.size_share * np.maximum(bend, 1.0)))
+    size = float(np.max(scene.size_share * np.maximum(bends, 1.0)))
     tilted = float(max(np.max(np.abs(scene.poses.tilt_deg)), np.max(np.abs(scene.poses.roll_deg))))
     if tilted > 0.0:
         return Message("tilt or roll of {0:g} deg: holds for cameras that look straight down", tilted)

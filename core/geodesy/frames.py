@@ -113,19 +113,21 @@ def map_frame_edges(
     return FrameEdges(-east / 360.0, east / 360.0, lat_to_v(north), lat_to_v(south))
 
 
-def own_frame_px(scene: Scene, own: ProjectedPlane) -> Floats:
+def own_frame_px(scene: Scene, own: ProjectedPlane, bend: float) -> Floats:
     """Bound of map frames on a plane of a source's own, and of leaving a small attitude out, (n,).
 
     What convergence, scale and the Earth's bend put wrong is found at the corners of the image, at the middles of its
     edges and in its own. A quadratic surface through those nine is nowhere more than (5/4)² times as large, and
-    ρ(max(w, h)/R)²(1 + B²) is for what is none, B the plane's bend.
+    ρ(max(w, h)/R)²(1 + B²) is for what is none, B the plane's greatest ``bend``.
     """
     count = len(scene.poses.lat_deg)
     if count > _BATCH:
         sizes = (np.broadcast_to(size, count) for size in (scene.width_px, scene.height_px))
         width, height = sizes
         parts = [
-            own_frame_px(Scene(scene.camera, width[at], height[at], scene.poses.take(at), scene.ground), own)
+            own_frame_px(
+                Scene(scene.camera, width[at], height[at], scene.poses.take(at), scene.ground), own, bend
+            )
             for at in (slice(start, start + _BATCH) for start in range(0, count, _BATCH))
         ]
         return np.concatenate(parts)
@@ -141,7 +143,6 @@ def own_frame_px(scene: Scene, own: ProjectedPlane) -> Floats:
     width_px, height_px = (np.broadcast_to(size, count) for size in (scene.width_px, scene.height_px))
     found = np.hypot(off_x * width_px[:, np.newaxis], off_y * height_px[:, np.newaxis]).max(axis=1)
     size_m = 2.0 * poses.agl_m * max(scene.camera.half_tangents)
-    bend = own.bend(poses.lat_deg, poses.lon_deg)
     third = scene.half_diagonal_px * (size_m / scene.radius_m) ** 2 * (1.0 + bend**2)
     bound: Floats = with_noise(scene, _BETWEEN_NINE * found + third) + map_noise_px(scene)
     return np.where(np.isfinite(bound), bound, np.inf)

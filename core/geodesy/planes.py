@@ -22,6 +22,8 @@ Floats = NDArray[np.float64]
 _ABOVE_M, _NEAR, _FAR = 1e3, 1e-2, 1.0
 #: Directions in which second derivatives are compared, and what may lie between them.
 _DIRECTIONS, _BETWEEN_DIRECTIONS = 16, 1.02
+#: Positions of a mission at which bends are looked at, and what they may be greater by between those.
+_LOOKED_AT, _BETWEEN_POSITIONS = 1000, 1.1
 #: Characters of a code such as EPSG:32616; WKT has more.
 _LONGEST_CODE = 32
 #: Geographic coordinates are taken for those of WGS 84.
@@ -114,6 +116,11 @@ class ProjectedPlane:
             least = np.linalg.svd(np.where(finite, slope, np.eye(2)), compute_uv=False)[..., -1]
         bend: Floats = largest / np.where(finite[..., 0, 0], least, np.nan) * (WGS84.b_m**2 / WGS84.a_m)
         return bend
+
+    def greatest_bend(self, lat_deg: Floats, lon_deg: Floats) -> float:
+        """Greatest `bend` over positions (n,) of one mission: of many, a thousand are looked at."""
+        some = slice(None, None, -(-len(lat_deg) // _LOOKED_AT))
+        return _BETWEEN_POSITIONS * float(np.max(self.bend(lat_deg[some], lon_deg[some])))
 
     def turned(self, lat_deg: float, lon_deg: float, angle_deg: float) -> TurnedPlane:
         """Return the plane with its origin at a place, and its axes turned clockwise by an angle."""

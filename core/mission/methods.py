@@ -224,11 +224,11 @@ def map_frame(scene: Scene, outside: str = "", own: ProjectedPlane | None = None
     outside : str
         Why there are none, apart from what the scene itself says; or empty.
     """
-    bend = None if own is None else own.bend(scene.poses.lat_deg, scene.poses.lon_deg)
+    bend = None if own is None else own.greatest_bend(scene.poses.lat_deg, scene.poses.lon_deg)
     outside = outside or accuracy.outside_flat_domain(scene, bend)
     if outside:
         return Method(_PICTURE, "map", math.inf, math.inf, outside)
-    px = accuracy.map_frame_px(scene) if own is None else own_frame_px(scene, own)
+    px = accuracy.map_frame_px(scene) if own is None or bend is None else own_frame_px(scene, own, bend)
     # A pixel spans most ground at the corners of a level picture: its rays are slanted there by 1 + t².
     metres = float(np.max(px * scene.nadir_px_m)) * (1.0 + scene.diagonal_tangent**2)
     return Method(_PICTURE, "map", float(np.max(px)), metres)
@@ -313,7 +313,7 @@ def _no_map_frame(mission: Mission, grid: PixelGrid) -> str:
         return _ROTATED
     if mission.wind is not None and mission.wind.sigma_m_per_s > 0.0:
         return _WIND
-    return accuracy.outside_flat_domain(_ends(mission), None if grid.own is None else np.zeros(1))
+    return accuracy.outside_flat_domain(_ends(mission), None if grid.own is None else 0.0)
 
 
 def choose_pixels(mission: Mission, scene: Scene, others_px: float) -> Choice:

@@ -30,6 +30,8 @@ Disturbed = Callable[[Layout, Poses], Poses]
 
 #: Ratio down to which a wanted distance counts as the source's own, which are people's figures of three digits.
 _SAME_SIZE = 0.995
+#: Captures that tell a median which hardly varies.
+_SOME = 1000
 #: What a raster's pixels may be larger than the distance asked for, by the rounding of its file.
 _SAME_PIXEL = 1e-9
 #: Share of a half frame by which those of turned rows may be smaller so that many share theirs, and what turning and
@@ -99,6 +101,10 @@ def framed(mission: Mission, grid: PixelGrid, framing: Framing, disturbed: Distu
     passes: tuple[Pass, ...] = ()
     if is_rotated(mission) or (grid.own and not isinstance(mission.area, Points)):
         layout, passes = lay_out_rotated(mission, ground_of(mission), grid.own)
+        if grid.own is not None:
+            # Outer frames leave room for the rounding of their edges to the grid's pixels.
+            room_m = _ROUNDED_PX * grid.own.unit_m * max(grid.pixel_size(framing.zoom(layout)))
+            layout, passes = lay_out_rotated(mission, ground_of(mission), grid.own, room_m)
     else:
         layout = laid_out(0.0)
         if grid.own is not None:
@@ -210,10 +216,15 @@ def _nearest_zoom(mission: Mission, grid: PixelGrid, layout: Layout, px_m: Float
     stretch = (
         WGS84.normal_radius_m(layout.lat_deg) * np.cos(np.radians(layout.lat_deg)) * 2.0 * math.pi
         if grid.own is None
-        else grid.own.ground_m(layout.lat_deg, layout.lon_deg)[0]
+        else float(np.median(grid.own.ground_m(*_some(layout.lat_deg, layout.lon_deg))[0]))
     )
     span = float(np.median(px_m / np.maximum(stretch, 1.0)))
     return fitting_detail(span, grid, (grid.min_zoom, _highest(mission, grid)))
+
+
+def _some(*values: Floats) -> tuple[Floats, ...]:
+    """Every so manieth of arrays (n,), a thousand at most."""
+    return tuple(value[:: -(-len(value) // _SOME)] for value in values)
 
 
 def _highest(mission: Mission, grid: PixelGrid) -> int:

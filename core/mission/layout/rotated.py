@@ -83,11 +83,12 @@ def is_rotated(mission: Mission) -> bool:
 
 
 def lay_out_rotated(
-    mission: Mission, ground: Ellipsoid, own: ProjectedPlane | None = None
+    mission: Mission, ground: Ellipsoid, own: ProjectedPlane | None = None, room_m: float = 0.0
 ) -> tuple[Layout, tuple[Pass, ...]]:
     """Places of the captures of a mission whose rows lie in a plane.
 
-    That is one about the area, or the plane of the source's own CRS, where rows run along grid east.
+    That is one about the area, or the plane of the source's own CRS, where rows run along grid east. The area is taken
+    to be ``room_m`` larger on all sides.
 
     Raises
     ------
@@ -131,7 +132,7 @@ def lay_out_rotated(
     for angle in angles:
         plane = LocalPlane(*middle, angle) if own is None else own.turned(*_middle_on(own, area), angle)
         flown, rows = (sum(len(part.row) for part in parts), sum(int(part.row.max()) + 1 for part in parts))
-        part, sides = _laid_out(mission, area, plane, ground, flown)
+        part, sides = _laid_out(mission, area, plane, ground, flown, room_m)
         parts.append(part._replace(row=part.row + rows))
         passes.append(Pass(plane, sides, flown))
     if len(parts) == 1:
@@ -165,7 +166,7 @@ def _middle_on(own: ProjectedPlane, area: Box | Polygon) -> tuple[float, float]:
 
 
 def _laid_out(
-    mission: Mission, area: Box | Polygon, plane: RowsPlane, ground: Ellipsoid, flown: int
+    mission: Mission, area: Box | Polygon, plane: RowsPlane, ground: Ellipsoid, flown: int, room_m: float
 ) -> tuple[Layout, Sides]:
     """One pass, after so many captures, and the rectangle that its images have in common."""
     sides = _common(mission, _shape(area, plane, _EXTENT_M), plane, ground)
@@ -179,7 +180,7 @@ def _laid_out(
     # Without overlap the images' ground sums to the area's at least, but for what the plane enlarges.
     refuse_too_many(flown + _SURELY * area.area_m2() / float(width * height), mission.output.max_images)
     shape = _shape(area, plane, _BEND_SHARE * float(min(width, height)))
-    margin = shape.bend_m + _MEETING_M
+    margin = shape.bend_m + _MEETING_M + room_m
 
     y = np.concatenate([ring[1] for ring in shape.rings])
     need = float(y.max() - y.min()) + 2.0 * margin

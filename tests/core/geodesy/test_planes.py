@@ -107,7 +107,7 @@ def test_map_frames_are_within_their_bound(crs, lat, lon, agl, draws):
     yaw = -plane.north_deg(np.array([lat]), np.array([lon]))
     pose = Poses(np.array([lat]), np.array([lon]), np.array([agl]), yaw, np.zeros(1), np.zeros(1))
     scene = Scene(CAMERA, *SIZE, pose)
-    bound = float(own_frame_px(scene, plane)[0])
+    bound = float(own_frame_px(scene, plane, plane.greatest_bend(pose.lat_deg, pose.lon_deg))[0])
     # The window as it is before its edges are rounded: at a zoom of a millionth of a pixel.
     fine = PixelGrid(256, 0, 30, 30, plane=plane)
     window = [float(value[0]) / fine.world_px(30) for value in map_windows(CAMERA, pose, fine, 30)]
