@@ -83,7 +83,8 @@ def grid_finder(mission: Mission) -> Callable[[], PixelGrid]:
 
 def costs_of(name: str) -> Costs:
     """What a request to a source is assumed to take, for estimates."""
-    from ..core.mission.estimate import OFFLINE, ONLINE
+    from ..core.imagery.opening import kind_of
+    from ..core.mission.estimate import FROM_FILE, OFFLINE, ONLINE
 
     if is_of_qgis(name):
         return OFFLINE
@@ -91,7 +92,7 @@ def costs_of(name: str) -> Costs:
         return ONLINE
     source = _named(name)
     if source.is_local:
-        return OFFLINE
+        return FROM_FILE if kind_of(name).is_file else OFFLINE
     # The terms of a service are in its capabilities, which planning has read and an estimate does not read again.
     policy = source.stated_policy
     return ONLINE if policy is None else replace(ONLINE, requests_per_s=policy.requests_per_s)

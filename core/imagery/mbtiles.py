@@ -63,12 +63,7 @@ _SAMPLE = "SELECT CASE WHEN length(tile_data) <= ? THEN tile_data END FROM tiles
 class MBTilesFile(FileSource):
     """An MBTiles file as a mission names it."""
 
-    def open(self) -> MBTilesSource:
-        """Open the file; raises InvalidInput as `open_mbtiles` does, and where a date is asked for."""
-        if self.options.date:
-            raise InvalidInput(
-                "date {0!r}: {1} has no dates to choose from", self.options.date, self.text, field="date"
-            )
+    def _open(self, date: str) -> MBTilesSource:  # noqa: ARG002
         return open_mbtiles(self.text)
 
 

@@ -9,7 +9,7 @@ from functools import cached_property
 from importlib.util import resolve_name
 from pathlib import Path
 from types import ModuleType
-from typing import TYPE_CHECKING, Any, Callable, NamedTuple
+from typing import TYPE_CHECKING, Any, Callable
 
 from ..errors import InvalidInput, SourceError
 from ..files import is_there
@@ -25,16 +25,10 @@ if TYPE_CHECKING:
     from .http.transport import Transport
     from .services.capabilities import Offered
 
-#: Endings by which a name is known for a raster file that is not there, to say the right thing.
-_RASTER_ENDINGS = frozenset(
-    [".tif", ".tiff", ".vrt", ".jp2", ".img", ".png", ".jpg", ".jpeg", ".ecw", ".gpkg", ".cog"]
-)
-_MBTILES_ENDING = ".mbtiles"
+_ADDRESS = re.compile(r"://|\{")
 _SERVICE = re.compile(r"wm(ts|s):.*://", re.IGNORECASE | re.DOTALL)
 #: What stands in templates of tiles, and not in paths of dated files.
 _TILE = re.compile(r"\{(z|zoom|x|-?y|q)\}")
-#: What the plugin names layers of its project by.
-_QGIS = "qgis:"
 
 
 @dataclass(frozen=True)
@@ -99,7 +93,13 @@ def named_source(text: str, options: SourceOptions = SourceOptions()) -> NamedSo
     InvalidInput
         It is a map of QGIS, which the plugin alone knows.
     """
-    kind = _kind(text)
+    kind = kind_of(text)
+    if kind is _QGIS:
+        raise InvalidInput(
+            "source {0}: is a map of QGIS and can be captured inside QGIS only",
+            text,
+            remedy="name a file, a URL template or a name of the catalogue",
+        )
     source: NamedSource = getattr(_imported(kind.module), kind.source)(text, options)
     return source
 
@@ -122,80 +122,85 @@ def open_source(name: str, **options: Any) -> Source:
     return named_source(name, SourceOptions(**options)).open()
 
 
-def kind_of(text: str) -> str:
-    """Name of the kind of source that a text names, among `KINDS`; raises InvalidInput for a map of QGIS."""
-    return _kind(text).name
-
-
-def is_service(text: str) -> bool:
-    """Whether a source is named by a WMTS or WMS."""
-    return not text.startswith(_QGIS) and kind_of(text) == "service"
-
-
-def is_address(text: str) -> bool:
-    """Whether a source is named by an address: a URL template, or a service."""
-    return not text.startswith(_QGIS) and kind_of(text) in ("service", "template")
-
-
-def is_file(text: str) -> bool:
-    """Whether a source is named by a file of pictures, whether or not it is there.
-
-    A name as the catalogue has them is none, even where there is such a file: ``./name`` is.
-    """
-    if text.startswith("/vsi") or file_of_part(text):
-        return True
-    if text.startswith(_QGIS) or "://" in text:
-        return False
-    if _TILE.search(text) and not is_there(text):
-        # A template whose https:// was forgotten, as that says what is wrong.
-        return False
-    return _ending(text) in _RASTER_ENDINGS | {_MBTILES_ENDING} or (
-        NAME.fullmatch(text) is None and is_there(text)
-    )
-
-
-def _ending(text: str) -> str:
-    return Path(text).suffix.lower()
-
-
-class Kind(NamedTuple):
-    """A kind of source by how it is named.
+@dataclass(frozen=True)
+class Kind:
+    """A kind of source: how a text names one, and the class that it is.
 
     Parameters
     ----------
     name : str
-    recognises : callable
-        Whether a text names such a source, as far as no kind before it does.
+    named_by : str
+        What a user gives to name one: `FILE`, `ADDRESS`, `SERVICE`, `NAMED` or `PROJECT`.
     module, source : str
         Module of this package and the class of `NamedSource` in it; imported where there is such a source.
+    endings : tuple of str
+        By which paths are known for its files, whether or not they are there.
+    recognised_by : callable
+        Whether another text names one as well, as far as no kind before it is named by that.
     """
 
     name: str
-    recognises: Callable[[str], bool]
+    named_by: str
     module: str
     source: str
+    endings: tuple[str, ...] = ()
+    recognised_by: Callable[[str], object] = lambda _: None
+
+    def recognises(self, text: str) -> bool:
+        """Whether a text names such a source, as far as no kind before it does."""
+        by_ending = bool(self.endings) and Path(text).suffix.lower() in self.endings and _is_path(text)
+        return by_ending or bool(self.recognised_by(text))
+
+    @property
+    def is_file(self) -> bool:
+        """Whether it is named by the path of a file."""
+        return self.named_by == FILE
+
+    @property
+    def is_address(self) -> bool:
+        """Whether it is named by an address, be it that of tiles or of a service."""
+        return self.named_by in (ADDRESS, SERVICE)
+
+    @property
+    def is_service(self) -> bool:
+        """Whether it is named by the address of a service, which is to be asked for dates and terms."""
+        return self.named_by == SERVICE
 
 
+def _is_path(text: str) -> bool:
+    """Whether a text may be a path: an address is none, nor is a template whose https:// was forgotten."""
+    if _is_within_file(text):
+        return True
+    return "://" not in text and (_TILE.search(text) is None or is_there(text))
+
+
+def _is_within_file(text: str) -> bool:
+    return text.startswith("/vsi") or bool(file_of_part(text))
+
+
+def _is_any_file(text: str) -> bool:
+    """Whether a text names what GDAL may open; where a name of the catalogue is one of a file too, ``./name`` is."""
+    return _is_within_file(text) or (_is_path(text) and NAME.fullmatch(text) is None and is_there(text))
+
+
+#: What a user names a source by: a path, an address of tiles or of a service, a name, or a map of a QGIS project.
+FILE, ADDRESS, SERVICE, NAMED, PROJECT = "file", "address", "service", "name", "project"
+_RASTERS = (".tif", ".tiff", ".vrt", ".jp2", ".img", ".png", ".jpg", ".jpeg", ".ecw", ".gpkg", ".cog")
 #: Kinds of sources, asked in this order. A further one is its module and a line.
 KINDS = (
-    Kind(
-        "mbtiles", lambda text: is_file(text) and _ending(text) == _MBTILES_ENDING, ".mbtiles", "MBTilesFile"
-    ),
-    Kind("raster", is_file, ".raster.source", "RasterFile"),
-    Kind("service", lambda text: _SERVICE.match(text) is not None, ".services.ogc", "ServiceLayer"),
-    Kind("template", lambda text: "://" in text or "{" in text, ".catalogue", "URLTemplate"),
-    Kind("catalogue", lambda _: True, ".catalogue", "CatalogueName"),
+    Kind("mbtiles", FILE, ".mbtiles", "MBTilesFile", endings=(".mbtiles",)),
+    Kind("raster", FILE, ".raster.source", "RasterFile", endings=_RASTERS, recognised_by=_is_any_file),
+    Kind("service", SERVICE, ".services.ogc", "ServiceLayer", recognised_by=_SERVICE.match),
+    Kind("template", ADDRESS, ".catalogue", "URLTemplate", recognised_by=_ADDRESS.search),
+    Kind("catalogue", NAMED, ".catalogue", "CatalogueName", recognised_by=lambda _: True),
 )
+#: Maps of QGIS, which the plugin alone opens.
+_QGIS = Kind("qgis", PROJECT, "", "", recognised_by=re.compile("qgis:").match)
 
 
-def _kind(text: str) -> Kind:
-    if text.startswith(_QGIS):
-        raise InvalidInput(
-            "source {0}: is a map of QGIS and can be captured inside QGIS only",
-            text,
-            remedy="name a file, a URL template or a name of the catalogue",
-        )
-    return next(kind for kind in KINDS if kind.recognises(text))
+def kind_of(text: str) -> Kind:
+    """Kind of source that a text names, whether or not there is such a source."""
+    return next(kind for kind in (_QGIS, *KINDS) if kind.recognises(text))
 
 
 def _imported(module: str) -> ModuleType:
@@ -377,6 +382,20 @@ class DescribedSource(EntrySource):
 
 class FileSource(NamedSource):
     """A file of pictures, on this machine; what it says of itself is read once."""
+
+    #: Whether a date may be asked for.
+    takes_date = False
+
+    @abstractmethod
+    def _open(self, date: str) -> Source:
+        """Open the file, of a date where one is asked for; raises InvalidInput where it cannot be."""
+
+    def open(self) -> Source:
+        """Open it; raises InvalidInput where that cannot be, and for a date that it does not take."""
+        date = self.options.date or ""
+        if date and not self.takes_date:
+            raise InvalidInput("date {0!r}: {1} has no dates to choose from", date, self.text, field="date")
+        return self._open(date)
 
     @property
     def is_local(self) -> bool:

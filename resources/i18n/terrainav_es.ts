@@ -2081,6 +2081,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
+        <source>nothing ({count} tiles read from the file)</source>
+        <translation>nada ({count} teselas leídas del archivo)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/figures.py"/>
         <source>requested {requested}, delivered {delivered}</source>
         <translation>pedido {requested}, entregado {delivered}</translation>
     </message>
@@ -5367,7 +5372,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/entry.py"/>
-        <location filename="../../core/imagery/mbtiles.py"/>
+        <location filename="../../core/imagery/opening.py"/>
         <source>date {0!r}: {1} has no dates to choose from</source>
         <translation>fecha {0!r}: {1} no tiene fechas que elegir</translation>
     </message>
@@ -6694,6 +6699,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/estimate.py"/>
         <source>nothing (computed here)</source>
         <translation>nada (se calcula aquí)</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/estimate.py"/>
+        <source>nothing (read from the file)</source>
+        <translation>nada (se lee del archivo)</translation>
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>

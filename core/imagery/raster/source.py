@@ -53,9 +53,10 @@ _MOST_NAMED = 10
 class RasterFile(FileSource):
     """A raster file, or a path of such files with {date} in it."""
 
-    def open(self) -> RasterSource:
-        """Open the file, of the date that is asked for; raises InvalidInput as `open_raster` does."""
-        return open_raster(self.text, date=self.options.date or "")
+    takes_date = True
+
+    def _open(self, date: str) -> RasterSource:
+        return open_raster(self.text, date=date)
 
 
 def open_raster(path: str | os.PathLike[str], *, date: str = "") -> RasterSource:
