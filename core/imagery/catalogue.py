@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import difflib
 import os
-from collections.abc import Container, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from functools import cached_property
-from typing import Any, NamedTuple, Protocol
+from typing import Any, Protocol
 
-from ..config import config_file, read_named, write_named
+from ..config import Shelf, config_file, read_named, read_shelf, write_named
 from ..errors import InvalidInput, Message, OptionName
 from ..map_types import MAP_TYPES
 from .entry import NAME, CatalogueEntry, shipped, shipped_data, shipped_entry, under_provider
@@ -159,40 +159,9 @@ def check_policy(
     source.policy.check(source.title, requests, accept_terms, instead)
 
 
-class Shelf(NamedTuple):
-    """A user's own sources, and what is wrong with those that are left out.
-
-    Parameters
-    ----------
-    entries : tuple of CatalogueEntry
-        Each under the terms of its provider where that is known.
-    problems : mapping of str to str
-        Name of a source to what is wrong with it; names the file.
-    """
-
-    entries: tuple[CatalogueEntry, ...]
-    problems: Mapping[str, str]
-
-
-def shelf(folder: str | os.PathLike[str] | None = None) -> Shelf:
-    """Return the user's entries that are right, and what is wrong with the others: one does not hide another.
-
-    Raises
-    ------
-    InvalidInput
-        The file cannot be read; names it.
-    """
-    path = config_file(FILE, folder)
-    taken = shipped_data()
-    entries: list[CatalogueEntry] = []
-    problems: dict[str, str] = {}
-    for name, data in read_named(path, Message("sources")).items():
-        entry = _entry_or_problem(name, data, taken)
-        if isinstance(entry, CatalogueEntry):
-            entries.append(entry)
-        else:
-            problems[name] = Message("{0}: {1}", path, entry)
-    return Shelf(tuple(entries), problems)
+def shelf(folder: str | os.PathLike[str] | None = None) -> Shelf[CatalogueEntry]:
+    """Return the user's entries, under their providers' terms, and what is wrong with others; see `read_shelf`."""
+    return read_shelf(config_file(FILE, folder), Message("sources"), _entry)
 
 
 def user_sources(folder: str | os.PathLike[str] | None = None) -> tuple[CatalogueEntry, ...]:
@@ -290,8 +259,6 @@ def add(name: str, data: Mapping[str, Any], folder: str | os.PathLike[str] | Non
         The file cannot be written.
     """
     _check_name(name)
-    if name in shipped_data():
-        raise _of_the_catalogue(name)
     path = config_file(FILE, folder)
     known = read_named(path, Message("sources"))
     if name in known:
@@ -325,18 +292,16 @@ def remove(name: str, folder: str | os.PathLike[str] | None = None) -> None:
     write_named(path, {other: data for other, data in known.items() if other != name})
 
 
-def _of_the_catalogue(name: str) -> InvalidInput:
-    return InvalidInput(
-        "source name {0!r}: is one of the catalogue's", name, field="name", remedy="choose another"
-    )
-
-
 def _check_name(name: str) -> None:
     if not NAME.fullmatch(name):
         raise InvalidInput(
             "source name {0!r}: must be lower-case letters, digits, hyphens and underscores, at most 64",
             name,
             field="name",
+        )
+    if name in shipped_data():
+        raise InvalidInput(
+            "source name {0!r}: is one of the catalogue's", name, field="name", remedy="choose another"
         )
 
 
@@ -348,12 +313,3 @@ def _entry(name: str, data: Any) -> CatalogueEntry:
     if entry.kind != "xyz":
         raise InvalidInput("catalogue entry {0!r}: must be of kind xyz", name)
     return under_provider(entry)
-
-
-def _entry_or_problem(name: str, data: Any, taken: Container[str]) -> CatalogueEntry | str:
-    if name in taken:
-        return Message(_of_the_catalogue(name))
-    try:
-        return _entry(name, data)
-    except InvalidInput as wrong:
-        return Message(wrong)

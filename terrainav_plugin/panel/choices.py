@@ -94,11 +94,11 @@ def source_choices(project: QgsProject) -> tuple[list[SourceChoice], str]:
     wrong = ""
     entries = list(shipped())
     try:
-        own, problems = shelf()
-        entries += own
-        wrong = "; ".join(problems.values())
+        own = shelf()
+        entries += own.entries
+        wrong = "; ".join(map(translate, own.problems.values()))
     except InvalidInput as unreadable:
-        wrong = str(unreadable)
+        wrong = translate(unreadable)
     choices = [_of_entry(entry) for entry in entries]
     choices += [_of_connection(name) for name in connection_names()]
     asked = tr(
