@@ -6,15 +6,15 @@ import difflib
 import os
 from collections.abc import Iterable, Mapping
 from functools import cached_property
-from typing import Any, Protocol
+from typing import Any
 
 from ..config import Shelf, config_file, read_named, read_shelf, write_named
 from ..errors import InvalidInput, Message, OptionName
 from ..map_types import MAP_TYPES
 from .entry import NAME, CatalogueEntry, shipped, shipped_data, shipped_entry, under_provider
-from .opening import EntrySource
+from .opening import EntrySource, NamedSource
 from .placeholder import Placeholder
-from .policy import Policy
+from .source import Source
 from .template import KEY_ENV, Template, environment_key
 
 FILE = "sources.json"
@@ -117,21 +117,8 @@ def alternatives(
     )
 
 
-class _WithTerms(Protocol):
-    """A source, or what a text names one by."""
-
-    @property
-    def title(self) -> str: ...
-
-    @property
-    def map_types(self) -> tuple[str, ...]: ...
-
-    @property
-    def policy(self) -> Policy: ...
-
-
 def check_policy(
-    source: _WithTerms,
+    source: Source | NamedSource,
     requests: int,
     *,
     accept_terms: bool = False,

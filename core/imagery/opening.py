@@ -263,23 +263,28 @@ class NamedSource(ABC):
 
     @property
     @abstractmethod
-    def title(self) -> str:
-        """What people see."""
+    def _known(self) -> CatalogueEntry | Source:
+        """What tells its title, map types and terms."""
 
     @property
-    @abstractmethod
+    def title(self) -> str:
+        """What people see."""
+        return self._known.title
+
+    @property
     def map_types(self) -> tuple[str, ...]:
         """Map types it can tell apart; empty where it has one kind of picture only."""
+        return self._known.map_types
+
+    @property
+    def policy(self) -> Policy:
+        """What its provider allows, or the licence that a file states."""
+        return self._known.policy
 
     @property
     @abstractmethod
     def grid(self) -> PixelGrid:
         """Its pixels."""
-
-    @property
-    @abstractmethod
-    def policy(self) -> Policy:
-        """What its provider allows."""
 
     @property
     @abstractmethod
@@ -312,6 +317,10 @@ class EntrySource(NamedSource):
         return self._find()
 
     @property
+    def _known(self) -> CatalogueEntry:
+        return self.entry
+
+    @property
     def needs_key(self) -> bool:
         """Whether its entry names an environment variable with a key."""
         return self.entry.key_env is not None
@@ -319,21 +328,6 @@ class EntrySource(NamedSource):
     def environment_key(self) -> str | None:
         """Key of the variable that the entry names."""
         return self.entry.key(None)
-
-    @property
-    def title(self) -> str:
-        """Title of the entry."""
-        return self.entry.title
-
-    @property
-    def map_types(self) -> tuple[str, ...]:
-        """Map types of the entry."""
-        return self.entry.map_types
-
-    @property
-    def policy(self) -> Policy:
-        """Terms of the entry."""
-        return self.entry.policy
 
     @cached_property
     def _wanted(self) -> tuple[str, PixelGrid]:
@@ -408,32 +402,17 @@ class FileSource(NamedSource):
         return Policy()
 
     @cached_property
-    def _read(self) -> Source:
+    def _known(self) -> Source:
         source = self.open()
         source.close()
         return source
 
     @property
-    def title(self) -> str:
-        """Title that the file states, or its name."""
-        return self._read.title
-
-    @property
-    def map_types(self) -> tuple[str, ...]:
-        """None: a file has one kind of picture."""
-        return ()
-
-    @property
     def grid(self) -> PixelGrid:
         """Its pixels, up to its own zoom."""
-        return self._read.grid
-
-    @property
-    def policy(self) -> Policy:
-        """Licence that the file states."""
-        return self._read.policy
+        return self._known.grid
 
     @property
     def date(self) -> str:
         """Date asked for, or that the file states."""
-        return self._read.date
+        return self._known.date

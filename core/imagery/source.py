@@ -157,3 +157,12 @@ def tile_address(part: Window, grid: PixelGrid, title: str) -> Tile:
     if not (0 <= tile.x < 1 << tile.zoom and 0 <= tile.y < 1 << tile.zoom):
         raise PartError("{0}: beyond the edge of the map", tile)
     return tile
+
+
+def over_white(colour: Pixels, alpha: Pixels) -> Pixels:
+    """Colours over white by their alpha, 0 to 255; of one shape, or of shapes that go together."""
+    if bool((alpha == 255).all()):
+        return colour
+    whole = alpha.astype(np.uint16)
+    mixed: Pixels = ((colour * whole + 255 * (255 - whole) + 127) // 255).astype(np.uint8)
+    return mixed

@@ -5220,7 +5220,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/imagery/catalogue.py"/>
         <location filename="../../core/imagery/raster/source.py"/>
         <location filename="../../core/imagery/services/capabilities.py"/>
-        <location filename="../../core/imagery/services/wms.py"/>
+        <location filename="../../core/imagery/services/ogc.py"/>
         <location filename="../../core/mission/cameras.py"/>
         <source>none</source>
         <translation>ninguno</translation>
@@ -6164,6 +6164,26 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>{0} {1!r}: {2} ofrece {3}</translation>
     </message>
     <message>
+        <location filename="../../core/imagery/services/ogc.py"/>
+        <source>layer {0!r} of {1}: has tiles in {2} only; needs a Web-Mercator quad, such as WebMercatorQuad or GoogleMapsCompatible</source>
+        <translation>capa {0!r} de {1}: solo tiene teselas en {2}; necesita una cuadrícula Web Mercator, como WebMercatorQuad o GoogleMapsCompatible</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/services/ogc.py"/>
+        <source>layer {0!r} of {1}: is offered in {2}; needs {3}</source>
+        <translation>capa {0!r} de {1}: se ofrece en {2}; necesita {3}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/services/ogc.py"/>
+        <source>speaks version {0}; must be {1}</source>
+        <translation>habla la versión {0}; debe ser {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/services/ogc.py"/>
+        <source>styles {0!r}: must be one for each of {1} layers</source>
+        <translation>estilos {0!r}: debe ser uno para cada una de {1} capas</translation>
+    </message>
+    <message>
         <location filename="../../core/imagery/services/safe_xml.py"/>
         <source>a document type or entities of its own, which are not read</source>
         <translation>tipo de documento o entidades propias, que no se leen</translation>
@@ -6207,26 +6227,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/imagery/services/safe_xml.py"/>
         <source>more than {0} MB or {1:,} elements</source>
         <translation>más de {0} MB o {1:,} elementos</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/services/wms.py"/>
-        <source>layer {0!r} of {1}: is offered in {2}; needs {3}</source>
-        <translation>capa {0!r} de {1}: se ofrece en {2}; necesita {3}</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/services/wms.py"/>
-        <source>speaks version {0}; must be {1}</source>
-        <translation>habla la versión {0}; debe ser {1}</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/services/wms.py"/>
-        <source>styles {0!r}: must be one for each of {1} layers</source>
-        <translation>estilos {0!r}: debe ser uno para cada una de {1} capas</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/services/wmts.py"/>
-        <source>layer {0!r} of {1}: has tiles in {2} only; needs a Web-Mercator quad, such as WebMercatorQuad or GoogleMapsCompatible</source>
-        <translation>capa {0!r} de {1}: solo tiene teselas en {2}; necesita una cuadrícula Web Mercator, como WebMercatorQuad o GoogleMapsCompatible</translation>
     </message>
     <message>
         <location filename="../../core/imagery/source.py"/>
