@@ -159,20 +159,13 @@ def user_sources(folder: str | os.PathLike[str] | None = None) -> tuple[Catalogu
 def described(
     url: str,
     *,
-    title: str = "",
-    attribution: str = "",
-    licence: str = "",
-    terms_url: str = "",
-    min_zoom: int = 0,
     max_zoom: int | None = None,
     native_zoom: int | None = None,
     tile_px: int = 256,
     default_date: str = "",
     key_env: str = KEY_ENV,
-    max_connections: int | None = None,
-    requests_per_s: float | None = None,
-    cache_allowed: bool = True,
     placeholders: Iterable[str] = (),
+    **stated: Any,
 ) -> dict[str, Any]:
     """Data of an entry for a URL template, as `add` takes it.
 
@@ -180,14 +173,14 @@ def described(
     ----------
     url : str
         Template; without a key in it, {key} stands for that of ``key_env``.
-    title : str
-        Its host by default.
     max_zoom, native_zoom : int or None
         22, and the highest zoom.
     default_date : str
         Where the template has a {date}; without one, each mission must say which.
     placeholders : iterable of str
         Files that count as missing, by their SHA-256 or 16 of its digits.
+    **stated
+        What else an entry states: title (its host by default), attribution, licence and other terms.
 
     Raises
     ------
@@ -197,19 +190,14 @@ def described(
     template = Template(url)
     highest = DEFAULT_MAX_ZOOM if max_zoom is None else max_zoom
     data: dict[str, Any] = {
-        "title": title or template.host,
+        "min_zoom": 0,
+        **stated,
+        "title": stated.get("title") or template.host,
         "kind": "xyz",
-        "attribution": attribution,
         "urls": {"": template.text},
         "tile_px": [tile_px],
-        "min_zoom": min_zoom,
         "max_zoom": highest,
         "native_zoom": highest if native_zoom is None else native_zoom,
-        "licence": licence,
-        "terms_url": terms_url,
-        "max_connections": max_connections,
-        "requests_per_s": requests_per_s,
-        "cache_allowed": cache_allowed,
     }
     if "{s}" in template.text and template.subdomains != ("a", "b", "c"):
         # As it was written, so that it says its subdomains.

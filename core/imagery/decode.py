@@ -151,8 +151,7 @@ def webp_problem() -> str:
     if not _brings_libraries() or numbers >= _SOUND_LIBWEBP:
         return ""
     return Message(
-        "a WebP picture, which libwebp {0} would not read safely: install Pillow 10.0.1 or later",
-        version,
+        "a WebP picture, which libwebp {0} would not read safely: install Pillow 10.0.1 or later", version
     )
 
 
@@ -189,11 +188,7 @@ def _plain_jpeg(body: bytes, *, whole: bool) -> bytes:
         scans += marker == _JPEG_SCAN
         if segments > MAX_JPEG_SEGMENTS or scans > MAX_JPEG_SCANS:
             raise _broken(
-                Message(
-                    "JPEG of more than {0} scans or {1} segments",
-                    MAX_JPEG_SCANS,
-                    MAX_JPEG_SEGMENTS,
-                )
+                Message("JPEG of more than {0} scans or {1} segments", MAX_JPEG_SCANS, MAX_JPEG_SEGMENTS)
             )
         at += int.from_bytes(body[at : at + 2], "big")
         if not scans and marker not in _JPEG_NOTES:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import bisect
 import datetime as dt
-import os
 import re
 from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass, field, fields, replace
@@ -385,10 +384,6 @@ class CatalogueEntry:
             map_type: Template(url.replace("{date}", quote(written, safe=":/&=,.")), levels=self.levels)
             for map_type, url in self.urls.items()
         }
-
-    def key(self, given: str | None) -> str | None:
-        """Return the key given, or that of the environment."""
-        return given or (os.environ.get(self.key_env) if self.key_env else None)
 
     def credit(self, date: str) -> str:
         """Attribution of the imagery of a date."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
@@ -216,11 +217,6 @@ class NamedSource(ABC):
     `stated_policy`, `environment_key`. For the rest a file may be opened or a service asked for its capabilities, once;
     it raises InvalidInput and SourceError as `open` does. No key is needed until `open`, but by a service that wants
     one with the request for its capabilities.
-
-    Parameters
-    ----------
-    text : str
-    options : SourceOptions
     """
 
     def __init__(self, text: str, options: SourceOptions) -> None:
@@ -256,9 +252,7 @@ class NamedSource(ABC):
     def entry(self) -> CatalogueEntry:
         """All that is known of it; raises InvalidInput for a file, of which no terms are known."""
         raise InvalidInput(
-            "source {0}: a file states no terms",
-            self.text,
-            remedy="name one of the sources that have some",
+            "source {0}: a file states no terms", self.text, remedy="name one of the sources that have some"
         )
 
     @property
@@ -327,7 +321,7 @@ class EntrySource(NamedSource):
 
     def environment_key(self) -> str | None:
         """Key of the variable that the entry names."""
-        return self.entry.key(None)
+        return os.environ.get(self.entry.key_env) if self.entry.key_env else None
 
     @cached_property
     def _wanted(self) -> tuple[str, PixelGrid]:
@@ -358,13 +352,7 @@ class EntrySource(NamedSource):
 
 
 class DescribedSource(EntrySource):
-    """A source whose entry is given, as that of a connection of QGIS is.
-
-    Parameters
-    ----------
-    entry : CatalogueEntry
-    options : SourceOptions
-    """
+    """A source whose entry is given, as that of a connection of QGIS is."""
 
     def __init__(self, entry: CatalogueEntry, options: SourceOptions) -> None:
         super().__init__(entry.name, options)

@@ -45,41 +45,33 @@ class Source(Protocol):
     @property
     def name(self) -> str:
         """What a mission names it by."""
-        ...
 
     @property
     def title(self) -> str:
         """What people see; "Synthetic (offline)" for the embedded world."""
-        ...
 
     @property
     def attribution(self) -> str:
         """Credit that goes into every picture's metadata."""
-        ...
 
     @property
     def map_types(self) -> tuple[str, ...]:
         """Map types it can tell apart; empty where it has one kind of picture only."""
-        ...
 
     @property
     def grid(self) -> PixelGrid:
         """Its pixels."""
-        ...
 
     @property
     def policy(self) -> Policy:
         """What its provider allows."""
-        ...
 
     @property
     def date(self) -> str:
         """Date of its imagery as the source writes it, YYYY-MM-DD or YYYY; empty where it is not known."""
-        ...
 
     def parts(self, window: Window) -> list[Part]:
         """Return the parts that together fill ``window`` exactly."""
-        ...
 
     def fetch(self, map_type: str, part: Window) -> Pixels:
         """Pixels of one part, (height_px, width_px, 3) uint8: red, green, blue.
@@ -93,11 +85,9 @@ class Source(Protocol):
         SourceError
             Nothing can be had from this source: the run stops.
         """
-        ...
 
     def close(self) -> None:
         """Free what it holds; requests under way end at once and raise Cancelled."""
-        ...
 
 
 def tile_parts(window: Window, grid: PixelGrid) -> list[Part]:
