@@ -28,6 +28,8 @@ if TYPE_CHECKING:
 
 _ADDRESS = re.compile(r"://|\{")
 _SERVICE = re.compile(r"wm(ts|s):.*://", re.IGNORECASE | re.DOTALL)
+#: Virtual file systems by which GDAL reads files of other machines.
+_FETCHED = re.compile("/vsi(curl|s3|gs|az|adls|oss|swift|hdfs|webhdfs)")
 #: What stands in templates of tiles, and not in paths of dated files.
 _TILE = re.compile(r"\{(z|zoom|x|-?y|q)\}")
 
@@ -149,7 +151,7 @@ class Kind:
 
     def recognises(self, text: str) -> bool:
         """Whether a text names such a source, as far as no kind before it does."""
-        by_ending = bool(self.endings) and Path(text).suffix.lower() in self.endings and _is_path(text)
+        by_ending = Path(text).suffix.lower() in self.endings and _is_path(text)
         return by_ending or bool(self.recognised_by(text))
 
     @property
@@ -363,7 +365,7 @@ class DescribedSource(EntrySource):
 
 
 class FileSource(NamedSource):
-    """A file of pictures, on this machine; what it says of itself is read once."""
+    """A file of pictures; what it says of itself is read once."""
 
     #: Whether a date may be asked for.
     takes_date = False
@@ -381,8 +383,8 @@ class FileSource(NamedSource):
 
     @property
     def is_local(self) -> bool:
-        """Whether its pixels are on this machine: they are."""
-        return True
+        """Whether its pixels are on this machine: not where GDAL is to fetch them."""
+        return _FETCHED.search(self.text) is None
 
     @property
     def stated_policy(self) -> Policy:

@@ -434,6 +434,9 @@ class Silent:
         ("WMS:https://h/wms", "service", False, False, False),
         ("there/is/none.tif", "raster", True, False, True),
         ("there/is/none.mbtiles", "mbtiles", True, False, True),
+        ("/vsizip/there/is/none.zip/a.tif", "raster", True, False, True),
+        ("/vsicurl/https://h/cog.tif", "raster", False, False, True),
+        ("/vsizip//vsis3/bucket/a.zip/a.tif", "raster", False, False, True),
     ],
 )
 def test_what_the_text_tells_is_told_without_asking_anybody(name, kind, is_local, needs_key, has_terms):
