@@ -142,11 +142,16 @@ def tile_address(part: Window, grid: PixelGrid, title: str) -> Tile:
     if left or top or (part.width_px, part.height_px) != (size, size):
         raise InvalidInput("{0}: is no tile of {1} px", part, size)
     tile = Tile(int(part.zoom), int(x), int(y))
-    if not grid.min_zoom <= tile.zoom <= grid.max_zoom:
-        raise InvalidInput("zoom {0}: {1} has {2} to {3}", tile.zoom, title, grid.min_zoom, grid.max_zoom)
+    check_zoom(tile.zoom, grid, title)
     if not (0 <= tile.x < 1 << tile.zoom and 0 <= tile.y < 1 << tile.zoom):
         raise PartError("{0}: beyond the edge of the map", tile)
     return tile
+
+
+def check_zoom(zoom: int, grid: PixelGrid, title: str) -> None:
+    """Refuse a zoom that a source of a grid, which errors name by its title, does not have."""
+    if not grid.min_zoom <= zoom <= grid.max_zoom:
+        raise InvalidInput("zoom {0}: {1} has {2} to {3}", zoom, title, grid.min_zoom, grid.max_zoom)
 
 
 def over_white(colour: Pixels, alpha: Pixels) -> Pixels:

@@ -5954,12 +5954,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/raster/source.py"/>
-        <location filename="../../core/imagery/source.py"/>
-        <source>zoom {0}: {1} has {2} to {3}</source>
-        <translation>zoom {0}: {1} tiene de {2} a {3}</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/raster/source.py"/>
         <source>{0} earlier ones and {1}</source>
         <translation>{0} anteriores y {1}</translation>
     </message>
@@ -6235,6 +6229,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/source.py"/>
+        <source>zoom {0}: {1} has {2} to {3}</source>
+        <translation>zoom {0}: {1} tiene de {2} a {3}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/source.py"/>
         <source>{0}: beyond the edge of the map</source>
         <translation>{0}: más allá del borde del mapa</translation>
     </message>
@@ -6267,11 +6266,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/imagery/staticmap.py"/>
         <source>scale {0}: Static Maps has 1 (tiles of 256 px) and 2 (512 px)</source>
         <translation>escala {0}: Static Maps tiene 1 (teselas de 256 px) y 2 (512 px)</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/staticmap.py"/>
-        <source>zoom {0}: {1} has 0 to {2}</source>
-        <translation>zoom {0}: {1} tiene de 0 a {2}</translation>
     </message>
     <message>
         <location filename="../../core/imagery/staticmap.py"/>

@@ -20,7 +20,7 @@ from typing import Any
 from urllib.parse import quote, urlencode, urljoin
 
 from ...errors import InvalidInput, Message, SourceError
-from ...geodesy.mercator import HALF_WORLD_M
+from ...geodesy.mercator import HALF_WORLD_M, HIGHEST_ZOOM
 from ...text import one_line
 from ..catalogue import DEFAULT_MAX_ZOOM
 from ..entry import CatalogueEntry, Dates, dates_of_dimension, under_provider
@@ -47,8 +47,6 @@ _SCALE_PX_M = 0.28e-3
 _VERSIONS = ("1.3.0", "1.1.1")
 #: What EPSG:3857 goes by in a WMS, best first. In each of them east comes first, in every version.
 _WMS_MERCATOR = ("EPSG:3857", "EPSG:900913", "EPSG:102100", "EPSG:102113", "EPSG:3785")
-#: Highest zoom a pixel grid has.
-_HIGHEST_ZOOM = 30
 #: Documents round scales to eight digits and more; sets of another grid differ by percents.
 _SCALE_TOLERANCE = 1e-6
 #: Documents round corners to whole metres at worst; other grids start kilometres away.
@@ -250,7 +248,7 @@ def _levels(matrices: list[Any]) -> tuple[int, dict[int, str]] | None:
             abs(x_m + HALF_WORLD_M) <= _CORNER_TOLERANCE_M
             and abs(y_m - HALF_WORLD_M) <= _CORNER_TOLERANCE_M
             and abs(2.0 ** (zoom - round(zoom)) - 1.0) <= _SCALE_TOLERANCE
-            and 0 <= round(zoom) <= _HIGHEST_ZOOM
+            and 0 <= round(zoom) <= HIGHEST_ZOOM
         ):
             levels[round(zoom)] = matrix.identifier
     if not levels:
