@@ -33,7 +33,7 @@ def _list(arguments: argparse.Namespace) -> int:
     from ..mission.cameras import camera_shelf, shipped_cameras
 
     own = camera_shelf()
-    presets = (*shipped_cameras(), *own.presets)
+    presets = (*shipped_cameras(), *own.entries)
     for problem in own.problems.values():
         print(f"terrainav: {problem}", file=sys.stderr)
     if arguments.json:

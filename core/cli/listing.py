@@ -128,7 +128,7 @@ def _add(arguments: argparse.Namespace) -> int:
     if arguments.no_storing:
         given["cache_allowed"] = False
     placeholders = arguments.placeholder or ()
-    if kind_of(arguments.url) == "service":
+    if kind_of(arguments.url).is_service:
         if arguments.default_date is not None:
             raise InvalidInput("--default-date: the dates of a service are those of its capabilities")
         asked = SourceOptions(tile_px=arguments.tile_size, named_by_user=True)

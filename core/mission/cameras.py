@@ -7,9 +7,9 @@ import os
 import sys
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any
 
-from ..config import config_file, read_named, write_named
+from ..config import Shelf, config_file, read_named, read_shelf, write_named
 from ..errors import InvalidInput, Message
 from ..geodesy.camera import Camera
 from ..resources import read_json
@@ -186,8 +186,8 @@ def camera_named(name: str) -> CameraPreset:
     for other, problem in own.problems.items():
         if key(other) == wanted:
             raise InvalidInput(problem)
-    presets = (*own.presets, *shipped)
-    found = _named(wanted, own.presets, full=True) or _named(wanted, presets, full=False)
+    presets = (*own.entries, *shipped)
+    found = _named(wanted, own.entries, full=True) or _named(wanted, presets, full=False)
     if found is not None:
         return found
     names = {key(preset.name): preset.name for preset in presets}
@@ -205,45 +205,22 @@ def _named(wanted: str, presets: tuple[CameraPreset, ...], *, full: bool) -> Cam
     return None
 
 
-class Shelf(NamedTuple):
-    """A user's own cameras, and what is wrong with those that are left out.
-
-    Parameters
-    ----------
-    presets : tuple of CameraPreset
-    problems : mapping of str to str
-        Name of a camera to what is wrong with it; names the file.
-    """
-
-    presets: tuple[CameraPreset, ...]
-    problems: Mapping[str, str]
-
-
-def camera_shelf(folder: str | os.PathLike[str] | None = None) -> Shelf:
-    """Return the user's cameras that are right, and what is wrong with the others: one does not hide another.
-
-    Raises
-    ------
-    InvalidInput
-        The file cannot be read; names it.
-    """
-    path = config_file(_FILE, folder)
+def camera_shelf(folder: str | os.PathLike[str] | None = None) -> Shelf[CameraPreset]:
+    """Return the user's cameras that are right, and what is wrong with the others; raises as `read_shelf`."""
     taken = {key(preset.name): preset.name for preset in shipped_cameras()}
-    presets: list[CameraPreset] = []
-    problems: dict[str, str] = {}
-    for name, data in read_named(path, Message("cameras")).items():
-        preset = _preset_or_problem(name, data, taken)
-        if isinstance(preset, CameraPreset):
-            presets.append(preset)
-            taken[key(name)] = name
-        else:
-            problems[name] = Message("{0}: {1}", path, preset)
-    return Shelf(tuple(presets), problems)
+
+    def preset(name: str, data: Any) -> CameraPreset:
+        _check_name(name, taken)
+        made = _preset(name, data)
+        taken[key(name)] = name
+        return made
+
+    return read_shelf(config_file(_FILE, folder), Message("cameras"), preset)
 
 
 def user_cameras(folder: str | os.PathLike[str] | None = None) -> tuple[CameraPreset, ...]:
     """Return the user's cameras that are right; raises as `camera_shelf`, which tells of the others."""
-    return camera_shelf(folder).presets
+    return camera_shelf(folder).entries
 
 
 def add_camera(
@@ -320,11 +297,3 @@ def _preset(name: str, data: Any) -> CameraPreset:
     if not isinstance(data, Mapping):
         raise InvalidInput("camera {0}: must be an object", name)
     return CameraPreset.from_dict(name, data, user=True)
-
-
-def _preset_or_problem(name: str, data: Any, taken: Mapping[str, str]) -> CameraPreset | str:
-    try:
-        _check_name(name, taken)
-        return _preset(name, data)
-    except InvalidInput as wrong:
-        return Message(wrong)

@@ -14,13 +14,13 @@ from pathlib import Path
 import numpy as np
 
 from ...errors import InvalidInput, Message, PartError, SourceError
-from ...geodesy.mercator import PixelGrid
+from ...geodesy.mercator import HIGHEST_ZOOM, PixelGrid
 from ...geodesy.planes import ProjectedPlane
 from ...limits import MAX_METADATA_CHARACTERS
 from ...text import printable
 from ..opening import FileSource
 from ..policy import Policy
-from ..source import Part, Pixels, Window, tile_parts
+from ..source import Part, Pixels, Window, check_zoom, tile_parts
 from .colours import Colours, colours_of
 from .place import TILE_PX, Place
 from .reading import Box, Bytes, Facts, Pool, ReadError, opener
@@ -31,8 +31,6 @@ from .trust import check_virtual, drivers_for, file_of_part
 _MAX_ZOOM = 22
 #: Zooms above a raster's own that are served by enlarging, where it has a plane of its own.
 _ENLARGED_ZOOMS = 6
-#: The finest pixels a grid can have, 0.1 mm.
-_HIGHEST_ZOOM = 30
 #: Pixels of an overview that a pixel of the map is the mean of at least, along each side. Overviews may have been made
 #: by leaving pixels out, which shifts them by half of one of theirs: an eighth of one of the map.
 _LEAST_OF_OVERVIEW_PX = 4.0
@@ -55,9 +53,10 @@ _MOST_NAMED = 10
 class RasterFile(FileSource):
     """A raster file, or a path of such files with {date} in it."""
 
-    def open(self) -> RasterSource:
-        """Open the file, of the date that is asked for; raises InvalidInput as `open_raster` does."""
-        return open_raster(self.text, date=self.options.date or "")
+    takes_date = True
+
+    def _open(self, date: str) -> RasterSource:
+        return open_raster(self.text, date=date)
 
 
 def open_raster(path: str | os.PathLike[str], *, date: str = "", own_pixels: bool = True) -> RasterSource:
@@ -171,10 +170,7 @@ class RasterSource:
         Cancelled
             The source is closed.
         """
-        if not self.grid.min_zoom <= part.zoom <= self.grid.max_zoom:
-            raise InvalidInput(
-                "zoom {0}: {1} has {2} to {3}", part.zoom, self.title, self.grid.min_zoom, self.grid.max_zoom
-            )
+        check_zoom(part.zoom, self.grid, self.title)
         if _state(self._path) != self._state:
             gone = self._state is not None and _state(self._path) is None
             if gone:
@@ -188,7 +184,7 @@ class RasterSource:
         self._pool.close()
 
     def _grid(self, own: tuple[ProjectedPlane, int] | None) -> PixelGrid:
-        native = own[1] if own else min(max(self._place.native_zoom(), 0), _HIGHEST_ZOOM)
+        native = own[1] if own else min(max(self._place.native_zoom(), 0), HIGHEST_ZOOM)
         width, height = self._sizes[-1]
         lowest = 0
         if width * height > MOST_PX:
@@ -198,7 +194,7 @@ class RasterSource:
         if own is None:
             highest, extent = max(native, _MAX_ZOOM), self._place.extent()
             return PixelGrid(TILE_PX, lowest, highest, native, extent=extent)
-        highest, extent = min(native + _ENLARGED_ZOOMS, _HIGHEST_ZOOM), self._place.own_extent(native)
+        highest, extent = min(native + _ENLARGED_ZOOMS, HIGHEST_ZOOM), self._place.own_extent(native)
         return PixelGrid(TILE_PX, lowest, highest, native, extent=extent, plane=own[0])
 
     def _mean_colours(self, over: Boxes, part: Window) -> Bytes:
