@@ -34,6 +34,8 @@ def make_table(**changes) -> Table:
         "zoom": np.full(count, 18),
         "entropies": np.array([7.123456789012345, 0.0, np.nan]),
         "left_px": np.array([123456789.0, 0.5, 3.0]),
+        "crs": ("",) * count,
+        **{name: np.full(count, np.nan) for name in ("west", "north", "pixel_width", "pixel_height")},
         "source": ("Synthetic (offline)",) * count,
         "attribution": ("© who, what",) * count,
         "imagery_date": ("2024-06-21",) * count,
@@ -53,6 +55,15 @@ def test_table_survives_a_file_with_all_its_digits(tmp_path):
     table = make_table(other={"split": ("train", "test", "")})
     table.save(tmp_path / "meta_data.csv")
     assert_same(Table.load(tmp_path / "meta_data.csv"), table)
+
+
+def test_a_crs_of_the_source_s_own_adds_its_columns(tmp_path):
+    table = make_table(crs=("EPSG:3031",) * 3, west=np.array([0.1, -2.5, 1 / 3]), north=np.zeros(3))
+    table.save(tmp_path / "meta_data.csv")
+    assert_same(Table.load(tmp_path / "meta_data.csv"), table)
+    headers = table.to_csv().splitlines()[0].split(",")
+    start = headers.index("image_height_px") + 1
+    assert headers[start : start + 5] == ["crs", "west", "north", "pixel_width", "pixel_height"]
 
 
 def test_columns_are_the_published_ones_and_then_ours():
