@@ -7,9 +7,8 @@ from collections.abc import Sequence
 from typing import Any, NoReturn
 
 from ..mission.options import OPTIONS
-from .dataset_options import add_dataset_commands
+from .dataset_options import add_config, add_consent, add_dataset_commands, add_json
 from .exits import BAD_INPUT
-from .parsing import add_json
 
 _SERVICE_HELP = """
 A source is a name of the list; a URL template with {z} {x} {y} (or {-y}, {q}, {bbox-epsg-3857} for a WMS), and
@@ -82,7 +81,7 @@ def _add_flying(commands: Any) -> None:
     capturing.add_argument(
         "--only-failed", action="store_true", help="capture what has failed before, and nothing else"
     )
-    _add_consent(capturing)
+    add_consent(capturing)
     capturing.add_argument("--json", action="store_true", help="print the result as JSON")
     capturing.add_argument("--quiet", action="store_true", help="no progress bar")
 
@@ -93,20 +92,14 @@ def _add_flying(commands: Any) -> None:
     reporting.add_argument(
         "--output", metavar="DIR", required=True, help="folder of the page and its pictures"
     )
-    _add_consent(reporting)
-
-
-def _add_consent(command: argparse.ArgumentParser) -> None:
-    command.add_argument(
-        "--accept-terms", action="store_true", help="agree to the terms of a source that asks for it"
-    )
+    add_consent(reporting)
 
 
 def _add_mission_options(command: argparse.ArgumentParser) -> None:
     command.add_argument(
         "mission_file", nargs="?", metavar="MISSION", help="mission file (JSON) instead of options"
     )
-    command.add_argument("--config", metavar="FILE", help="JSON file of options (config.json if it is there)")
+    add_config(command)
     group = command.add_argument_group(
         "mission",
         "each also as TERRAINAV_<NAME> in the environment, or in config.json; the command line comes first",
