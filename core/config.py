@@ -41,7 +41,6 @@ def read_named(path: Path, what: str) -> dict[str, Any]:
 
     Parameters
     ----------
-    path : Path
     what : str
         Plural of what they are, for messages.
 

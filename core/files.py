@@ -121,8 +121,6 @@ def write_whole(
 
     Parameters
     ----------
-    path : path
-    data : bytes or iterable of bytes
     durable : bool
         Wait until the disk has it, so that a power failure afterwards leaves it whole too.
 

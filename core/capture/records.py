@@ -37,7 +37,6 @@ class PictureJob:
     ----------
     index : int
         Of the capture in the plan.
-    folder : Path
     image_format : str
         tif, jpg or png.
     img_size : tuple (width, height, channels) or None
@@ -45,8 +44,6 @@ class PictureJob:
         A map frame's window, or what a camera frame is made from.
     masked : bool
         Whether the picture has a channel for what it does not show.
-    place : Georeference or ControlPoints
-    description : Description
     """
 
     index: int

@@ -61,7 +61,6 @@ def capture(
 
     Parameters
     ----------
-    plan : Plan
     source : Source
         With the pixel grid that the plan was made for.
     folder : path
@@ -85,10 +84,6 @@ def capture(
         request: those under way are left to the source, and end when it is closed.
     paused : callable
         Asked as often; while it says yes, no part is asked for and no picture begun. Progress is still reported.
-
-    Returns
-    -------
-    CaptureResult
 
     Raises
     ------
@@ -161,7 +156,6 @@ class Repeat:
 
     Parameters
     ----------
-    map_type : str
     sha256 : str
         First digits of its SHA-256, as `open_source` takes them for a placeholder.
     places : int
@@ -182,7 +176,6 @@ class CaptureResult:
 
     Parameters
     ----------
-    folder : Path
     total, written, skipped : int
         Pictures asked for; written by this run; there already.
     failed : tuple of Failure

@@ -64,7 +64,6 @@ def write_picture(
     pixels : array (h, w), (h, w, 3) or (h, w, 4) of uint8
         A fourth channel is 0 where the picture has nothing to show and 255 elsewhere; a JPEG leaves it out. The
         bytes written depend on the arguments alone.
-    place : Georeference or ControlPoints
 
     Returns
     -------

@@ -31,7 +31,6 @@ class Cleaned:
 
     Parameters
     ----------
-    map_type : str
     images, failed : int
         Images that are there; rows of images that could not be made, which are left as they are.
     rejected : int

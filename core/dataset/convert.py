@@ -29,7 +29,6 @@ class Converted:
 
     Parameters
     ----------
-    map_type : str
     images, failed : int
         Images that were copied; rows without an image.
     framed : int
@@ -63,7 +62,6 @@ def convert(
         The source; a folder that is not there yet, or empty.
     layout : str
         Of the source, see `LAYOUTS`.
-    progress : callable
 
     Raises
     ------

@@ -92,7 +92,6 @@ class ImageSet:
 
         Parameters
         ----------
-        index : int
         channels : int or None
             1 for grey (ITU-R 601), 3 for red, green, blue; as the file has it for None.
 
@@ -122,7 +121,6 @@ class Dataset:
 
     Parameters
     ----------
-    folder : Path
     layout : str
         One of `LAYOUTS`.
     image_sets : mapping of str to ImageSet

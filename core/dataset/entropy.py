@@ -113,7 +113,6 @@ class Deciding:
     ----------
     folder : Path
         Of the table.
-    table : Table
     image_folder : Path
         Where the images lie; those that cleaning has moved are in ``rejected`` inside.
     images : Images

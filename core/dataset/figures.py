@@ -41,14 +41,12 @@ def draw_histogram(
 
     Parameters
     ----------
-    axes : matplotlib Axes
     values : array (n,)
         Bits; NaN is left out.
     threshold : float
         Bits; images below it are rejected. It lies between two bars, so that none is of both kinds.
     suggested : float or None
         Another threshold, drawn as a dotted line.
-    title : str
     """
     there = values[~np.isnan(values)]
     dress(axes, title, "entropy, bits", f"images, per {_BIN:g} bit")
@@ -137,10 +135,6 @@ def save_figures(
         Folder of the figures, made if it is not there.
     threshold : float
         Bits.
-
-    Returns
-    -------
-    list of Path
 
     Raises
     ------

@@ -59,7 +59,6 @@ class Labels:
 
     Parameters
     ----------
-    frame : Frame
     scaler : Scaler
         Of eastings and northings in the frame.
     fitted_on : str
@@ -430,7 +429,6 @@ class Scaler:
 
     Parameters
     ----------
-    mean : tuple of float
     scale : tuple of float
         Standard deviations (of the population, as scikit-learn's ``StandardScaler`` has them), all above 0.
     """

@@ -51,8 +51,6 @@ class Split:
         that see the horizon or a pole, or come from no map.
     left_out : int
         Places whose images have failed or have been rejected, which are not asked for.
-    how : str
-    seed : int
     block_m, gap_m : float or None
         Side of the blocks and least distance between parts; None without blocks.
     blocks : int or None

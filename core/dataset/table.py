@@ -79,7 +79,6 @@ class Table:
         Shares of an image's pixels that see no ground, and ground that no Web-Mercator source has.
     nominal_lat_deg, nominal_lon_deg, nominal_agl_m, nominal_yaw_deg, nominal_tilt_deg, nominal_roll_deg : array
         Poses as they were meant to be, where wind has moved the camera.
-    source, attribution, imagery_date : tuple of str
     status, reason : tuple of str
         ``done``, or ``failed`` and why.
     other : mapping of str to tuple of str
@@ -142,7 +141,6 @@ class Table:
         ----------
         known : mapping of str to array or tuple of str
             At least those that every table has.
-        other : mapping of str to tuple of str
         """
         count = len(known["img_names"])
         unknown = {name: ("",) * count if name in _TEXT else np.full(count, np.nan) for name in FIELDS}

@@ -44,12 +44,10 @@ class Scene:
 
     Parameters
     ----------
-    camera : Camera
     width_px, height_px : float or array (n,)
         Of the planned image.
     poses : Poses
         (n,).
-    ground : Ellipsoid
     """
 
     camera: Camera

@@ -30,8 +30,6 @@ class CameraPreset:
 
     Parameters
     ----------
-    name : str
-    camera : Camera
     width_px, height_px : int or None
         Size of its pictures, where the source states it.
     source : str
@@ -210,7 +208,6 @@ class Shelf(NamedTuple):
 
     Parameters
     ----------
-    presets : tuple of CameraPreset
     problems : mapping of str to str
         Name of a camera to what is wrong with it; names the file.
     """

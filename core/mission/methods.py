@@ -51,7 +51,6 @@ class Method:
 
     Attributes
     ----------
-    stage, name : str
     bound_px : float
         Infinite where the method has no bound.
     bound_m : float
@@ -82,7 +81,6 @@ class Accuracy:
 
     Attributes
     ----------
-    budget_px : float
     footprint, picture : Choice
         Footprints are always those of the exact camera.
     pixels : Choice or None

@@ -38,7 +38,6 @@ def contact_sheet(
 
     Parameters
     ----------
-    folder : path
     target : path
         Of the sheet, ``.jpg``.
     places, views : int

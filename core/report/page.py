@@ -45,7 +45,6 @@ def write_report(
 
     Parameters
     ----------
-    plan : Plan
     source : Source
         That the plan is for.
     folder : path

@@ -71,9 +71,6 @@ class Bench:
 
     Attributes
     ----------
-    plan : Plan
-    tiles : Tiles
-    effort : Effort
     index : int
         Of the capture.
     """
@@ -205,13 +202,7 @@ def _middle(window: Window, size_px: tuple[int, int]) -> Window:
 
 
 class Tiles:
-    """Pixels of a source's parts by window.
-
-    Parameters
-    ----------
-    source : Source
-    map_type : str
-    """
+    """Pixels of a source's parts by window."""
 
     def __init__(self, source: Source, map_type: str) -> None:
         self.source = source
@@ -250,12 +241,10 @@ class Resampling:
 
     Attributes
     ----------
-    zoom : int
     truth : str
         What the errors are against.
     signal : tuple of float
         RMS of the picture itself about its mean, by band.
-    kernels : tuple of KernelError
     """
 
     zoom: int

@@ -45,7 +45,6 @@ class Displacement(NamedTuple):
 
     Attributes
     ----------
-    what : str
     unit : str
         "m" or "deg"; empty of the two together.
     size : Spread or None

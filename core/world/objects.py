@@ -46,7 +46,6 @@ class Footprints:
 
     Attributes
     ----------
-    parcels : Parcels
     index : intp array
         Each sample's piece, as in `Parcels.index`.
     west, east, north, south : float32 arrays

@@ -42,7 +42,6 @@ class Samples:
 
     Parameters
     ----------
-    dataset : Dataset or path
     map_type : str or None
         None takes the satellite images, or the first map type of a dataset without such.
     part : {"train", "validation", "test", "all"}
@@ -198,7 +197,6 @@ class Batches:
 
     Parameters
     ----------
-    dataset : Dataset or path
     batch_size : int
         The last batch may be smaller.
     workers : int

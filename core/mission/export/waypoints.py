@@ -25,11 +25,8 @@ class Waypoint(NamedTuple):
 
     Parameters
     ----------
-    name : str
-    column, row : int
     lat_deg, lon_deg : float
         Longitude in [-180, 180).
-    agl_m : float
     heading_deg : float
         Of the aircraft, which is where the top of the picture points, in [0, 360).
     gimbal_pitch_deg : float

@@ -27,7 +27,6 @@ class Exported(NamedTuple):
 
     Parameters
     ----------
-    files : tuple of Path
     notes : tuple of str
         What the format cannot say of the plan, one line each.
     """

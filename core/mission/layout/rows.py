@@ -70,7 +70,6 @@ def lay_out(mission: Mission, frames: Frames, pixel: float) -> Layout:
 
     Parameters
     ----------
-    mission : Mission
     frames : callable
         Edges of the mission's frames at given latitudes of the camera; what is covered lies in them, not below the
         camera, where that looks aside.
