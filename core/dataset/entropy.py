@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from ..errors import Cancelled, InvalidInput
-from .dataset import Dataset, Images, open_image, read_dataset, rows_made
+from .dataset import Dataset, Images, open_image, read_dataset
 from .folder import TABLE_FILE, deciding_folder, image_folder, map_type_folders
 from .table import Table
 
@@ -222,7 +222,7 @@ class _Own:
     def __init__(self, folder: Path, table: Table, images: Path) -> None:
         self.folder, self.table, self.image_folder = folder, table, images
         self.images = Images(images)
-        self.there = rows_made(table)
+        self.there = table.made
         self.images.check(table.img_names, self.there)
         self.entropies = np.where(self.there, table.entropies, np.nan)
 

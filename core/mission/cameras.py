@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import difflib
-import os
 import sys
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -164,7 +163,7 @@ def cameras() -> tuple[CameraPreset, ...]:
     InvalidInput
         The user's file cannot be read; names it.
     """
-    return (*shipped_cameras(), *user_cameras())
+    return (*shipped_cameras(), *camera_shelf().presets)
 
 
 def camera_named(name: str) -> CameraPreset:
@@ -216,7 +215,7 @@ class Shelf(NamedTuple):
     problems: Mapping[str, str]
 
 
-def camera_shelf(folder: str | os.PathLike[str] | None = None) -> Shelf:
+def camera_shelf() -> Shelf:
     """Return the user's cameras that are right, and what is wrong with the others: one does not hide another.
 
     Raises
@@ -224,7 +223,7 @@ def camera_shelf(folder: str | os.PathLike[str] | None = None) -> Shelf:
     InvalidInput
         The file cannot be read; names it.
     """
-    path = config_file(_FILE, folder)
+    path = config_file(_FILE)
     taken = {key(preset.name): preset.name for preset in shipped_cameras()}
     presets: list[CameraPreset] = []
     problems: dict[str, str] = {}
@@ -238,14 +237,7 @@ def camera_shelf(folder: str | os.PathLike[str] | None = None) -> Shelf:
     return Shelf(tuple(presets), problems)
 
 
-def user_cameras(folder: str | os.PathLike[str] | None = None) -> tuple[CameraPreset, ...]:
-    """Return the user's cameras that are right; raises as `camera_shelf`, which tells of the others."""
-    return camera_shelf(folder).presets
-
-
-def add_camera(
-    name: str, data: Mapping[str, Any], folder: str | os.PathLike[str] | None = None
-) -> CameraPreset:
+def add_camera(name: str, data: Mapping[str, Any]) -> CameraPreset:
     """Keep a camera under a name.
 
     Parameters
@@ -262,7 +254,7 @@ def add_camera(
     OutputError
         The file cannot be written.
     """
-    path = config_file(_FILE, folder)
+    path = config_file(_FILE)
     known = read_named(path, Message("cameras"))
     taken = {key(other): other for other in (*(preset.name for preset in shipped_cameras()), *known)}
     _check_name(name, taken)
@@ -271,7 +263,7 @@ def add_camera(
     return preset
 
 
-def remove_camera(name: str, folder: str | os.PathLike[str] | None = None) -> str:
+def remove_camera(name: str) -> str:
     """Forget a camera of the user; its name may be in any case.
 
     Returns
@@ -284,7 +276,7 @@ def remove_camera(name: str, folder: str | os.PathLike[str] | None = None) -> st
     InvalidInput
         There is no such camera, or it is one that ships.
     """
-    path = config_file(_FILE, folder)
+    path = config_file(_FILE)
     known = read_named(path, Message("cameras"))
     found = name if name in known else next((own for own in known if key(own) == key(name)), None)
     if found is None:

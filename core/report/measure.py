@@ -163,7 +163,6 @@ def measure(
     plan: Plan,
     source: Source,
     *,
-    map_type: str | None = None,
     quick: bool = False,
     progress: Progress | None = None,
 ) -> Measurement:
@@ -173,8 +172,6 @@ def measure(
     ----------
     source : Source
         That the plan is for: the parts of one or two pictures are fetched.
-    map_type : str, optional
-        Of the pictures; the mission's first one without it.
     quick : bool
         Time every method in one round only; times are then not compared.
 
@@ -185,7 +182,7 @@ def measure(
     """
     say = progress or (lambda _: None)
     effort = QUICK if quick else THOROUGH
-    map_type = map_type or plan.mission.imagery.map_types[0]
+    map_type = plan.mission.imagery.map_types[0]
     say(Message("footprints"))
     stages = {"footprint": _footprints(plan, effort)}
     say(Message("a picture"))

@@ -45,6 +45,12 @@ class Waypoint(NamedTuple):
     gimbal_pitch_deg: float
     time: str
 
+    @property
+    def details(self) -> dict[str, float]:
+        """What files say of a waypoint beside its name, place and time."""
+        names = ("column", "row", "agl_m", "heading_deg", "gimbal_pitch_deg")
+        return {name: getattr(self, name) for name in names}
+
 
 def waypoints(plan: Plan) -> Iterator[Waypoint]:
     """Captures in flight order, where they were meant to be: what wind does to a flight is not asked of an aircraft.
