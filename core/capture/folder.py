@@ -145,10 +145,7 @@ def remove_picture(folder: Path, endings: tuple[str, ...], name: str) -> None:
                 path.unlink(missing_ok=True)
             except OSError as wrong:
                 raise OutputError(
-                    "file {0}: cannot be removed ({1})",
-                    path,
-                    wrong.strerror,
-                    remedy="close what shows it",
+                    "file {0}: cannot be removed ({1})", path, wrong.strerror, remedy="close what shows it"
                 ) from wrong
 
 

@@ -91,12 +91,7 @@ def exposures_of(plan: Plan) -> Exposures | None:
 
 
 def job_of(
-    plan: Plan,
-    index: int,
-    source: Source,
-    map_type: str,
-    folder: Path,
-    exposures: Exposures | None = None,
+    plan: Plan, index: int, source: Source, map_type: str, folder: Path, exposures: Exposures | None = None
 ) -> PictureJob:
     """Job of one capture; with ``exposures`` its picture is tagged as a drone's."""
     mission = plan.mission

@@ -5,22 +5,8 @@ from __future__ import annotations
 import argparse
 import json
 import sys
-from typing import Any
 
 from .exits import DONE
-
-#: Options of ``cameras add``, and the facts of a camera that they state.
-_FACTS = {
-    "fov": "fov_deg",
-    "hfov": "horizontal_fov_deg",
-    "vfov": "vertical_fov_deg",
-    "sensor": "sensor_mm",
-    "focal_length": "focal_length_mm",
-    "aspect_ratio": "aspect_ratio",
-    "size_px": "size_px",
-    "image_px": "image_px",
-    "source": "source",
-}
 
 
 def run_cameras(arguments: argparse.Namespace) -> int:
@@ -62,13 +48,10 @@ def _list(arguments: argparse.Namespace) -> int:
 
 
 def _add(arguments: argparse.Namespace) -> int:
-    from ..mission.cameras import add_camera
+    from ..mission.cameras import FACTS, add_camera
 
-    facts: dict[str, Any] = {
-        fact: getattr(arguments, option)
-        for option, fact in _FACTS.items()
-        if getattr(arguments, option) is not None
-    }
+    given = vars(arguments)
+    facts = {fact: given[fact] for fact in FACTS if given[fact] is not None}
     camera = add_camera(arguments.name, facts).camera
     print(
         f"{arguments.name} added: {camera.fov_deg:.2f} deg diagonal, {camera.horizontal_fov_deg:.2f} by "

@@ -197,8 +197,7 @@ def _augmentation(arguments: argparse.Namespace) -> Augmentation | str | None:
     if arguments.no_augment:
         if contrast is not None or brightness is not None:
             raise InvalidInput(
-                "--no-augment: goes with neither --contrast nor --brightness",
-                remedy="leave one out",
+                "--no-augment: goes with neither --contrast nor --brightness", remedy="leave one out"
             )
         return None
     if contrast is None and brightness is None:

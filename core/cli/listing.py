@@ -6,7 +6,7 @@ import argparse
 import json
 import sys
 import textwrap
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from ..errors import InvalidInput, SourceError
 from ..text import printable
@@ -16,6 +16,11 @@ if TYPE_CHECKING:
     from ..imagery.entry import CatalogueEntry
 
 _COLUMN = 22
+#: Options of ``sources add`` that a source is kept with as they are.
+_STATED = (
+    *("title", "attribution", "licence", "terms_url", "min_zoom", "max_zoom", "native_zoom"),
+    *("max_connections", "requests_per_s", "key_env"),
+)
 #: Characters of a line of what is longer than one.
 _WIDTH = 110
 
@@ -112,19 +117,7 @@ def _add(arguments: argparse.Namespace) -> int:
     from ..imagery.opening import SourceOptions, kind_of, named_source
     from ..imagery.placeholder import Placeholder
 
-    given: dict[str, Any] = {
-        "title": arguments.title,
-        "attribution": arguments.attribution,
-        "licence": arguments.licence,
-        "terms_url": arguments.terms_url,
-        "min_zoom": arguments.min_zoom,
-        "max_zoom": arguments.max_zoom,
-        "native_zoom": arguments.native_zoom,
-        "max_connections": arguments.max_connections,
-        "requests_per_s": arguments.requests_per_s,
-        "key_env": arguments.key_env,
-    }
-    given = {name: value for name, value in given.items() if value is not None}
+    given = {name: getattr(arguments, name) for name in _STATED if getattr(arguments, name) is not None}
     if arguments.no_storing:
         given["cache_allowed"] = False
     placeholders = arguments.placeholder or ()

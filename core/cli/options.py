@@ -185,11 +185,23 @@ def _add_cameras(commands: Any) -> None:
     )
     adding.add_argument("name", metavar="NAME", help="such as 'Sony RX1 35 mm'")
     pair: dict[str, Any] = {"nargs": 2, "metavar": ("W", "H")}
-    adding.add_argument("--fov", type=float, metavar="DEG", help="diagonal field of view in degrees")
-    adding.add_argument("--hfov", type=float, metavar="DEG", help="horizontal field of view in degrees")
-    adding.add_argument("--vfov", type=float, metavar="DEG", help="vertical field of view in degrees")
-    adding.add_argument("--sensor", type=float, help="width and height of the sensor in mm", **pair)
-    adding.add_argument("--focal-length", type=float, metavar="MM", help="of the lens itself, with --sensor")
+    for name, fact, side in (
+        ("fov", "fov_deg", "diagonal"),
+        ("hfov", "horizontal_fov_deg", "horizontal"),
+        ("vfov", "vertical_fov_deg", "vertical"),
+    ):
+        text = f"{side} field of view in degrees"
+        adding.add_argument(f"--{name}", type=float, metavar="DEG", dest=fact, help=text)
+    adding.add_argument(
+        "--sensor", type=float, dest="sensor_mm", help="width and height of the sensor in mm", **pair
+    )
+    adding.add_argument(
+        "--focal-length",
+        type=float,
+        metavar="MM",
+        dest="focal_length_mm",
+        help="of the lens itself, with --sensor",
+    )
     adding.add_argument(
         "--aspect-ratio", type=float, help="width and height of the picture, such as 4 3", **pair
     )

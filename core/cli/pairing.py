@@ -104,8 +104,7 @@ def _views(arguments: argparse.Namespace) -> tuple[View, ...]:
     if arguments.yaws is not None:
         if arguments.rounds is not None:
             raise InvalidInput(
-                "--yaws and --rounds: rings have no rounds",
-                remedy="give --views for a spiral",
+                "--yaws and --rounds: rings have no rounds", remedy="give --views for a spiral"
             )
         return rings(heights, arguments.yaws, tilts)
     count = VIEWS if arguments.views is None else arguments.views

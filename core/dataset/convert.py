@@ -41,9 +41,7 @@ class Converted:
 
 
 def convert(
-    folder: str | os.PathLike[str],
-    target: str | os.PathLike[str],
-    layout: str = "TerrAInav",
+    folder: str | os.PathLike[str], target: str | os.PathLike[str], layout: str = "TerrAInav"
 ) -> tuple[Converted, ...]:
     """Make a dataset of ours from one of another's; the source is only read.
 
@@ -92,9 +90,7 @@ def _check_places(source: Path, target: Path) -> None:
         raise InvalidInput("folder {0}: must lie outside {1}, which is left as it is", target, source)
     if inner == Path.cwd():
         raise InvalidInput(
-            "folder {0!r}: is the current one, which is in use",
-            os.fspath(target),
-            remedy="give a new one",
+            "folder {0!r}: is the current one, which is in use", os.fspath(target), remedy="give a new one"
         )
     try:
         if target.exists() and (not target.is_dir() or any(target.iterdir())):

@@ -323,10 +323,7 @@ def _records(
     twice = [header for header, count in Counter(headers).items() if header and count > 1]
     if twice:
         raise InvalidInput(
-            "{0}: has column {1} more than once",
-            name,
-            twice[0],
-            remedy="rename or remove all but one",
+            "{0}: has column {1} more than once", name, twice[0], remedy="rename or remove all but one"
         )
     width = len(headers)
     faults += [

@@ -17,7 +17,8 @@ from ..resources import read_json
 _VIEWS = ("fov_deg", "horizontal_fov_deg", "vertical_fov_deg", "sensor_mm")
 #: JSON has whole numbers of any length.
 _LARGEST = sys.float_info.max
-_KNOWN = (*_VIEWS, "focal_length_mm", "aspect_ratio", "size_px", "image_px", "source")
+#: Facts that a camera is stated by.
+FACTS = (*_VIEWS, "focal_length_mm", "aspect_ratio", "size_px", "image_px", "source")
 _FILE = "cameras.json"
 #: Longest name, in characters, that a list of cameras has room for.
 _LONGEST_NAME = 64
@@ -101,8 +102,8 @@ class CameraPreset:
 def _check_facts(data: Mapping[str, Any]) -> str:
     """Return the one fact of `_VIEWS`; refuse none, two, and what does not go together."""
     for fact in data:
-        if fact not in _KNOWN:
-            raise InvalidInput("{0!r} is unknown; known are {1}", fact, ", ".join(_KNOWN))
+        if fact not in FACTS:
+            raise InvalidInput("{0!r} is unknown; known are {1}", fact, ", ".join(FACTS))
     given = [fact for fact in _VIEWS if fact in data]
     if len(given) != 1:
         raise InvalidInput(

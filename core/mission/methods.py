@@ -149,10 +149,7 @@ class Accuracy:
         """What relief may add."""
         if not math.isfinite(self.terrain_px_per_m):
             return Message("not bounded, without limit at the horizon")
-        return Message(
-            "not bounded, up to {0:.2g} px per metre of relief",
-            self.terrain_px_per_m,
-        )
+        return Message("not bounded, up to {0:.2g} px per metre of relief", self.terrain_px_per_m)
 
     def to_dict(self) -> dict[str, Any]:
         """JSON-ready mapping; what is infinite is null."""

@@ -155,9 +155,7 @@ def _refuse(path: Path, wanted: bytes, *, resume: bool, ours: bool = False) -> N
     if found is not None:
         if found != wanted:
             raise OutputError(
-                "folder {0}: holds pairs of other settings",
-                path,
-                remedy="choose another folder",
+                "folder {0}: holds pairs of other settings", path, remedy="choose another folder"
             )
         if not resume:
             raise OutputError(

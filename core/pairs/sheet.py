@@ -81,10 +81,7 @@ def _by_place(folder: Path) -> list[list[Row]]:
         text = (folder / TABLE_FILE).read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as wrong:
         raise InvalidInput(
-            "folder {0}: holds no {1} that can be read",
-            folder,
-            TABLE_FILE,
-            remedy="capture pairs first",
+            "folder {0}: holds no {1} that can be read", folder, TABLE_FILE, remedy="capture pairs first"
         ) from wrong
     places: dict[str, list[Row]] = {}
     for row in csv.DictReader(io.StringIO(text)):

@@ -160,11 +160,7 @@ class Measurement:
 
 
 def measure(
-    plan: Plan,
-    source: Source,
-    *,
-    quick: bool = False,
-    progress: Progress | None = None,
+    plan: Plan, source: Source, *, quick: bool = False, progress: Progress | None = None
 ) -> Measurement:
     """Time and measure every method on a sample of a plan's captures.
 
@@ -322,10 +318,7 @@ def _left_out(bench: Bench, stages: dict[str, tuple[Measured, ...]]) -> list[Sav
     """What the plan left out, with what the same thing takes here beside what was chosen."""
     plan, found = bench.plan, []
     pictures = len(plan) * len(plan.mission.imagery.map_types)
-    compared = {
-        "resampling": ("picture", "camera"),
-        Message("rays for every pixel"): ("pixels", "rays"),
-    }
+    compared = {"resampling": ("picture", "camera"), Message("rays for every pixel"): ("pixels", "rays")}
     for what, why in plan.accuracy.left_out:
         if what == "wind":
             found.append(Saving(what, why, _seconds_of_flight(plan, bench.effort), True, 0))

@@ -28,7 +28,7 @@ from ..picture.camera_frame import camera_parts, render
 from ..picture.map_frame import assemble, resized, window_of
 from ..picture.resampling import KERNELS, sample
 from ..timing import Effort, Seconds, timed_together
-from ..world import World, WorldSource
+from ..world import WorldSource
 from .positions import scene_of, spread
 
 Pixels = NDArray[np.uint8]
@@ -189,7 +189,8 @@ class Bench:
         """Bytes of a picture's file in the mission's format and at its size."""
         plan, source = self.plan, self.tiles.source
         sized = resized(picture, plan.mission.output.img_size)
-        found = file_bytes(plan, source, self.index, self.tiles.map_type, sized)
+        place, about = _about(plan, source, self.index, self.tiles.map_type)
+        found = len(encoded(plan.mission.output.image_format, sized, place, about))
         return found if plan.mission.output.img_size else round(found * self.enlarged)
 
 
@@ -280,7 +281,7 @@ def resampling(plan: Plan, tiles: Tiles, index: int) -> Resampling:
     window = Window(plan.zoom, x0, y0, side, side)
     parts = tile_parts(window, plan.grid)
     image = assemble(window, parts, tiles.of(parts))
-    known = _world_of(tiles.source)
+    known = tiles.source.world if isinstance(tiles.source, WorldSource) else None
     kernels = [kernel for kernel in KERNELS if known is not None or kernel != _FINEST]
     errors: dict[str, list[Floats]] = {kernel: [] for kernel in kernels}
     signals = []
@@ -310,10 +311,6 @@ def resampling(plan: Plan, tiles: Tiles, index: int) -> Resampling:
             for kernel in kernels
         ),
     )
-
-
-def _world_of(source: Source) -> World | None:
-    return source.world if isinstance(source, WorldSource) else None
 
 
 def _spectrum(values: Floats) -> Floats:
@@ -363,12 +360,6 @@ def encoded(ending: str, picture: Pixels, place: Place, about: Description) -> b
     if ending == "tif":
         return geotiff(picture, place, about)
     return jpeg(picture, about) if ending == "jpg" else png(picture, about)
-
-
-def file_bytes(plan: Plan, source: Source, index: int, map_type: str, picture: Pixels) -> int:
-    """Size of a picture in the mission's format."""
-    place, about = _about(plan, source, index, map_type)
-    return len(encoded(plan.mission.output.image_format, picture, place, about))
 
 
 def _about(plan: Plan, source: Source, index: int, map_type: str) -> tuple[Place, Description]:

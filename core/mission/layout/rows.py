@@ -189,9 +189,7 @@ def refuse_no_step(step: Floats, overlap: float, mission: Mission) -> None:
                 remedy="tilt it less or fly lower" if turned else "fly lower",
             )
         raise InvalidInput(
-            "overlap {0}: leaves under 0.001 px between captures",
-            overlap,
-            remedy="overlap less",
+            "overlap {0}: leaves under 0.001 px between captures", overlap, remedy="overlap less"
         )
 
 
