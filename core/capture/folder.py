@@ -10,9 +10,7 @@ from pathlib import Path
 from ..dataset.folder import FOOTPRINTS_FILE, JOURNAL_FILE, MISSION_FILE, PLAN_FILE, REJECTED_FOLDER
 from ..errors import InvalidInput, Message, OptionName, OutputError
 from ..files import PARTIAL_ENDING, make_folder, open_locked, write_whole
-from ..mission.export import write_plan
 from ..mission.mission import Mission
-from ..mission.plan import Plan
 from .journal import Outcome
 
 
@@ -99,12 +97,6 @@ def _refuse_foreign(path: Path, map_types: Iterable[str]) -> None:
                 MISSION_FILE,
                 remedy="choose another folder",
             )
-
-
-def write_plan_files(folder: Path, plan: Plan) -> None:
-    """Write the plan's table and footprints beside the mission."""
-    write_plan(plan, folder / PLAN_FILE)
-    write_plan(plan, folder / FOOTPRINTS_FILE)
 
 
 def complete_pictures(folder: Path, endings: tuple[str, ...], outcomes: Mapping[str, Outcome]) -> set[str]:

@@ -21,6 +21,8 @@ from .table import Table
 #: Pixels made grey at a time: more than that no longer fit the processor's cache, and take three times as long.
 _BAND_PX = 1 << 19
 Floats = NDArray[np.float64]
+#: Of 256 grey levels, in bits.
+HIGHEST_ENTROPY = 8.0
 #: What long work tells of: the share done, 0 to 1; an answer of False stops it.
 Report = Callable[[float], bool]
 

@@ -149,10 +149,9 @@ def _real(value: Any, wanted: str) -> float:
 
 def shipped_cameras() -> tuple[CameraPreset, ...]:
     """Return the cameras of ``resources/cameras.json``, the paper's first."""
-    facts = ((dict(data), data["name"]) for data in read_json("cameras.json"))
     return tuple(
-        CameraPreset.from_dict(name, {fact: value for fact, value in data.items() if fact != "name"})
-        for data, name in facts
+        CameraPreset.from_dict(data["name"], {fact: data[fact] for fact in data if fact != "name"})
+        for data in read_json("cameras.json")
     )
 
 
