@@ -28,8 +28,8 @@ _COMMANDS = {
     "load": ("datasets", "run_load"),
     "report": ("flying", "run_report"),
     "sources": ("listing", "run_sources"),
-    "cameras": ("cameras", "run_cameras"),
-    "cache": ("caching", "run_cache"),
+    "cameras": ("listing", "run_cameras"),
+    "cache": ("listing", "run_cache"),
 }
 
 

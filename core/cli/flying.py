@@ -15,8 +15,8 @@ from typing import TYPE_CHECKING, Any
 from ..errors import InvalidInput
 from ..mission.options import OPTIONS, RUN_OPTIONS
 from ..text import printable
-from .caching import opened_cache
 from .exits import DONE, INCOMPLETE, exit_code
+from .listing import opened_cache
 from .stopping import collected
 
 if TYPE_CHECKING:

@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any
 
 from ..errors import InvalidInput
 from ..files import is_there
-from .caching import opened_cache
 from .dataset_options import shared_options
 from .exits import DONE, INCOMPLETE, exit_code
 from .flying import (
@@ -24,6 +23,7 @@ from .flying import (
     print_repeated,
     print_written,
 )
+from .listing import opened_cache
 from .stopping import collected
 
 if TYPE_CHECKING:

@@ -42,7 +42,7 @@ def _no_memory(case: Case) -> None:
     case.follow("ask for less at a time", lambda: True)
 
 
-@remedy("cli/caching.py", "cache limit {} MB: must be 1 or more; --no-cache keeps nothing")
+@remedy("cli/listing.py", "cache limit {} MB: must be 1 or more; --no-cache keeps nothing")
 def _no_limit(case: Case) -> None:
     asked = ("capture", "--coords", BOX, "--data-dir", "out")
     case.says(case.run(*asked, "--cache-limit", "0").stderr)
