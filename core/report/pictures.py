@@ -16,7 +16,7 @@ from PIL import Image
 
 from ..capture.metadata import Description
 from ..capture.records import job_of
-from ..capture.writers import JPEG_QUALITY, Place, geotiff, jpeg, png
+from ..capture.writers import JPEG_QUALITY, Place, encoded
 from ..errors import PartError
 from ..geodesy.accuracy import Scene
 from ..geodesy.frames import map_windows
@@ -353,13 +353,6 @@ def encodings(
         Encoding(name, _loss(picture, data), len(data), seconds, chosen)
         for (name, chosen, _), (data, seconds) in zip(ways, timed)
     ]
-
-
-def encoded(ending: str, picture: Pixels, place: Place, about: Description) -> bytes:
-    """Return the bytes of a picture's own file."""
-    if ending == "tif":
-        return geotiff(picture, place, about)
-    return jpeg(picture, about) if ending == "jpg" else png(picture, about)
 
 
 def _about(plan: Plan, source: Source, index: int, map_type: str) -> tuple[Place, Description]:
