@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator
 from pathlib import Path
+from unittest import mock
 
 import numpy as np
 from hypothesis import strategies as st
@@ -111,7 +113,8 @@ def sources(data: bytes) -> None:
 
 def cameras(data: bytes) -> None:
     Path("cameras.json").write_bytes(data)
-    camera_shelf(".")
+    with mock.patch.dict(os.environ, {"TERRAINAV_CONFIG_DIR": "."}):
+        camera_shelf()
 
 
 def json_text(data: bytes) -> None:
