@@ -6,16 +6,19 @@ import json
 import os
 import sys
 from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Callable, Generic, TypeVar
 
-from .errors import InvalidInput, OutputError
+from .errors import InvalidInput, Message, OutputError
 from .files import make_folder, read_limited, write_whole
 from .limits import MAX_SETTINGS_BYTES
 from .safe_json import parse_json
 
 #: Environment variable with the folder, for one elsewhere than where the platform keeps configuration.
 FOLDER_ENV = "TERRAINAV_CONFIG_DIR"
+
+Entry = TypeVar("Entry")
 
 
 def default_folder() -> Path:
@@ -64,6 +67,40 @@ def read_named(path: Path, what: str) -> dict[str, Any]:
     if not isinstance(data, dict):
         raise InvalidInput("{0}: must hold a JSON object of {1}", path, what)
     return data
+
+
+@dataclass(frozen=True)
+class Shelf(Generic[Entry]):
+    """A user's own things of a kind that are right, and by name what is wrong with the others; names the file."""
+
+    entries: tuple[Entry, ...]
+    problems: Mapping[str, str]
+
+
+def read_shelf(path: Path, what: str, entry: Callable[[str, Any], Entry]) -> Shelf[Entry]:
+    """Things by name, of a JSON file as for `read_named`: one that is wrong does not hide another.
+
+    Parameters
+    ----------
+    path : Path
+    what : str
+        Plural of what they are, for messages.
+    entry : callable
+        Makes one of its name and data, or raises InvalidInput.
+
+    Raises
+    ------
+    InvalidInput
+        The file cannot be read; names it.
+    """
+    entries: list[Entry] = []
+    problems: dict[str, str] = {}
+    for name, data in read_named(path, what).items():
+        try:
+            entries.append(entry(name, data))
+        except InvalidInput as wrong:  # noqa: PERF203
+            problems[name] = Message("{0}: {1}", path, Message(wrong))
+    return Shelf(tuple(entries), problems)
 
 
 def write_named(path: Path, data: Mapping[str, Any]) -> None:

@@ -29,23 +29,6 @@ if TYPE_CHECKING:
     from ..core.mission.mission import Mission
     from .network.transport import QgisTransport
 
-__all__ = [
-    "WORLD",
-    "costs_of",
-    "credentials_problem",
-    "grid_finder",
-    "grid_of",
-    "key_in",
-    "key_of",
-    "needs_key",
-    "open_for_capture",
-    "policy_of",
-    "snapshot_for",
-    "terms_problem",
-    "tile_layer_uri",
-    "transport_for",
-]
-
 WORLD = "world"
 
 
@@ -83,7 +66,8 @@ def grid_finder(mission: Mission) -> Callable[[], PixelGrid]:
 
 def costs_of(name: str) -> Costs:
     """What a request to a source is assumed to take, for estimates."""
-    from ..core.mission.estimate import OFFLINE, ONLINE
+    from ..core.imagery.opening import kind_of
+    from ..core.mission.estimate import FROM_FILE, OFFLINE, ONLINE
 
     if is_of_qgis(name):
         return OFFLINE
@@ -91,7 +75,7 @@ def costs_of(name: str) -> Costs:
         return ONLINE
     source = _named(name)
     if source.is_local:
-        return OFFLINE
+        return FROM_FILE if kind_of(name).is_file else OFFLINE
     # The terms of a service are in its capabilities, which planning has read and an estimate does not read again.
     policy = source.stated_policy
     return ONLINE if policy is None else replace(ONLINE, requests_per_s=policy.requests_per_s)

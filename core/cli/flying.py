@@ -102,11 +102,13 @@ def _check_terms(worked_out: Plan, source: Source, requests: int, accept_terms: 
 
 
 def _print_summary(worked_out: Plan, source: NamedSource, values: dict[str, Any], as_json: bool) -> None:
-    from ..mission.estimate import OFFLINE, ONLINE, estimate
+    from ..imagery.opening import kind_of
+    from ..mission.estimate import FROM_FILE, OFFLINE, ONLINE, estimate
     from ..picture.cost import timed_cost
 
     policy = source.policy
-    costs = replace(OFFLINE if source.is_local else ONLINE, requests_per_s=policy.requests_per_s)
+    local = FROM_FILE if kind_of(source.text).is_file else OFFLINE
+    costs = replace(local if source.is_local else ONLINE, requests_per_s=policy.requests_per_s)
     connections = policy.connections(values["connections"])
     summary = estimate(worked_out, costs, connections, os.cpu_count() or 1)
     cost = timed_cost(worked_out)

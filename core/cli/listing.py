@@ -123,7 +123,7 @@ def _add_source(arguments: argparse.Namespace) -> int:
     if arguments.no_storing:
         given["cache_allowed"] = False
     placeholders = arguments.placeholder or ()
-    if kind_of(arguments.url) == "service":
+    if kind_of(arguments.url).is_service:
         if arguments.default_date is not None:
             raise InvalidInput("--default-date: the dates of a service are those of its capabilities")
         asked = SourceOptions(tile_px=arguments.tile_size, named_by_user=True)
@@ -160,7 +160,7 @@ def _list_cameras(arguments: argparse.Namespace) -> int:
     from ..mission.cameras import camera_shelf, shipped_cameras
 
     own = camera_shelf()
-    presets = (*shipped_cameras(), *own.presets)
+    presets = (*shipped_cameras(), *own.entries)
     for problem in own.problems.values():
         print(f"terrainav: {problem}", file=sys.stderr)
     if arguments.json:

@@ -24,7 +24,7 @@ MAX_LAT_DEG = math.degrees(math.atan(math.sinh(math.pi)))
 #: From here up the logarithm of the half co-latitude keeps more digits than asinh(tan φ), degrees.
 _NEAR_POLE_DEG = 85.0
 #: Highest zoom a window's integers stay exact at in float64 for any tile size in use.
-_HIGHEST_ZOOM = 30
+HIGHEST_ZOOM = 30
 
 
 def lon_to_u(lon_deg: Floats) -> Floats:
@@ -104,13 +104,13 @@ class PixelGrid:
     def __post_init__(self) -> None:
         if self.tile_px < 256 or self.tile_px % 256:
             raise InvalidInput("tile size {0} px: must be a multiple of 256", self.tile_px)
-        if not 0 <= self.min_zoom <= self.native_zoom <= self.max_zoom <= _HIGHEST_ZOOM:
+        if not 0 <= self.min_zoom <= self.native_zoom <= self.max_zoom <= HIGHEST_ZOOM:
             raise InvalidInput(
                 "zooms {0} to {1}, native {2}: need 0 <= minimum <= native <= maximum <= {3}",
                 self.min_zoom,
                 self.max_zoom,
                 self.native_zoom,
-                _HIGHEST_ZOOM,
+                HIGHEST_ZOOM,
             )
 
     @property

@@ -4,17 +4,17 @@ from __future__ import annotations
 
 import difflib
 import os
-from collections.abc import Container, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from functools import cached_property
-from typing import Any, NamedTuple, Protocol
+from typing import Any
 
-from ..config import config_file, read_named, write_named
+from ..config import Shelf, config_file, read_named, read_shelf, write_named
 from ..errors import InvalidInput, Message, OptionName
 from ..map_types import MAP_TYPES
 from .entry import NAME, CatalogueEntry, shipped, shipped_data, shipped_entry, under_provider
-from .opening import EntrySource
+from .opening import EntrySource, NamedSource
 from .placeholder import Placeholder
-from .policy import Policy
+from .source import Source
 from .template import KEY_ENV, Template, environment_key
 
 FILE = "sources.json"
@@ -117,21 +117,8 @@ def alternatives(
     )
 
 
-class _WithTerms(Protocol):
-    """A source, or what a text names one by."""
-
-    @property
-    def title(self) -> str: ...
-
-    @property
-    def map_types(self) -> tuple[str, ...]: ...
-
-    @property
-    def policy(self) -> Policy: ...
-
-
 def check_policy(
-    source: _WithTerms,
+    source: Source | NamedSource,
     requests: int,
     *,
     accept_terms: bool = False,
@@ -159,40 +146,9 @@ def check_policy(
     source.policy.check(source.title, requests, accept_terms, instead)
 
 
-class Shelf(NamedTuple):
-    """A user's own sources, and what is wrong with those that are left out.
-
-    Parameters
-    ----------
-    entries : tuple of CatalogueEntry
-        Each under the terms of its provider where that is known.
-    problems : mapping of str to str
-        Name of a source to what is wrong with it; names the file.
-    """
-
-    entries: tuple[CatalogueEntry, ...]
-    problems: Mapping[str, str]
-
-
-def shelf(folder: str | os.PathLike[str] | None = None) -> Shelf:
-    """Return the user's entries that are right, and what is wrong with the others: one does not hide another.
-
-    Raises
-    ------
-    InvalidInput
-        The file cannot be read; names it.
-    """
-    path = config_file(FILE, folder)
-    taken = shipped_data()
-    entries: list[CatalogueEntry] = []
-    problems: dict[str, str] = {}
-    for name, data in read_named(path, Message("sources")).items():
-        entry = _entry_or_problem(name, data, taken)
-        if isinstance(entry, CatalogueEntry):
-            entries.append(entry)
-        else:
-            problems[name] = Message("{0}: {1}", path, entry)
-    return Shelf(tuple(entries), problems)
+def shelf(folder: str | os.PathLike[str] | None = None) -> Shelf[CatalogueEntry]:
+    """Return the user's entries, under their providers' terms, and what is wrong with others; see `read_shelf`."""
+    return read_shelf(config_file(FILE, folder), Message("sources"), _entry)
 
 
 def user_sources(folder: str | os.PathLike[str] | None = None) -> tuple[CatalogueEntry, ...]:
@@ -203,20 +159,13 @@ def user_sources(folder: str | os.PathLike[str] | None = None) -> tuple[Catalogu
 def described(
     url: str,
     *,
-    title: str = "",
-    attribution: str = "",
-    licence: str = "",
-    terms_url: str = "",
-    min_zoom: int = 0,
     max_zoom: int | None = None,
     native_zoom: int | None = None,
     tile_px: int = 256,
     default_date: str = "",
     key_env: str = KEY_ENV,
-    max_connections: int | None = None,
-    requests_per_s: float | None = None,
-    cache_allowed: bool = True,
     placeholders: Iterable[str] = (),
+    **stated: Any,
 ) -> dict[str, Any]:
     """Data of an entry for a URL template, as `add` takes it.
 
@@ -224,14 +173,14 @@ def described(
     ----------
     url : str
         Template; without a key in it, {key} stands for that of ``key_env``.
-    title : str
-        Its host by default.
     max_zoom, native_zoom : int or None
         22, and the highest zoom.
     default_date : str
         Where the template has a {date}; without one, each mission must say which.
     placeholders : iterable of str
         Files that count as missing, by their SHA-256 or 16 of its digits.
+    **stated
+        What else an entry states: title (its host by default), attribution, licence and other terms.
 
     Raises
     ------
@@ -241,19 +190,14 @@ def described(
     template = Template(url)
     highest = DEFAULT_MAX_ZOOM if max_zoom is None else max_zoom
     data: dict[str, Any] = {
-        "title": title or template.host,
+        "min_zoom": 0,
+        **stated,
+        "title": stated.get("title") or template.host,
         "kind": "xyz",
-        "attribution": attribution,
         "urls": {"": template.text},
         "tile_px": [tile_px],
-        "min_zoom": min_zoom,
         "max_zoom": highest,
         "native_zoom": highest if native_zoom is None else native_zoom,
-        "licence": licence,
-        "terms_url": terms_url,
-        "max_connections": max_connections,
-        "requests_per_s": requests_per_s,
-        "cache_allowed": cache_allowed,
     }
     if "{s}" in template.text and template.subdomains != ("a", "b", "c"):
         # As it was written, so that it says its subdomains.
@@ -290,8 +234,6 @@ def add(name: str, data: Mapping[str, Any], folder: str | os.PathLike[str] | Non
         The file cannot be written.
     """
     _check_name(name)
-    if name in shipped_data():
-        raise _of_the_catalogue(name)
     path = config_file(FILE, folder)
     known = read_named(path, Message("sources"))
     if name in known:
@@ -325,18 +267,16 @@ def remove(name: str, folder: str | os.PathLike[str] | None = None) -> None:
     write_named(path, {other: data for other, data in known.items() if other != name})
 
 
-def _of_the_catalogue(name: str) -> InvalidInput:
-    return InvalidInput(
-        "source name {0!r}: is one of the catalogue's", name, field="name", remedy="choose another"
-    )
-
-
 def _check_name(name: str) -> None:
     if not NAME.fullmatch(name):
         raise InvalidInput(
             "source name {0!r}: must be lower-case letters, digits, hyphens and underscores, at most 64",
             name,
             field="name",
+        )
+    if name in shipped_data():
+        raise InvalidInput(
+            "source name {0!r}: is one of the catalogue's", name, field="name", remedy="choose another"
         )
 
 
@@ -348,12 +288,3 @@ def _entry(name: str, data: Any) -> CatalogueEntry:
     if entry.kind != "xyz":
         raise InvalidInput("catalogue entry {0!r}: must be of kind xyz", name)
     return under_provider(entry)
-
-
-def _entry_or_problem(name: str, data: Any, taken: Container[str]) -> CatalogueEntry | str:
-    if name in taken:
-        return Message(_of_the_catalogue(name))
-    try:
-        return _entry(name, data)
-    except InvalidInput as wrong:
-        return Message(wrong)

@@ -16,7 +16,7 @@ from ..errors import Message, PartError
 from ..limits import MAX_JPEG_SCANS, MAX_JPEG_SEGMENTS, MAX_PICTURE_EXTRA_BYTES
 from ..text import first_words, one_line
 from .http.client import BrokenPictureError
-from .source import Pixels
+from .source import Pixels, over_white
 
 #: What must not follow 0xFF within the entropy-coded data of a JPEG (ITU-T T.81, B.1.1.5), and what may.
 #: It begins with one plain byte, which is searched for ten times as fast as ``\xff+`` is, and which is all that is
@@ -151,8 +151,7 @@ def webp_problem() -> str:
     if not _brings_libraries() or numbers >= _SOUND_LIBWEBP:
         return ""
     return Message(
-        "a WebP picture, which libwebp {0} would not read safely: install Pillow 10.0.1 or later",
-        version,
+        "a WebP picture, which libwebp {0} would not read safely: install Pillow 10.0.1 or later", version
     )
 
 
@@ -189,11 +188,7 @@ def _plain_jpeg(body: bytes, *, whole: bool) -> bytes:
         scans += marker == _JPEG_SCAN
         if segments > MAX_JPEG_SEGMENTS or scans > MAX_JPEG_SCANS:
             raise _broken(
-                Message(
-                    "JPEG of more than {0} scans or {1} segments",
-                    MAX_JPEG_SCANS,
-                    MAX_JPEG_SEGMENTS,
-                )
+                Message("JPEG of more than {0} scans or {1} segments", MAX_JPEG_SCANS, MAX_JPEG_SEGMENTS)
             )
         at += int.from_bytes(body[at : at + 2], "big")
         if not scans and marker not in _JPEG_NOTES:
@@ -229,21 +224,17 @@ def _rgb(image: ImageFile.ImageFile, alpha: bool) -> Pixels:
         return np.repeat(grey[..., np.newaxis], 3, axis=2)
     if image.mode in ("LA", "PA", "La", "RGBA", "RGBa") or "transparency" in image.info:
         rgba = np.asarray(image.convert("RGBA"))
-        return rgba if alpha else _over_white(rgba)
+        return rgba if alpha else _imagery(rgba)
     rgb: Pixels = np.asarray(image if image.mode == "RGB" else image.convert("RGB"))
     return rgb
 
 
-def _over_white(rgba: Pixels) -> Pixels:
+def _imagery(rgba: Pixels) -> Pixels:
     """Colours over white; with a fourth channel, 0 or 255, where some pixels hold no imagery at all."""
     alpha = rgba[..., 3:]
     if not alpha.any():
         raise PartError("no imagery (a transparent picture)")
-    colour = np.ascontiguousarray(rgba[..., :3])
-    if bool((alpha == 255).all()):
-        return colour
-    whole = alpha.astype(np.uint16)
-    mixed: Pixels = ((colour * whole + 255 * (255 - whole) + 127) // 255).astype(np.uint8)
+    colour = over_white(np.ascontiguousarray(rgba[..., :3]), alpha)
     if bool(alpha.all()):
-        return mixed
-    return np.concatenate([mixed, np.where(alpha, np.uint8(255), np.uint8(0))], axis=2)
+        return colour
+    return np.concatenate([colour, np.where(alpha, np.uint8(255), np.uint8(0))], axis=2)

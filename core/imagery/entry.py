@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import bisect
 import datetime as dt
-import os
 import re
 from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass, field, fields, replace
@@ -224,23 +223,23 @@ class CatalogueEntry:
     name: str
     title: str
     kind: str
-    area: str
-    attribution: str
-    map_types: tuple[str, ...]
-    urls: Mapping[str, str]
-    hosts: tuple[str, ...]
-    tile_px: tuple[int, ...]
-    min_zoom: int
     max_zoom: int
     native_zoom: int
-    dates: Dates | None
-    policy: Policy
-    placeholder: Placeholder
+    min_zoom: int = 0
+    area: str = ""
+    attribution: str = ""
+    map_types: tuple[str, ...] = ()
+    urls: Mapping[str, str] = field(default_factory=dict)
+    hosts: tuple[str, ...] = ()
+    tile_px: tuple[int, ...] = (256,)
+    dates: Dates | None = None
+    policy: Policy = field(default_factory=Policy)
+    placeholder: Placeholder = field(default_factory=Placeholder)
     key_env: str | None = None
     signing_env: str | None = None
     bounds_deg: tuple[float, float, float, float] = WORLD_DEG
     levels: tuple[tuple[int, str], ...] = ()
-    user: bool = field(default=False)
+    user: bool = False
 
     @classmethod
     def from_dict(cls, name: str, data: Mapping[str, Any], *, user: bool = False) -> CatalogueEntry:
@@ -258,8 +257,6 @@ class CatalogueEntry:
                 urls=urls,
                 map_types=tuple(data.pop("map_types", [known for known in urls if known])),
                 hosts=tuple(data.pop("hosts", ())),
-                area=data.pop("area", ""),
-                attribution=data.pop("attribution", ""),
                 tile_px=tuple(data.pop("tile_px", (256, 512) if data["kind"] == "static-map" else (256,))),
                 dates=Dates(**dates) if dates else None,
                 policy=Policy(**terms),
@@ -387,10 +384,6 @@ class CatalogueEntry:
             map_type: Template(url.replace("{date}", quote(written, safe=":/&=,.")), levels=self.levels)
             for map_type, url in self.urls.items()
         }
-
-    def key(self, given: str | None) -> str | None:
-        """Return the key given, or that of the environment."""
-        return given or (os.environ.get(self.key_env) if self.key_env else None)
 
     def credit(self, date: str) -> str:
         """Attribution of the imagery of a date."""

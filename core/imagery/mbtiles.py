@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import Cancelled, InvalidInput, Message, PartError
-from ..geodesy.mercator import PixelGrid, extent_of_box
+from ..geodesy.mercator import HIGHEST_ZOOM, PixelGrid, extent_of_box
 from ..limits import (
     MAX_METADATA_CHARACTERS,
     MAX_QUERY_S,
@@ -32,7 +32,6 @@ from .source import Part, Pixels, Tile, Window, tile_address, tile_parts
 _WAIT_S = 0.25
 #: Seconds all of them may take.
 _LONGEST_WAIT_S = 10.0
-_HIGHEST_ZOOM = 30
 _GZIP = b"\x1f\x8b"
 #: Steps of SQLite between two looks at the time: each may copy a whole tile.
 _STEPS = 100
@@ -63,12 +62,7 @@ _SAMPLE = "SELECT CASE WHEN length(tile_data) <= ? THEN tile_data END FROM tiles
 class MBTilesFile(FileSource):
     """An MBTiles file as a mission names it."""
 
-    def open(self) -> MBTilesSource:
-        """Open the file; raises InvalidInput as `open_mbtiles` does, and where a date is asked for."""
-        if self.options.date:
-            raise InvalidInput(
-                "date {0!r}: {1} has no dates to choose from", self.options.date, self.text, field="date"
-            )
+    def _open(self, date: str) -> MBTilesSource:  # noqa: ARG002
         return open_mbtiles(self.text)
 
 
@@ -353,7 +347,7 @@ def _grid(connection: sqlite3.Connection, rows: Mapping[str, str], sample: bytes
 def _zooms(connection: sqlite3.Connection, rows: Mapping[str, str]) -> tuple[int, int]:
     """Lowest and highest zoom, of the metadata where they make sense, else of the tiles."""
     lowest, highest = (whole_number(rows.get(name, "")) for name in ("minzoom", "maxzoom"))
-    if lowest is not None and highest is not None and lowest <= highest <= _HIGHEST_ZOOM:
+    if lowest is not None and highest is not None and lowest <= highest <= HIGHEST_ZOOM:
         return lowest, highest
     # Two questions, as SQLite finds the answer to one of them in an index.
     found: Any = connection.execute(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
@@ -9,7 +10,7 @@ from functools import cached_property
 from importlib.util import resolve_name
 from pathlib import Path
 from types import ModuleType
-from typing import TYPE_CHECKING, Any, Callable, NamedTuple
+from typing import TYPE_CHECKING, Any, Callable
 
 from ..errors import InvalidInput, SourceError
 from ..files import is_there
@@ -25,16 +26,12 @@ if TYPE_CHECKING:
     from .http.transport import Transport
     from .services.capabilities import Offered
 
-#: Endings by which a name is known for a raster file that is not there, to say the right thing.
-_RASTER_ENDINGS = frozenset(
-    [".tif", ".tiff", ".vrt", ".jp2", ".img", ".png", ".jpg", ".jpeg", ".ecw", ".gpkg", ".cog"]
-)
-_MBTILES_ENDING = ".mbtiles"
+_ADDRESS = re.compile(r"://|\{")
 _SERVICE = re.compile(r"wm(ts|s):.*://", re.IGNORECASE | re.DOTALL)
+#: Virtual file systems by which GDAL reads files of other machines.
+_FETCHED = re.compile("/vsi(curl|s3|gs|az|adls|oss|swift|hdfs|webhdfs)")
 #: What stands in templates of tiles, and not in paths of dated files.
 _TILE = re.compile(r"\{(z|zoom|x|-?y|q)\}")
-#: What the plugin names layers of its project by.
-_QGIS = "qgis:"
 
 
 @dataclass(frozen=True)
@@ -99,7 +96,13 @@ def named_source(text: str, options: SourceOptions = SourceOptions()) -> NamedSo
     InvalidInput
         It is a map of QGIS, which the plugin alone knows.
     """
-    kind = _kind(text)
+    kind = kind_of(text)
+    if kind is _QGIS:
+        raise InvalidInput(
+            "source {0}: is a map of QGIS and can be captured inside QGIS only",
+            text,
+            remedy="name a file, a URL template or a name of the catalogue",
+        )
     source: NamedSource = getattr(_imported(kind.module), kind.source)(text, options)
     return source
 
@@ -122,80 +125,85 @@ def open_source(name: str, **options: Any) -> Source:
     return named_source(name, SourceOptions(**options)).open()
 
 
-def kind_of(text: str) -> str:
-    """Name of the kind of source that a text names, among `KINDS`; raises InvalidInput for a map of QGIS."""
-    return _kind(text).name
-
-
-def is_service(text: str) -> bool:
-    """Whether a source is named by a WMTS or WMS."""
-    return not text.startswith(_QGIS) and kind_of(text) == "service"
-
-
-def is_address(text: str) -> bool:
-    """Whether a source is named by an address: a URL template, or a service."""
-    return not text.startswith(_QGIS) and kind_of(text) in ("service", "template")
-
-
-def is_file(text: str) -> bool:
-    """Whether a source is named by a file of pictures, whether or not it is there.
-
-    A name as the catalogue has them is none, even where there is such a file: ``./name`` is.
-    """
-    if text.startswith("/vsi") or file_of_part(text):
-        return True
-    if text.startswith(_QGIS) or "://" in text:
-        return False
-    if _TILE.search(text) and not is_there(text):
-        # A template whose https:// was forgotten, as that says what is wrong.
-        return False
-    return _ending(text) in _RASTER_ENDINGS | {_MBTILES_ENDING} or (
-        NAME.fullmatch(text) is None and is_there(text)
-    )
-
-
-def _ending(text: str) -> str:
-    return Path(text).suffix.lower()
-
-
-class Kind(NamedTuple):
-    """A kind of source by how it is named.
+@dataclass(frozen=True)
+class Kind:
+    """A kind of source: how a text names one, and the class that it is.
 
     Parameters
     ----------
     name : str
-    recognises : callable
-        Whether a text names such a source, as far as no kind before it does.
+    named_by : str
+        What a user gives to name one: `FILE`, `ADDRESS`, `SERVICE`, `NAMED` or `PROJECT`.
     module, source : str
         Module of this package and the class of `NamedSource` in it; imported where there is such a source.
+    endings : tuple of str
+        By which paths are known for its files, whether or not they are there.
+    recognised_by : callable
+        Whether another text names one as well, as far as no kind before it is named by that.
     """
 
     name: str
-    recognises: Callable[[str], bool]
+    named_by: str
     module: str
     source: str
+    endings: tuple[str, ...] = ()
+    recognised_by: Callable[[str], object] = lambda _: None
+
+    def recognises(self, text: str) -> bool:
+        """Whether a text names such a source, as far as no kind before it does."""
+        by_ending = Path(text).suffix.lower() in self.endings and _is_path(text)
+        return by_ending or bool(self.recognised_by(text))
+
+    @property
+    def is_file(self) -> bool:
+        """Whether it is named by the path of a file."""
+        return self.named_by == FILE
+
+    @property
+    def is_address(self) -> bool:
+        """Whether it is named by an address, be it that of tiles or of a service."""
+        return self.named_by in (ADDRESS, SERVICE)
+
+    @property
+    def is_service(self) -> bool:
+        """Whether it is named by the address of a service, which is to be asked for dates and terms."""
+        return self.named_by == SERVICE
 
 
+def _is_path(text: str) -> bool:
+    """Whether a text may be a path: an address is none, nor is a template whose https:// was forgotten."""
+    if _is_within_file(text):
+        return True
+    return "://" not in text and (_TILE.search(text) is None or is_there(text))
+
+
+def _is_within_file(text: str) -> bool:
+    return text.startswith("/vsi") or bool(file_of_part(text))
+
+
+def _is_any_file(text: str) -> bool:
+    """Whether a text names what GDAL may open; where a name of the catalogue is one of a file too, ``./name`` is."""
+    return _is_within_file(text) or (_is_path(text) and NAME.fullmatch(text) is None and is_there(text))
+
+
+#: What a user names a source by: a path, an address of tiles or of a service, a name, or a map of a QGIS project.
+FILE, ADDRESS, SERVICE, NAMED, PROJECT = "file", "address", "service", "name", "project"
+_RASTERS = (".tif", ".tiff", ".vrt", ".jp2", ".img", ".png", ".jpg", ".jpeg", ".ecw", ".gpkg", ".cog")
 #: Kinds of sources, asked in this order. A further one is its module and a line.
 KINDS = (
-    Kind(
-        "mbtiles", lambda text: is_file(text) and _ending(text) == _MBTILES_ENDING, ".mbtiles", "MBTilesFile"
-    ),
-    Kind("raster", is_file, ".raster.source", "RasterFile"),
-    Kind("service", lambda text: _SERVICE.match(text) is not None, ".services.ogc", "ServiceLayer"),
-    Kind("template", lambda text: "://" in text or "{" in text, ".catalogue", "URLTemplate"),
-    Kind("catalogue", lambda _: True, ".catalogue", "CatalogueName"),
+    Kind("mbtiles", FILE, ".mbtiles", "MBTilesFile", endings=(".mbtiles",)),
+    Kind("raster", FILE, ".raster.source", "RasterFile", endings=_RASTERS, recognised_by=_is_any_file),
+    Kind("service", SERVICE, ".services.ogc", "ServiceLayer", recognised_by=_SERVICE.match),
+    Kind("template", ADDRESS, ".catalogue", "URLTemplate", recognised_by=_ADDRESS.search),
+    Kind("catalogue", NAMED, ".catalogue", "CatalogueName", recognised_by=lambda _: True),
 )
+#: Maps of QGIS, which the plugin alone opens.
+_QGIS = Kind("qgis", PROJECT, "", "", recognised_by=re.compile("qgis:").match)
 
 
-def _kind(text: str) -> Kind:
-    if text.startswith(_QGIS):
-        raise InvalidInput(
-            "source {0}: is a map of QGIS and can be captured inside QGIS only",
-            text,
-            remedy="name a file, a URL template or a name of the catalogue",
-        )
-    return next(kind for kind in KINDS if kind.recognises(text))
+def kind_of(text: str) -> Kind:
+    """Kind of source that a text names, whether or not there is such a source."""
+    return next(kind for kind in (_QGIS, *KINDS) if kind.recognises(text))
 
 
 def _imported(module: str) -> ModuleType:
@@ -211,11 +219,6 @@ class NamedSource(ABC):
     `stated_policy`, `environment_key`. For the rest a file may be opened or a service asked for its capabilities, once;
     it raises InvalidInput and SourceError as `open` does. No key is needed until `open`, but by a service that wants
     one with the request for its capabilities.
-
-    Parameters
-    ----------
-    text : str
-    options : SourceOptions
     """
 
     def __init__(self, text: str, options: SourceOptions) -> None:
@@ -251,30 +254,33 @@ class NamedSource(ABC):
     def entry(self) -> CatalogueEntry:
         """All that is known of it; raises InvalidInput for a file, of which no terms are known."""
         raise InvalidInput(
-            "source {0}: a file states no terms",
-            self.text,
-            remedy="name one of the sources that have some",
+            "source {0}: a file states no terms", self.text, remedy="name one of the sources that have some"
         )
 
     @property
     @abstractmethod
-    def title(self) -> str:
-        """What people see."""
+    def _known(self) -> CatalogueEntry | Source:
+        """What tells its title, map types and terms."""
 
     @property
-    @abstractmethod
+    def title(self) -> str:
+        """What people see."""
+        return self._known.title
+
+    @property
     def map_types(self) -> tuple[str, ...]:
         """Map types it can tell apart; empty where it has one kind of picture only."""
+        return self._known.map_types
+
+    @property
+    def policy(self) -> Policy:
+        """What its provider allows, or the licence that a file states."""
+        return self._known.policy
 
     @property
     @abstractmethod
     def grid(self) -> PixelGrid:
         """Its pixels."""
-
-    @property
-    @abstractmethod
-    def policy(self) -> Policy:
-        """What its provider allows."""
 
     @property
     @abstractmethod
@@ -307,28 +313,17 @@ class EntrySource(NamedSource):
         return self._find()
 
     @property
+    def _known(self) -> CatalogueEntry:
+        return self.entry
+
+    @property
     def needs_key(self) -> bool:
         """Whether its entry names an environment variable with a key."""
         return self.entry.key_env is not None
 
     def environment_key(self) -> str | None:
         """Key of the variable that the entry names."""
-        return self.entry.key(None)
-
-    @property
-    def title(self) -> str:
-        """Title of the entry."""
-        return self.entry.title
-
-    @property
-    def map_types(self) -> tuple[str, ...]:
-        """Map types of the entry."""
-        return self.entry.map_types
-
-    @property
-    def policy(self) -> Policy:
-        """Terms of the entry."""
-        return self.entry.policy
+        return os.environ.get(self.entry.key_env) if self.entry.key_env else None
 
     @cached_property
     def _wanted(self) -> tuple[str, PixelGrid]:
@@ -359,13 +354,7 @@ class EntrySource(NamedSource):
 
 
 class DescribedSource(EntrySource):
-    """A source whose entry is given, as that of a connection of QGIS is.
-
-    Parameters
-    ----------
-    entry : CatalogueEntry
-    options : SourceOptions
-    """
+    """A source whose entry is given, as that of a connection of QGIS is."""
 
     def __init__(self, entry: CatalogueEntry, options: SourceOptions) -> None:
         super().__init__(entry.name, options)
@@ -376,12 +365,26 @@ class DescribedSource(EntrySource):
 
 
 class FileSource(NamedSource):
-    """A file of pictures, on this machine; what it says of itself is read once."""
+    """A file of pictures; what it says of itself is read once."""
+
+    #: Whether a date may be asked for.
+    takes_date = False
+
+    @abstractmethod
+    def _open(self, date: str) -> Source:
+        """Open the file, of a date where one is asked for; raises InvalidInput where it cannot be."""
+
+    def open(self) -> Source:
+        """Open it; raises InvalidInput where that cannot be, and for a date that it does not take."""
+        date = self.options.date or ""
+        if date and not self.takes_date:
+            raise InvalidInput("date {0!r}: {1} has no dates to choose from", date, self.text, field="date")
+        return self._open(date)
 
     @property
     def is_local(self) -> bool:
-        """Whether its pixels are on this machine: they are."""
-        return True
+        """Whether its pixels are on this machine: not where GDAL is to fetch them."""
+        return _FETCHED.search(self.text) is None
 
     @property
     def stated_policy(self) -> Policy:
@@ -389,32 +392,17 @@ class FileSource(NamedSource):
         return Policy()
 
     @cached_property
-    def _read(self) -> Source:
+    def _known(self) -> Source:
         source = self.open()
         source.close()
         return source
 
     @property
-    def title(self) -> str:
-        """Title that the file states, or its name."""
-        return self._read.title
-
-    @property
-    def map_types(self) -> tuple[str, ...]:
-        """None: a file has one kind of picture."""
-        return ()
-
-    @property
     def grid(self) -> PixelGrid:
         """Its pixels, up to its own zoom."""
-        return self._read.grid
-
-    @property
-    def policy(self) -> Policy:
-        """Licence that the file states."""
-        return self._read.policy
+        return self._known.grid
 
     @property
     def date(self) -> str:
         """Date asked for, or that the file states."""
-        return self._read.date
+        return self._known.date

@@ -45,41 +45,33 @@ class Source(Protocol):
     @property
     def name(self) -> str:
         """What a mission names it by."""
-        ...
 
     @property
     def title(self) -> str:
         """What people see; "Synthetic (offline)" for the embedded world."""
-        ...
 
     @property
     def attribution(self) -> str:
         """Credit that goes into every picture's metadata."""
-        ...
 
     @property
     def map_types(self) -> tuple[str, ...]:
         """Map types it can tell apart; empty where it has one kind of picture only."""
-        ...
 
     @property
     def grid(self) -> PixelGrid:
         """Its pixels."""
-        ...
 
     @property
     def policy(self) -> Policy:
         """What its provider allows."""
-        ...
 
     @property
     def date(self) -> str:
         """Date of its imagery as the source writes it, YYYY-MM-DD or YYYY; empty where it is not known."""
-        ...
 
     def parts(self, window: Window) -> list[Part]:
         """Return the parts that together fill ``window`` exactly."""
-        ...
 
     def fetch(self, map_type: str, part: Window) -> Pixels:
         """Pixels of one part, (height_px, width_px, 3) uint8: red, green, blue.
@@ -93,11 +85,9 @@ class Source(Protocol):
         SourceError
             Nothing can be had from this source: the run stops.
         """
-        ...
 
     def close(self) -> None:
         """Free what it holds; requests under way end at once and raise Cancelled."""
-        ...
 
 
 def tile_parts(window: Window, grid: PixelGrid) -> list[Part]:
@@ -152,8 +142,22 @@ def tile_address(part: Window, grid: PixelGrid, title: str) -> Tile:
     if left or top or (part.width_px, part.height_px) != (size, size):
         raise InvalidInput("{0}: is no tile of {1} px", part, size)
     tile = Tile(int(part.zoom), int(x), int(y))
-    if not grid.min_zoom <= tile.zoom <= grid.max_zoom:
-        raise InvalidInput("zoom {0}: {1} has {2} to {3}", tile.zoom, title, grid.min_zoom, grid.max_zoom)
+    check_zoom(tile.zoom, grid, title)
     if not (0 <= tile.x < 1 << tile.zoom and 0 <= tile.y < 1 << tile.zoom):
         raise PartError("{0}: beyond the edge of the map", tile)
     return tile
+
+
+def check_zoom(zoom: int, grid: PixelGrid, title: str) -> None:
+    """Refuse a zoom that a source of a grid, which errors name by its title, does not have."""
+    if not grid.min_zoom <= zoom <= grid.max_zoom:
+        raise InvalidInput("zoom {0}: {1} has {2} to {3}", zoom, title, grid.min_zoom, grid.max_zoom)
+
+
+def over_white(colour: Pixels, alpha: Pixels) -> Pixels:
+    """Colours over white by their alpha, 0 to 255; of one shape, or of shapes that go together."""
+    if bool((alpha == 255).all()):
+        return colour
+    whole = alpha.astype(np.uint16)
+    mixed: Pixels = ((colour * whole + 255 * (255 - whole) + 127) // 255).astype(np.uint8)
+    return mixed

@@ -26,7 +26,7 @@ from .http.transport import Response, Transport
 from .opening import SourceOptions
 from .placeholder import Placeholder, Received
 from .policy import Policy
-from .source import Part, Pixels, Window
+from .source import Part, Pixels, Window, check_zoom
 
 GOOGLE_URL = "https://maps.googleapis.com/maps/api/staticmap"
 #: Longest side of a picture, before ``scale``.
@@ -192,8 +192,7 @@ class StaticMapSource:
                 MAX_SIZE_PX,
                 scale,
             )
-        if not 0 <= part.zoom <= _MAX_ZOOM:
-            raise InvalidInput("zoom {0}: {1} has 0 to {2}", part.zoom, self.title, _MAX_ZOOM)
+        check_zoom(part.zoom, self.grid, self.title)
         query = {
             "center": f"{lat_deg},{lon_deg}",
             "zoom": str(part.zoom),

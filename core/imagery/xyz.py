@@ -143,11 +143,7 @@ class XYZSource:
         """
         tile = tile_address(part, self.grid, self.title)
         url = self._template(map_type).url(
-            *tile,
-            scale=self.grid.scale,
-            map_type=map_type,
-            date=self.date,
-            key=self._key_needed(map_type),
+            *tile, scale=self.grid.scale, map_type=map_type, date=self.date, key=self._key_needed(map_type)
         )
 
         counted: set[str] = set()

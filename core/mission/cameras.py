@@ -6,9 +6,9 @@ import difflib
 import sys
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any
 
-from ..config import config_file, read_named, write_named
+from ..config import Shelf, config_file, read_named, read_shelf, write_named
 from ..errors import InvalidInput, Message
 from ..geodesy.camera import Camera
 from ..resources import read_json
@@ -163,7 +163,7 @@ def cameras() -> tuple[CameraPreset, ...]:
     InvalidInput
         The user's file cannot be read; names it.
     """
-    return (*shipped_cameras(), *camera_shelf().presets)
+    return (*shipped_cameras(), *camera_shelf().entries)
 
 
 def camera_named(name: str) -> CameraPreset:
@@ -183,8 +183,8 @@ def camera_named(name: str) -> CameraPreset:
     for other, problem in own.problems.items():
         if key(other) == wanted:
             raise InvalidInput(problem)
-    presets = (*own.presets, *shipped)
-    found = _named(wanted, own.presets, full=True) or _named(wanted, presets, full=False)
+    presets = (*own.entries, *shipped)
+    found = _named(wanted, own.entries, full=True) or _named(wanted, presets, full=False)
     if found is not None:
         return found
     names = {key(preset.name): preset.name for preset in presets}
@@ -202,39 +202,17 @@ def _named(wanted: str, presets: tuple[CameraPreset, ...], *, full: bool) -> Cam
     return None
 
 
-class Shelf(NamedTuple):
-    """A user's own cameras, and what is wrong with those that are left out.
-
-    Parameters
-    ----------
-    problems : mapping of str to str
-        Name of a camera to what is wrong with it; names the file.
-    """
-
-    presets: tuple[CameraPreset, ...]
-    problems: Mapping[str, str]
-
-
-def camera_shelf() -> Shelf:
-    """Return the user's cameras that are right, and what is wrong with the others: one does not hide another.
-
-    Raises
-    ------
-    InvalidInput
-        The file cannot be read; names it.
-    """
-    path = config_file(_FILE)
+def camera_shelf() -> Shelf[CameraPreset]:
+    """Return the user's cameras that are right, and what is wrong with the others; raises as `read_shelf`."""
     taken = {key(preset.name): preset.name for preset in shipped_cameras()}
-    presets: list[CameraPreset] = []
-    problems: dict[str, str] = {}
-    for name, data in read_named(path, Message("cameras")).items():
-        preset = _preset_or_problem(name, data, taken)
-        if isinstance(preset, CameraPreset):
-            presets.append(preset)
-            taken[key(name)] = name
-        else:
-            problems[name] = Message("{0}: {1}", path, preset)
-    return Shelf(tuple(presets), problems)
+
+    def preset(name: str, data: Any) -> CameraPreset:
+        _check_name(name, taken)
+        made = _preset(name, data)
+        taken[key(name)] = name
+        return made
+
+    return read_shelf(config_file(_FILE), Message("cameras"), preset)
 
 
 def add_camera(name: str, data: Mapping[str, Any]) -> CameraPreset:
@@ -309,11 +287,3 @@ def _preset(name: str, data: Any) -> CameraPreset:
     if not isinstance(data, Mapping):
         raise InvalidInput("camera {0}: must be an object", name)
     return CameraPreset.from_dict(name, data, user=True)
-
-
-def _preset_or_problem(name: str, data: Any, taken: Mapping[str, str]) -> CameraPreset | str:
-    try:
-        _check_name(name, taken)
-        return _preset(name, data)
-    except InvalidInput as wrong:
-        return Message(wrong)

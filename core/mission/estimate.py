@@ -33,6 +33,8 @@ class Costs:
         Making a camera frame from its tiles, on one core.
     requests_per_s : float or None
         The most that the source allows; None where it has no such limit.
+    pixels_from : str
+        ``network``, ``file``, or ``computer`` where they are computed or drawn.
     """
 
     request_s: float
@@ -41,13 +43,17 @@ class Costs:
     bytes_per_px: dict[str, float]
     warp_s_per_px: float = 1e-7
     requests_per_s: float | None = None
+    pixels_from: str = "network"
 
 
 #: Aerial photographs: compressed tiles of 256 px have about 15 kB, a request takes about 60 ms.
 _ENCODE_S_PER_PX = {"tif": 1.3e-7, "jpg": 1.1e-7, "png": 1.7e-7}
-ONLINE = Costs(0.06, 15_000.0, _ENCODE_S_PER_PX, {"tif": 1.7, "jpg": 0.55, "png": 1.6})
+_PHOTOGRAPH_BYTES_PER_PX = {"tif": 1.7, "jpg": 0.55, "png": 1.6}
+ONLINE = Costs(0.06, 15_000.0, _ENCODE_S_PER_PX, _PHOTOGRAPH_BYTES_PER_PX)
+#: Photographs in a file on this machine.
+FROM_FILE = Costs(0.01, 0.0, _ENCODE_S_PER_PX, _PHOTOGRAPH_BYTES_PER_PX, pixels_from="file")
 #: The embedded world: tiles are computed on the spot, and are smoother than photographs.
-OFFLINE = Costs(0.01, 0.0, _ENCODE_S_PER_PX, {"tif": 0.88, "jpg": 0.31, "png": 0.69})
+OFFLINE = Costs(0.01, 0.0, _ENCODE_S_PER_PX, {"tif": 0.88, "jpg": 0.31, "png": 0.69}, pixels_from="computer")
 
 
 @dataclass(frozen=True)
@@ -76,6 +82,7 @@ class Summary:
     least_overlap_across: float | None
     median_overlap_across: float | None
     unique_tiles: int
+    pixels_from: str
     download_bytes: int
     output_bytes: int
     seconds: float
@@ -135,16 +142,18 @@ class Summary:
         each = Message(" a map type") if types > 1 else ""
         lines += [
             (Message("tiles"), Message("{0:,}{1}, each fetched once", self.unique_tiles, each)),
-            (
-                Message("download"),
-                size_text(self.download_bytes) if self.download_bytes else Message("nothing (computed here)"),
-            ),
+            (Message("download"), self._download()),
             (Message("files"), size_text(self.output_bytes)),
             (Message("time"), Message("about {0}", duration_text(max(self.seconds, 1.0)))),
             *self.accuracy.lines(),
             *((Message("warning"), text) for text in self.warnings),
         ]
         return lines
+
+    def _download(self) -> Message:
+        if self.pixels_from == "file":
+            return Message("nothing (read from the file)")
+        return size_text(self.download_bytes) if self.download_bytes else Message("nothing (computed here)")
 
 
 def estimate(plan: Plan, costs: Costs = ONLINE, connections: int = 8, cores: int = 2) -> Summary:
@@ -191,6 +200,7 @@ def estimate(plan: Plan, costs: Costs = ONLINE, connections: int = 8, cores: int
         least_overlap_across=overlap.least_across,
         median_overlap_across=overlap.median_across,
         unique_tiles=plan.requests,
+        pixels_from=costs.pixels_from,
         download_bytes=round(types * plan.requests * costs.request_bytes),
         output_bytes=round(types * pixels * costs.bytes_per_px[mission.output.image_format]),
         seconds=types * seconds,

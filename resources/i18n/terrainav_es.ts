@@ -2081,6 +2081,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
+        <source>nothing ({count} tiles read from the file)</source>
+        <translation>nada ({count} teselas leídas del archivo)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/figures.py"/>
         <source>requested {requested}, delivered {delivered}</source>
         <translation>pedido {requested}, entregado {delivered}</translation>
     </message>
@@ -5214,7 +5219,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/imagery/catalogue.py"/>
         <location filename="../../core/imagery/raster/source.py"/>
         <location filename="../../core/imagery/services/capabilities.py"/>
-        <location filename="../../core/imagery/services/wms.py"/>
+        <location filename="../../core/imagery/services/ogc.py"/>
         <location filename="../../core/mission/cameras.py"/>
         <source>none</source>
         <translation>ninguno</translation>
@@ -5366,7 +5371,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/entry.py"/>
-        <location filename="../../core/imagery/mbtiles.py"/>
+        <location filename="../../core/imagery/opening.py"/>
         <source>date {0!r}: {1} has no dates to choose from</source>
         <translation>fecha {0!r}: {1} no tiene fechas que elegir</translation>
     </message>
@@ -5948,12 +5953,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/raster/source.py"/>
-        <location filename="../../core/imagery/source.py"/>
-        <source>zoom {0}: {1} has {2} to {3}</source>
-        <translation>zoom {0}: {1} tiene de {2} a {3}</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/raster/source.py"/>
         <source>{0} earlier ones and {1}</source>
         <translation>{0} anteriores y {1}</translation>
     </message>
@@ -6158,6 +6157,26 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>{0} {1!r}: {2} ofrece {3}</translation>
     </message>
     <message>
+        <location filename="../../core/imagery/services/ogc.py"/>
+        <source>layer {0!r} of {1}: has tiles in {2} only; needs a Web-Mercator quad, such as WebMercatorQuad or GoogleMapsCompatible</source>
+        <translation>capa {0!r} de {1}: solo tiene teselas en {2}; necesita una cuadrícula Web Mercator, como WebMercatorQuad o GoogleMapsCompatible</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/services/ogc.py"/>
+        <source>layer {0!r} of {1}: is offered in {2}; needs {3}</source>
+        <translation>capa {0!r} de {1}: se ofrece en {2}; necesita {3}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/services/ogc.py"/>
+        <source>speaks version {0}; must be {1}</source>
+        <translation>habla la versión {0}; debe ser {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/services/ogc.py"/>
+        <source>styles {0!r}: must be one for each of {1} layers</source>
+        <translation>estilos {0!r}: debe ser uno para cada una de {1} capas</translation>
+    </message>
+    <message>
         <location filename="../../core/imagery/services/safe_xml.py"/>
         <source>a document type or entities of its own, which are not read</source>
         <translation>tipo de documento o entidades propias, que no se leen</translation>
@@ -6203,29 +6222,14 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>más de {0} MB o {1:,} elementos</translation>
     </message>
     <message>
-        <location filename="../../core/imagery/services/wms.py"/>
-        <source>layer {0!r} of {1}: is offered in {2}; needs {3}</source>
-        <translation>capa {0!r} de {1}: se ofrece en {2}; necesita {3}</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/services/wms.py"/>
-        <source>speaks version {0}; must be {1}</source>
-        <translation>habla la versión {0}; debe ser {1}</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/services/wms.py"/>
-        <source>styles {0!r}: must be one for each of {1} layers</source>
-        <translation>estilos {0!r}: debe ser uno para cada una de {1} capas</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/services/wmts.py"/>
-        <source>layer {0!r} of {1}: has tiles in {2} only; needs a Web-Mercator quad, such as WebMercatorQuad or GoogleMapsCompatible</source>
-        <translation>capa {0!r} de {1}: solo tiene teselas en {2}; necesita una cuadrícula Web Mercator, como WebMercatorQuad o GoogleMapsCompatible</translation>
-    </message>
-    <message>
         <location filename="../../core/imagery/source.py"/>
         <source>tile {0}/{1}/{2}</source>
         <translation>tesela {0}/{1}/{2}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/source.py"/>
+        <source>zoom {0}: {1} has {2} to {3}</source>
+        <translation>zoom {0}: {1} tiene de {2} a {3}</translation>
     </message>
     <message>
         <location filename="../../core/imagery/source.py"/>
@@ -6261,11 +6265,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/imagery/staticmap.py"/>
         <source>scale {0}: Static Maps has 1 (tiles of 256 px) and 2 (512 px)</source>
         <translation>escala {0}: Static Maps tiene 1 (teselas de 256 px) y 2 (512 px)</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/staticmap.py"/>
-        <source>zoom {0}: {1} has 0 to {2}</source>
-        <translation>zoom {0}: {1} tiene de 0 a {2}</translation>
     </message>
     <message>
         <location filename="../../core/imagery/staticmap.py"/>
@@ -6693,6 +6692,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/estimate.py"/>
         <source>nothing (computed here)</source>
         <translation>nada (se calcula aquí)</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/estimate.py"/>
+        <source>nothing (read from the file)</source>
+        <translation>nada (se lee del archivo)</translation>
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>

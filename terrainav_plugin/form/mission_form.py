@@ -219,7 +219,7 @@ def _box(state: FormState, checks: _Checks) -> Box | None:
 
 def state_of(mission: Mission, folder: str, like: FormState | None = None) -> FormState:
     """State that asks for ``mission`` again, in the unit and the terms of another state; otherwise in metres."""
-    from ...core.imagery.opening import is_address
+    from ...core.imagery.opening import kind_of
 
     parts = (getattr(mission, name) for name in FLAT_PARTS)
     same = {one.name: getattr(part, one.name) for part in parts for one in fields(part) if one.name in SAME}
@@ -231,7 +231,7 @@ def state_of(mission: Mission, folder: str, like: FormState | None = None) -> Fo
         folder=folder,
         **same,
     )
-    if is_address(mission.imagery.source):
+    if kind_of(mission.imagery.source).is_address:
         state = replace(state, source=URL_TEMPLATE, template=mission.imagery.source)
     if mission.wind is not None:
         state = replace(

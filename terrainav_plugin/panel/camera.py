@@ -211,8 +211,8 @@ def camera_choices() -> tuple[list[CameraChoice], str]:
 
     own: tuple[CameraPreset, ...] = ()
     try:
-        own, problems = camera_shelf()
-        wrong = "; ".join(map(translate, problems.values()))
+        shelf = camera_shelf()
+        own, wrong = shelf.entries, "; ".join(map(translate, shelf.problems.values()))
     except InvalidInput as unreadable:
         wrong = translate(unreadable)
     return [_choice(preset) for preset in (*shipped_cameras(), *own)], wrong

@@ -94,11 +94,11 @@ def source_choices(project: QgsProject) -> tuple[list[SourceChoice], str]:
     wrong = ""
     entries = list(shipped())
     try:
-        own, problems = shelf()
-        entries += own
-        wrong = "; ".join(problems.values())
+        own = shelf()
+        entries += own.entries
+        wrong = "; ".join(map(translate, own.problems.values()))
     except InvalidInput as unreadable:
-        wrong = str(unreadable)
+        wrong = translate(unreadable)
     choices = [_of_entry(entry) for entry in entries]
     choices += [_of_connection(name) for name in connection_names()]
     asked = tr(
@@ -118,14 +118,14 @@ def source_choices(project: QgsProject) -> tuple[list[SourceChoice], str]:
 
 def unlisted(name: str) -> SourceChoice | None:
     """Entry for a source that the chooser does not list: a file, or a layer that is not there (any more)."""
-    from ...core.imagery.opening import is_file
+    from ...core.imagery.opening import kind_of
 
     if is_connection(name):
         title = tr("Missing connection")
         return SourceChoice(name, title, group=CONNECTION, limits=html.escape(name[len(XYZ) :]))
     if is_of_qgis(name):
         return SourceChoice(name, tr("Missing layer"), group=PROJECT)
-    if is_file(name):
+    if kind_of(name).is_file:
         return SourceChoice(name, Path(name).name, group=FILE, limits=html.escape(name))
     return None
 
@@ -134,8 +134,11 @@ def template_limits(template: str) -> str:
     """What the provider of a URL template allows, as HTML; empty where the template is not right (yet)."""
     from ...core.imagery.opening import kind_of, named_source
 
+    kind = kind_of(template)
+    if not kind.is_address or kind.is_service:
+        return ""
     try:
-        return limits_html(named_source(template).entry) if kind_of(template) == "template" else ""
+        return limits_html(named_source(template).entry)
     except TerrAInavError:
         return ""
 

@@ -393,6 +393,8 @@ def _tiles(summary: Summary) -> str:
 
 def _download(summary: Summary) -> str:
     count = number_text(summary.unique_tiles * len(summary.map_types))
+    if summary.pixels_from == "file":
+        return tr("nothing ({count} tiles read from the file)").format(count=count)
     if not summary.download_bytes:
         return tr("nothing ({count} tiles from this computer)").format(count=count)
     size = translate(size_text(summary.download_bytes))

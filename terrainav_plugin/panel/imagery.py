@@ -172,12 +172,12 @@ class ImageryEntries(QgsCollapsibleGroupBoxBasic):
 
     def _is_dated(self, choice: SourceChoice | None) -> bool:
         """Whether there may be a date to choose; a service says so only once it is asked."""
-        from ...core.imagery.opening import is_service
+        from ...core.imagery.opening import kind_of
 
         if choice is not None:
             return bool(choice.dates) or "{date}" in choice.name
         address = self.template.text().strip()
-        return "{date}" in address or is_service(address)
+        return "{date}" in address or kind_of(address).is_service
 
     def _form_row(self, label: QLabel, field: QWidget, shown: bool) -> None:
         label.setVisible(shown)
@@ -278,12 +278,14 @@ class ImageryEntries(QgsCollapsibleGroupBoxBasic):
         self.changed.emit()
 
     def _browse(self) -> None:
+        from ...core.imagery.opening import KINDS
+
         path, _ = QFileDialog.getOpenFileName(
             self,
             tr("Raster or MBTiles file"),
             "",
             tr("Rasters and tiles ({endings});;All files (*)").format(
-                endings="*.tif *.tiff *.vrt *.jp2 *.img *.png *.jpg *.mbtiles"
+                endings=" ".join(f"*{ending}" for kind in KINDS for ending in kind.endings)
             ),
         )
         if path:

@@ -42,12 +42,10 @@ if TYPE_CHECKING:
 #: Of a source of which nothing is said; a server may take more, and should be asked first.
 _CONNECTIONS, _REQUESTS_PER_S = 4, 10.0
 _ROOM_PX = 460
-#: What may name a source.
-_NAME = re.compile(r"[a-z0-9][a-z0-9_-]{0,63}")
 _SERVICE_ROOM_PX = (520, 420)
-#: Choice of a layer in a service's name, by kind.
 #: Entries in which fields of a source are put right; all others come of its address.
 _ENTRIES = {"name": "name", "date": "default_date", "terms_url": "terms_url", "placeholder": "placeholders"}
+#: Choice of a layer in a service's name, by kind.
 _CHOICES = {"wms": "layers", "wmts": "layer"}
 #: Longest part of a layer's name that its source is called by: room is left for a number.
 _NAME_LETTERS = 56
@@ -383,8 +381,9 @@ def _line(name: str, tip: str) -> QLineEdit:
 def _name_problem(name: str) -> dict[str, str]:
     """Message for a name that is not right, or taken."""
     from ...core.imagery.catalogue import sources
+    from ...core.imagery.entry import NAME
 
-    if not _NAME.fullmatch(name):
+    if not NAME.fullmatch(name):
         return {"name": tr("must be lower-case letters, digits, hyphens and underscores, at most 64")}
     try:
         taken = any(entry.name == name for entry in sources())

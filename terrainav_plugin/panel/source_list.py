@@ -57,7 +57,7 @@ class SourceList(QObject):
         self._imagery.set_choices(choices)
         if problem and problem != self._told:
             self._messages.warning(
-                tr("Some of your own sources are left out: {reason}").format(reason=translate(problem))
+                tr("Some of your own sources are left out: {reason}").format(reason=problem)
             )
         self._told = problem
 

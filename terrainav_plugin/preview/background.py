@@ -19,7 +19,7 @@ from ...core.capture.georeference import WEB_MERCATOR_WKT
 from ...core.errors import Cancelled, InvalidInput, OutputError, TerrAInavError
 from ...core.files import make_folder, partial_file
 from ...core.geodesy.mercator import MAX_LAT_DEG, PixelGrid, lat_to_v, lon_to_u
-from ...core.imagery.opening import open_source
+from ...core.imagery.opening import kind_of, open_source
 from ...core.imagery.source import Window
 from ...core.mission.area import Box
 from ..form import mission_form
@@ -86,8 +86,6 @@ class SourceOnMap(QObject):
 
     def show(self, then: Callable[[], None] | None = None) -> None:
         """Show what is entered, and zoom to the area; ``then`` is called once it is there."""
-        from ...core.imagery.opening import is_file
-
         state = self._read()
         area, seen = mission_form.box(state), self._background.looked_at()
         map_type = state.map_types[0] if state.map_types else "satellite"
@@ -97,7 +95,7 @@ class SourceOnMap(QObject):
                 self._show_world(area or seen or _FIRST_PLACE, map_type, state.seed, stay, then)
                 return
             title = self._title()
-            if is_file(state.source):
+            if kind_of(state.source).is_file:
                 self._background.show_file(state.source, title)
             elif not is_of_qgis(state.source):
                 self._background.show_tiles(state.source_name, map_type, title, state.date)

@@ -11,6 +11,7 @@ from urllib.parse import unquote, urlsplit, urlunsplit
 from qgis.core import QgsApplication, QgsOwsConnection
 
 from ...core.errors import InvalidInput
+from ...core.geodesy.mercator import HIGHEST_ZOOM
 from ...core.text import whole_number
 from ..i18n import tr, translate
 
@@ -26,7 +27,6 @@ _BROWSER = "XYZ Tiles"
 _SERVICE_KIND = "WMS"
 #: Headers that QGIS keeps with a connection, in its own ways over the versions.
 _HEADER = "http-header:"
-_HIGHEST_ZOOM = 30
 #: Zooms of a connection that states none, as QGIS takes them.
 _USUAL_ZOOM = 18
 #: The tiles' own width is said to be unknown, usual or double.
@@ -209,4 +209,4 @@ def connection_of(name: str, uri: str) -> Connection:
 
 def _zoom(text: str, usual: int) -> int:
     stated = whole_number(text)
-    return usual if stated is None else min(stated, _HIGHEST_ZOOM)
+    return usual if stated is None else min(stated, HIGHEST_ZOOM)

@@ -375,7 +375,7 @@ def test_test_shot_is_one_image_on_the_map(prepared):
 
 def test_key_comes_from_the_authentication_database_only(desk):
     from qgis.core import QgsApplication, QgsAuthMethodConfig, QgsSettings
-    from terrainav.terrainav_plugin.sources import key_in
+    from terrainav.terrainav_plugin.credentials import key_in
 
     manager = QgsApplication.authManager()
     manager.setMasterPassword("only for this test", True)

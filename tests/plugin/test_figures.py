@@ -11,7 +11,7 @@ import pytest
 import terrainav.core.mission
 from terrainav.core.errors import Message, OptionName
 from terrainav.core.mission.area import Box, Points
-from terrainav.core.mission.estimate import OFFLINE, ONLINE, estimate
+from terrainav.core.mission.estimate import FROM_FILE, OFFLINE, ONLINE, estimate
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 from terrainav.terrainav_plugin.i18n import translate
@@ -49,6 +49,8 @@ def test_figures_of_a_covered_area():
     assert lines["Images"] == f"{summary.images:,} in {summary.rows} rows"
     assert lines["Coverage"].startswith("100 % of 35.03 km²")
     assert lines["Download"] == f"nothing ({summary.unique_tiles:,} tiles from this computer)"
+    _, lines = lines_of(Mission(area=AREA, agl_m=120.0), FROM_FILE)
+    assert lines["Download"] == f"nothing ({summary.unique_tiles:,} tiles read from the file)"
 
 
 def test_what_is_left_out_is_said_and_never_reads_as_everything():

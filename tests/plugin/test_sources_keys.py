@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import gzip
+import re
 import zipfile
 from pathlib import Path
 from urllib.parse import quote, quote_plus
@@ -12,9 +13,16 @@ import pytest
 from qgis.core import Qgis, QgsApplication, QgsAuthMethodConfig, QgsOwsConnection, QgsProject, QgsSettings
 from qgis.PyQt.QtCore import QBuffer, QIODevice
 from qgis.PyQt.QtGui import QColor, QImage
+from qgis.PyQt.QtWidgets import QFileDialog
+from terrainav.core.imagery import opening
 from terrainav.core.imagery.catalogue import add, described, user_sources
 from terrainav.core.imagery.entry import CatalogueEntry
+from terrainav.core.imagery.opening import FILE, SERVICE, Kind
+from terrainav.core.mission.area import Box
+from terrainav.core.mission.mission import Mission
 from terrainav.terrainav_plugin.credentials import problem_with
+from terrainav.terrainav_plugin.form.mission_form import state_of
+from terrainav.terrainav_plugin.form.state import URL_TEMPLATE
 from terrainav.terrainav_plugin.panel.source_dialogs import kept
 from terrainav.terrainav_plugin.qgis_source.connections import (
     ServiceConnection,
@@ -400,6 +408,26 @@ def test_sources_are_found_by_typing(desk, screenshot):
     QTest.keyClick(combo.lineEdit(), Qt.Key.Key_Return)
     assert combo.currentData() == "esri-wayback"
     assert combo.currentText() == combo.itemText(combo.currentIndex())
+
+
+def test_new_kind_reaches_the_list_by_its_line_alone(desk, monkeypatch):
+    """A kind of files and one of addresses, as two lines in the table."""
+    scenes = Kind("scenes", FILE, ".mbtiles", "MBTilesFile", endings=(".scenes",))
+    service = Kind("stac", SERVICE, ".services.ogc", "ServiceLayer", recognised_by=re.compile("stac:").match)
+    monkeypatch.setattr(opening, "KINDS", (scenes, service, *opening.KINDS))
+    asked = []
+    monkeypatch.setattr(
+        QFileDialog, "getOpenFileName", lambda *args: asked.append(args[3]) or ("a.scenes", "")
+    )
+    desk.form.imagery._browse()
+    assert "*.scenes " in asked[0]
+    assert desk.form.source.currentData() == "a.scenes"
+    state = state_of(Mission(Box(1.0, 1.0, 0.9, 1.1), 120.0, source="stac:https://h/c"), "")
+    assert (state.source, state.template) == (URL_TEMPLATE, "stac:https://h/c")
+    desk.choose(desk.form.source, URL_TEMPLATE)
+    for address, dated in (("https://h/{z}/{x}/{y}", False), ("stac:https://h/c", True)):
+        desk.form.imagery.template.setText(address)
+        assert desk.form.imagery._date_field.isVisibleTo(desk.form.imagery) == dated
 
 
 def test_headings_cannot_be_chosen(desk):

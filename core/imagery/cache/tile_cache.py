@@ -99,9 +99,7 @@ class TileCache:
     ) -> None:
         if limit_bytes < 1:
             raise InvalidInput(
-                "cache of {0} bytes: must be 1 or more",
-                limit_bytes,
-                remedy="leave the cache out for none",
+                "cache of {0} bytes: must be 1 or more", limit_bytes, remedy="leave the cache out for none"
             )
         self.folder = Path(folder) if folder is not None else default_folder()
         self.limit_bytes = limit_bytes
@@ -309,8 +307,8 @@ def _described(path: Path, rows: Mapping[str, str], tiles: int) -> CacheFile:
     )
 
 
-def _clear(path: Path) -> None:
-    """Remove a file, or empty it where another program has it open."""
+def _failure(path: Path) -> OutputError | None:
+    """Remove a file, or empty it where another program has it open; return why that was not possible."""
     try:
         if path.suffix == ".mbtiles" and _has_tiles(path):
             if not tilefile.remove(path):
@@ -318,15 +316,7 @@ def _clear(path: Path) -> None:
         else:
             path.unlink(missing_ok=True)
     except (*FILE_ERRORS, OSError) as wrong:
-        raise OutputError("cache {0}: cannot be removed ({1})", path, wrong) from wrong
-
-
-def _failure(path: Path) -> OutputError | None:
-    """Remove a file as `_clear` does, and return why that was not possible."""
-    try:
-        _clear(path)
-    except OutputError as wrong:
-        return wrong
+        return OutputError("cache {0}: cannot be removed ({1})", path, wrong)
     return None
 
 

@@ -137,8 +137,7 @@ class TileStore:
                     self._done(batch)
                 file.write({}, used)
             except FILE_ERRORS as wrong:
-                self._failed(wrong, file)
-                self._give_up_if_locked(wrong, file)
+                self._failed(wrong, file, writing=True)
                 return
             with self._lock:
                 self._busy = 0
@@ -249,21 +248,15 @@ class TileStore:
                     del self._changes[tile]
             self._waiting_bytes = sum(len(kept.body) for kept in self._changes.values() if kept is not None)
 
-    def _failed(self, wrong: Exception, file: TileFile) -> None:
+    def _failed(self, wrong: Exception, file: TileFile, *, writing: bool = False) -> None:
         kind = fault(wrong)
-        if kind == "corrupt":
-            with self._lock:
-                # Several threads may come upon the same damage.
-                if self._file is file:
-                    self._open(file)
-        elif kind == "unwritable":
-            with self._lock:
+        with self._lock:
+            # Several threads may come upon the same damage.
+            if kind == "corrupt" and self._file is file:
+                self._open(file)
+            elif kind == "unwritable":
                 self._stop_storing(f"cache {file.path}: {wrong}; nothing more is stored in this run")
-
-    def _give_up_if_locked(self, wrong: Exception, file: TileFile) -> None:
-        """Count the times the file could not be written for another program's lock; in the end, do without it."""
-        if fault(wrong) == "busy":
-            with self._lock:
+            elif kind == "busy" and writing:
                 self._busy += 1
                 if self._busy > _MOST_BUSY:
                     self._stop_storing(f"cache {file.path}: another program holds it; nothing more is stored")

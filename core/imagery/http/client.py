@@ -267,10 +267,7 @@ class Client:
         """Error of a part that is not asked for any more."""
         if request.status == HTTPStatus.TOO_MANY_REQUESTS:
             return SourceError(
-                "{0}: {1}",
-                self._title,
-                request.reason,
-                remedy="ask for less at a time, or resume later",
+                "{0}: {1}", self._title, request.reason, remedy="ask for less at a time, or resume later"
             )
         failure = request.failure
         silent = failure is not None and (failure.again or failure.away)

@@ -163,9 +163,9 @@ class RequestsTransport:
         url = str(request.url)
         settings = self._session.merge_environment_settings(url, {}, None, None, None)
         proxy = select_proxy(url, settings["proxies"])
-        managers = (
-            self._adapter.proxy_manager_for(_with_scheme(proxy)) if proxy else self._adapter.poolmanager
-        )
+        managers: Any = self._adapter.poolmanager
+        if proxy:
+            managers = self._adapter.proxy_manager_for(proxy if "://" in proxy else f"http://{proxy}")
         pool = managers.connection_from_url(url)
         # By name also where it is the usual one: not every version of requests finds that itself here.
         bundle = DEFAULT_CA_BUNDLE_PATH if settings["verify"] is True else settings["verify"]
@@ -208,10 +208,6 @@ class RequestsTransport:
         if isinstance(failure, (requests.exceptions.InvalidURL, urllib3.exceptions.LocationValueError)):
             return TransportError("the URL is not valid", again=False)
         return TransportError("connection to {0} broke off", host)
-
-
-def _with_scheme(proxy: str) -> str:
-    return proxy if "://" in proxy else f"http://{proxy}"
 
 
 def _free(session: requests.Session, undo: Callable[[], None]) -> None:

@@ -66,13 +66,7 @@ class TransportError(TerrAInavError):
 class Transport(Protocol):
     """One attempt at one URL; safe to call from several threads at once."""
 
-    def get(
-        self,
-        url: str,
-        headers: Mapping[str, str] | None = None,
-        *,
-        origin: str = "",
-    ) -> Response:
+    def get(self, url: str, headers: Mapping[str, str] | None = None, *, origin: str = "") -> Response:
         """Answer of any status, redirects too; its body as long as its Content-Length says, and unpacked.
 
         Parameters
@@ -90,11 +84,9 @@ class Transport(Protocol):
         Cancelled
             Within half a second of `close`.
         """
-        ...
 
     def close(self) -> None:
         """Free the connections and end what is under way."""
-        ...
 
 
 class Timeouts(NamedTuple):

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import InvalidInput
+from ..source import over_white
 from .reading import Band, Box, Bytes, Facts, RasterFile
 
 #: Colour interpretations whose values are neither red, green and blue nor greys.
@@ -59,7 +60,7 @@ class Colours:
         colours = np.empty((box.height, box.width, 4), np.uint8)
         for channel in range(3):
             band = rgb[channel % len(rgb)]
-            colours[..., channel] = band if alpha is None else _over_white(band, alpha)
+            colours[..., channel] = band if alpha is None else over_white(band, alpha)
         if alpha is not None:
             there &= alpha != 0
         colours[..., 3] = there
@@ -72,13 +73,6 @@ class Colours:
             for band, nodata in zip(values, self.nodata):
                 absent &= band == nodata
         return absent
-
-
-def _over_white(band: Bytes, alpha: Bytes) -> Bytes:
-    if bool((alpha == 255).all()):
-        return band
-    whole = alpha.astype(np.uint16)
-    return np.asarray((band * whole + 255 * (255 - whole) + 127) // 255, np.uint8)
 
 
 def colours_of(facts: Facts) -> Colours:

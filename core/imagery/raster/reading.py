@@ -106,19 +106,15 @@ class RasterFile(Protocol):
 
     def facts(self) -> Facts:
         """Read what the file says of itself; asked of the raster, not of an overview."""
-        ...
 
     def read(self, bands: Sequence[int], box: Box) -> Bytes:
         """Values as they are stored, (len(bands), height, width); bands count from 1. Raises ReadError."""
-        ...
 
     def read_mask(self, band: int, box: Box) -> Bytes:
         """Mask of a band, (height, width): 0 where there is no data. Raises ReadError."""
-        ...
 
     def close(self) -> None:
         """Free it."""
-        ...
 
 
 #: Opens a path's raster (level 0) or its overviews (from 1 on), as one of the ``drivers`` named; raises ReadError.

@@ -110,7 +110,11 @@ def means(ground: Sums, over: Boxes, block: int) -> Bytes:
     array (height, width, 4) of uint8
         The fourth channel is 255 where the whole box has imagery, else all are 0.
     """
-    total = _means_upright(ground, over) if over.are_upright else _means_anyhow(ground, over)
+    if over.are_upright:
+        down = _means_along(ground, over.row_px[:, 0], over.height_px[:, 0])
+        total = _means_along(down.swapaxes(0, 1), over.column_px[0], over.width_px[0]).swapaxes(0, 1)
+    else:
+        total = _means_anyhow(ground, over)
     total /= block
     whole = total[..., 3] > 1.0 - _SLACK
     picture = np.zeros(total.shape, np.uint8)
@@ -118,12 +122,6 @@ def means(ground: Sums, over: Boxes, block: int) -> Bytes:
     picture[..., 3] = 255
     picture[~whole] = 0
     return picture
-
-
-def _means_upright(ground: Sums, over: Boxes) -> Floats:
-    down = _means_along(ground, over.row_px[:, 0], over.height_px[:, 0])
-    across = _means_along(down.swapaxes(0, 1), over.column_px[0], over.width_px[0])
-    return across.swapaxes(0, 1)
 
 
 def _means_along(values: Sums | Floats, centre: Floats, width: Floats) -> Floats:

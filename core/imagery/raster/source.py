@@ -14,12 +14,12 @@ from pathlib import Path
 import numpy as np
 
 from ...errors import InvalidInput, Message, PartError, SourceError
-from ...geodesy.mercator import PixelGrid
+from ...geodesy.mercator import HIGHEST_ZOOM, PixelGrid
 from ...limits import MAX_METADATA_CHARACTERS
 from ...text import printable
 from ..opening import FileSource
 from ..policy import Policy
-from ..source import Part, Pixels, Window, tile_parts
+from ..source import Part, Pixels, Window, check_zoom, tile_parts
 from .colours import Colours, colours_of
 from .place import Place
 from .reading import Box, Bytes, Facts, Pool, ReadError, opener
@@ -28,8 +28,6 @@ from .trust import check_virtual, drivers_for, file_of_part
 
 #: Highest zoom served, by enlarging, where the raster's own is below: that of tiles.
 _MAX_ZOOM = 22
-#: The finest pixels a grid can have, 0.1 mm.
-_HIGHEST_ZOOM = 30
 _TILE_PX = 256
 #: Pixels of an overview that a pixel of the map is the mean of at least, along each side. Overviews may have been made
 #: by leaving pixels out, which shifts them by half of one of theirs: an eighth of one of the map.
@@ -53,9 +51,10 @@ _MOST_NAMED = 10
 class RasterFile(FileSource):
     """A raster file, or a path of such files with {date} in it."""
 
-    def open(self) -> RasterSource:
-        """Open the file, of the date that is asked for; raises InvalidInput as `open_raster` does."""
-        return open_raster(self.text, date=self.options.date or "")
+    takes_date = True
+
+    def _open(self, date: str) -> RasterSource:
+        return open_raster(self.text, date=date)
 
 
 def open_raster(path: str | os.PathLike[str], *, date: str = "") -> RasterSource:
@@ -161,10 +160,7 @@ class RasterSource:
         Cancelled
             The source is closed.
         """
-        if not self.grid.min_zoom <= part.zoom <= self.grid.max_zoom:
-            raise InvalidInput(
-                "zoom {0}: {1} has {2} to {3}", part.zoom, self.title, self.grid.min_zoom, self.grid.max_zoom
-            )
+        check_zoom(part.zoom, self.grid, self.title)
         if _state(self._path) != self._state:
             gone = self._state is not None and _state(self._path) is None
             if gone:
@@ -178,7 +174,7 @@ class RasterSource:
         self._pool.close()
 
     def _own_grid(self) -> PixelGrid:
-        native = min(max(self._place.native_zoom(), 0), _HIGHEST_ZOOM)
+        native = min(max(self._place.native_zoom(), 0), HIGHEST_ZOOM)
         width, height = self._sizes[-1]
         lowest = 0
         if width * height > MOST_PX:

@@ -31,28 +31,9 @@ DRIVERS = tuple(
 FOLDERS_ENV = "TERRAINAV_RASTER_FOLDERS"
 #: How files of these formats begin, of those that say so.
 _MAGIC = (
-    *(
-        b"II*\0",
-        b"MM\0*",
-        b"II+\0",
-        b"MM\0+",
-        b"\xff\xd8\xff",
-        b"\x89PNG",
-        b"GIF8",
-        b"BM",
-        b"RIFF",
-        b"SQLite format 3",
-    ),
-    *(
-        b"\0\0\0\x0cjP",
-        b"\xff\x4f\xff\x51",
-        b"\xff\x0a",
-        b"EHFA_HEADER_TAG",
-        b"msid",
-        b"e\x02",
-        b"NITF",
-        b"NSIF",
-    ),
+    *(b"II*\0", b"MM\0*", b"II+\0", b"MM\0+", b"\xff\xd8\xff", b"\x89PNG", b"GIF8", b"BM", b"RIFF"),
+    *(b"SQLite format 3", b"\0\0\0\x0cjP", b"\xff\x4f\xff\x51", b"\xff\x0a", b"EHFA_HEADER_TAG"),
+    *(b"msid", b"e\x02", b"NITF", b"NSIF"),
 )
 #: How descriptions of services and collections begin, wherever GDAL looks for that.
 _DESCRIPTIONS = re.compile(

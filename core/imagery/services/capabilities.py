@@ -165,9 +165,7 @@ def fetched(service: Service, key: str, transport: Transport | None) -> Document
     if service.kind not in found:
         raise document.wrong(
             Message(
-                "the capabilities at this address are of a {0}: write {1}:URL",
-                found[0].upper(),
-                found[0],
+                "the capabilities at this address are of a {0}: write {1}:URL", found[0].upper(), found[0]
             )
         )
     with reading(document):
@@ -212,9 +210,7 @@ def reading(document: Document) -> Iterator[None]:
     except (ArithmeticError, AttributeError, LookupError, SyntaxError, TypeError, ValueError) as broken:
         raise document.wrong(
             Message(
-                "capabilities that cannot be read ({0}: {1})",
-                type(broken).__name__,
-                one_line(str(broken)),
+                "capabilities that cannot be read ({0}: {1})", type(broken).__name__, one_line(str(broken))
             )
         ) from broken
 

@@ -141,11 +141,7 @@ def _check_size(text: str) -> None:
     """Refuse what would take memory or time beyond measure, before it is parsed."""
     if len(text) > MAX_CAPABILITIES_BYTES or text.count("<") > 2 * MAX_XML_ELEMENTS:
         raise UnreadableXMLError(
-            Message(
-                "more than {0} MB or {1:,} elements",
-                MAX_CAPABILITIES_BYTES >> 20,
-                MAX_XML_ELEMENTS,
-            )
+            Message("more than {0} MB or {1:,} elements", MAX_CAPABILITIES_BYTES >> 20, MAX_XML_ELEMENTS)
         )
     for piece in text.split("<"):
         # Parsers compare each attribute of an element with all others. None is shorter than `a=""` with its space.
@@ -178,8 +174,7 @@ def _check_layers(root: Any) -> None:
         if total > MAX_XML_INHERITED:
             raise UnreadableXMLError(
                 Message(
-                    "layers that pass on more than {0:,} properties to those within them",
-                    MAX_XML_INHERITED,
+                    "layers that pass on more than {0:,} properties to those within them", MAX_XML_INHERITED
                 )
             )
 

@@ -20,7 +20,6 @@ from terrainav.core.imagery.opening import (
     KINDS,
     NamedSource,
     SourceOptions,
-    is_file,
     kind_of,
     named_source,
     open_source,
@@ -70,15 +69,15 @@ def test_the_world_opens_with_its_seed():
     ],
 )
 def test_what_a_name_is_taken_for(name, template, file):
-    assert (kind_of(name) == "template", is_file(name)) == (template, file)
+    assert (kind_of(name).name == "template", kind_of(name).is_file) == (template, file)
 
 
 def test_a_file_that_is_there_is_known_for_one(tmp_path, monkeypatch):
     (tmp_path / "orthophoto").write_bytes(b"x")
     monkeypatch.chdir(tmp_path)
-    assert not is_file("orthophoto")
-    assert is_file("./orthophoto")
-    assert is_file(str(tmp_path / "orthophoto"))
+    assert not kind_of("orthophoto").is_file
+    assert kind_of("./orthophoto").is_file
+    assert kind_of(str(tmp_path / "orthophoto")).is_file
     with pytest.raises(InvalidInput, match="orthophoto"):
         open_source(str(tmp_path / "orthophoto"))
 
@@ -435,11 +434,14 @@ class Silent:
         ("WMS:https://h/wms", "service", False, False, False),
         ("there/is/none.tif", "raster", True, False, True),
         ("there/is/none.mbtiles", "mbtiles", True, False, True),
+        ("/vsizip/there/is/none.zip/a.tif", "raster", True, False, True),
+        ("/vsicurl/https://h/cog.tif", "raster", False, False, True),
+        ("/vsizip//vsis3/bucket/a.zip/a.tif", "raster", False, False, True),
     ],
 )
 def test_what_the_text_tells_is_told_without_asking_anybody(name, kind, is_local, needs_key, has_terms):
     named = named_source(name, SourceOptions(transport=Silent()))
-    assert (kind_of(name), named.is_local, named.needs_key) == (kind, is_local, needs_key)
+    assert (kind_of(name).name, named.is_local, named.needs_key) == (kind, is_local, needs_key)
     if has_terms is not None:
         assert (named.stated_policy is not None) == has_terms
 

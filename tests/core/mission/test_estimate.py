@@ -8,7 +8,7 @@ from dataclasses import replace
 import pytest
 from terrainav.core.geodesy.mercator import PixelGrid
 from terrainav.core.mission.area import Box, Points
-from terrainav.core.mission.estimate import OFFLINE, ONLINE, area_text, estimate, percent
+from terrainav.core.mission.estimate import FROM_FILE, OFFLINE, ONLINE, area_text, estimate, percent
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 
@@ -50,6 +50,13 @@ def test_two_map_types_take_twice_as_much():
         assert double.seconds == pytest.approx(2 * single.seconds)
         assert double.output_bytes == pytest.approx(2 * single.output_bytes, abs=1)
     assert estimate(two, OFFLINE).download_bytes == 0
+
+
+def test_why_nothing_is_downloaded_is_said():
+    worked_out = plan(Mission(AGRICENTER, 400.0), PixelGrid())
+    for costs, said in ((OFFLINE, "nothing (computed here)"), (FROM_FILE, "nothing (read from the file)")):
+        summary = estimate(worked_out, costs)
+        assert (summary.download_bytes, dict(summary.lines())["download"]) == (0, said)
 
 
 def test_more_connections_take_less_time_until_encoding_is_the_limit():

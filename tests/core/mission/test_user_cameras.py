@@ -35,12 +35,12 @@ def test_a_camera_is_kept_listed_found_and_forgotten(folder):
     assert added.user
     assert added.camera == Camera.from_sensor((35.9, 24.0), 35.0, 9504 / 6336)
     assert (added.sensor_mm, added.focal_length_mm, added.width_px) == ((35.9, 24.0), 35.0, 9504)
-    assert camera_shelf().presets == (added,)
+    assert camera_shelf().entries == (added,)
     assert cameras()[-1] == added == camera_named("sony  Α7r 35 MM") == camera_named("α7r 35 mm")
     assert [path.name for path in folder.iterdir()] == ["cameras.json"]
     assert json.loads((folder / "cameras.json").read_text("utf-8")) == {"Sony α7R 35 mm": facts}
     assert remove_camera("SONY α7R 35 mm") == "Sony α7R 35 mm"
-    assert camera_shelf().presets == ()
+    assert camera_shelf().entries == ()
 
 
 def test_a_camera_that_ships_goes_before_one_found_without_its_maker():
@@ -63,7 +63,7 @@ def test_names_that_are_taken():
     add_camera("Wide", WIDE)
     with pytest.raises(InvalidInput, match="Wide is taken"):
         add_camera("WIDE", {"fov_deg": 50.0, "aspect_ratio": [1, 1]})
-    assert camera_shelf().presets[0].camera == Camera.from_horizontal_fov(100.0, 16 / 9)
+    assert camera_shelf().entries[0].camera == Camera.from_horizontal_fov(100.0, 16 / 9)
 
 
 @pytest.mark.parametrize(
@@ -119,7 +119,7 @@ def test_a_camera_that_is_not_right_hides_no_other(folder, name, data, says):
     path = folder / "cameras.json"
     text = json.dumps({name: data, **json.loads(path.read_text()), "Last": WIDE})
     path.write_text(text)
-    assert [preset.name for preset in camera_shelf().presets] == ["First", "Last"]
+    assert [preset.name for preset in camera_shelf().entries] == ["First", "Last"]
     shelf = camera_shelf()
     assert list(shelf.problems) == [name]
     assert says in shelf.problems[name]

@@ -15,7 +15,7 @@ from terrainav.core.imagery.catalogue import entry_named
 from terrainav.core.imagery.entry import Dates
 from terrainav.core.imagery.http import client as clients
 from terrainav.core.imagery.http.transport import Response
-from terrainav.core.imagery.opening import is_file, named_source, open_source
+from terrainav.core.imagery.opening import kind_of, named_source, open_source
 from terrainav.core.imagery.policy import Policy
 from terrainav.core.imagery.raster import reading as raster_files
 from terrainav.core.imagery.raster.source import open_raster
@@ -314,7 +314,7 @@ def _within(case: Case) -> None:
     text = case.refused(lambda: read(path))
     named = text.rpartition("such as ")[2]
     case.follow(f"name one of those within, such as {named}", lambda: opened(named))
-    assert not any(map(is_file, ("GPKG:not.there:a", "Mine:a", "WMS:https://h/wms")))
+    assert not any(kind_of(name).is_file for name in ("GPKG:not.there:a", "Mine:a", "WMS:https://h/wms"))
 
 
 @remedy(

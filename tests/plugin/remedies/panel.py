@@ -163,7 +163,7 @@ def _no_camera(case: Case) -> None:
     state = replace(state, **{field: "3:2"})
     case.follow("correct the marked entries", lambda: mission_form.mission(state))
     case.follow("then save.", lambda: save_camera("mine", state))
-    assert [preset.name for preset in camera_shelf().presets] == ["mine"]
+    assert [preset.name for preset in camera_shelf().entries] == ["mine"]
 
 
 @remedy("capture/questions.py", "folder is empty: choose where the pictures go")
