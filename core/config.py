@@ -44,7 +44,6 @@ def read_named(path: Path, what: str) -> dict[str, Any]:
 
     Parameters
     ----------
-    path : Path
     what : str
         Plural of what they are, for messages.
 
@@ -59,17 +58,11 @@ def read_named(path: Path, what: str) -> dict[str, Any]:
         return {}
     except OSError as wrong:
         raise InvalidInput(
-            "{0}: cannot be read ({1})",
-            path,
-            wrong.strerror,
-            remedy="mend it, or move it away",
+            "{0}: cannot be read ({1})", path, wrong.strerror, remedy="mend it, or move it away"
         ) from wrong
     except InvalidInput as wrong:
         raise InvalidInput(
-            "{0}: cannot be read as JSON ({1})",
-            path,
-            wrong,
-            remedy="mend it, or move it away",
+            "{0}: cannot be read as JSON ({1})", path, wrong, remedy="mend it, or move it away"
         ) from wrong
     if not isinstance(data, dict):
         raise InvalidInput("{0}: must hold a JSON object of {1}", path, what)

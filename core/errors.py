@@ -91,7 +91,6 @@ class TerrAInavError(Exception):
     ----------
     template : str or TerrAInavError
         What is wrong, as for `Message`; of another error its message, field and remedy are taken over.
-    *values : object
     field : str
         Name of the one field, of a mission or a source, that is to be put right; empty where it is about no single one.
     remedy : str or None

@@ -59,10 +59,7 @@ def make_folder(folder: str | os.PathLike[str]) -> None:
         ) from wrong
     except OSError as wrong:
         raise OutputError(
-            "folder {0}: cannot be made ({1})",
-            folder,
-            wrong.strerror,
-            remedy="choose another folder",
+            "folder {0}: cannot be made ({1})", folder, wrong.strerror, remedy="choose another folder"
         ) from wrong
 
 
@@ -121,8 +118,6 @@ def write_whole(
 
     Parameters
     ----------
-    path : path
-    data : bytes or iterable of bytes
     durable : bool
         Wait until the disk has it, so that a power failure afterwards leaves it whole too.
 

@@ -79,7 +79,6 @@ def without_markup(text: str, between: str = " ") -> str:
 
     Parameters
     ----------
-    text : str
     between : str
         What stands for tags that end a line.
     """
@@ -111,8 +110,6 @@ def first_words(body: bytes, content_type: str, hide: Callable[[str], str] = str
 
     Parameters
     ----------
-    body : bytes
-    content_type : str
     hide : callable
         Masks what must not be shown, before anything is cut.
     """
@@ -159,12 +156,7 @@ def _json_message(text: str) -> str:
 
 
 class Secrets:
-    """Keys that no text may show, however they are spelled: in URLs (encoded several times, too), HTML or JSON.
-
-    Parameters
-    ----------
-    values : iterable of str
-    """
+    """Keys that no text may show, however they are spelled: in URLs (encoded several times, too), HTML or JSON."""
 
     def __init__(self, values: Iterable[str]) -> None:
         forms = set()

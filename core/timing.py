@@ -116,8 +116,6 @@ def timed_together(
 
     Parameters
     ----------
-    works : sequence of callable
-    effort : Effort
     clock : callable
         Of seconds, however coarse. The default counts what the calling thread computes, and neither its waiting nor
         other threads and processes: work that is shared with those needs another.

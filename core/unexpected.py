@@ -28,7 +28,6 @@ class UnexpectedErrors:
 
         Parameters
         ----------
-        wrong : Exception
         hide : callable
             Masks what no text may show.
         """

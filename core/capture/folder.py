@@ -10,9 +10,7 @@ from pathlib import Path
 from ..dataset.folder import FOOTPRINTS_FILE, JOURNAL_FILE, MISSION_FILE, PLAN_FILE, REJECTED_FOLDER
 from ..errors import InvalidInput, Message, OptionName, OutputError
 from ..files import PARTIAL_ENDING, make_folder, open_locked, write_whole
-from ..mission.export import write_plan
 from ..mission.mission import Mission
-from ..mission.plan import Plan
 from .journal import Outcome
 
 
@@ -101,12 +99,6 @@ def _refuse_foreign(path: Path, map_types: Iterable[str]) -> None:
             )
 
 
-def write_plan_files(folder: Path, plan: Plan) -> None:
-    """Write the plan's table and footprints beside the mission."""
-    write_plan(plan, folder / PLAN_FILE)
-    write_plan(plan, folder / FOOTPRINTS_FILE)
-
-
 def complete_pictures(folder: Path, endings: tuple[str, ...], outcomes: Mapping[str, Outcome]) -> set[str]:
     """Those of the pictures that are there with all their files, as long as they were when they were written.
 
@@ -145,10 +137,7 @@ def remove_picture(folder: Path, endings: tuple[str, ...], name: str) -> None:
                 path.unlink(missing_ok=True)
             except OSError as wrong:
                 raise OutputError(
-                    "file {0}: cannot be removed ({1})",
-                    path,
-                    wrong.strerror,
-                    remedy="close what shows it",
+                    "file {0}: cannot be removed ({1})", path, wrong.strerror, remedy="close what shows it"
                 ) from wrong
 
 

@@ -51,11 +51,9 @@ class Description:
     ----------
     name : str
         Of the picture, without ending.
-    map_type : str
     source, attribution : str
         Title of the source as people see it, and the credit it asks for; without characters that files have no
         form for.
-    zoom : int
     lat_deg, lon_deg, agl_m, yaw_deg, tilt_deg, roll_deg : float
         Pose of the camera; the longitude may be continuous beyond ±180.
     imagery_date : str

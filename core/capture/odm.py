@@ -88,15 +88,10 @@ def cameras_of(plan: Plan, optics: Optics) -> dict[str, dict[str, Any]]:
     found: dict[str, list[tuple[float, ...]]] = {}
     for width, height, focal_x, focal_y in np.unique(np.stack(optics[:4], axis=1), axis=0).tolist():
         ratio = FocalTags.of(body.focal_length_mm, focal_x, focal_y).ratio(int(width))
-        found.setdefault(_camera_name(body.model, int(width), int(height), ratio), []).append(
-            (width, height, focal_x, focal_y)
-        )
+        size = f"{int(width)} {int(height)}"
+        name = f"v2 {MAKE} {body.model} {size} perspective {str(ratio)[:6]}".lower()
+        found.setdefault(name, []).append((width, height, focal_x, focal_y))
     return {name: _camera(np.array(found[name])) for name in sorted(found)}
-
-
-def _camera_name(model: str, width_px: int, height_px: int, focal_ratio: float) -> str:
-    size = f"{width_px} {height_px}"
-    return f"v2 {MAKE} {model} {size} perspective {str(focal_ratio)[:6]}".lower()
 
 
 def _camera(sizes_and_focals: NDArray[np.float64]) -> dict[str, Any]:

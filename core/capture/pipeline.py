@@ -353,10 +353,6 @@ class Spool:
     The file is in the folder for temporary files (TMPDIR, TEMP), made when it is needed, and goes with the process,
     however that ends. The room of an array that was taken is used again for one of the same size, so that the file is
     as large as what it held at most. For one thread at a time.
-
-    Parameters
-    ----------
-    memory_bytes : int
     """
 
     def __init__(self, memory_bytes: int = MEMORY_BYTES) -> None:

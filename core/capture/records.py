@@ -37,7 +37,6 @@ class PictureJob:
     ----------
     index : int
         Of the capture in the plan.
-    folder : Path
     image_format : str
         tif, jpg or png.
     img_size : tuple (width, height, channels) or None
@@ -45,8 +44,6 @@ class PictureJob:
         A map frame's window, or what a camera frame is made from.
     masked : bool
         Whether the picture has a channel for what it does not show.
-    place : Georeference or ControlPoints
-    description : Description
     """
 
     index: int
@@ -94,12 +91,7 @@ def exposures_of(plan: Plan) -> Exposures | None:
 
 
 def job_of(
-    plan: Plan,
-    index: int,
-    source: Source,
-    map_type: str,
-    folder: Path,
-    exposures: Exposures | None = None,
+    plan: Plan, index: int, source: Source, map_type: str, folder: Path, exposures: Exposures | None = None
 ) -> PictureJob:
     """Job of one capture; with ``exposures`` its picture is tagged as a drone's."""
     mission = plan.mission
@@ -184,49 +176,47 @@ def table_of(plan: Plan, source: Source, outcomes: Mapping[str, Outcome]) -> Tab
     left, top, width, height = (np.asarray(values, np.float64)[at] for values in plan.windows)
     image_width, image_height = (np.asarray(size[at], np.float64) for size in (plan.width_px, plan.height_px))
     poses = plan.poses.take(at)
-    own = plan.grid.own
-    unknown = np.full(len(at), np.nan)
-    nominal = Poses(*(unknown,) * 6) if plan.nominal is None else plan.nominal.take(at)
+    places = {"lat_deg": "pose_lat_deg", "lon_deg": "pose_lon_deg"}
+    camera = {places.get(name, name): values for name, values in _wrapped(poses).items()}
+    if plan.nominal is not None:
+        nominal = _wrapped(plan.nominal.take(at))
+        camera.update({f"nominal_{name}": values for name, values in nominal.items()})
     if plan.mission.output.img_size:
         image_width, image_height = (
             np.full(len(at), float(size)) for size in plan.mission.output.img_size[:2]
         )
-    return Table(
-        img_names=tuple(f"{row.name}.{plan.mission.output.image_format}" for row in rows),
-        columns=plan.column[at],
-        rows=plan.row[at],
-        lat_deg=centre_lat[at],
-        lon_deg=centre_lon[at],
-        zoom=np.full(len(at), plan.zoom, np.int64),
-        entropies=np.array([np.nan if row.entropy is None else row.entropy for row in rows], np.float64),
-        pose_lat_deg=poses.lat_deg,
-        pose_lon_deg=wrap_lon_deg(poses.lon_deg),
-        agl_m=poses.agl_m,
-        yaw_deg=poses.yaw_deg,
-        tilt_deg=poses.tilt_deg,
-        roll_deg=poses.roll_deg,
-        left_px=np.asarray(plan.grid.wrapped_px(left, plan.zoom), np.float64),
-        top_px=top,
-        width_px=width,
-        height_px=height,
-        image_width_px=image_width,
-        image_height_px=image_height,
-        crs=("" if own is None else own.crs,) * len(at),
-        west=unknown if own is None else plan.edges[0][at],
-        north=unknown if own is None else plan.edges[3][at],
-        pixel_width=np.full(len(at), np.nan if own is None else plan.grid.pixel_size(plan.zoom)[0]),
-        pixel_height=np.full(len(at), np.nan if own is None else plan.grid.pixel_size(plan.zoom)[1]),
-        sky_share=np.array([row.sky_share for row in rows], np.float64),
-        unmapped_share=np.array([row.unmapped_share for row in rows], np.float64),
-        nominal_lat_deg=nominal.lat_deg,
-        nominal_lon_deg=wrap_lon_deg(nominal.lon_deg),
-        nominal_agl_m=nominal.agl_m,
-        nominal_yaw_deg=nominal.yaw_deg,
-        nominal_tilt_deg=nominal.tilt_deg,
-        nominal_roll_deg=nominal.roll_deg,
-        source=(source.title,) * len(at),
-        attribution=(source.attribution,) * len(at),
-        imagery_date=(source.date,) * len(at),
-        status=tuple(row.status for row in rows),
-        reason=tuple(row.reason for row in rows),
-    )
+    own = plan.grid.own
+    if own is not None:
+        pixel = (np.full(len(at), size) for size in plan.grid.pixel_size(plan.zoom))
+        camera.update(zip(("pixel_width", "pixel_height"), pixel))
+        camera.update(west=plan.edges[0][at], north=plan.edges[3][at])
+    known = {
+        "img_names": tuple(f"{row.name}.{plan.mission.output.image_format}" for row in rows),
+        "columns": plan.column[at],
+        "rows": plan.row[at],
+        "lat_deg": centre_lat[at],
+        "lon_deg": centre_lon[at],
+        "zoom": np.full(len(at), plan.zoom, np.int64),
+        "entropies": np.array([np.nan if row.entropy is None else row.entropy for row in rows], np.float64),
+        **camera,
+        "left_px": np.asarray(plan.grid.wrapped_px(left, plan.zoom), np.float64),
+        "top_px": top,
+        "width_px": width,
+        "height_px": height,
+        "image_width_px": image_width,
+        "image_height_px": image_height,
+        **({} if own is None else {"crs": (own.crs,) * len(at)}),
+        "sky_share": np.array([row.sky_share for row in rows], np.float64),
+        "unmapped_share": np.array([row.unmapped_share for row in rows], np.float64),
+        "source": (source.title,) * len(at),
+        "attribution": (source.attribution,) * len(at),
+        "imagery_date": (source.date,) * len(at),
+        "status": tuple(row.status for row in rows),
+        "reason": tuple(row.reason for row in rows),
+    }
+    return Table.of(known, {})
+
+
+def _wrapped(poses: Poses) -> dict[str, Floats]:
+    """Columns of poses by name, their longitudes wrapped."""
+    return poses._replace(lon_deg=wrap_lon_deg(poses.lon_deg))._asdict()

@@ -15,15 +15,16 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from ..dataset.folder import JOURNAL_FILE, TABLE_FILE
+from ..dataset.folder import FOOTPRINTS_FILE, JOURNAL_FILE, PLAN_FILE, TABLE_FILE
 from ..dataset.table import other_columns
 from ..errors import InvalidInput, Message, OutputError, PartError
 from ..imagery.placeholder import PLACEHOLDER_REASON, Provided, Received, Repeats, corner
 from ..imagery.source import Part, Source, Window
 from ..limits import MAX_PICTURES_AT_ONCE_PX
+from ..mission.export import write_plan
 from ..mission.plan import Plan
 from ..picture.shot import parts_of
-from .folder import check_captured, complete_pictures, open_folder, remove_picture, write_plan_files
+from .folder import check_captured, complete_pictures, open_folder, remove_picture
 from .journal import FAILED, Journal, Outcome
 from .odm import write_odm_files
 from .pipeline import Pipeline, sweep
@@ -61,7 +62,6 @@ def capture(
 
     Parameters
     ----------
-    plan : Plan
     source : Source
         With the pixel grid that the plan was made for.
     folder : path
@@ -86,10 +86,6 @@ def capture(
     paused : callable
         Asked as often; while it says yes, no part is asked for and no picture begun. Progress is still reported.
 
-    Returns
-    -------
-    CaptureResult
-
     Raises
     ------
     InvalidInput
@@ -108,7 +104,8 @@ def capture(
     listener = _Listener(progress, cancelled, paused)
     with Journal(path / JOURNAL_FILE) as journal:
         run = _Run(plan, source, path, journal, chosen, listener, only_failed=only_failed)
-        write_plan_files(path, plan)
+        for name in (PLAN_FILE, FOOTPRINTS_FILE):
+            write_plan(plan, path / name)
         complete = all(
             run.capture_map_type(map_type, connections, workers or os.cpu_count() or 1)
             for map_type in plan.mission.imagery.map_types
@@ -161,7 +158,6 @@ class Repeat:
 
     Parameters
     ----------
-    map_type : str
     sha256 : str
         First digits of its SHA-256, as `open_source` takes them for a placeholder.
     places : int
@@ -182,7 +178,6 @@ class CaptureResult:
 
     Parameters
     ----------
-    folder : Path
     total, written, skipped : int
         Pictures asked for; written by this run; there already.
     failed : tuple of Failure

@@ -64,7 +64,6 @@ def write_picture(
     pixels : array (h, w), (h, w, 3) or (h, w, 4) of uint8
         A fourth channel is 0 where the picture has nothing to show and 255 elsewhere; a JPEG leaves it out. The
         bytes written depend on the arguments alone.
-    place : Georeference or ControlPoints
 
     Returns
     -------
@@ -76,16 +75,21 @@ def write_picture(
     OutputError
     """
     on_map = isinstance(place, Georeference)
-    if image_format == "tif":
-        contents = [geotiff(pixels, place, description)]
-    else:
-        encode = jpeg if image_format == "jpg" else png
-        contents = [place.aux_xml(description.metadata()).encode("utf-8"), encode(pixels, description)]
+    contents = [encoded(image_format, pixels, place, description)]
+    if image_format != "tif":
+        contents.insert(0, place.aux_xml(description.metadata()).encode("utf-8"))
         if isinstance(place, Georeference):
             contents.insert(0, place.world_file().encode("ascii"))
     for ending, data in zip(file_endings(image_format, on_map=on_map), contents):
         write_whole(folder / (description.name + ending), data)
     return sum(map(len, contents))
+
+
+def encoded(image_format: str, pixels: Pixels, place: Place, description: Description) -> bytes:
+    """Return the bytes of a picture's own file."""
+    if image_format == "tif":
+        return geotiff(pixels, place, description)
+    return jpeg(pixels, description) if image_format == "jpg" else png(pixels, description)
 
 
 def geotiff(pixels: Pixels, place: Place, description: Description) -> bytes:

@@ -21,15 +21,15 @@ _ISSUES = "https://github.com/terrainav/terrainav/issues"
 _COMMANDS = {
     "plan": ("flying", "run_plan"),
     "capture": ("flying", "run_capture"),
-    "clean": ("cleaning", "run_clean"),
-    "split": ("splitting", "run_split"),
-    "convert": ("converting", "run_convert"),
+    "clean": ("datasets", "run_clean"),
+    "split": ("datasets", "run_split"),
+    "convert": ("datasets", "run_convert"),
     "pairs": ("pairing", "run_pairs"),
-    "load": ("loading", "run_load"),
+    "load": ("datasets", "run_load"),
     "report": ("flying", "run_report"),
     "sources": ("listing", "run_sources"),
-    "cameras": ("cameras", "run_cameras"),
-    "cache": ("caching", "run_cache"),
+    "cameras": ("listing", "run_cameras"),
+    "cache": ("listing", "run_cache"),
 }
 
 

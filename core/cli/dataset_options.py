@@ -2,20 +2,50 @@
 
 from __future__ import annotations
 
+import argparse
 from typing import Any
 
-from ..dataset.folder import DEFAULT_ENTROPY, LAYOUTS, PARTS, TRAIN
-from .pairing import add_pairs
-from .parsing import add_json
-from .splitting import add_split
+from ..dataset.folder import DEFAULT_ENTROPY, FRAMES, LAYOUTS, PARTS, SEED, SHARES, TRAIN, WAYS
+from ..geodesy.lens import Lens
+from ..map_types import MAP_TYPES
+from ..mission.options import OPTIONS, Option
+
+#: Options of missions that a set of pairs has as well, from the command line, the environment or a file.
+_SHARED = (
+    *("source", "map_type", "date", "seed", "camera", "fov", "upsample", "ground_height", "error_budget"),
+    *("accept_error", "resampling", "connections", "placeholder", "cache_dir", "cache_limit", "no_cache"),
+)
+_HELP = """
+PLACES is a file of lines `lat lon` or `lat lon name` (the paper's `lat lon agl` too, whose heights are not used), or
+a box "latTL_lonTL_latBR_lonBR" with --count; write a box that begins with a minus with spaces: "-33.8 18.4 -34.0 18.7".
+Without --heights, --yaws and --views the drone flies as in University-1652: 54 views along three rounds that fall from
+256 to 121.5 m. Its camera looks at the place from every view.
+"""
+
+
+def add_json(command: argparse.ArgumentParser, default: Any = False) -> None:
+    """Add ``--json``; with `argparse.SUPPRESS` an action leaves what its command was given."""
+    command.add_argument("--json", action="store_true", default=default, help="print as JSON")
+
+
+def add_config(command: argparse.ArgumentParser) -> None:
+    """Add ``--config``."""
+    command.add_argument("--config", metavar="FILE", help="JSON file of options (config.json if it is there)")
+
+
+def add_consent(command: argparse.ArgumentParser) -> None:
+    """Add ``--accept-terms``."""
+    command.add_argument(
+        "--accept-terms", action="store_true", help="agree to the terms of a source that asks for it"
+    )
 
 
 def add_dataset_commands(commands: Any) -> None:
     """Add the parsers of the subcommands that work on a dataset."""
     _add_clean(commands)
-    add_split(commands)
+    _add_split(commands)
     _add_load(commands)
-    add_pairs(commands)
+    _add_pairs(commands)
     _add_convert(commands)
 
 
@@ -48,6 +78,52 @@ def _add_clean(commands: Any) -> None:
     add_json(cleaning)
 
 
+def _add_split(commands: Any) -> None:
+    splitting = commands.add_parser(
+        "split", help="divide the images of a dataset into training, validation and test"
+    )
+    splitting.add_argument("folder", metavar="OUT", help="the dataset's folder")
+    splitting.add_argument(
+        "--shares",
+        nargs=3,
+        type=float,
+        default=SHARES,
+        metavar=("TRAIN", "VALIDATION", "TEST"),
+        help="shares of the three parts, which add up to 1 (default 0.8 0.1 0.1)",
+    )
+    splitting.add_argument(
+        "--how",
+        choices=WAYS,
+        default=WAYS[0],
+        help="shuffled by seed and image name (default), in the table's order, or by blocks of ground, so that no "
+        "ground is in two parts",
+    )
+    splitting.add_argument(
+        "--block",
+        type=float,
+        metavar="METRES",
+        dest="block_m",
+        help="side of the blocks (default: the largest whose parts come near the shares, between 16 images and half "
+        "of one)",
+    )
+    splitting.add_argument(
+        "--gap",
+        type=float,
+        default=0.0,
+        metavar="METRES",
+        dest="gap_m",
+        help="least distance between the ground of two parts, with blocks (default %(default)s)",
+    )
+    splitting.add_argument("--seed", type=int, default=SEED, help="of the order (default %(default)s)")
+    splitting.add_argument(
+        "--frame",
+        default=FRAMES[0],
+        help="frame of the labels: utm (default), mercator, mission (a plane about its middle) or EPSG:CODE",
+    )
+    splitting.add_argument("--dry-run", action="store_true", help="change nothing, print the counts")
+    add_json(splitting)
+
+
 def _add_load(commands: Any) -> None:
     loading = commands.add_parser(
         "load",
@@ -77,7 +153,7 @@ def _add_load(commands: Any) -> None:
         metavar="{TerrAInav,VBN}",
         help="layout of the folder: TerrAInav (default), also the paper's published one, or VBN, its supplement",
     )
-    loading.add_argument("--config", metavar="FILE", help="JSON file of options (config.json if it is there)")
+    add_config(loading)
     loading.add_argument(
         "--workers", type=int, default=0, metavar="N", help="threads of numpy, processes of torch (default 0)"
     )
@@ -89,6 +165,108 @@ def _add_load(commands: Any) -> None:
             f"--{name}", type=float, metavar="SHARE", help=f"augment {name} as well, 0 to 1 either way"
         )
     add_json(loading)
+
+
+def _add_pairs(commands: Any) -> None:
+    command = commands.add_parser(
+        "pairs",
+        help="capture places from a satellite and a drone, laid out as University-1652",
+        epilog=_HELP,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    command.add_argument("places", metavar="PLACES", help="file of places, or a box with --count")
+    command.add_argument("--data-dir", metavar="OUT", help="folder of the pairs")
+    where = command.add_argument_group("places of a box")
+    where.add_argument("--count", type=int, metavar="N", help="places to spread over the box, by the seed")
+    where.add_argument(
+        "--spacing",
+        type=float,
+        metavar="M",
+        help="least distance between them (default: no two see the same ground)",
+    )
+    _add_views(command.add_argument_group("views"))
+    parts = command.add_argument_group("parts")
+    parts.add_argument(
+        "--split",
+        nargs=3,
+        type=float,
+        metavar=("TRAIN", "TEST", "DISTRACTORS"),
+        help="places of each part, relative to their sum (default 701 701 250); distractors are in galleries only",
+    )
+    parts.add_argument(
+        "--gap",
+        type=float,
+        default=0.0,
+        metavar="M",
+        help="ground left between what is seen in two parts (0)",
+    )
+    parts.add_argument(
+        "--allow-shared-ground",
+        action="store_true",
+        help="share places out one by one, even where the same ground is seen in two parts",
+    )
+    _add_shared(
+        command.add_argument_group("imagery and camera", "each also in the environment or config.json")
+    )
+    add_config(command)
+    command.add_argument("--resume", action="store_true", help="go on with what is missing or has failed")
+    command.add_argument("--dry-run", action="store_true", help="print what would be captured; fetch nothing")
+    command.add_argument(
+        "--sheet",
+        metavar="FILE.jpg",
+        help="also draw a contact sheet of some of the pairs, of each part in turn",
+    )
+    add_consent(command)
+    command.add_argument("--quiet", action="store_true", help="no progress bar")
+    add_json(command)
+
+
+def _add_views(group: Any) -> None:
+    group.add_argument("--heights", nargs="+", type=float, metavar="M", help="above the ground (256 121.5)")
+    how = group.add_mutually_exclusive_group()
+    how.add_argument("--yaws", type=int, metavar="N", help="a ring of N views at each height")
+    how.add_argument(
+        "--views", type=int, metavar="N", help="N views along a spiral from the greatest height (54)"
+    )
+    group.add_argument("--rounds", type=float, metavar="N", help="of the spiral (3)")
+    group.add_argument(
+        "--tilt",
+        nargs="+",
+        type=float,
+        metavar="DEG",
+        help="from straight down, 0 to 80 (45); with several, the flight is repeated at each",
+    )
+    group.add_argument("--size", type=int, metavar="PX", help="longer side of the images (512)")
+    group.add_argument(
+        "--satellite-m",
+        type=float,
+        metavar="M",
+        help="ground that the satellite view is wide (default: as the widest drone view at the place)",
+    )
+
+
+def _add_shared(group: Any) -> None:
+    for option in shared_options():
+        name = "--" + option.name.replace("_", "-")
+        if option.flag:
+            group.add_argument(name, action="store_true", default=None, help=option.told)
+        else:
+            group.add_argument(name, metavar=option.metavar, help=_help_of(option))
+
+
+def _help_of(option: Option) -> str:
+    if option.name == "map_type":
+        return f"one of {', '.join(MAP_TYPES)} (default {MAP_TYPES[0]})"
+    if option.name == "camera":
+        return "camera by name (see terrainav cameras) instead of --fov, with its own aspect ratio"
+    if option.name == "fov":
+        return f"diagonal field of view of a square picture in degrees ({Lens.fov_deg})"
+    return option.told
+
+
+def shared_options() -> list[Option]:
+    """Return the options of missions that ``terrainav pairs`` has as well."""
+    return [option for option in OPTIONS if option.name in _SHARED]
 
 
 def _add_convert(commands: Any) -> None:

@@ -15,9 +15,8 @@ from typing import TYPE_CHECKING, Any
 from ..errors import InvalidInput
 from ..mission.options import OPTIONS, RUN_OPTIONS
 from ..text import printable
-from .caching import opened_cache
 from .exits import DONE, INCOMPLETE, exit_code
-from .parsing import names_source
+from .listing import opened_cache
 from .stopping import collected
 
 if TYPE_CHECKING:
@@ -26,8 +25,10 @@ if TYPE_CHECKING:
     from ..imagery.opening import NamedSource
     from ..imagery.source import Source
     from ..mission.mission import Mission
+    from ..mission.parts import Imagery
     from ..mission.plan import Plan
     from ..pairs.capturing import PairResult
+    from ..pairs.planning import PairSettings
 
 #: Failed pictures named on the terminal; all are in the journal and the tables.
 NAMED_FAILURES = 10
@@ -36,6 +37,13 @@ _BAR_WIDTH = 30
 NAMED = "named_by_user"
 #: Requests that a report may make for the few pictures it measures on.
 _REPORT_REQUESTS = 200
+
+
+def names_source(arguments: argparse.Namespace) -> bool:
+    """Whether the user has named the source himself, on the command line or in the environment, and no file has."""
+    if getattr(arguments, "mission_file", None) is not None:
+        return False
+    return arguments.source is not None or bool(os.environ.get("TERRAINAV_SOURCE"))
 
 
 def _settings(arguments: argparse.Namespace) -> tuple[Mission, dict[str, Any]]:
@@ -57,14 +65,17 @@ def _settings(arguments: argparse.Namespace) -> tuple[Mission, dict[str, Any]]:
     return Mission.load(arguments.mission_file), {**resolve(given, config=arguments.config), NAMED: False}
 
 
-def _named(mission: Mission, values: dict[str, Any], cache: TileCache | None = None) -> NamedSource:
+def named(
+    asked: Imagery | PairSettings, values: dict[str, Any], cache: TileCache | None = None
+) -> NamedSource:
+    """Return the source that is asked for, with the options of its run."""
     from ..imagery.opening import SourceOptions, named_source
 
     return named_source(
-        mission.imagery.source,
+        asked.source,
         SourceOptions(
-            seed=mission.imagery.seed,
-            date=mission.imagery.date or None,
+            seed=asked.seed,
+            date=asked.date or None,
             connections=values["connections"],
             cache=cache,
             placeholders=tuple(values["placeholder"] or ()),
@@ -74,24 +85,19 @@ def _named(mission: Mission, values: dict[str, Any], cache: TileCache | None = N
 
 
 def _opened(mission: Mission, values: dict[str, Any]) -> closing[Source]:
-    return closing(_named(mission, values, opened_cache(values)).open())
-
-
-def _bounds_deg(worked_out: Plan) -> tuple[float, float, float, float]:
-    """West, south, east, north of a plan's captures."""
-    lat, lon = worked_out.lat_deg, worked_out.lon_deg
-    return float(lon.min()), float(lat.min()), float(lon.max()), float(lat.max())
+    return closing(named(mission.imagery, values, opened_cache(values)).open())
 
 
 def _check_terms(worked_out: Plan, source: Source, requests: int, accept_terms: bool) -> None:
     from ..imagery.catalogue import check_policy
 
+    lat, lon = worked_out.lat_deg, worked_out.lon_deg
     check_policy(
         source,
         requests,
         accept_terms=accept_terms,
         map_types=worked_out.mission.imagery.map_types,
-        bounds_deg=_bounds_deg(worked_out),
+        bounds_deg=(float(lon.min()), float(lat.min()), float(lon.max()), float(lat.max())),
     )
 
 
@@ -128,7 +134,7 @@ def run_plan(arguments: argparse.Namespace) -> int:
         if not path.endswith(".json"):
             check_plan_ending(path)
     mission, values = _settings(arguments)
-    source = _named(mission, values)
+    source = named(mission.imagery, values)
     worked_out = plan(mission, source.grid)
     for path in arguments.output:
         if path.endswith(".json"):
@@ -230,24 +236,7 @@ def _run(
 
 def _print_result(result: CaptureResult, as_json: bool) -> None:
     if as_json:
-        failed = [{"map_type": f.map_type, "name": f.name, "reason": f.reason} for f in result.failed]
-        print(
-            json.dumps(
-                {
-                    "folder": str(result.folder),
-                    "total": result.total,
-                    "written": result.written,
-                    "skipped": result.skipped,
-                    "failed": failed,
-                    "requests": result.requests,
-                    "unique_parts": result.unique_parts,
-                    "seconds": result.seconds,
-                    "cancelled": result.cancelled,
-                    "repeated": [asdict(repeat) for repeat in result.repeated],
-                },
-                indent=1,
-            )
-        )
+        print(json.dumps({"total": result.total, **document_of(result, "map_type")}, indent=1))
         return
     print_written(result)
     print(
@@ -255,6 +244,24 @@ def _print_result(result: CaptureResult, as_json: bool) -> None:
     )
     print_failed(result.failed, result.folder)
     print_repeated(result.repeated)
+
+
+def document_of(result: CaptureResult | PairResult, kind: str) -> dict[str, Any]:
+    """Return what a capture has done, for JSON; ``kind`` is the key that stands for a map type."""
+    return {
+        "folder": str(result.folder),
+        "written": result.written,
+        "skipped": result.skipped,
+        "failed": [{kind: one.map_type, "name": one.name, "reason": one.reason} for one in result.failed],
+        "requests": result.requests,
+        "unique_parts": result.unique_parts,
+        "seconds": result.seconds,
+        "cancelled": result.cancelled,
+        "repeated": [
+            {kind: one.map_type, "sha256": one.sha256, "places": one.places, "images": one.images}
+            for one in result.repeated
+        ],
+    }
 
 
 def print_written(result: CaptureResult | PairResult) -> None:

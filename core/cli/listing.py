@@ -1,4 +1,4 @@
-"""Sources of imagery on the command line: listed, shown, added, removed."""
+"""What is kept between runs, on the command line: sources, cameras and tiles are listed, added and removed."""
 
 from __future__ import annotations
 
@@ -13,20 +13,27 @@ from ..text import printable
 from .exits import DONE
 
 if TYPE_CHECKING:
+    from ..imagery.cache.tile_cache import TileCache
     from ..imagery.entry import CatalogueEntry
 
 _COLUMN = 22
+#: Options of ``sources add`` that a source is kept with as they are.
+_STATED = (
+    *("title", "attribution", "licence", "terms_url", "min_zoom", "max_zoom", "native_zoom"),
+    *("max_connections", "requests_per_s", "key_env"),
+)
+_MB = 1_000_000
 #: Characters of a line of what is longer than one.
 _WIDTH = 110
 
 
 def run_sources(arguments: argparse.Namespace) -> int:
     """List, show, add or remove sources."""
-    actions = {"show": _show, "add": _add, "remove": _remove}
-    return actions.get(arguments.action or "", _list)(arguments)
+    actions = {"show": _show_source, "add": _add_source, "remove": _remove_source}
+    return actions.get(arguments.action or "", _list_sources)(arguments)
 
 
-def _list(arguments: argparse.Namespace) -> int:
+def _list_sources(arguments: argparse.Namespace) -> int:
     from ..imagery.catalogue import shelf
     from ..imagery.entry import shipped
 
@@ -52,7 +59,7 @@ def _list(arguments: argparse.Namespace) -> int:
     return DONE
 
 
-def _show(arguments: argparse.Namespace) -> int:
+def _show_source(arguments: argparse.Namespace) -> int:
     from ..imagery.opening import SourceOptions, named_source
 
     source = named_source(arguments.source, SourceOptions(named_by_user=True))
@@ -107,24 +114,12 @@ def _described(entry: CatalogueEntry) -> list[tuple[str, str]]:
     ]
 
 
-def _add(arguments: argparse.Namespace) -> int:
+def _add_source(arguments: argparse.Namespace) -> int:
     from ..imagery.catalogue import add, described
     from ..imagery.opening import SourceOptions, kind_of, named_source
     from ..imagery.placeholder import Placeholder
 
-    given: dict[str, Any] = {
-        "title": arguments.title,
-        "attribution": arguments.attribution,
-        "licence": arguments.licence,
-        "terms_url": arguments.terms_url,
-        "min_zoom": arguments.min_zoom,
-        "max_zoom": arguments.max_zoom,
-        "native_zoom": arguments.native_zoom,
-        "max_connections": arguments.max_connections,
-        "requests_per_s": arguments.requests_per_s,
-        "key_env": arguments.key_env,
-    }
-    given = {name: value for name, value in given.items() if value is not None}
+    given = {name: getattr(arguments, name) for name in _STATED if getattr(arguments, name) is not None}
     if arguments.no_storing:
         given["cache_allowed"] = False
     placeholders = arguments.placeholder or ()
@@ -147,9 +142,118 @@ def _add(arguments: argparse.Namespace) -> int:
     return DONE
 
 
-def _remove(arguments: argparse.Namespace) -> int:
+def _remove_source(arguments: argparse.Namespace) -> int:
     from ..imagery.catalogue import remove
 
     remove(arguments.name)
     print(f"{arguments.name} removed")
+    return DONE
+
+
+def run_cameras(arguments: argparse.Namespace) -> int:
+    """List, add or remove cameras."""
+    actions = {"add": _add_camera, "remove": _remove_camera}
+    return actions.get(arguments.action or "", _list_cameras)(arguments)
+
+
+def _list_cameras(arguments: argparse.Namespace) -> int:
+    from ..mission.cameras import camera_shelf, shipped_cameras
+
+    own = camera_shelf()
+    presets = (*shipped_cameras(), *own.entries)
+    for problem in own.problems.values():
+        print(f"terrainav: {problem}", file=sys.stderr)
+    if arguments.json:
+        rows = [
+            {
+                "name": preset.name,
+                "fov_deg": preset.camera.fov_deg,
+                "horizontal_fov_deg": preset.camera.horizontal_fov_deg,
+                "vertical_fov_deg": preset.camera.vertical_fov_deg,
+                "aspect_ratio": preset.camera.aspect_ratio,
+                "sensor_mm": preset.sensor_mm,
+                "focal_length_mm": preset.focal_length_mm,
+                "size_px": None if preset.width_px is None else [preset.width_px, preset.height_px],
+                "image_px": preset.image_px,
+                "source": preset.source,
+                "user": preset.user,
+            }
+            for preset in presets
+        ]
+        print(json.dumps(rows, indent=1, ensure_ascii=False))
+        return DONE
+    for preset in presets:
+        camera, mark = preset.camera, " (your own)" if preset.user else ""
+        print(f"{preset.name:26s}{camera.fov_deg:6.1f} deg diagonal, {camera.aspect_ratio:.3f} : 1{mark}")
+    return DONE
+
+
+def _add_camera(arguments: argparse.Namespace) -> int:
+    from ..mission.cameras import FACTS, add_camera
+
+    given = vars(arguments)
+    facts = {fact: given[fact] for fact in FACTS if given[fact] is not None}
+    camera = add_camera(arguments.name, facts).camera
+    print(
+        f"{arguments.name} added: {camera.fov_deg:.2f} deg diagonal, {camera.horizontal_fov_deg:.2f} by "
+        f"{camera.vertical_fov_deg:.2f} deg"
+    )
+    return DONE
+
+
+def _remove_camera(arguments: argparse.Namespace) -> int:
+    from ..mission.cameras import remove_camera
+
+    print(f"{remove_camera(arguments.name)} removed")
+    return DONE
+
+
+def opened_cache(values: dict[str, Any]) -> TileCache | None:
+    """Cache that the options of a run ask for; None for none."""
+    limit_mb = values["cache_limit"]
+    if limit_mb is not None and limit_mb < 1:
+        raise InvalidInput("cache limit {0} MB: must be 1 or more; --no-cache keeps nothing", limit_mb)
+    if values["no_cache"]:
+        return None
+    _check_folder(values["cache_dir"])
+    from ..imagery.cache.tile_cache import LIMIT_BYTES, TileCache
+
+    return TileCache(values["cache_dir"], LIMIT_BYTES if limit_mb is None else limit_mb * _MB)
+
+
+def _check_folder(folder: str | None) -> None:
+    # As from a variable that is not set: the current folder, which it would stand for, is not meant.
+    if folder == "":
+        raise InvalidInput("cache folder '': must be the name of a folder, or left out for the usual one")
+
+
+def run_cache(arguments: argparse.Namespace) -> int:
+    """List or clear the cache."""
+    _check_folder(arguments.cache_dir)
+    from ..imagery.cache.tile_cache import TileCache
+    from ..mission.estimate import size_text
+
+    cache = TileCache(arguments.cache_dir)
+    if arguments.action == "clear":
+        freed = cache.clear(arguments.names or None)
+        if arguments.json:
+            print(json.dumps({"folder": str(cache.folder), "freed_bytes": freed}, indent=1))
+        else:
+            print(f"{size_text(freed)} freed in {cache.folder}")
+        return DONE
+    files = cache.list()
+    if arguments.json:
+        rows = [{**vars(file), "path": str(file.path)} for file in files]
+        print(json.dumps({"folder": str(cache.folder), "files": rows}, indent=1))
+        return DONE
+    for file in files:
+        what = ", ".join(filter(None, (file.title, file.map_type, file.date)))
+        print(
+            printable(
+                f"{file.source:22s}{what}: {file.tiles:,} tiles of {file.tile_px} px, {size_text(file.bytes)}"
+            )
+        )
+        print(f"{'':22s}{file.path.name}")
+    total = sum(file.bytes for file in files)
+    print(f"{len(files)} files, {size_text(total)} in {cache.folder} (limit {size_text(cache.limit_bytes)})")
     return DONE

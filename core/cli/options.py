@@ -7,9 +7,8 @@ from collections.abc import Sequence
 from typing import Any, NoReturn
 
 from ..mission.options import OPTIONS
-from .dataset_options import add_dataset_commands
+from .dataset_options import add_config, add_consent, add_dataset_commands, add_json
 from .exits import BAD_INPUT
-from .parsing import add_json
 
 _SERVICE_HELP = """
 A source is a name of the list; a URL template with {z} {x} {y} (or {-y}, {q}, {bbox-epsg-3857} for a WMS), and
@@ -82,7 +81,7 @@ def _add_flying(commands: Any) -> None:
     capturing.add_argument(
         "--only-failed", action="store_true", help="capture what has failed before, and nothing else"
     )
-    _add_consent(capturing)
+    add_consent(capturing)
     capturing.add_argument("--json", action="store_true", help="print the result as JSON")
     capturing.add_argument("--quiet", action="store_true", help="no progress bar")
 
@@ -93,20 +92,14 @@ def _add_flying(commands: Any) -> None:
     reporting.add_argument(
         "--output", metavar="DIR", required=True, help="folder of the page and its pictures"
     )
-    _add_consent(reporting)
-
-
-def _add_consent(command: argparse.ArgumentParser) -> None:
-    command.add_argument(
-        "--accept-terms", action="store_true", help="agree to the terms of a source that asks for it"
-    )
+    add_consent(reporting)
 
 
 def _add_mission_options(command: argparse.ArgumentParser) -> None:
     command.add_argument(
         "mission_file", nargs="?", metavar="MISSION", help="mission file (JSON) instead of options"
     )
-    command.add_argument("--config", metavar="FILE", help="JSON file of options (config.json if it is there)")
+    add_config(command)
     group = command.add_argument_group(
         "mission",
         "each also as TERRAINAV_<NAME> in the environment, or in config.json; the command line comes first",
@@ -122,6 +115,14 @@ def _add_mission_options(command: argparse.ArgumentParser) -> None:
         group.add_argument(name, nargs=many, metavar=metavar if many != "+" else None, help=option.told)
 
 
+def _add_actions(listing: argparse.ArgumentParser) -> Any:
+    """Add the actions of a command that lists things; listing is one of them."""
+    actions = listing.add_subparsers(dest="action", metavar="ACTION", parser_class=_Parser)
+    every = actions.add_parser("list", help="list them (also without an action)")
+    add_json(every, argparse.SUPPRESS)
+    return actions
+
+
 def _add_sources(commands: Any) -> None:
     listing = commands.add_parser(
         "sources",
@@ -130,9 +131,7 @@ def _add_sources(commands: Any) -> None:
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     add_json(listing)
-    actions = listing.add_subparsers(dest="action", metavar="ACTION", parser_class=_Parser)
-    every = actions.add_parser("list", help="list them (also without an action)")
-    add_json(every, argparse.SUPPRESS)
+    actions = _add_actions(listing)
 
     showing = actions.add_parser(
         "show", help="everything about one, or the layers of a wmts: or wms: address"
@@ -183,29 +182,25 @@ def _add_sources(commands: Any) -> None:
 def _add_cameras(commands: Any) -> None:
     listing = commands.add_parser("cameras", help="list cameras by name; add or remove one of your own")
     add_json(listing)
-    actions = listing.add_subparsers(dest="action", metavar="ACTION", parser_class=_Parser)
-    every = actions.add_parser("list", help="list them (also without an action)")
-    add_json(every, argparse.SUPPRESS)
+    actions = _add_actions(listing)
 
     adding = actions.add_parser(
         "add", help="keep a camera of your own under a name, by one field of view, or its sensor and lens"
     )
     adding.add_argument("name", metavar="NAME", help="such as 'Sony RX1 35 mm'")
     pair: dict[str, Any] = {"nargs": 2, "metavar": ("W", "H")}
-    adding.add_argument("--fov", type=float, metavar="DEG", help="diagonal field of view in degrees")
-    adding.add_argument("--hfov", type=float, metavar="DEG", help="horizontal field of view in degrees")
-    adding.add_argument("--vfov", type=float, metavar="DEG", help="vertical field of view in degrees")
-    adding.add_argument("--sensor", type=float, help="width and height of the sensor in mm", **pair)
-    adding.add_argument("--focal-length", type=float, metavar="MM", help="of the lens itself, with --sensor")
-    adding.add_argument(
-        "--aspect-ratio", type=float, help="width and height of the picture, such as 4 3", **pair
+    options: tuple[tuple[str, str, type, dict[str, Any], str], ...] = (
+        ("fov", "fov_deg", float, {"metavar": "DEG"}, "diagonal field of view in degrees"),
+        ("hfov", "horizontal_fov_deg", float, {"metavar": "DEG"}, "horizontal field of view in degrees"),
+        ("vfov", "vertical_fov_deg", float, {"metavar": "DEG"}, "vertical field of view in degrees"),
+        ("sensor", "sensor_mm", float, pair, "width and height of the sensor in mm"),
+        ("focal-length", "focal_length_mm", float, {"metavar": "MM"}, "of the lens itself, with --sensor"),
+        ("aspect-ratio", "aspect_ratio", float, pair, "width and height of the picture, such as 4 3"),
+        ("size-px", "size_px", int, pair, "width and height of the picture in pixels instead"),
+        ("image-px", "image_px", int, {"metavar": "N"}, "pixels along the longer side, with --aspect-ratio"),
     )
-    adding.add_argument(
-        "--size-px", type=int, help="width and height of the picture in pixels instead", **pair
-    )
-    adding.add_argument(
-        "--image-px", type=int, metavar="N", help="pixels along the longer side, with --aspect-ratio"
-    )
+    for name, fact, kind, shown, text in options:
+        adding.add_argument(f"--{name}", dest=fact, type=kind, help=text, **shown)
     adding.add_argument("--source", metavar="TEXT", help="where these facts are from")
 
     removing = actions.add_parser("remove", help="forget a camera of your own")

@@ -16,13 +16,10 @@ from ..drawing import check_matplotlib
 from ..errors import Cancelled, InvalidInput
 from ..files import clear_partial, open_locked
 from .dataset import Images, Move
-from .entropy import Deciding, Report, deciding_entropies, otsu
+from .entropy import HIGHEST_ENTROPY, Deciding, Report, deciding_entropies, otsu
 from .figures import draw_all
 from .folder import DEFAULT_ENTROPY, JOURNAL_FILE, TABLE_FILE, image_folder, map_type_folders
 from .table import REJECTED, Table
-
-#: Of 256 grey levels, in bits.
-HIGHEST_ENTROPY = 8.0
 
 
 @dataclass(frozen=True)
@@ -31,7 +28,6 @@ class Cleaned:
 
     Parameters
     ----------
-    map_type : str
     images, failed : int
         Images that are there; rows of images that could not be made, which are left as they are.
     rejected : int

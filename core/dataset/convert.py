@@ -12,10 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from ..errors import Cancelled, InvalidInput, OutputError
+from ..errors import InvalidInput, OutputError
 from ..files import PARTIAL_ENDING, make_folder
 from .dataset import UNREADABLE, Dataset, ImageSet, read_dataset, some
-from .entropy import Report
 from .folder import MISSION_FILE, REJECTED_FOLDER, TABLE_FILE
 from .published import framed
 from .table import Table
@@ -29,7 +28,6 @@ class Converted:
 
     Parameters
     ----------
-    map_type : str
     images, failed : int
         Images that were copied; rows without an image.
     framed : int
@@ -43,11 +41,7 @@ class Converted:
 
 
 def convert(
-    folder: str | os.PathLike[str],
-    target: str | os.PathLike[str],
-    layout: str = "TerrAInav",
-    *,
-    progress: Report | None = None,
+    folder: str | os.PathLike[str], target: str | os.PathLike[str], layout: str = "TerrAInav"
 ) -> tuple[Converted, ...]:
     """Make a dataset of ours from one of another's; the source is only read.
 
@@ -63,7 +57,6 @@ def convert(
         The source; a folder that is not there yet, or empty.
     layout : str
         Of the source, see `LAYOUTS`.
-    progress : callable
 
     Raises
     ------
@@ -71,15 +64,13 @@ def convert(
         As `read_dataset` does, for images that cannot be read, and a source that is a capture: nothing is written.
     OutputError
         A target that is in use, or that cannot be written: nothing of it is left.
-    Cancelled
-        ``progress`` said so: nothing is left.
     """
     source, out = Path(folder), Path(target)
     _check_places(source, out)
     out = out.resolve()
     dataset = read_dataset(source, layout)
     tables = {name: _converted(one, layout) for name, one in dataset.image_sets.items()}
-    _write(dataset, tables, out, progress)
+    _write(dataset, tables, out)
     return tuple(
         Converted(
             name,
@@ -99,9 +90,7 @@ def _check_places(source: Path, target: Path) -> None:
         raise InvalidInput("folder {0}: must lie outside {1}, which is left as it is", target, source)
     if inner == Path.cwd():
         raise InvalidInput(
-            "folder {0!r}: is the current one, which is in use",
-            os.fspath(target),
-            remedy="give a new one",
+            "folder {0!r}: is the current one, which is in use", os.fspath(target), remedy="give a new one"
         )
     try:
         if target.exists() and (not target.is_dir() or any(target.iterdir())):
@@ -141,7 +130,7 @@ def _sizes(images: ImageSet) -> tuple[Floats, Floats]:
     return sizes[:, 0], sizes[:, 1]
 
 
-def _write(dataset: Dataset, tables: Mapping[str, Table], target: Path, progress: Report | None) -> None:
+def _write(dataset: Dataset, tables: Mapping[str, Table], target: Path) -> None:
     """Make the target under another name, and give it its own when it is whole."""
     partial = target.with_name(target.name + PARTIAL_ENDING)
     make_folder(target.parent)
@@ -156,7 +145,7 @@ def _write(dataset: Dataset, tables: Mapping[str, Table], target: Path, progress
     except OSError as wrong:
         raise OutputError("folder {0}: cannot be made ({1})", partial, wrong.strerror) from wrong
     try:
-        _fill(partial, dataset.image_sets, tables, progress)
+        _fill(partial, dataset.image_sets, tables)
         if target.exists():
             target.rmdir()
         os.replace(partial, target)
@@ -166,20 +155,13 @@ def _write(dataset: Dataset, tables: Mapping[str, Table], target: Path, progress
         shutil.rmtree(partial, ignore_errors=True)
 
 
-def _fill(
-    folder: Path, image_sets: Mapping[str, ImageSet], tables: Mapping[str, Table], progress: Report | None
-) -> None:
-    total = sum(int(one.there.sum()) for one in image_sets.values())
-    done = 0
+def _fill(folder: Path, image_sets: Mapping[str, ImageSet], tables: Mapping[str, Table]) -> None:
     for name, images in image_sets.items():
         for index in np.flatnonzero(images.there).tolist():
-            if progress is not None and not progress(done / total):
-                raise Cancelled("stopped: nothing was converted")
             origin = images.path(index)
             moved = origin.parent.name == REJECTED_FOLDER and origin.parent != images.image_folder
             place = folder / name / (REJECTED_FOLDER if moved else "")
             place.mkdir(parents=True, exist_ok=True)
             shutil.copyfile(origin, place / origin.name)
-            done += 1
         (folder / name).mkdir(exist_ok=True)
         tables[name].save(folder / name / TABLE_FILE)

@@ -8,7 +8,7 @@ import math
 import os
 import re
 from collections import Counter
-from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -78,7 +78,7 @@ class ImageSet:
     @property
     def there(self) -> NDArray[np.bool_]:
         """Rows (n,) whose image exists: those that have not failed."""
-        return rows_made(self.table)
+        return self.table.made
 
     def path(self, index: int) -> Path:
         """Where the file of a row lies now: in its folder, or among the rejected ones."""
@@ -92,7 +92,6 @@ class ImageSet:
 
         Parameters
         ----------
-        index : int
         channels : int or None
             1 for grey (ITU-R 601), 3 for red, green, blue; as the file has it for None.
 
@@ -122,7 +121,6 @@ class Dataset:
 
     Parameters
     ----------
-    folder : Path
     layout : str
         One of `LAYOUTS`.
     image_sets : mapping of str to ImageSet
@@ -142,9 +140,7 @@ class Dataset:
         return self.image_sets[map_type]
 
 
-def read_dataset(
-    folder: str | os.PathLike[str], layout: str = "TerrAInav", *, map_types: Collection[str] | None = None
-) -> Dataset:
+def read_dataset(folder: str | os.PathLike[str], layout: str = "TerrAInav") -> Dataset:
     """Dataset in a folder, whose tables and files agree; reads no pixels.
 
     Parameters
@@ -154,13 +150,11 @@ def read_dataset(
         or one of these where it stands alone), or of the Night Vision supplement.
     layout : str
         One of `LAYOUTS`.
-    map_types : collection of str or None
-        Only these, by their names in `Dataset.image_sets`; None for all.
 
     Raises
     ------
     InvalidInput
-        A folder that is no such dataset or has no such map type, rows that cannot be read, or a table that says
+        A folder that is no such dataset, rows that cannot be read, or a table that says
         otherwise than the files: they are named.
     """
     path = Path(folder)
@@ -168,23 +162,12 @@ def read_dataset(
         raise InvalidInput("layout {0!r}: must be one of {1}", layout, ", ".join(LAYOUTS))
     if layout == "VBN":
         table, images = read_vbn(path)
-        return _only(
-            Dataset(path, layout, {VBN_MAP_TYPE: ImageSet(VBN_MAP_TYPE, images, table, images)}), map_types
-        )
+        return Dataset(path, layout, {VBN_MAP_TYPE: ImageSet(VBN_MAP_TYPE, images, table, images)})
     folders = map_type_folders(path)
     counts = Counter(map(map_type_of, folders))
     keys = {name if counts[map_type_of(name)] > 1 else map_type_of(name): name for name in folders}
-    wanted = keys if map_types is None else {key: name for key, name in keys.items() if key in map_types}
-    sets = {key: _read_set(map_type_of(name), folders[name]) for key, name in wanted.items()}
-    missing = [one for one in map_types or () if one not in keys]
-    if missing:
-        raise InvalidInput("map type {0!r}: {1} has {2}", missing[0], folder, ", ".join(keys))
+    sets = {key: _read_set(map_type_of(name), folders[name]) for key, name in keys.items()}
     return Dataset(path, layout, sets)
-
-
-def rows_made(table: Table) -> NDArray[np.bool_]:
-    """Rows (n,) of a table whose images have been made."""
-    return np.array([status != "failed" for status in table.status], np.bool_)
 
 
 def _read_set(map_type: str, folder: Path) -> ImageSet:
@@ -192,7 +175,7 @@ def _read_set(map_type: str, folder: Path) -> ImageSet:
     _check_positions(table, folder / TABLE_FILE)
     check_names(table, folder / TABLE_FILE)
     images = image_folder(folder, table.img_names)
-    Images(images).check(table.img_names, rows_made(table))
+    Images(images).check(table.img_names, table.made)
     return ImageSet(map_type, folder, table, images)
 
 
@@ -211,12 +194,6 @@ def _check_positions(table: Table, path: Path) -> None:
             table.lat_deg[off[0]],
             table.lon_deg[off[0]],
         )
-
-
-def _only(dataset: Dataset, map_types: Collection[str] | None) -> Dataset:
-    if map_types is None:
-        return dataset
-    return Dataset(dataset.folder, dataset.layout, {one: dataset.image_set(one) for one in map_types})
 
 
 @dataclass(frozen=True)

@@ -14,13 +14,15 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from ..errors import Cancelled, InvalidInput
-from .dataset import Dataset, Images, open_image, read_dataset, rows_made
+from .dataset import Dataset, Images, open_image, read_dataset
 from .folder import TABLE_FILE, deciding_folder, image_folder, map_type_folders
 from .table import Table
 
 #: Pixels made grey at a time: more than that no longer fit the processor's cache, and take three times as long.
 _BAND_PX = 1 << 19
 Floats = NDArray[np.float64]
+#: Of 256 grey levels, in bits.
+HIGHEST_ENTROPY = 8.0
 #: What long work tells of: the share done, 0 to 1; an answer of False stops it.
 Report = Callable[[float], bool]
 
@@ -113,7 +115,6 @@ class Deciding:
     ----------
     folder : Path
         Of the table.
-    table : Table
     image_folder : Path
         Where the images lie; those that cleaning has moved are in ``rejected`` inside.
     images : Images
@@ -223,7 +224,7 @@ class _Own:
     def __init__(self, folder: Path, table: Table, images: Path) -> None:
         self.folder, self.table, self.image_folder = folder, table, images
         self.images = Images(images)
-        self.there = rows_made(table)
+        self.there = table.made
         self.images.check(table.img_names, self.there)
         self.entropies = np.where(self.there, table.entropies, np.nan)
 

@@ -15,14 +15,12 @@ from numpy.typing import NDArray
 
 from ..drawing import BLACK, BLUE, FONT, VERMILION, check_matplotlib, dress, new_figure, png
 from ..files import make_folder, write_whole
-from .entropy import Deciding, deciding_entropies, otsu
+from .entropy import HIGHEST_ENTROPY, Deciding, deciding_entropies, otsu
 
 Floats = NDArray[np.float64]
 
 #: Files of the figures of a map type.
 HISTOGRAM, BARS = "entropy-histogram-{map_type}.png", "entropy-bars-{map_type}.png"
-#: Of 256 grey levels, in bits.
-_HIGHEST = 8.0
 #: Bits of a bar of the histogram.
 _BIN = 0.1
 #: Most bars side by side, each at least a pixel wide; and rows of the picture that takes their place for more.
@@ -41,20 +39,18 @@ def draw_histogram(
 
     Parameters
     ----------
-    axes : matplotlib Axes
     values : array (n,)
         Bits; NaN is left out.
     threshold : float
         Bits; images below it are rejected. It lies between two bars, so that none is of both kinds.
     suggested : float or None
         Another threshold, drawn as a dotted line.
-    title : str
     """
     there = values[~np.isnan(values)]
     dress(axes, title, "entropy, bits", f"images, per {_BIN:g} bit")
-    steps = np.arange(np.floor(-threshold / _BIN), np.ceil((_HIGHEST - threshold) / _BIN) + 1.0)
+    steps = np.arange(np.floor(-threshold / _BIN), np.ceil((HIGHEST_ENTROPY - threshold) / _BIN) + 1.0)
     # Rounding may take the last edge just below the highest entropy, and images at it with it.
-    edges = np.append(threshold + steps * _BIN, _HIGHEST + _BIN)
+    edges = np.append(threshold + steps * _BIN, HIGHEST_ENTROPY + _BIN)
     counts = np.histogram(there, edges)[0]
     low = edges[:-1] < threshold
     rejected = there < threshold
@@ -75,7 +71,7 @@ def draw_histogram(
     axes.axvline(threshold, color=VERMILION, linewidth=2.2, label=f"threshold {threshold:g} bits")
     if suggested is not None:
         axes.axvline(suggested, color=BLACK, linewidth=1.5, linestyle=":", label=_suggestion(suggested))
-    axes.set_xlim(0.0, _HIGHEST)
+    axes.set_xlim(0.0, HIGHEST_ENTROPY)
     axes.yaxis.get_major_locator().set_params(integer=True)
     _legend(axes)
 
@@ -113,10 +109,10 @@ def draw_bars(
             _stand(axes, np.where((values >= threshold) == kept, values, np.nan), colour, label)
     if per_column > 1:
         shades = _shades(values, threshold, per_column)
-        extent = (0.0, float(shades.shape[1] * per_column), 0.0, _HIGHEST)
+        extent = (0.0, float(shades.shape[1] * per_column), 0.0, HIGHEST_ENTROPY)
         axes.imshow(shades, extent=extent, origin="lower", aspect="auto", interpolation="nearest", zorder=1.0)
     axes.set_xlim(0.0, max(len(values), 1))
-    axes.set_ylim(0.0, _HIGHEST)
+    axes.set_ylim(0.0, HIGHEST_ENTROPY)
     axes.xaxis.set_major_formatter(lambda value, _position: f"{value:,.0f}")
     axes.xaxis.get_major_locator().set_params(integer=True)
     _legend(axes)
@@ -137,10 +133,6 @@ def save_figures(
         Folder of the figures, made if it is not there.
     threshold : float
         Bits.
-
-    Returns
-    -------
-    list of Path
 
     Raises
     ------
@@ -216,7 +208,7 @@ def _shades(values: Floats, threshold: float, per_column: int) -> Floats:
     columns = np.arange(len(values)) // per_column
     images = np.bincount(columns)
     shape = len(images), _ROWS + 1
-    rows = np.rint(np.nan_to_num(values) * (_ROWS / _HIGHEST)).astype(np.int64)
+    rows = np.rint(np.nan_to_num(values) * (_ROWS / HIGHEST_ENTROPY)).astype(np.int64)
     shades = np.ones((_ROWS, shape[0], 3))
     for which, colour in ((values < threshold, _REJECTED), (values >= threshold, _KEPT)):
         tops = np.bincount(columns[which] * shape[1] + rows[which], minlength=shape[0] * shape[1])

@@ -60,10 +60,7 @@ def map_type_folders(folder: str | os.PathLike[str]) -> dict[str, Path]:
                 deciding != path.resolve().name and (parent / deciding / TABLE_FILE).is_file()
             ):
                 raise InvalidInput(
-                    "folder {0}: is one map type of the dataset {1}",
-                    folder,
-                    parent,
-                    remedy="give that one",
+                    "folder {0}: is one map type of the dataset {1}", folder, parent, remedy="give that one"
                 )
             return {path.resolve().name: path}
         found = sorted(one for one in path.iterdir() if (one / TABLE_FILE).is_file())

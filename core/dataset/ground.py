@@ -285,10 +285,7 @@ def _corners(plan: Path, names: Sequence[str]) -> Floats:
         ) from wrong
     if missing:
         raise InvalidInput(
-            "{0}: has no row of {1}",
-            plan,
-            next(iter(missing)),
-            remedy="put back the capture's own",
+            "{0}: has no row of {1}", plan, next(iter(missing)), remedy="put back the capture's own"
         )
     return corners.reshape(-1, len(_CORNERS), 2)
 

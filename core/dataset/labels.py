@@ -59,7 +59,6 @@ class Labels:
 
     Parameters
     ----------
-    frame : Frame
     scaler : Scaler
         Of eastings and northings in the frame.
     fitted_on : str
@@ -199,8 +198,7 @@ def labels_of(
     fitted = np.ones(lat.shape, np.bool_) if training is None else training
     if not fitted.any():
         raise InvalidInput(
-            "labels: no image is in the training part, which the scaler is fitted on",
-            remedy="split anew",
+            "labels: no image is in the training part, which the scaler is fitted on", remedy="split anew"
         )
     return Labels(
         found,
@@ -230,8 +228,7 @@ def labels_of_tables(tables: Iterable[Table], frame: str = "utm") -> Labels:
             places.setdefault(Path(table.img_names[index]).stem, place)
     if not places:
         raise InvalidInput(
-            "labels: the dataset has no image that is there and not rejected",
-            remedy="capture or clean anew",
+            "labels: the dataset has no image that is there and not rejected", remedy="capture or clean anew"
         )
     lat, lon = (np.array([place[axis] for place in places.values()], np.float64) for axis in (0, 1))
     training = np.array([place[2] == TRAIN for place in places.values()], np.bool_)
@@ -353,9 +350,7 @@ def _crs_of(frame: str, lat_deg: float, lon_deg: float) -> str:
         crs = _crs(code)
     except CRSError as wrong:
         raise InvalidInput(
-            "frame {0}: PROJ knows no such system",
-            frame,
-            remedy="give the code of another one",
+            "frame {0}: PROJ knows no such system", frame, remedy="give the code of another one"
         ) from wrong
     if not crs.is_projected or any(axis.unit_name != "metre" for axis in crs.axis_info):
         raise InvalidInput(
@@ -430,7 +425,6 @@ class Scaler:
 
     Parameters
     ----------
-    mean : tuple of float
     scale : tuple of float
         Standard deviations (of the population, as scikit-learn's ``StandardScaler`` has them), all above 0.
     """

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from ..errors import InvalidInput, Message
 from ..geodesy.mercator import PixelGrid, lat_to_v, lon_to_u
 from .folder import NAME
-from .table import Table
+from .table import Table, first_faults
 
 Floats = NDArray[np.float64]
 
@@ -28,8 +28,6 @@ _FLIGHT = re.compile(r"raster_images_.*_(?P<agl>\d+(?:\.\d+)?)_(?P<fov>\d+(?:\.\
 _LEVEL_SLACK = 0.1
 #: The published pixels: of 256 px tiles.
 _GRID = PixelGrid()
-#: Faults that one message names.
-_NAMED = 3
 
 
 def check_names(table: Table, path: Path) -> None:
@@ -54,8 +52,7 @@ def check_names(table: Table, path: Path) -> None:
         wrong = [header for header, value, in_name, slack in row if abs(value - in_name) > slack]
         faults += [Message("{0} has another {1} in its row", name, wrong[0])] if wrong else []
     if faults:
-        more: list[str] = [Message("and {0} more", len(faults) - _NAMED)] if len(faults) > _NAMED else []
-        raise InvalidInput("table {0}: {1}", path, Message.joined("; ", faults[:_NAMED] + more))
+        raise InvalidInput("table {0}: {1}", path, first_faults(faults))
 
 
 def framed(table: Table, folder_name: str) -> Table:

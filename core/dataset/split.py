@@ -51,8 +51,6 @@ class Split:
         that see the horizon or a pole, or come from no map.
     left_out : int
         Places whose images have failed or have been rejected, which are not asked for.
-    how : str
-    seed : int
     block_m, gap_m : float or None
         Side of the blocks and least distance between parts; None without blocks.
     blocks : int or None
@@ -184,9 +182,7 @@ def _checked(
         raise InvalidInput("split {0!r}: must be one of {1}", how, ", ".join(WAYS))
     if how != "blocks" and (block_m is not None or gap_m):
         raise InvalidInput(
-            "split {0!r}: has no blocks and no gap",
-            how,
-            remedy="choose blocks, or leave their sizes out",
+            "split {0!r}: has no blocks and no gap", how, remedy="choose blocks, or leave their sizes out"
         )
     if block_m is not None and not (math.isfinite(block_m) and block_m > 0.0):
         raise InvalidInput("blocks of {0} m: must be above 0 m", block_m)

@@ -86,7 +86,6 @@ class Table:
         Shares of an image's pixels that see no ground, and ground that no Web-Mercator source has.
     nominal_lat_deg, nominal_lon_deg, nominal_agl_m, nominal_yaw_deg, nominal_tilt_deg, nominal_roll_deg : array
         Poses as they were meant to be, where wind has moved the camera.
-    source, attribution, imagery_date : tuple of str
     status, reason : tuple of str
         ``done``, or ``failed`` and why.
     other : mapping of str to tuple of str
@@ -146,6 +145,11 @@ class Table:
     def __len__(self) -> int:
         return len(self.img_names)
 
+    @property
+    def made(self) -> NDArray[np.bool_]:
+        """Rows (n,) whose images have been made."""
+        return np.array([status != "failed" for status in self.status], np.bool_)
+
     @classmethod
     def of(cls, known: Mapping[str, Any], other: Mapping[str, tuple[str, ...]]) -> Table:
         """Table of some columns, by the names of fields; all others are not known.
@@ -154,7 +158,6 @@ class Table:
         ----------
         known : mapping of str to array or tuple of str
             At least those that every table has.
-        other : mapping of str to tuple of str
         """
         count = len(known["img_names"])
         unknown = {name: ("",) * count if name in _TEXT else np.full(count, np.nan) for name in FIELDS}
@@ -179,10 +182,6 @@ class Table:
         """Copy with these columns, cells in the order of the rows, as those that are not ours."""
         return replace(self, other=other)
 
-    def to_csv(self) -> str:
-        """Text of the table; the same table gives the same text, and numbers have all their digits."""
-        return "".join(self._blocks())
-
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write the table to a file, whole or not at all; raises OutputError."""
         write_whole(path, (block.encode("utf-8") for block in self._blocks()))
@@ -197,24 +196,15 @@ class Table:
             yield _csv(zip(*own, *(column[rows] for column in self.other.values())))
 
     @classmethod
-    def from_csv(cls, text: str, name: str = "table") -> Table:
-        """Table from its text, or from the text of a published one.
-
-        Parameters
-        ----------
-        name : str
-            What messages call it.
+    def _of_lines(cls, lines: Iterable[str], name: str) -> Table:
+        """Table from its lines, each with its end, or from those of a published one.
 
         Raises
         ------
         InvalidInput
-            Without one of the published columns, or with rows that cannot be read, which are named by line.
+            Without one of the published columns, or with rows that cannot be read, which are named by line; messages
+            call the table ``name``.
         """
-        return cls._of_lines(io.StringIO(text, newline=""), name)
-
-    @classmethod
-    def _of_lines(cls, lines: Iterable[str], name: str) -> Table:
-        """Table from its lines, each with its end."""
         faults: list[tuple[int, str]] = []
         headers, rows = _records(lines, name, faults)
         columns: dict[str, Any] = {}
@@ -225,11 +215,8 @@ class Table:
                 cells = [(line, row[index]) for line, row in rows]
                 columns[field_name] = _column(field_name, header, cells, faults)
         if faults:
-            first = [Message("line {0} {1}", line, fault) for line, fault in sorted(faults)[:_FAULTS_NAMED]]
-            more = (
-                [Message("and {0} more", len(faults) - _FAULTS_NAMED)] if len(faults) > _FAULTS_NAMED else []
-            )
-            raise InvalidInput("{0}: {1}", name, Message.joined("; ", first + more))
+            named = [Message("line {0} {1}", line, fault) for line, fault in sorted(faults)]
+            raise InvalidInput("{0}: {1}", name, first_faults(named))
         other = {
             header: tuple(row[index] for _, row in rows)
             for index, header in enumerate(headers)
@@ -239,13 +226,19 @@ class Table:
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Table:
-        """Table from a file; raises InvalidInput as `from_csv` does, or where it cannot be read."""
+        """Table from a file; raises InvalidInput where it cannot be read, as a whole or in some rows."""
         try:
             # All of them first: bytes that are no text are told before what the text says.
             lines = list(_lines(Path(path)))
         except (OSError, UnicodeDecodeError) as wrong:
             raise InvalidInput("table {0}: cannot be read ({1})", path, wrong) from wrong
         return cls._of_lines(lines, Message("table {0}", path))
+
+
+def first_faults(faults: Sequence[str], joint: str = "; ") -> Message:
+    """Return the first faults of many, and how many more there are."""
+    more = [Message("and {0:,} more", len(faults) - _FAULTS_NAMED)] if len(faults) > _FAULTS_NAMED else []
+    return Message.joined(joint, [*faults[:_FAULTS_NAMED], *more])
 
 
 def other_columns(path: Path) -> dict[str, dict[str, str]]:
@@ -343,10 +336,7 @@ def _records(
     twice = [header for header, count in Counter(headers).items() if header and count > 1]
     if twice:
         raise InvalidInput(
-            "{0}: has column {1} more than once",
-            name,
-            twice[0],
-            remedy="rename or remove all but one",
+            "{0}: has column {1} more than once", name, twice[0], remedy="rename or remove all but one"
         )
     width = len(headers)
     faults += [
@@ -385,6 +375,5 @@ def part_of(table: Table) -> tuple[str, ...] | None:
 
 def taken(table: Table) -> NDArray[np.bool_]:
     """Rows (n,) whose images are there and have not been rejected by cleaning."""
-    there = np.array([status != "failed" for status in table.status], np.bool_)
     marks = table.other.get(REJECTED, ("",) * len(table))
-    return there & np.array([not mark for mark in marks], np.bool_)
+    return table.made & np.array([not mark for mark in marks], np.bool_)

@@ -13,7 +13,7 @@ import numpy as np
 
 from ..errors import InvalidInput
 from .folder import SUPPLEMENT_FOLDER
-from .table import HEADERS, Table
+from .table import HEADERS, Table, first_faults
 
 IMAGE_FOLDER, TEXT_FOLDER = SUPPLEMENT_FOLDER, "MetaData2"
 #: Key of the camera's position in a text: latitude and longitude in degrees, altitude in metres, between two words.
@@ -22,12 +22,8 @@ POSITION = "Platform_position_LatLongAlt"
 ALTITUDE = "altitude_m"
 #: Keys that would be read as columns of ours: also an older spelling, and what clean and split write.
 _OURS = frozenset({*HEADERS, "row", "rejected", "split"})
-#: Faults that one message names.
-_NAMED = 3
 #: Ending of the images.
 _IMAGE_ENDING = ".jpg"
-#: Faults that one message names.
-_NAMED = 3
 
 
 class Position(NamedTuple):
@@ -62,7 +58,7 @@ def read_vbn(folder: Path) -> tuple[Table, Path]:
     faults: list[str] = []
     found = [_metadata(folder / TEXT_FOLDER / text, faults) for _, text in pairs]
     if faults:
-        raise InvalidInput("folder {0}: {1}", folder / TEXT_FOLDER, _some(faults))
+        raise InvalidInput("folder {0}: {1}", folder / TEXT_FOLDER, first_faults(faults))
     rows = [one for one in found if one is not None]
     return _table([image for image, _ in pairs], set(images), rows), folder / IMAGE_FOLDER
 
@@ -133,7 +129,7 @@ def _paired(folder: Path, images: Sequence[str], texts: Sequence[str]) -> list[t
         raise InvalidInput(
             "folder {0}: {1} more than once",
             folder,
-            _some(twice, ", "),
+            first_faults(twice, ", "),
             remedy="remove or rename all but one",
         )
     if not stems & by_stem.keys():
@@ -154,7 +150,7 @@ def _paired(folder: Path, images: Sequence[str], texts: Sequence[str]) -> list[t
         raise InvalidInput(
             "folder {0}: {1} of {2} without a text in {3}",
             folder,
-            _some(without, ", "),
+            first_faults(without, ", "),
             IMAGE_FOLDER,
             TEXT_FOLDER,
             remedy="put it there, or remove the image",
@@ -216,8 +212,3 @@ def _table(
         },
         other,
     )
-
-
-def _some(faults: Sequence[str], between: str = "; ") -> str:
-    more = [f"and {len(faults) - _NAMED:,} more"] if len(faults) > _NAMED else []
-    return between.join([*faults[:_NAMED], *more])

@@ -44,12 +44,10 @@ class Scene:
 
     Parameters
     ----------
-    camera : Camera
     width_px, height_px : float or array (n,)
         Of the planned image.
     poses : Poses
         (n,).
-    ground : Ellipsoid
     """
 
     camera: Camera
@@ -202,9 +200,7 @@ def outside_flat_domain(scene: Scene, bend: float | None = None) -> str:
         return Message("tilt or roll of {0:g} deg: holds for cameras that look straight down", tilted)
     if not stretch <= FLAT_DOMAIN:
         return Message(
-            "height over Earth's radius times tan²(FOV/2) is {0:.3g}: holds up to {1:g}",
-            stretch,
-            FLAT_DOMAIN,
+            "height over Earth's radius times tan²(FOV/2) is {0:.3g}: holds up to {1:g}", stretch, FLAT_DOMAIN
         )
     if not size <= FLAT_DOMAIN:
         return Message(

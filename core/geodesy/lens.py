@@ -38,10 +38,7 @@ class Lens(Part):
         below=180.0,
     )
     aspect_ratio: float = declared(
-        PAPER_ASPECT_RATIO,
-        title="aspect ratio",
-        help="width of the image over its height",
-        above=0.0,
+        PAPER_ASPECT_RATIO, title="aspect ratio", help="width of the image over its height", above=0.0
     )
 
     @classmethod

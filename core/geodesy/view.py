@@ -86,10 +86,6 @@ class View:
 
     Attributes
     ----------
-    width_px, height_px : int
-    grid : PixelGrid
-    patches : tuple of Patches
-    samples : tuple of Samples
     sky : array (height, width) of bool, or None
         Pixels whose rays miss the Earth; None where there are none.
     unmapped : array (height, width) of bool, or None

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import difflib
-import os
 import sys
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -18,7 +17,8 @@ from ..resources import read_json
 _VIEWS = ("fov_deg", "horizontal_fov_deg", "vertical_fov_deg", "sensor_mm")
 #: JSON has whole numbers of any length.
 _LARGEST = sys.float_info.max
-_KNOWN = (*_VIEWS, "focal_length_mm", "aspect_ratio", "size_px", "image_px", "source")
+#: Facts that a camera is stated by.
+FACTS = (*_VIEWS, "focal_length_mm", "aspect_ratio", "size_px", "image_px", "source")
 _FILE = "cameras.json"
 #: Longest name, in characters, that a list of cameras has room for.
 _LONGEST_NAME = 64
@@ -30,8 +30,6 @@ class CameraPreset:
 
     Parameters
     ----------
-    name : str
-    camera : Camera
     width_px, height_px : int or None
         Size of its pictures, where the source states it.
     source : str
@@ -104,8 +102,8 @@ class CameraPreset:
 def _check_facts(data: Mapping[str, Any]) -> str:
     """Return the one fact of `_VIEWS`; refuse none, two, and what does not go together."""
     for fact in data:
-        if fact not in _KNOWN:
-            raise InvalidInput("{0!r} is unknown; known are {1}", fact, ", ".join(_KNOWN))
+        if fact not in FACTS:
+            raise InvalidInput("{0!r} is unknown; known are {1}", fact, ", ".join(FACTS))
     given = [fact for fact in _VIEWS if fact in data]
     if len(given) != 1:
         raise InvalidInput(
@@ -151,10 +149,9 @@ def _real(value: Any, wanted: str) -> float:
 
 def shipped_cameras() -> tuple[CameraPreset, ...]:
     """Return the cameras of ``resources/cameras.json``, the paper's first."""
-    facts = ((dict(data), data["name"]) for data in read_json("cameras.json"))
     return tuple(
-        CameraPreset.from_dict(name, {fact: value for fact, value in data.items() if fact != "name"})
-        for data, name in facts
+        CameraPreset.from_dict(data["name"], {fact: data[fact] for fact in data if fact != "name"})
+        for data in read_json("cameras.json")
     )
 
 
@@ -166,7 +163,7 @@ def cameras() -> tuple[CameraPreset, ...]:
     InvalidInput
         The user's file cannot be read; names it.
     """
-    return (*shipped_cameras(), *user_cameras())
+    return (*shipped_cameras(), *camera_shelf().entries)
 
 
 def camera_named(name: str) -> CameraPreset:
@@ -205,7 +202,7 @@ def _named(wanted: str, presets: tuple[CameraPreset, ...], *, full: bool) -> Cam
     return None
 
 
-def camera_shelf(folder: str | os.PathLike[str] | None = None) -> Shelf[CameraPreset]:
+def camera_shelf() -> Shelf[CameraPreset]:
     """Return the user's cameras that are right, and what is wrong with the others; raises as `read_shelf`."""
     taken = {key(preset.name): preset.name for preset in shipped_cameras()}
 
@@ -215,17 +212,10 @@ def camera_shelf(folder: str | os.PathLike[str] | None = None) -> Shelf[CameraPr
         taken[key(name)] = name
         return made
 
-    return read_shelf(config_file(_FILE, folder), Message("cameras"), preset)
+    return read_shelf(config_file(_FILE), Message("cameras"), preset)
 
 
-def user_cameras(folder: str | os.PathLike[str] | None = None) -> tuple[CameraPreset, ...]:
-    """Return the user's cameras that are right; raises as `camera_shelf`, which tells of the others."""
-    return camera_shelf(folder).entries
-
-
-def add_camera(
-    name: str, data: Mapping[str, Any], folder: str | os.PathLike[str] | None = None
-) -> CameraPreset:
+def add_camera(name: str, data: Mapping[str, Any]) -> CameraPreset:
     """Keep a camera under a name.
 
     Parameters
@@ -242,7 +232,7 @@ def add_camera(
     OutputError
         The file cannot be written.
     """
-    path = config_file(_FILE, folder)
+    path = config_file(_FILE)
     known = read_named(path, Message("cameras"))
     taken = {key(other): other for other in (*(preset.name for preset in shipped_cameras()), *known)}
     _check_name(name, taken)
@@ -251,7 +241,7 @@ def add_camera(
     return preset
 
 
-def remove_camera(name: str, folder: str | os.PathLike[str] | None = None) -> str:
+def remove_camera(name: str) -> str:
     """Forget a camera of the user; its name may be in any case.
 
     Returns
@@ -264,7 +254,7 @@ def remove_camera(name: str, folder: str | os.PathLike[str] | None = None) -> st
     InvalidInput
         There is no such camera, or it is one that ships.
     """
-    path = config_file(_FILE, folder)
+    path = config_file(_FILE)
     known = read_named(path, Message("cameras"))
     found = name if name in known else next((own for own in known if key(own) == key(name)), None)
     if found is None:

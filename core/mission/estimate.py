@@ -129,8 +129,7 @@ class Summary:
                 (
                     Message("imagery"),
                     Message(
-                        "the source has imagery of {0} of the area",
-                        percent(self.imagery_share, exact=False),
+                        "the source has imagery of {0} of the area", percent(self.imagery_share, exact=False)
                     ),
                 )
             )

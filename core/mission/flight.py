@@ -65,7 +65,6 @@ def intervals_s(way: Legs, agl_m: Floats, airspeed_m_per_s: float, wind: Wind | 
     ----------
     agl_m : array (n,)
         Heights above ground of the captures.
-    airspeed_m_per_s : float
     wind : Wind or None
         None for still air.
     """
@@ -118,7 +117,6 @@ def fly(
 
     Parameters
     ----------
-    wind : Wind
     airspeed_m_per_s : float
         Flight speed through the air.
     interval_s : array (n - 1,)

@@ -53,7 +53,6 @@ class Method:
 
     Attributes
     ----------
-    stage, name : str
     bound_px : float
         Infinite where the method has no bound.
     bound_m : float
@@ -84,7 +83,6 @@ class Accuracy:
 
     Attributes
     ----------
-    budget_px : float
     footprint, picture : Choice
         Footprints are always those of the exact camera.
     pixels : Choice or None
@@ -120,22 +118,6 @@ class Accuracy:
         """What a cell of the mesh may be wrong by; 0 for rays and where there is no mesh."""
         return self.pixels.method.bound_px if self.pixels is not None else 0.0
 
-    def text(self) -> str:
-        """One line for people: methods, bounds, what was left out, and what is not bounded."""
-        stages = [
-            Message(
-                "{0}: {1}, ≤ {2} px",
-                choice.method.stage,
-                choice.method.name,
-                bound_text(choice.method.bound_px),
-            )
-            for choice in self.choices
-        ]
-        left_out = Message.joined(", ", [what for what, _ in self.left_out]) or _NOTHING
-        return Message(
-            "{0}; left out: {1}; terrain: {2}", Message.joined("; ", stages), left_out, self.terrain_text()
-        )
-
     def lines(self) -> list[tuple[str, str]]:
         """Label and value of what was chosen and why, in words for people."""
         lines = []
@@ -169,10 +151,7 @@ class Accuracy:
         """What relief may add."""
         if not math.isfinite(self.terrain_px_per_m):
             return Message("not bounded, without limit at the horizon")
-        return Message(
-            "not bounded, up to {0:.2g} px per metre of relief",
-            self.terrain_px_per_m,
-        )
+        return Message("not bounded, up to {0:.2g} px per metre of relief", self.terrain_px_per_m)
 
     def to_dict(self) -> dict[str, Any]:
         """JSON-ready mapping; what is infinite is null."""

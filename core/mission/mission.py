@@ -42,7 +42,6 @@ class Mission:
         Ground to cover, or the points to capture (which carry their own heights).
     agl_m : float
         Height above ground in metres, > 0; of the first point where the area is Points.
-    camera : Camera
     wind : Wind or None
         What moves the captures off their places; None for still air, which costs nothing.
     notes : tuple of str

@@ -100,14 +100,8 @@ def _truth(value: Any, what: str) -> bool:
     if isinstance(value, bool):
         return value
     words = {
-        "1": True,
-        "true": True,
-        "yes": True,
-        "on": True,
-        "0": False,
-        "false": False,
-        "no": False,
-        "off": False,
+        **dict.fromkeys(("1", "true", "yes", "on"), True),
+        **dict.fromkeys(("0", "false", "no", "off"), False),
     }
     if str(value).lower() not in words:
         raise InvalidInput("{0} {1!r}: must be true or false", what, value)

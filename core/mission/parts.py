@@ -396,11 +396,7 @@ class Output(Part):
         },
     )
     max_images: int = declared(
-        10_000_000,
-        title="most images",
-        help="missions of more images are refused",
-        least=1,
-        advanced=True,
+        10_000_000, title="most images", help="missions of more images are refused", least=1, advanced=True
     )
 
 

@@ -55,7 +55,6 @@ class Plan:
 
     Attributes
     ----------
-    mission : Mission
     grid : PixelGrid
         Pixel grid of the source the plan is for.
     zoom : int

@@ -37,9 +37,7 @@ _WAYS: tuple[tuple[tuple[str, ...], ...], ...] = (
 
 
 def resolve(
-    given: Mapping[str, Any],
-    environment: Mapping[str, str] | None = None,
-    config: str | None = None,
+    given: Mapping[str, Any], environment: Mapping[str, str] | None = None, config: str | None = None
 ) -> dict[str, Any]:
     """Value of every option, by precedence.
 

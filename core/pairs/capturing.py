@@ -39,10 +39,8 @@ class PairResult:
 
     Parameters
     ----------
-    folder : Path
     total, written, skipped, requests, unique_parts, seconds, cancelled
         Of all captures together, as a CaptureResult has them.
-    failed : tuple of Failure
     repeated : tuple of Repeat
         Both by the captures' names, which stand for the map types.
     left_out : tuple of str
@@ -93,17 +91,12 @@ def capture_pairs(
 
     Parameters
     ----------
-    worked_out : PairPlan
     source : Source
         With the pixel grid that the plan was made for.
     resume : bool
         Go on with a folder that holds these settings: what is missing or has failed is made.
     connections, workers, progress, cancelled
         As for `capture`; progress names the capture as its map type.
-
-    Returns
-    -------
-    PairResult
 
     Raises
     ------
@@ -162,9 +155,7 @@ def _refuse(path: Path, wanted: bytes, *, resume: bool, ours: bool = False) -> N
     if found is not None:
         if found != wanted:
             raise OutputError(
-                "folder {0}: holds pairs of other settings",
-                path,
-                remedy="choose another folder",
+                "folder {0}: holds pairs of other settings", path, remedy="choose another folder"
             )
         if not resume:
             raise OutputError(

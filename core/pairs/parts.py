@@ -39,9 +39,7 @@ def check_shares(shares: Sequence[float]) -> None:
         raise InvalidInput("split {0}: shares must be 0 or more and finite, and one above 0", _text(shares))
     if shares[2] > 0.0 and shares[1] == 0.0:
         raise InvalidInput(
-            "split {0}: distractors are of a test",
-            _text(shares),
-            remedy="give it a share, or them none",
+            "split {0}: distractors are of a test", _text(shares), remedy="give it a share, or them none"
         )
 
 

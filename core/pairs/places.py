@@ -77,10 +77,7 @@ def read_places(path: str | Path) -> tuple[Place, ...]:
         lines = Path(path).read_text(encoding="utf-8-sig").splitlines()
     except (OSError, UnicodeDecodeError) as wrong:
         raise InvalidInput(
-            "places {0}: cannot be read as text ({1})",
-            path,
-            wrong,
-            remedy=Message("give {0}", _FORMATS),
+            "places {0}: cannot be read as text ({1})", path, wrong, remedy=Message("give {0}", _FORMATS)
         ) from wrong
     places: list[Place] = []
     met: dict[tuple[float, float], int] = {}
@@ -143,16 +140,11 @@ def read_box(text: str) -> Box:
         values = [float(field) for field in fields]
     except ValueError as wrong:
         raise InvalidInput(
-            "places {0!r}: no such file, and no box",
-            text,
-            remedy=Message("give {0}", _FORMATS),
+            "places {0!r}: no such file, and no box", text, remedy=Message("give {0}", _FORMATS)
         ) from wrong
     if len(values) not in (4, 5):
         raise InvalidInput(
-            "places {0!r}: {1} numbers",
-            text,
-            len(values),
-            remedy=Message("give {0}", _FORMATS),
+            "places {0!r}: {1} numbers", text, len(values), remedy=Message("give {0}", _FORMATS)
         )
     return Box(*values[:4])
 

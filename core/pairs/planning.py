@@ -214,8 +214,6 @@ class PairPlan:
 
     Attributes
     ----------
-    settings : PairSettings
-    places : tuple of Place
     plans : mapping of str to Plan
         By the missions' names, the satellite's first.
     parts : tuple of str

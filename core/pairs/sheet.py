@@ -27,22 +27,15 @@ _QUALITY = 85
 Row = dict[str, str]
 
 
-def contact_sheet(
-    folder: str | os.PathLike[str],
-    target: str | os.PathLike[str],
-    *,
-    places: int = PLACES,
-    views: int = VIEWS,
-) -> Path:
+def contact_sheet(folder: str | os.PathLike[str], target: str | os.PathLike[str]) -> Path:
     """Draw a contact sheet of a dataset that `capture_pairs` has made, as a JPEG; a ring is around the place.
+
+    It shows `PLACES` places, of each part in turn, and `VIEWS` of the drone for each, evenly along its flight.
 
     Parameters
     ----------
-    folder : path
     target : path
         Of the sheet, ``.jpg``.
-    places, views : int
-        Shown of each part in turn, and of the drone for each place, evenly along its flight; >= 1.
 
     Returns
     -------
@@ -58,10 +51,8 @@ def contact_sheet(
     """
     path, file = Path(folder), Path(target)
     check_sheet(file)
-    if min(places, views) < 1:
-        raise InvalidInput("sheet of {0} places and {1} views: must be 1 or more", places, views)
     rows = _by_place(path)
-    chosen = [_even(one, views) for one in _in_turn(rows)[:places]]
+    chosen = [_even(one) for one in _in_turn(rows)[:PLACES]]
     step = _CELL_PX + _GAP_PX
     height = _CELL_PX + _CAPTION_PX + _GAP_PX
     columns = max(map(len, chosen))
@@ -90,10 +81,7 @@ def _by_place(folder: Path) -> list[list[Row]]:
         text = (folder / TABLE_FILE).read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as wrong:
         raise InvalidInput(
-            "folder {0}: holds no {1} that can be read",
-            folder,
-            TABLE_FILE,
-            remedy="capture pairs first",
+            "folder {0}: holds no {1} that can be read", folder, TABLE_FILE, remedy="capture pairs first"
         ) from wrong
     places: dict[str, list[Row]] = {}
     for row in csv.DictReader(io.StringIO(text)):
@@ -115,10 +103,10 @@ def _in_turn(places: list[list[Row]]) -> list[list[Row]]:
     return [places[at] for at in sorted(range(len(places)), key=order.__getitem__)]
 
 
-def _even(rows: list[Row], views: int) -> list[Row]:
+def _even(rows: list[Row]) -> list[Row]:
     """The satellite's row, and as many of the drone's, evenly from the first to the last."""
     satellite, drone = rows[:1], rows[1:]
-    count = min(views, len(drone))
+    count = min(VIEWS, len(drone))
     return satellite + [drone[at * (len(drone) - 1) // max(count - 1, 1)] for at in range(count)]
 
 

@@ -54,7 +54,6 @@ def render(
 
     Parameters
     ----------
-    view : View
     lon_deg : float
         Of the camera.
     parts : sequence of Part

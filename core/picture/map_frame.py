@@ -25,7 +25,6 @@ def assemble(window: Window, parts: Sequence[Part], pixels: Mapping[Window, Pixe
 
     Parameters
     ----------
-    window : Window
     parts : sequence of Part
         What the source said fills the window.
     pixels : mapping of Window to array (height_px, width_px, 3 or 4) of uint8

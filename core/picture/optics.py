@@ -133,7 +133,6 @@ class Exposure:
 
     Parameters
     ----------
-    body : Body
     size_px : (width, height)
     focal_px : (x, y)
         Focal lengths, along a row and a column.

@@ -54,7 +54,6 @@ def draw(
 
     Parameters
     ----------
-    shot : Window or Shot
     parts : sequence of Part
         As `parts_of` gave them.
     pixels : mapping of Window to array

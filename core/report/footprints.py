@@ -72,11 +72,7 @@ def _second_order_px(scene: Scene) -> Floats:
 
 
 #: Ways to work out footprints by name, from cheap to exact.
-FOOTPRINTS: dict[str, Footprint] = {
-    "loc1": loc1,
-    "loc2": loc2,
-    "exact": exact,
-}
+FOOTPRINTS: dict[str, Footprint] = {"loc1": loc1, "loc2": loc2, "exact": exact}
 
 
 def footprint_methods(scene: Scene) -> list[Method]:

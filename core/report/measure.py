@@ -54,7 +54,6 @@ class Measured:
     ----------
     method : Method
         With the bound; `Method.outside` says why there is none, and then nothing was measured.
-    error_px : float or None
     seconds : Seconds or None
         A capture, on one core, without fetching and encoding; those of a stage were timed in the same rounds.
     chosen : bool
@@ -98,12 +97,10 @@ class Saving:
 
     Attributes
     ----------
-    what, why : str
     seconds : Seconds
         By how much more it takes than what was chosen, round by round.
     differs : bool
         Whether the two can be told apart in time.
-    size_bytes : int
     """
 
     what: str
@@ -119,19 +116,15 @@ class Measurement:
 
     Attributes
     ----------
-    map_type : str
     stages : dict of str to tuple of Measured
         By the stage's name, from cheap to exact.
     floor_px : float
         Error of the reference: smaller ones are not told from none.
     terrain, condition : see `Accuracy`
     kernels : tuple of Kernel
-        Empty where the source has no tiles; so are the next two None and empty.
-    resampling : Resampling or None
-    encodings : tuple of Encoding
+        Empty where the source has no tiles; ``resampling`` is None then.
     wind : WindEffect or None
         None in still air.
-    left_out : tuple of Saving
     planned_px, timed_px : tuple of int
         Width and height of the planned picture, and of the one whose seconds and bytes were scaled to it.
     parts : int
@@ -167,25 +160,16 @@ class Measurement:
 
 
 def measure(
-    plan: Plan,
-    source: Source,
-    *,
-    map_type: str | None = None,
-    quick: bool = False,
-    progress: Progress | None = None,
+    plan: Plan, source: Source, *, quick: bool = False, progress: Progress | None = None
 ) -> Measurement:
     """Time and measure every method on a sample of a plan's captures.
 
     Parameters
     ----------
-    plan : Plan
     source : Source
         That the plan is for: the parts of one or two pictures are fetched.
-    map_type : str, optional
-        Of the pictures; the mission's first one without it.
     quick : bool
         Time every method in one round only; times are then not compared.
-    progress : callable, optional
 
     Raises
     ------
@@ -194,7 +178,7 @@ def measure(
     """
     say = progress or (lambda _: None)
     effort = QUICK if quick else THOROUGH
-    map_type = map_type or plan.mission.imagery.map_types[0]
+    map_type = plan.mission.imagery.map_types[0]
     say(Message("footprints"))
     stages = {"footprint": _footprints(plan, effort)}
     say(Message("a picture"))
@@ -334,10 +318,7 @@ def _left_out(bench: Bench, stages: dict[str, tuple[Measured, ...]]) -> list[Sav
     """What the plan left out, with what the same thing takes here beside what was chosen."""
     plan, found = bench.plan, []
     pictures = len(plan) * len(plan.mission.imagery.map_types)
-    compared = {
-        "resampling": ("picture", "camera"),
-        Message("rays for every pixel"): ("pixels", "rays"),
-    }
+    compared = {"resampling": ("picture", "camera"), Message("rays for every pixel"): ("pixels", "rays")}
     for what, why in plan.accuracy.left_out:
         if what == "wind":
             found.append(Saving(what, why, _seconds_of_flight(plan, bench.effort), True, 0))

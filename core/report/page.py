@@ -37,7 +37,6 @@ def write_report(
     source: Source,
     folder: str | os.PathLike[str],
     *,
-    map_type: str | None = None,
     progress: Progress | None = None,
     quick: bool = False,
 ) -> Path:
@@ -45,13 +44,10 @@ def write_report(
 
     Parameters
     ----------
-    plan : Plan
     source : Source
         That the plan is for.
     folder : path
         Made unless it is there; files of an earlier report are replaced.
-    map_type : str, optional
-        Of the pictures that are measured; the mission's first one without it.
     progress : callable, optional
         Called with what is being measured, in words.
     quick : bool
@@ -71,7 +67,7 @@ def write_report(
     """
     check_matplotlib()
     make_folder(folder)
-    found = measure(plan, source, map_type=map_type, quick=quick, progress=progress)
+    found = measure(plan, source, quick=quick, progress=progress)
     if progress is not None:
         progress(Message("page"))
     files = {**csv_files(found), **drawings(plan, found)}

@@ -16,7 +16,7 @@ from PIL import Image
 
 from ..capture.metadata import Description
 from ..capture.records import job_of
-from ..capture.writers import JPEG_QUALITY, Place, geotiff, jpeg, png
+from ..capture.writers import JPEG_QUALITY, Place, encoded
 from ..errors import PartError
 from ..geodesy.accuracy import Scene
 from ..geodesy.frames import map_windows
@@ -28,7 +28,7 @@ from ..picture.camera_frame import camera_parts, render
 from ..picture.map_frame import assemble, resized, window_of
 from ..picture.resampling import KERNELS, sample
 from ..timing import Effort, Seconds, timed_together
-from ..world import World, WorldSource
+from ..world import WorldSource
 from .positions import scene_of, spread
 
 Pixels = NDArray[np.uint8]
@@ -71,9 +71,6 @@ class Bench:
 
     Attributes
     ----------
-    plan : Plan
-    tiles : Tiles
-    effort : Effort
     index : int
         Of the capture.
     """
@@ -192,7 +189,8 @@ class Bench:
         """Bytes of a picture's file in the mission's format and at its size."""
         plan, source = self.plan, self.tiles.source
         sized = resized(picture, plan.mission.output.img_size)
-        found = file_bytes(plan, source, self.index, self.tiles.map_type, sized)
+        place, about = _about(plan, source, self.index, self.tiles.map_type)
+        found = len(encoded(plan.mission.output.image_format, sized, place, about))
         return found if plan.mission.output.img_size else round(found * self.enlarged)
 
 
@@ -205,13 +203,7 @@ def _middle(window: Window, size_px: tuple[int, int]) -> Window:
 
 
 class Tiles:
-    """Pixels of a source's parts by window.
-
-    Parameters
-    ----------
-    source : Source
-    map_type : str
-    """
+    """Pixels of a source's parts by window."""
 
     def __init__(self, source: Source, map_type: str) -> None:
         self.source = source
@@ -250,12 +242,10 @@ class Resampling:
 
     Attributes
     ----------
-    zoom : int
     truth : str
         What the errors are against.
     signal : tuple of float
         RMS of the picture itself about its mean, by band.
-    kernels : tuple of KernelError
     """
 
     zoom: int
@@ -291,7 +281,7 @@ def resampling(plan: Plan, tiles: Tiles, index: int) -> Resampling:
     window = Window(plan.zoom, x0, y0, side, side)
     parts = tile_parts(window, plan.grid)
     image = assemble(window, parts, tiles.of(parts))
-    known = _world_of(tiles.source)
+    known = tiles.source.world if isinstance(tiles.source, WorldSource) else None
     kernels = [kernel for kernel in KERNELS if known is not None or kernel != _FINEST]
     errors: dict[str, list[Floats]] = {kernel: [] for kernel in kernels}
     signals = []
@@ -321,10 +311,6 @@ def resampling(plan: Plan, tiles: Tiles, index: int) -> Resampling:
             for kernel in kernels
         ),
     )
-
-
-def _world_of(source: Source) -> World | None:
-    return source.world if isinstance(source, WorldSource) else None
 
 
 def _spectrum(values: Floats) -> Floats:
@@ -367,19 +353,6 @@ def encodings(
         Encoding(name, _loss(picture, data), len(data), seconds, chosen)
         for (name, chosen, _), (data, seconds) in zip(ways, timed)
     ]
-
-
-def encoded(ending: str, picture: Pixels, place: Place, about: Description) -> bytes:
-    """Return the bytes of a picture's own file."""
-    if ending == "tif":
-        return geotiff(picture, place, about)
-    return jpeg(picture, about) if ending == "jpg" else png(picture, about)
-
-
-def file_bytes(plan: Plan, source: Source, index: int, map_type: str, picture: Pixels) -> int:
-    """Size of a picture in the mission's format."""
-    place, about = _about(plan, source, index, map_type)
-    return len(encoded(plan.mission.output.image_format, picture, place, about))
 
 
 def _about(plan: Plan, source: Source, index: int, map_type: str) -> tuple[Place, Description]:

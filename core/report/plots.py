@@ -201,37 +201,14 @@ def _legend_of_marks(axes: Any) -> None:
     lines, paths = (importlib.import_module(f"matplotlib.{name}") for name in ("lines", "path"))
     upright = paths.Path(((-1, -3), (1, -3), (0, -3), (0, 3), (-1, 3), (1, 3)), (1, 2, 1, 2, 1, 2))
     handles, _ = axes.get_legend_handles_labels()
-    handles += [
-        lines.Line2D(
-            [],
-            [],
-            color=_GREY,
-            marker="|",
-            markersize=10,
-            linewidth=0.9,
-            label="level whisker: up to its bound",
-        ),
-        lines.Line2D(
-            [],
-            [],
-            color="none",
-            marker=upright,
-            markersize=9,
-            markerfacecolor="none",
-            markeredgecolor=_GREY,
-            label="upright whisker: quartiles of the time",
-        ),
-        lines.Line2D(
-            [],
-            [],
-            color="none",
-            marker="o",
-            markersize=13,
-            markerfacecolor="none",
-            markeredgecolor=BLACK,
-            label="ring: chosen",
-        ),
-    ]
+    hollow = {"color": "none", "markerfacecolor": "none"}
+    marks: tuple[dict[str, Any], ...] = (
+        {"color": _GREY, "marker": "|", "markersize": 10, "linewidth": 0.9},
+        {**hollow, "marker": upright, "markersize": 9, "markeredgecolor": _GREY},
+        {**hollow, "marker": "o", "markersize": 13, "markeredgecolor": BLACK},
+    )
+    words = ("level whisker: up to its bound", "upright whisker: quartiles of the time", "ring: chosen")
+    handles += [lines.Line2D([], [], label=label, **mark) for mark, label in zip(marks, words)]
     axes.legend(
         handles=handles,
         fontsize=FONT["note"],

@@ -45,7 +45,6 @@ class Displacement(NamedTuple):
 
     Attributes
     ----------
-    what : str
     unit : str
         "m" or "deg"; empty of the two together.
     size : Spread or None
@@ -137,12 +136,7 @@ def _displacements(flown: Plan, which: NDArray[np.intp]) -> tuple[Displacement, 
         ("along the track", "m", along, moved(along * cosine, along * sine)),
         ("across the track", "m", across, moved(-across * sine, across * cosine)),
         ("up", "m", up, meant._replace(agl_m=real.agl_m)),
-        (
-            MOVED,
-            "m",
-            np.sqrt(along**2 + across**2 + up**2),
-            Poses(*real[:3], *meant[3:]),
-        ),
+        (MOVED, "m", np.sqrt(along**2 + across**2 + up**2), Poses(*real[:3], *meant[3:])),
         ("yaw", "deg", yaw, meant._replace(yaw_deg=real.yaw_deg)),
         ("tilt", "deg", tilt, meant._replace(tilt_deg=real.tilt_deg)),
         ("roll", "deg", roll, meant._replace(roll_deg=real.roll_deg)),

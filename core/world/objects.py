@@ -46,7 +46,6 @@ class Footprints:
 
     Attributes
     ----------
-    parcels : Parcels
     index : intp array
         Each sample's piece, as in `Parcels.index`.
     west, east, north, south : float32 arrays
@@ -160,7 +159,7 @@ def _chance(scene: Scene) -> Array:
     d = parcels.distance_m(HEDGE)
     if d is not None:
         chance[d < 5.5] = 0.55
-    woods = scene.woods()
+    woods = scene.woods
     if woods is not None:
         np.maximum(chance, (woods > 0.5) * np.float32(0.97), out=chance)
     for line in (LANE, ROAD, MAIN):
@@ -170,7 +169,7 @@ def _chance(scene: Scene) -> Array:
     prints = footprints(parcels)
     if prints is not None:
         chance[prints.cover(moved_m=1.5, grow_m=4.4) > 0.5] = 0.0
-    for cover in (scene.water(), scene.motorway()):
+    for cover in (scene.water(), scene.motorway):
         if cover is not None:
             chance[cover > 0.02] = 0.0
     return chance

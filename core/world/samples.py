@@ -357,7 +357,6 @@ class Tiles(Samples):
 
     Parameters
     ----------
-    zoom : int
     x, y : int64 arrays (n,)
         The tiles.
     level : int

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import cached_property
 
 import numpy as np
 
@@ -14,9 +15,10 @@ from .region import Region
 from .samples import Samples
 
 PARCEL_ZOOM = 8
-#: Zoom up to which relief is toned down, and what is left of it at each zoom farther out.
-_RELIEF_ZOOM, _RELIEF_SHARE = 13, 0.86
 """Zoom from which parcels and roads are drawn; a pixel of the one before is wider than a village."""
+
+_RELIEF_ZOOM, _RELIEF_SHARE = 13, 0.86
+"""Zoom up to which relief is toned down, and what is left of it at each zoom farther out."""
 
 RIVER_HALF_WIDTH_M = 34.0
 BROOK_HALF_WIDTH_M = 3.2
@@ -41,15 +43,12 @@ class Scene:
         self.seed, self.samples = seed, samples
         self.pixel_m = samples.pixel_m
         self.region = Region.around(seed, samples)
-        self._cache: dict[str, Array | None] = {}
-        self._parcels: Parcels | None = None
+        self._climates: dict[str, Array] = {}
 
-    @property
+    @cached_property
     def parcels(self) -> Parcels:
         """The division of the land."""
-        if self._parcels is None:
-            self._parcels = Parcels(self.seed, self.region, self.samples)
-        return self._parcels
+        return Parcels(self.seed, self.region, self.samples)
 
     def _value(self, name: str) -> Array:
         return self.region.value(name, self.samples)
@@ -82,42 +81,29 @@ class Scene:
         return cover
 
     def _climate(self, name: str) -> Array:
-        key = "climate " + name
-        if key not in self._cache:
-            self._cache[key] = self.region.smooth(getattr(climate, name), self.samples)
-        out = self._cache[key]
-        if out is None:
-            raise TypeError(name)
-        return out
+        if name not in self._climates:
+            self._climates[name] = self.region.smooth(getattr(climate, name), self.samples)
+        return self._climates[name]
 
+    @cached_property
     def sea(self) -> Array | None:
         """Coverage by the sea."""
-        if "sea" not in self._cache:
-            self._cache["sea"] = self._sea()
-        return self._cache["sea"]
-
-    def _sea(self) -> Array | None:
         reach = self._reach("land", 0.0)
         if any(low > reach for low, _ in self._bounds("land")):
             return None
         steep = self.region.steepness("land", self.samples) * np.float32(self.pixel_m)
         return ramp(-self._value("land"), steep + np.float32(self.region.blur("land") + 1e-12))
 
+    @cached_property
     def rivers(self) -> Array | None:
         """Coverage by rivers and brooks."""
-        if "rivers" not in self._cache:
-            river = self._course("river", RIVER_HALF_WIDTH_M, "wateriness")
-            brook = self._course("brook", BROOK_HALF_WIDTH_M, "wateriness")
-            self._cache["rivers"] = _union(river, brook)
-        return self._cache["rivers"]
+        river = self._course("river", RIVER_HALF_WIDTH_M, "wateriness")
+        brook = self._course("brook", BROOK_HALF_WIDTH_M, "wateriness")
+        return _union(river, brook)
 
+    @cached_property
     def lakes(self) -> Array | None:
         """Coverage by lakes."""
-        if "lakes" not in self._cache:
-            self._cache["lakes"] = self._lakes()
-        return self._cache["lakes"]
-
-    def _lakes(self) -> Array | None:
         least = 1.08
         reach = self._reach("lake", 0.0)
         if any(high < least - reach for _, high in self._bounds("lake")):
@@ -130,15 +116,11 @@ class Scene:
 
     def water(self) -> Array | None:
         """Coverage by water of all kinds."""
-        return _union(_union(self.sea(), self.lakes()), self.rivers())
+        return _union(_union(self.sea, self.lakes), self.rivers)
 
+    @cached_property
     def woods(self) -> Array | None:
         """Coverage by woods, water left out."""
-        if "woods" not in self._cache:
-            self._cache["woods"] = self._woods()
-        return self._cache["woods"]
-
-    def _woods(self) -> Array | None:
         if self.region.extremes("wood")[1] < self.region.derived_extremes(climate.wood_threshold)[
             0
         ] - self._reach("wood", 0.0):
@@ -164,14 +146,13 @@ class Scene:
                 cover *= self.parcels.spread(free)
         return cover
 
+    @cached_property
     def motorway(self) -> Array | None:
         """Coverage by motorways."""
-        if "motorway" not in self._cache:
-            cover = self._course("motorway", MOTORWAY_HALF_WIDTH_M, None)
-            if cover is not None:
-                cover *= self._climate("settled")
-            self._cache["motorway"] = cover
-        return self._cache["motorway"]
+        cover = self._course("motorway", MOTORWAY_HALF_WIDTH_M, None)
+        if cover is not None:
+            cover *= self._climate("settled")
+        return cover
 
     def shade(self) -> Array:
         """Slope towards a light in the north-west, eased into -1..1.

@@ -22,11 +22,7 @@ from .scene import Scene
 from .styles import roadmap, satellite, terrain
 
 MAX_ZOOM = 22
-_PAINTERS: dict[str, Callable[[Scene], Canvas]] = {
-    SATELLITE: satellite,
-    ROADMAP: roadmap,
-    TERRAIN: terrain,
-}
+_PAINTERS: dict[str, Callable[[Scene], Canvas]] = {SATELLITE: satellite, ROADMAP: roadmap, TERRAIN: terrain}
 _KEPT_BYTES = 1 << 24
 
 

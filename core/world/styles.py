@@ -126,7 +126,7 @@ def _from_afar(scene: Scene) -> Canvas:
     region, samples = scene.region, scene.samples
     canvas = Canvas(region.smooth(climate.natural_colour, samples), samples.shape)
     canvas.blend(region.smooth(climate.rural_share, samples), region.smooth(_farm_colour, samples))
-    woods = scene.woods()
+    woods = scene.woods
     if woods is not None:
         canvas.blend(woods, objects.CANOPY)
     canvas.lighten(_light(scene))
@@ -139,11 +139,11 @@ def _light(scene: Scene) -> Array:
 
 
 def _paint_water(canvas: Canvas, scene: Scene) -> None:
-    sea = scene.sea()
+    sea = scene.sea
     if sea is not None:
         canvas.blend(sea, scene.region.smooth(climate.sea_colour, scene.samples))
-    canvas.blend(scene.lakes(), _LAKE)
-    canvas.blend(scene.rivers(), _RIVER)
+    canvas.blend(scene.lakes, _LAKE)
+    canvas.blend(scene.rivers, _RIVER)
 
 
 class _Land:
@@ -164,7 +164,7 @@ class _Land:
             canvas.blend(self.parcels.spread(wild), scene.region.smooth(climate.natural_colour, samples))
         canvas.lighten(self._texture())
         self._lines(canvas)
-        woods = scene.woods()
+        woods = scene.woods
         if woods is not None:
             canvas.blend(woods, _FLOOR if self.zoom >= objects.FIRST_ZOOM else objects.CANOPY)
         _paint_water(canvas, scene)
@@ -204,7 +204,7 @@ class _Land:
                 if line == MAIN and self.zoom >= 18:
                     strokes.append((0.2, 0.7, _MARKING))
                 canvas.stroke(d, self.pixel_m, *strokes)
-        canvas.blend(self.scene.motorway(), _MOTORWAY)
+        canvas.blend(self.scene.motorway, _MOTORWAY)
 
     def _buildings(self, canvas: Canvas) -> None:
         prints = footprints(self.parcels)
@@ -231,14 +231,14 @@ def roadmap(scene: Scene) -> Canvas:
         town = scene.parcels.leaf(scene.parcels.division.looks.town)
         if town.any():
             canvas.blend(scene.parcels.spread(town), RESIDENTIAL)
-    canvas.blend(scene.woods(), WOOD)
-    canvas.blend(scene.sea(), WATER)
-    canvas.blend(scene.lakes(), WATER)
-    canvas.blend(scene.rivers(), WATER)
+    canvas.blend(scene.woods, WOOD)
+    canvas.blend(scene.sea, WATER)
+    canvas.blend(scene.lakes, WATER)
+    canvas.blend(scene.rivers, WATER)
     if drawn:
         _draw_buildings(canvas, scene)
         _draw_roads(canvas, scene)
-    cover = scene.motorway()
+    cover = scene.motorway
     canvas.blend(cover, MOTORWAY_FILL)
     return canvas
 
@@ -269,13 +269,13 @@ def terrain(scene: Scene) -> Canvas:
     stops = np.array([s for s, _ in _TINTS])
     tint = np.stack([np.interp(up, stops, [c[k] for _, c in _TINTS]) for k in range(3)])
     canvas = Canvas(tint, scene.samples.shape)
-    woods = scene.woods()
+    woods = scene.woods
     if woods is not None:
         canvas.blend(woods * np.float32(0.35), (150, 186, 132))
     shade = scene.shade()
     light = np.float32(1) + shade * np.float32(0.3)
     canvas.lighten(light)
-    canvas.blend(scene.sea(), WATER)
-    canvas.blend(scene.lakes(), WATER)
-    canvas.blend(scene.rivers(), WATER)
+    canvas.blend(scene.sea, WATER)
+    canvas.blend(scene.lakes, WATER)
+    canvas.blend(scene.rivers, WATER)
     return canvas

@@ -4745,12 +4745,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/dataset/published.py"/>
-        <location filename="../../core/dataset/table.py"/>
-        <source>and {0} more</source>
-        <translation>y {0} más</translation>
-    </message>
-    <message>
-        <location filename="../../core/dataset/published.py"/>
         <source>table {0}: {1}</source>
         <translation>tabla {0}: {1}</translation>
     </message>
@@ -4838,6 +4832,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/dataset/split.py"/>
         <source>split {0!r}: must be one of {1}</source>
         <translation>división {0!r}: debe ser una de {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/table.py"/>
+        <source>and {0:,} more</source>
+        <translation>y {0:,} más</translation>
     </message>
     <message>
         <location filename="../../core/dataset/table.py"/>
@@ -7340,16 +7339,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/methods.py"/>
         <source>{0}, ≤ {1} px (not {2}: {3})</source>
         <translation>{0}, ≤ {1} px (no {2}: {3})</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/methods.py"/>
-        <source>{0}: {1}, ≤ {2} px</source>
-        <translation>{0}: {1}, ≤ {2} px</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/methods.py"/>
-        <source>{0}; left out: {1}; terrain: {2}</source>
-        <translation>{0}; se omite: {1}; relieve: {2}</translation>
     </message>
     <message>
         <location filename="../../core/mission/methods.py"/>

@@ -53,6 +53,13 @@ def run(*lines, cwd):
     return [int(code) for code in codes.split()], names
 
 
+def test_help_imports_nothing_that_runs(tmp_path):
+    codes, modules = run(*(f"{command} --help" for command in COMMANDS), cwd=tmp_path)
+    assert codes == [0] * len(COMMANDS)
+    runs = {f"terrainav.core.cli.{name}" for name in ("flying", "pairing", "datasets", "listing")}
+    assert not modules & {*runs, "terrainav.core.text", "terrainav.core.files"}
+
+
 def test_the_version_is_told_without_the_options(tmp_path):
     codes, modules = run("--version", cwd=tmp_path)
     assert codes == [0]

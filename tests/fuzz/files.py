@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator
 from pathlib import Path
+from unittest import mock
 
 import numpy as np
 from hypothesis import strategies as st
@@ -15,24 +17,27 @@ from terrainav.core.mission.cameras import camera_shelf
 from terrainav.core.safe_json import parse_json
 
 from tests.fuzz.support import Target, altered, as_json, mutated
+from tests.support.tables import table_of, text_of
 
 OUTCOMES = (
     Outcome("satellite", "0_0_35.10000000_-89.90000000_19", 7.123456789, size_bytes=12345, sky_share=0.25),
     Outcome("roadmap", "1_0_35.10000000_-89.90000000_19", reason='404 "not found"', repeated=("0" * 64,)),
 )
-TABLE = Table.of(
-    {
-        "img_names": ("a.tif", "b.tif"),
-        "columns": np.array([0, 1]),
-        "rows": np.array([0, 0]),
-        "lat_deg": np.array([35.1, 35.2]),
-        "lon_deg": np.array([-89.9, -89.8]),
-        "zoom": np.array([19, 19]),
-        "status": ("done", "failed"),
-        "reason": ("", "404"),
-    },
-    {"rejected": ("", "dark")},
-).to_csv()
+TABLE = text_of(
+    Table.of(
+        {
+            "img_names": ("a.tif", "b.tif"),
+            "columns": np.array([0, 1]),
+            "rows": np.array([0, 0]),
+            "lat_deg": np.array([35.1, 35.2]),
+            "lon_deg": np.array([-89.9, -89.8]),
+            "zoom": np.array([19, 19]),
+            "status": ("done", "failed"),
+            "reason": ("", "404"),
+        },
+        {"rejected": ("", "dark")},
+    )
+)
 LABELS = labels_of(np.array([35.1, 35.2]), np.array([-89.9, -89.8])).to_json()
 SOURCES = {
     "mine": described("https://tiles.example/{z}/{x}/{y}.png", title="Mine"),
@@ -78,7 +83,7 @@ def table(data: bytes) -> None:
     path.write_bytes(data)
     other_columns(path)
     read = Table.load(path)
-    assert Table.from_csv(read.to_csv()).to_csv() == read.to_csv()
+    assert text_of(table_of(text_of(read))) == text_of(read)
 
 
 def labels(data: bytes) -> None:
@@ -108,7 +113,8 @@ def sources(data: bytes) -> None:
 
 def cameras(data: bytes) -> None:
     Path("cameras.json").write_bytes(data)
-    camera_shelf(".")
+    with mock.patch.dict(os.environ, {"TERRAINAV_CONFIG_DIR": "."}):
+        camera_shelf()
 
 
 def json_text(data: bytes) -> None:

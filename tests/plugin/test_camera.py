@@ -10,7 +10,7 @@ import pytest
 from qgis.PyQt.QtCore import Qt, QTimer
 from qgis.PyQt.QtTest import QTest
 from qgis.PyQt.QtWidgets import QApplication, QInputDialog, QLineEdit
-from terrainav.core.mission.cameras import shipped_cameras, user_cameras
+from terrainav.core.mission.cameras import camera_shelf, shipped_cameras
 from terrainav.terrainav_plugin.form.camera import given_by, in_unit, settled, shown_gsd
 from terrainav.terrainav_plugin.form.mission_form import mission
 from terrainav.terrainav_plugin.form.state import FOV_MODES, FormState, in_metres
@@ -204,7 +204,7 @@ def answer_with(text):
 def own(desk):
     """The panel, with the chooser of cameras put back at the end."""
     yield desk
-    for preset in user_cameras():
+    for preset in camera_shelf().entries:
         desk.form.camera.setCurrentIndex(desk.form.camera.findText(preset.name))
         desk.form.camera_group.remove.trigger()
 
@@ -216,7 +216,7 @@ def test_own_camera_is_saved_chosen_and_removed(own):
     own.type_text(own.form.aspect, "5280:3956")
     answer_with("My quad")
     group.save.trigger()
-    saved = user_cameras()
+    saved = camera_shelf().entries
     assert [preset.name for preset in saved] == ["My quad"]
     assert (saved[0].camera.fov_deg, saved[0].camera.aspect_ratio) == (50.0, 5280 / 3956)
     assert chooser.currentText() == "My quad"
@@ -226,7 +226,7 @@ def test_own_camera_is_saved_chosen_and_removed(own):
     chooser.activated.emit(chooser.currentIndex())
     assert own.session.state().fov_deg == 50.0
     group.remove.trigger()
-    assert user_cameras() == ()
+    assert camera_shelf().entries == ()
     assert chooser.findText("My quad") < 0
     assert own.form.fov.value() == 50.0
 
@@ -235,7 +235,7 @@ def test_camera_without_a_name_of_its_own_is_refused_at_the_chooser(own):
     answer_with(shipped_cameras()[0].name)
     own.form.camera_group.save.trigger()
     assert "is taken" in own.message("camera")
-    assert user_cameras() == ()
+    assert camera_shelf().entries == ()
     own.form.camera.activated.emit(0)
     assert own.message("camera") == ""
 
@@ -248,6 +248,6 @@ def test_own_camera_keeps_its_lens_and_sensor(own):
     assert own.form.aspect.text() == "3:2"
     answer_with("One inch")
     group.save.trigger()
-    (saved,) = user_cameras()
+    (saved,) = camera_shelf().entries
     assert (saved.sensor_mm, saved.focal_length_mm) == ((13.2, 8.8), 8.38)
     assert saved.camera.fov_deg == pytest.approx(own.session.state().fov_deg, rel=1e-15)

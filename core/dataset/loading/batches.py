@@ -42,7 +42,6 @@ class Samples:
 
     Parameters
     ----------
-    dataset : Dataset or path
     map_type : str or None
         None takes the satellite images, or the first map type of a dataset without such.
     part : {"train", "validation", "test", "all"}
@@ -198,7 +197,6 @@ class Batches:
 
     Parameters
     ----------
-    dataset : Dataset or path
     batch_size : int
         The last batch may be smaller.
     workers : int
@@ -306,12 +304,7 @@ def optional_module(name: str, title: str, extra: str) -> Any:
         ) from missing
 
 
-def _check(
-    part: str,
-    shuffle: bool | str,
-    augment: Augmentation | str | None,
-    dtype: str,
-) -> None:
+def _check(part: str, shuffle: bool | str, augment: Augmentation | str | None, dtype: str) -> None:
     """Raise InvalidInput for a choice that there is not."""
     if part not in (*PARTS, ALL):
         raise InvalidInput("part {0!r}: must be one of {1}", part, ", ".join((*PARTS, ALL)))
@@ -365,10 +358,7 @@ def _rows(images: ImageSet, part: str) -> NDArray[np.int64]:
     if not chosen.any():
         what = "that are there and not rejected" if part == ALL else f"in the part {part!r}"
         raise InvalidInput(
-            "folder {0}: has no images {1}",
-            images.folder,
-            what,
-            remedy="split, clean or capture it anew",
+            "folder {0}: has no images {1}", images.folder, what, remedy="split, clean or capture it anew"
         )
     return np.flatnonzero(chosen)
 

@@ -28,8 +28,6 @@ class _KerasSamples:
 
     Parameters
     ----------
-    dataset : Dataset or path
-    batch_size : int
     workers, use_multiprocessing, max_queue_size
         Of ``keras.utils.PyDataset``: threads, or processes, that make batches, and how many wait at most.
     **choice

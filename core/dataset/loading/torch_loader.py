@@ -42,7 +42,6 @@ class _TorchSamples:
 
     Parameters
     ----------
-    dataset : Dataset or path
     **choice
         As `Samples` takes them: map_type, part, img_size, seed, shuffle, augment, dtype, layout, labels.
 
@@ -99,7 +98,6 @@ class _TorchSamples:
 
         Parameters
         ----------
-        batch_size, workers : int
         drop_last : bool
             Leave out a last batch that is smaller.
         **options

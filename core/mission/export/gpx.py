@@ -42,16 +42,7 @@ def gpx_notes(plan: Plan) -> tuple[str, ...]:
 
 
 def _point(one: Waypoint) -> str:
-    about = "".join(
-        f"<terrainav:{name}>{value}</terrainav:{name}>"
-        for name, value in (
-            ("column", one.column),
-            ("row", one.row),
-            ("agl_m", one.agl_m),
-            ("heading_deg", one.heading_deg),
-            ("gimbal_pitch_deg", one.gimbal_pitch_deg),
-        )
-    )
+    about = "".join(f"<terrainav:{name}>{value}</terrainav:{name}>" for name, value in one.details.items())
     # XML Schema's decimals have no exponent; nine digits of a degree are a tenth of a millimetre.
     return (
         f'<rtept lat="{one.lat_deg:.9f}" lon="{_lon(one.lon_deg)}"><time>{one.time}</time>'

@@ -74,14 +74,7 @@ def _footprint(name: str, rings: list[Corners]) -> str:
 def _waypoint(one: Waypoint) -> str:
     about = "".join(
         f'<Data name="{name}"><value>{value}</value></Data>'
-        for name, value in (
-            ("column", one.column),
-            ("row", one.row),
-            ("agl_m", one.agl_m),
-            ("heading_deg", one.heading_deg),
-            ("gimbal_pitch_deg", one.gimbal_pitch_deg),
-            ("time", one.time),
-        )
+        for name, value in {**one.details, "time": one.time}.items()
     )
     return (
         f"<Placemark><name>{html.escape(one.name)}</name><ExtendedData>{about}</ExtendedData>"

@@ -37,8 +37,7 @@ def check_litchi(plan: Plan) -> None:
     meant = plan.poses if plan.nominal is None else plan.nominal
     if len(plan) < FEWEST_WAYPOINTS:
         raise InvalidInput(
-            "Litchi mission of one waypoint: takes two or more",
-            remedy="plan a list or an area",
+            "Litchi mission of one waypoint: takes two or more", remedy="plan a list or an area"
         )
     if len(plan) > MOST_PARTS * MOST_WAYPOINTS:
         raise InvalidInput(

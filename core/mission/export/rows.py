@@ -36,25 +36,16 @@ def parts(count: int) -> Iterator[slice]:
 def batches(plan: Plan) -> Iterator[dict[str, list[Any]]]:
     """Columns of the table for one batch of captures after the other, as Python values."""
     left = plan.grid.wrapped_px(plan.windows.left_px, plan.zoom)
-    lon = wrap_lon_deg(plan.lon_deg)
+    poses = plan.poses._replace(lon_deg=wrap_lon_deg(plan.lon_deg))
+    columns = {**poses._asdict(), **plan.windows._replace(left_px=left)._asdict()}
     corner_lon = wrap_lon_deg(plan.corners.lon_deg)
     for part in parts(len(plan)):
-        count = len(plan.column[part])
         batch: dict[str, list[Any]] = {
             "name": plan.names[part],
             "column": plan.column[part].tolist(),
             "row": plan.row[part].tolist(),
-            "lat_deg": plan.lat_deg[part].tolist(),
-            "lon_deg": lon[part].tolist(),
-            "agl_m": plan.agl_m[part].tolist(),
-            "yaw_deg": plan.poses.yaw_deg[part].tolist(),
-            "tilt_deg": plan.poses.tilt_deg[part].tolist(),
-            "roll_deg": plan.poses.roll_deg[part].tolist(),
-            "zoom": [plan.zoom] * count,
-            "left_px": left[part].tolist(),
-            "top_px": plan.windows.top_px[part].tolist(),
-            "width_px": plan.windows.width_px[part].tolist(),
-            "height_px": plan.windows.height_px[part].tolist(),
+            "zoom": [plan.zoom] * len(plan.column[part]),
+            **{name: values[part].tolist() for name, values in columns.items()},
         }
         for index, corner in enumerate(("nw", "ne", "se", "sw")):
             hit = plan.corners.hit[part, index].tolist()

@@ -25,11 +25,8 @@ class Waypoint(NamedTuple):
 
     Parameters
     ----------
-    name : str
-    column, row : int
     lat_deg, lon_deg : float
         Longitude in [-180, 180).
-    agl_m : float
     heading_deg : float
         Of the aircraft, which is where the top of the picture points, in [0, 360).
     gimbal_pitch_deg : float
@@ -47,6 +44,12 @@ class Waypoint(NamedTuple):
     heading_deg: float
     gimbal_pitch_deg: float
     time: str
+
+    @property
+    def details(self) -> dict[str, float]:
+        """What files say of a waypoint beside its name, place and time."""
+        names = ("column", "row", "agl_m", "heading_deg", "gimbal_pitch_deg")
+        return {name: getattr(self, name) for name in names}
 
 
 def waypoints(plan: Plan) -> Iterator[Waypoint]:

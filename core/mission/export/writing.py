@@ -27,7 +27,6 @@ class Exported(NamedTuple):
 
     Parameters
     ----------
-    files : tuple of Path
     notes : tuple of str
         What the format cannot say of the plan, one line each.
     """
@@ -54,12 +53,8 @@ _TEXTS = {
 ENDINGS = (".csv", ".geojson", ".kml", GEOPACKAGE_ENDING, ".gpx", LITCHI_ENDING, ".plan")
 
 
-def check_plan_ending(path: str | os.PathLike[str]) -> None:
-    """Refuse a file whose ending names no format a plan can be written in."""
-    _ending(path)
-
-
-def _ending(path: str | os.PathLike[str]) -> str:
+def check_plan_ending(path: str | os.PathLike[str]) -> str:
+    """Return the ending of a plan's file; refuse one that names no format a plan can be written in."""
     name = Path(path).name.lower()
     # The longest one that it ends in: Litchi's table is a .csv as well.
     ending = max((one for one in ENDINGS if name.endswith(one)), key=len, default=name)
@@ -82,7 +77,7 @@ def write_plan(plan: Plan, path: str | os.PathLike[str]) -> Exported:
     OutputError
         Where the file cannot be written.
     """
-    target, ending = Path(path), _ending(path)
+    target, ending = Path(path), check_plan_ending(path)
     if ending == GEOPACKAGE_ENDING:
         write_geopackage(plan, target)
         return Exported((target,), geopackage_notes(plan))

@@ -353,9 +353,7 @@ class CameraFraming:
             return InvalidInput(text, field="zoom", remedy="fly higher or choose a higher zoom")
         if mission.pixels.gsd_m_per_px is not None:
             return InvalidInput(
-                text,
-                field="gsd_m_per_px",
-                remedy="fly higher or choose a smaller ground sample distance",
+                text, field="gsd_m_per_px", remedy="fly higher or choose a smaller ground sample distance"
             )
         if _limit_px(mission, self.grid) < mission.pixels.image_px:
             return InvalidInput(

@@ -70,7 +70,6 @@ def lay_out(mission: Mission, frames: Frames, pixel: float) -> Layout:
 
     Parameters
     ----------
-    mission : Mission
     frames : callable
         Edges of the mission's frames at given latitudes of the camera; what is covered lies in them, not below the
         camera, where that looks aside.
@@ -190,9 +189,7 @@ def refuse_no_step(step: Floats, overlap: float, mission: Mission) -> None:
                 remedy="tilt it less or fly lower" if turned else "fly lower",
             )
         raise InvalidInput(
-            "overlap {0}: leaves under 0.001 px between captures",
-            overlap,
-            remedy="overlap less",
+            "overlap {0}: leaves under 0.001 px between captures", overlap, remedy="overlap less"
         )
 
 

@@ -14,7 +14,7 @@ from terrainav.core.dataset.clean import clean
 from terrainav.core.dataset.convert import Converted, convert
 from terrainav.core.dataset.dataset import read_dataset
 from terrainav.core.dataset.table import Table
-from terrainav.core.errors import Cancelled, InvalidInput, OutputError
+from terrainav.core.errors import InvalidInput, OutputError
 from terrainav.core.mission.area import Box
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
@@ -242,19 +242,8 @@ def test_captures_need_no_converting(tmp_path):
         convert(tmp_path / "a", tmp_path / "b")
 
 
-def test_a_full_disk_and_a_stop_leave_nothing(tmp_path, monkeypatch):
+def test_a_full_disk_leaves_nothing(tmp_path, monkeypatch):
     write_published(tmp_path / "a" / "satellite")
-    shares = []
-
-    def stop(share):
-        shares.append(share)
-        return len(shares) < 4
-
-    with pytest.raises(Cancelled):
-        convert(tmp_path / "a", tmp_path / "b", progress=stop)
-    assert shares == [0.0, 1 / 6, 2 / 6, 3 / 6]
-    assert [path.name for path in tmp_path.iterdir()] == ["a"]
-
     copied, copyfile = [], shutil.copyfile
 
     def full(origin, place):

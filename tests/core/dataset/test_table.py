@@ -9,6 +9,8 @@ from terrainav.core.dataset import table as table_module
 from terrainav.core.dataset.table import FIELDS, Table
 from terrainav.core.errors import InvalidInput, OutputError
 
+from tests.support.tables import table_of, text_of
+
 #: Cells with what other readers take for the end of a line.
 NOTES = (
     "",
@@ -67,7 +69,7 @@ def test_a_crs_of_the_source_s_own_adds_its_columns(tmp_path):
 
 
 def test_columns_are_the_published_ones_and_then_ours():
-    rows = list(csv.reader(io.StringIO(make_table().to_csv())))
+    rows = list(csv.reader(io.StringIO(text_of(make_table()))))
     assert ",".join(rows[0]) == (
         PUBLISHED
         + ",pose_lat_deg,pose_lon_deg,agl_m,yaw_deg,tilt_deg,roll_deg,left_px,top_px,width_px,height_px,"
@@ -95,7 +97,7 @@ def test_published_tables_are_read(tmp_path):
 
 
 def test_entropies_may_be_missing():
-    table = Table.from_csv("img_names,columns,rows,Lat,Lon,Alt\na.jpg,0,1,35.1,-89.9,17\n")
+    table = table_of("img_names,columns,rows,Lat,Lon,Alt\na.jpg,0,1,35.1,-89.9,17\n")
     assert np.isnan(table.entropies).all()
     assert len(table) == 1
 
@@ -112,14 +114,14 @@ def test_tables_of_some_columns_know_nothing_of_the_others():
     table = Table.of(known, {"split": ("train", "")})
     assert table.status == ("", "")
     assert np.isnan(table.agl_m).all()
-    assert_same(Table.from_csv(table.to_csv()), table)
+    assert_same(table_of(text_of(table)), table)
 
 
 def test_an_empty_table_is_a_table():
     empty = make_table(
         **{n: (() if isinstance(getattr(make_table(), n), tuple) else np.empty(0)) for n in FIELDS}
     )
-    assert len(Table.from_csv(empty.to_csv())) == 0
+    assert len(table_of(text_of(empty))) == 0
 
 
 def test_bad_rows_are_named_by_line():
@@ -131,7 +133,7 @@ def test_bad_rows_are_named_by_line():
         "e.tif,0,0,,1,1,1",
     ]
     with pytest.raises(InvalidInput) as caught:
-        Table.from_csv("\n".join([PUBLISHED, *rows]), "table x.csv")
+        table_of("\n".join([PUBLISHED, *rows]), "table x.csv")
     assert str(caught.value) == (
         "table x.csv: line 3 has Lat 'north', not a number; line 4 has 4 cells, not 7; "
         "line 5 has columns '0.5', not a whole number; and 1 more"
@@ -141,7 +143,7 @@ def test_bad_rows_are_named_by_line():
 @pytest.mark.parametrize("cell", ["nan", "inf", ""])
 def test_positions_must_be_finite(cell):
     with pytest.raises(InvalidInput, match="line 2 has Lon"):
-        Table.from_csv(f"{PUBLISHED}\na.tif,0,0,35,{cell},17,1\n")
+        table_of(f"{PUBLISHED}\na.tif,0,0,35,{cell},17,1\n")
 
 
 @pytest.mark.parametrize(
@@ -157,7 +159,7 @@ def test_positions_must_be_finite(cell):
 )
 def test_files_that_are_no_table_are_refused(text, message):
     with pytest.raises(InvalidInput, match=message):
-        Table.from_csv(text)
+        table_of(text)
 
 
 def test_missing_and_unreadable_files_are_named(tmp_path):
@@ -178,7 +180,7 @@ def test_files_read_in_blocks_are_as_read_at_once(tmp_path, monkeypatch, block, 
     table = Table.load(path)
     assert len(table) == len(NOTES)
     # Python's own reading of a text file, whole.
-    assert_same(table, Table.from_csv(path.read_text(encoding="utf-8-sig")))
+    assert_same(table, table_of(path.read_text(encoding="utf-8-sig")))
 
 
 @pytest.mark.parametrize("bad", [b"\xff", b"\xe2\x82", b"\xc3\n"])
@@ -200,9 +202,9 @@ def test_columns_of_different_lengths_are_refused():
 
 def test_the_text_is_the_same_however_many_rows_are_made_at_a_time(tmp_path, monkeypatch):
     table = make_table()
-    whole = table.to_csv()
+    whole = text_of(table)
     monkeypatch.setattr("terrainav.core.dataset.table._ROWS_A_BLOCK", 2)
-    assert table.to_csv() == whole
+    assert text_of(table) == whole
     table.save(tmp_path / "meta_data.csv")
     assert (tmp_path / "meta_data.csv").read_text(encoding="utf-8") == whole
     assert_same(Table.load(tmp_path / "meta_data.csv"), table)

@@ -79,14 +79,16 @@ def test_the_agricenter_takes_what_it_needs(changes, picture, pixels, tolerance_
 
 def test_what_was_chosen_and_left_out_in_words():
     chosen = plan(Mission(AGRICENTER, 120.0), PixelGrid()).accuracy
-    assert chosen.text() == (
-        "footprint: exact, ≤ 8.3e-09 px; picture: map, ≤ 0.0083 px; left out: resampling, wind; "
-        "terrain: not bounded, up to 3.4 px per metre of relief"
-    )
+    said = dict(chosen.lines())
+    assert said["method of footprint"] == "exact, ≤ 8.3e-09 px"
+    assert said["method of picture"] == "map, ≤ 0.0083 px"
+    assert said["left out"].startswith("resampling (")
+    assert "; wind (" in said["left out"]
+    assert said["terrain"] == "not bounded, up to 3.4 px per metre of relief"
     tilted = plan(Mission(AGRICENTER, 120.0, tilt_deg=85.0), PixelGrid()).accuracy
     assert tilted.condition == math.inf
     assert tilted.to_dict()["condition"] is None
-    assert "without limit at the horizon" in tilted.text()
+    assert "without limit at the horizon" in dict(tilted.lines())["terrain"]
     assert tilted.picture.rejected.name == "map"
     assert "look straight down" in tilted.picture.reason
 

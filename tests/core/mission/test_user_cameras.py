@@ -13,7 +13,6 @@ from terrainav.core.mission.cameras import (
     camera_shelf,
     cameras,
     remove_camera,
-    user_cameras,
 )
 
 WIDE = {"horizontal_fov_deg": 100.0, "aspect_ratio": [16, 9]}
@@ -36,19 +35,12 @@ def test_a_camera_is_kept_listed_found_and_forgotten(folder):
     assert added.user
     assert added.camera == Camera.from_sensor((35.9, 24.0), 35.0, 9504 / 6336)
     assert (added.sensor_mm, added.focal_length_mm, added.width_px) == ((35.9, 24.0), 35.0, 9504)
-    assert user_cameras() == (added,)
+    assert camera_shelf().entries == (added,)
     assert cameras()[-1] == added == camera_named("sony  Α7r 35 MM") == camera_named("α7r 35 mm")
     assert [path.name for path in folder.iterdir()] == ["cameras.json"]
     assert json.loads((folder / "cameras.json").read_text("utf-8")) == {"Sony α7R 35 mm": facts}
     assert remove_camera("SONY α7R 35 mm") == "Sony α7R 35 mm"
-    assert user_cameras() == ()
-
-
-def test_a_folder_of_its_own(tmp_path, folder):
-    add_camera("Wide", WIDE, tmp_path / "elsewhere")
-    assert user_cameras() == ()
-    assert not folder.exists()
-    assert [preset.name for preset in user_cameras(tmp_path / "elsewhere")] == ["Wide"]
+    assert camera_shelf().entries == ()
 
 
 def test_a_camera_that_ships_goes_before_one_found_without_its_maker():
@@ -71,7 +63,7 @@ def test_names_that_are_taken():
     add_camera("Wide", WIDE)
     with pytest.raises(InvalidInput, match="Wide is taken"):
         add_camera("WIDE", {"fov_deg": 50.0, "aspect_ratio": [1, 1]})
-    assert user_cameras()[0].camera == Camera.from_horizontal_fov(100.0, 16 / 9)
+    assert camera_shelf().entries[0].camera == Camera.from_horizontal_fov(100.0, 16 / 9)
 
 
 @pytest.mark.parametrize(
@@ -127,7 +119,7 @@ def test_a_camera_that_is_not_right_hides_no_other(folder, name, data, says):
     path = folder / "cameras.json"
     text = json.dumps({name: data, **json.loads(path.read_text()), "Last": WIDE})
     path.write_text(text)
-    assert [preset.name for preset in user_cameras()] == ["First", "Last"]
+    assert [preset.name for preset in camera_shelf().entries] == ["First", "Last"]
     shelf = camera_shelf()
     assert list(shelf.problems) == [name]
     assert says in shelf.problems[name]
@@ -154,7 +146,8 @@ def test_a_file_that_cannot_be_read_does_not_hide_what_ships(folder):
     assert (folder / "cameras.json").read_text() == "{"
 
 
-def test_a_folder_that_cannot_be_made_is_named(tmp_path):
+def test_a_folder_that_cannot_be_made_is_named(tmp_path, monkeypatch):
     (tmp_path / "file").write_text("")
+    monkeypatch.setenv("TERRAINAV_CONFIG_DIR", str(tmp_path / "file"))
     with pytest.raises((OutputError, InvalidInput), match="file"):
-        add_camera("Mine", WIDE, tmp_path / "file")
+        add_camera("Mine", WIDE)

@@ -311,9 +311,10 @@ def test_satellite_views_are_north_up_squares_as_sharp_at_every_latitude():
     assert ground_m == pytest.approx(worked_out.settings.satellite_width_m, rel=0.01)
 
 
-def test_the_contact_sheet_shows_places_of_all_parts(pairs, tmp_path):
+def test_the_contact_sheet_shows_places_of_all_parts(pairs, tmp_path, monkeypatch):
     folder, _, _, _ = pairs
-    sheet = contact_sheet(folder, tmp_path / "sheet.jpg", places=3, views=2)
+    monkeypatch.setattr("terrainav.core.pairs.sheet.VIEWS", 2)
+    sheet = contact_sheet(folder, tmp_path / "sheet.jpg")
     with Image.open(sheet) as image:
         pixels = np.asarray(image.convert("L"), np.float64)
     assert pixels.shape == (3 * 222 + 6, 3 * 206 + 6)

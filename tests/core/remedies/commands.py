@@ -7,7 +7,7 @@ import signal
 from contextlib import contextmanager
 
 import numpy as np
-from terrainav.core.cli import flying, pairing, splitting
+from terrainav.core.cli import datasets, flying, pairing
 from terrainav.core.dataset.split import split
 
 from tests.support import patterns
@@ -42,7 +42,7 @@ def _no_memory(case: Case) -> None:
     case.follow("ask for less at a time", lambda: True)
 
 
-@remedy("cli/caching.py", "cache limit {} MB: must be 1 or more; --no-cache keeps nothing")
+@remedy("cli/listing.py", "cache limit {} MB: must be 1 or more; --no-cache keeps nothing")
 def _no_limit(case: Case) -> None:
     asked = ("capture", "--coords", BOX, "--data-dir", "out")
     case.says(case.run(*asked, "--cache-limit", "0").stderr)
@@ -121,7 +121,7 @@ def _same_tile(case: Case) -> None:
         case.follow(named, lambda: "failed" in case.run(*asked, *named.split()).stdout)
 
 
-@remedy("cli/loading.py", "--no-augment: goes with neither --contrast nor --brightness; leave one out")
+@remedy("cli/datasets.py", "--no-augment: goes with neither --contrast nor --brightness; leave one out")
 def _no_augment(case: Case) -> None:
     write_dataset(case.tmp_path / "OUT")
     asked = ("load", "OUT", "--part", "all", "--batch-size", "2", "--img-size", "16", "16", "3")
@@ -174,7 +174,7 @@ def _rings(case: Case) -> None:
     )
 
 
-@remedy("cli/splitting.py", "{}that is most of them: smaller blocks lose more, so try a larger --block")
+@remedy("cli/datasets.py", "{}that is most of them: smaller blocks lose more, so try a larger --block")
 def _most_lost(case: Case) -> None:
     from tests.core.dataset.grounds import dataset_of
 
@@ -184,7 +184,7 @@ def _most_lost(case: Case) -> None:
 
     def lost(block_m):
         made = split(folder, shares, how="blocks", block_m=block_m, dry_run=True)
-        return made.gap, "\n".join(splitting._lines(made))
+        return made.gap, "\n".join(datasets._split_lines(made))
 
     most, text = lost(4.0)
     case.says(text)

@@ -11,7 +11,7 @@ from terrainav.core.imagery.catalogue import add, described
 from terrainav.core.imagery.http.transport import TransportError
 from terrainav.core.imagery.opening import named_source
 from terrainav.core.mission.area import Box
-from terrainav.core.mission.cameras import user_cameras
+from terrainav.core.mission.cameras import camera_shelf
 from terrainav.core.mission.estimate import ONLINE, estimate
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
@@ -163,7 +163,7 @@ def _no_camera(case: Case) -> None:
     state = replace(state, **{field: "3:2"})
     case.follow("correct the marked entries", lambda: mission_form.mission(state))
     case.follow("then save.", lambda: save_camera("mine", state))
-    assert [preset.name for preset in user_cameras()] == ["mine"]
+    assert [preset.name for preset in camera_shelf().entries] == ["mine"]
 
 
 @remedy("capture/questions.py", "folder is empty: choose where the pictures go")

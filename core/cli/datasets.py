@@ -1,0 +1,264 @@
+"""Datasets on the command line: cleaned, split, loaded as a training would, converted from those of others."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import time
+from collections import Counter
+from collections.abc import Iterable
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from ..errors import InvalidInput
+from .exits import DONE
+
+if TYPE_CHECKING:
+    from ..dataset.clean import Cleaned
+    from ..dataset.loading import Samples
+    from ..dataset.loading.augment import Augmentation
+    from ..dataset.split import Split
+
+#: Options that are also read from the environment and ``config.json``.
+_LOAD_SETTINGS = ("img_size", "batch_size", "seed", "dataset")
+
+
+def run_clean(arguments: argparse.Namespace) -> int:
+    """Mark or move the images with too little to see, or take that back."""
+    from ..dataset.clean import clean, undo
+
+    if arguments.plot is not None and (arguments.undo or not arguments.plot):
+        raise InvalidInput(
+            "--plot shows what a threshold rejects: it does not go with --undo"
+            if arguments.undo
+            else "--plot '': must be the name of a folder, such as . for the current one"
+        )
+    earlier = set() if arguments.plot is None else {*map(str, Path(arguments.plot).glob("*.png"))}
+    if arguments.undo:
+        cleaned = undo(arguments.folder, dry_run=arguments.dry_run)
+    else:
+        cleaned = clean(
+            arguments.folder,
+            arguments.entropy,
+            move=arguments.move,
+            dry_run=arguments.dry_run,
+            plot=arguments.plot,
+        )
+    if arguments.json:
+        print(json.dumps([asdict(one) for one in cleaned], indent=1))
+        return DONE
+    for one in cleaned:
+        text = _undone(one) if arguments.undo else _cleaned(one, arguments.entropy)
+        print(f"{one.map_type:11s} {text}")
+    for path in (path for one in cleaned for path in one.figures):
+        print(f"{'replaced' if path in earlier else 'written':12s}{path}")
+    if arguments.dry_run:
+        print("dry run: nothing was changed" + (" in the dataset" if arguments.plot is not None else ""))
+    return DONE
+
+
+def _cleaned(one: Cleaned, threshold: float) -> str:
+    text = f"{one.images:,} images, {one.rejected:,} rejected (entropy below {threshold:g}"
+    if one.by_roadmap:
+        text += " of the roadmap" + (
+            "" if one.by_roadmap == one.images else f" for {one.by_roadmap:,} of them"
+        )
+    text += ")"
+    if one.failed:
+        text += f", {one.failed:,} failed before"
+    if one.moved:
+        text += f", {one.moved:,} moved to rejected"
+    if one.returned:
+        text += f", {one.returned:,} moved back"
+    if one.suggested is not None:
+        text += f"; Otsu's method suggests {one.suggested:.2f}"
+    return text
+
+
+def _undone(one: Cleaned) -> str:
+    if not (one.rejected or one.returned):
+        return "nothing to undo"
+    return f"{one.rejected:,} images are no longer rejected, {one.returned:,} moved back"
+
+
+def run_split(arguments: argparse.Namespace) -> int:
+    """Write the parts of a dataset's images to its tables."""
+    from ..dataset.split import split
+
+    made = split(
+        arguments.folder,
+        arguments.shares,
+        seed=arguments.seed,
+        how=arguments.how,
+        block_m=arguments.block_m,
+        gap_m=arguments.gap_m,
+        frame=arguments.frame,
+        dry_run=arguments.dry_run,
+    )
+    if arguments.json:
+        print(json.dumps(_split_document(made), indent=1))
+        return DONE
+    for line in _split_lines(made):
+        print(line)
+    if arguments.dry_run:
+        print("dry run: nothing was changed")
+    return DONE
+
+
+def _split_lines(made: Split) -> list[str]:
+    shares = made.shares
+    lines = [
+        f"{part:12s}{count:,} images ({100.0 * shares[part]:.1f} %)" for part, count in made.images.items()
+    ]
+    if made.gap:
+        lines.append(f"{'gap':12s}{made.gap:,} images in no part: too near to another part's ground")
+        if made.gap > sum(made.images.values()):
+            lines.append(f"{'':12s}that is most of them: smaller blocks lose more, so try a larger --block")
+    if made.unknown:
+        lines.append(f"{'unknown':12s}{made.unknown:,} images in no part: they see the horizon or a pole")
+    if made.left_out:
+        lines.append(f"{'left out':12s}{made.left_out:,} images that failed or are rejected")
+    if made.blocks is not None:
+        lines.append(f"{'blocks':12s}{made.blocks:,} of {made.block_m:,.0f} m, gap {made.gap_m:g} m")
+    labels = made.labels
+    lines.append(
+        f"{'labels':12s}{labels.frame.crs} ({labels.frame.name}), scaled by {labels.images:,} images"
+    )
+    return [*lines, *(f"{'':12s}{note}" for note in labels.notes)]
+
+
+def _split_document(made: Split) -> dict[str, object]:
+    names = ("how", "seed", "images", "gap", "unknown", "left_out", "blocks", "block_m", "gap_m")
+    document: dict[str, object] = {name: getattr(made, name) for name in names}
+    document.update(images=dict(made.images), shares=made.shares, labels=json.loads(made.labels.to_json()))
+    return document
+
+
+def run_load(arguments: argparse.Namespace) -> int:
+    """Take all batches of one epoch, and print their shapes and the images per second."""
+    from ..mission.settings import resolve
+
+    values = resolve({name: getattr(arguments, name) for name in _LOAD_SETTINGS}, config=arguments.config)
+    samples, batches = _loader(arguments, values)
+    shapes: Counter[tuple[tuple[int, ...], tuple[int, ...]]] = Counter()
+    begun = time.perf_counter()
+    try:
+        for images, labels in batches:
+            shapes[tuple(images.shape), tuple(labels.shape)] += 1
+    except InvalidInput as wrong:
+        # From a process of PyTorch's it comes with that one's traceback, in whose last line it is.
+        raise InvalidInput(str(wrong).strip().rpartition("\n")[2].rpartition("InvalidInput: ")[2]) from wrong
+    seconds = time.perf_counter() - begun
+    if arguments.json:
+        print(json.dumps(_load_document(arguments, samples, shapes, seconds), indent=1))
+    else:
+        _print_load(arguments, samples, shapes, seconds)
+    return DONE
+
+
+def _loader(
+    arguments: argparse.Namespace, values: dict[str, Any]
+) -> tuple[Samples, Iterable[tuple[Any, Any]]]:
+    """The samples, and the iterable of batches of the loader that was chosen."""
+    size, workers = values["batch_size"], arguments.workers
+    choice = {
+        "map_type": arguments.map_type,
+        "part": arguments.part,
+        "img_size": values["img_size"],
+        "seed": values["seed"],
+        "layout": values["dataset"],
+        "augment": _augmentation(arguments),
+    }
+    if arguments.loader == "torch":
+        from ..dataset.loading import torch_loader
+
+        of_torch = torch_loader.TorchDataset(arguments.folder, **choice)
+        return of_torch.samples, of_torch.batches(size, workers)
+    if arguments.loader == "keras":
+        from ..dataset.loading import keras_loader
+
+        if workers:
+            raise InvalidInput(
+                "workers {0}: must be 0 with keras, which starts its own when it trains", workers
+            )
+        of_keras = keras_loader.KerasDataset(arguments.folder, size, **choice)
+        return of_keras.samples, (of_keras[index] for index in range(len(of_keras)))
+    from ..dataset.loading import Batches
+
+    of_numpy = Batches(arguments.folder, size, workers=workers, **choice)
+    return of_numpy.samples, of_numpy
+
+
+def _augmentation(arguments: argparse.Namespace) -> Augmentation | str | None:
+    from ..dataset.loading.augment import Augmentation
+
+    contrast, brightness = arguments.contrast, arguments.brightness
+    if arguments.no_augment:
+        if contrast is not None or brightness is not None:
+            raise InvalidInput(
+                "--no-augment: goes with neither --contrast nor --brightness", remedy="leave one out"
+            )
+        return None
+    if contrast is None and brightness is None:
+        return "auto"
+    return Augmentation(contrast=contrast or 0.0, brightness=brightness or 0.0)
+
+
+def _load_document(
+    arguments: argparse.Namespace, samples: Samples, shapes: Counter[Any], seconds: float
+) -> dict[str, Any]:
+    return {
+        "folder": arguments.folder,
+        "loader": arguments.loader,
+        "workers": arguments.workers,
+        "map_type": samples.images.map_type,
+        "part": samples.part,
+        "images": len(samples),
+        "dtype": str(samples.dtype),
+        "augmented": samples.augment is not None,
+        "frame": samples.labels.frame.crs,
+        "fitted_on": samples.labels.fitted_on,
+        "batches": [
+            {"count": count, "images": list(images), "labels": list(labels)}
+            for (images, labels), count in shapes.items()
+        ],
+        "seconds": seconds,
+        "images_per_s": len(samples) / seconds,
+    }
+
+
+def _print_load(
+    arguments: argparse.Namespace, samples: Samples, shapes: Counter[Any], seconds: float
+) -> None:
+    height, width, channels = samples.shape
+    part = "all parts" if samples.part == "all" else f"part {samples.part}"
+    print(
+        f"{samples.images.map_type}, {part}: {len(samples):,} images of {width} x {height} px and {channels} "
+        f"channel{'s' * (channels > 1)}, {'augmented' if samples.augment is not None else 'not augmented'}"
+    )
+    print(f"labels in {samples.labels.frame.crs}, scaled by the images of {samples.labels.fitted_on}")
+    for note in samples.labels.notes:
+        print(note)
+    for (images, labels), count in shapes.items():
+        print(
+            f"{count:,} batch{'es' * (count > 1)}: images {images} {samples.dtype}, labels {labels} float32"
+        )
+    print(f"{len(samples) / seconds:,.0f} images per second ({arguments.loader}, {seconds:.2f} s)")
+
+
+def run_convert(arguments: argparse.Namespace) -> int:
+    """Make a dataset of ours from one of another's."""
+    from ..dataset.convert import convert
+
+    converted = convert(arguments.folder, arguments.target, arguments.dataset)
+    if arguments.json:
+        print(json.dumps([asdict(one) for one in converted], indent=1))
+        return DONE
+    for one in converted:
+        text = f"{one.map_type:11s} {one.images:,} images, {one.framed:,} of which show known ground"
+        if one.failed:
+            text += f", {one.failed:,} without an image"
+        print(text)
+    print(f"dataset in {arguments.target}")
+    return DONE

@@ -1,0 +1,15 @@
+"""Tables as text, as their files have it."""
+
+from __future__ import annotations
+
+import io
+
+from terrainav.core.dataset.table import Table
+
+
+def text_of(table: Table) -> str:
+    return "".join(table._blocks())
+
+
+def table_of(text: str, name: str = "table") -> Table:
+    return Table._of_lines(io.StringIO(text, newline=""), name)
