@@ -1,4 +1,4 @@
-"""Planes of projected coordinate reference systems, and what they do to the ground. PROJ is loaded where one is used."""
+"""Planes of projected coordinate reference systems, and what they do to the ground. PROJ is loaded where used."""
 
 from __future__ import annotations
 

@@ -14,7 +14,7 @@ from ...errors import InvalidInput, Message, OptionName
 from ...geodesy.accuracy import Scene
 from ...geodesy.camera import Poses
 from ...geodesy.ellipsoid import WGS84, Ellipsoid, trace
-from ...geodesy.frames import FrameEdges, Windows, map_frame_edges, runs_on, windows_of
+from ...geodesy.frames import FrameEdges, Windows, map_frame_edges, refuse_beyond_plane, runs_on, windows_of
 from ...geodesy.mercator import MAX_LAT_DEG, PixelGrid, fitting_zoom, lat_to_v, wrap_lon_deg
 from ...geodesy.rectangles import inscribed_edges, inscribed_edges_on
 from ...geodesy.view import fitting_detail
@@ -110,6 +110,7 @@ def framed(mission: Mission, grid: PixelGrid, framing: Framing, disturbed: Distu
         if grid.own is not None:
             # What is asked for counts from the grid's north, as its rows do.
             north_deg = grid.own.north_deg(layout.lat_deg, layout.lon_deg)
+            refuse_beyond_plane(grid.own, nominal_poses(mission, layout), np.isfinite(north_deg))
             layout = layout._replace(yaw_deg=wrap_lon_deg(layout.yaw_deg - north_deg))
     zoom = framing.zoom(layout)
     if not passes and not isinstance(mission.area, Points):

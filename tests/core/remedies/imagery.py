@@ -329,7 +329,7 @@ def _no_overviews(case: Case) -> None:
     far = Window(14, 64 * 32768, 64 * 22956, 512, 512)
 
     def fetched():
-        with closing(open_raster(path)) as source:
+        with closing(open_raster(path, own_pixels=False)) as source:
             source.fetch("", far)
 
     case.refused(fetched)
@@ -353,14 +353,14 @@ def _folder(case: Case) -> None:
 @remedy("imagery/raster/source.py", "{}: has changed since it was opened; start anew")
 def _changed(case: Case) -> None:
     path = raster(case)
-    with closing(open_raster(path)) as source:
+    with closing(open_raster(path, own_pixels=False)) as source:
         source.fetch("", PART)
         path.unlink()
         raster(case, size=32)
         case.refused(lambda: source.fetch("", PART))
 
     def anew():
-        with closing(open_raster(path)) as source:
+        with closing(open_raster(path, own_pixels=False)) as source:
             source.fetch("", PART)
 
     case.follow("start anew", anew)

@@ -10,6 +10,7 @@ from terrainav.core.geodesy.camera import Camera, Poses
 from terrainav.core.geodesy.footprint import outline
 from terrainav.core.geodesy.frames import map_windows
 from terrainav.core.geodesy.mercator import PixelGrid
+from terrainav.core.geodesy.planes import ProjectedPlane
 from terrainav.core.mission.area import Box, Points
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
@@ -38,7 +39,7 @@ def over(north, **more):
     return Mission(Box(north, 0, north - 1.0, 1), more.pop("agl_m"), **more)
 
 
-def planned(module, message, mission, ways, grid=GRID):
+def planned(module, message, mission, ways, grid=GRID, room="mission"):
     """Enter a refusal of a plan; each way out is a grid, or what of the mission is changed."""
 
     def entry(case: Case) -> None:
@@ -53,7 +54,7 @@ def planned(module, message, mission, ways, grid=GRID):
             change = {name: float(named[1]) if value == NAMED else value for name, value in way.items()}
             case.follow(what, partial(plan, mission.with_(**change), grid))
 
-    remedy(f"mission/{module}", message)(entry)
+    remedy(f"{room}/{module}", message)(entry)
 
 
 planned(
@@ -213,6 +214,39 @@ planned(
     {"fly lower": {"agl_m": 3e5}},
 )
 ASIDE = Mission(Box(84.5, 0, 84, 1), 3e5, yaw_deg=180.0, tilt_deg=50.0)
+CONIC = PixelGrid(256, 0, 12, 12, plane=ProjectedPlane("EPSG:2154", 6e5, 7e6, 2.0**19, 2.0**19))
+IN_FRANCE = {"area": Box(47.01, 3.0, 47.0, 3.01)}
+planned(
+    "layout/rotated.py",
+    "area: the source's CRS {} does not reach latitude {}, longitude {}; choose an area that the source shows",
+    Mission(Box(-89.0, 0, -90.0, 1), 120.0),
+    {"choose an area that the source shows": IN_FRANCE},
+    CONIC,
+)
+planned(
+    "layout/rotated.py",
+    "layout {}: lies on the Web-Mercator map, and the source has pixels of its own in {}; use --layout cover",
+    Mission(IN_FRANCE["area"], 120.0, layout="paper"),
+    {"use --layout cover": {"layout": "cover"}},
+    CONIC,
+)
+planned(
+    "layout/rotated.py",
+    "camera with tilt {}, roll {} deg from {} m: sees past the horizon, and an area is covered by images of ground "
+    "alone on a source that has its own CRS; tilt it less or fly lower",
+    Mission(IN_FRANCE["area"], 4e5, tilt_deg=50.0),
+    {"tilt it less": {"tilt_deg": 5.0}, "fly lower": {"agl_m": 1e3, "tilt_deg": 45.0}},
+    CONIC,
+)
+planned(
+    "frames.py",
+    "picture at latitude {}, longitude {}: lies beyond what the source's CRS {} can show; choose an area that the "
+    "source shows",
+    Mission(Points(((-90.0, 0.0, 120.0),)), 120.0),
+    {"choose an area that the source shows": IN_FRANCE},
+    CONIC,
+    room="geodesy",
+)
 planned(
     "layout/rows.py",
     "a camera at {} m with this tilt sees the area from nowhere on the map; tilt it less or fly lower",
