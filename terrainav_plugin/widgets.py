@@ -23,6 +23,7 @@ from qgis.PyQt.QtWidgets import (
     QWidget,
 )
 
+from .i18n import tr
 from .plain import plain_label
 
 #: Vermillion of the Okabe-Ito palette: readable on light and dark themes, told apart by colour-blind people.
@@ -130,9 +131,18 @@ class NumberBox(QgsDoubleSpinBox):
     ----------
     times : float
         What the dock's state is multiplied by to be shown: 100 for a share in percent.
+    may_be_left_out : bool
+        Whether the least value stands for no number.
     """
 
     times: float = 1.0
+    may_be_left_out: bool = False
+
+    def let_be_left_out(self, below: float) -> None:
+        """Have a value below all that is right stand for no number, and be shown as such."""
+        self.may_be_left_out = True
+        self.setMinimum(below)
+        self.setSpecialValueText(tr("not set"))
 
     def textFromValue(self, value: float) -> str:
         """Text of a number."""
@@ -147,13 +157,15 @@ class NumberBox(QgsDoubleSpinBox):
         else:
             event.ignore()
 
-    def number(self) -> float | int:
-        """What is entered; whole where no decimals are taken."""
+    def number(self) -> float | int | None:
+        """What is entered, whole where no decimals are taken; None where nothing is."""
+        if self.may_be_left_out and self.value() == self.minimum():
+            return None
         return self.value() / self.times if self.decimals() else int(self.value())
 
-    def enter(self, number: float) -> None:
+    def enter(self, number: float | None) -> None:
         """Show what `number` returns then, to the decimals there are."""
-        self.setValue(number * self.times)
+        self.setValue(self.minimum() if number is None else number * self.times)
 
 
 def spin(name: str, least: float, most: float, decimals: int, suffix: str, tip: str) -> NumberBox:

@@ -210,14 +210,12 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/dialogs.py"/>
-        <location filename="../../terrainav_plugin/form/area.py"/>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
         <source>ft</source>
         <translation>ft</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/dialogs.py"/>
-        <location filename="../../terrainav_plugin/form/area.py"/>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
         <source>m</source>
         <translation>m</translation>
@@ -352,7 +350,6 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/entries.py"/>
-        <location filename="../../terrainav_plugin/form/fields.py"/>
         <source>degrees</source>
         <translation>grados</translation>
     </message>
@@ -1304,26 +1301,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>«{line}» tiene {count} números; si hay varias líneas, deben ser de lat lon agl [guiñada]</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/form/fields.py"/>
-        <source>metres</source>
-        <translation>metros</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/form/fields.py"/>
-        <source>metres a second</source>
-        <translation>metros por segundo</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/form/fields.py"/>
-        <source>px</source>
-        <translation>px</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/form/fields.py"/>
-        <source>share</source>
-        <translation>fracción</translation>
-    </message>
-    <message>
         <location filename="../../terrainav_plugin/form/mission_form.py"/>
         <source>aspect ratio</source>
         <translation>relación de aspecto</translation>
@@ -1902,11 +1879,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/panel/dock.py"/>
         <source>Write all images; goes on where an earlier run was stopped</source>
         <translation>Escribir todas las imágenes; continúa donde se detuvo una ejecución anterior</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/entries.py"/>
-        <source>percent</source>
-        <translation>tanto por ciento</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
@@ -2730,11 +2702,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/panel/sections.py"/>
         <source>in</source>
         <translation>in</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>no limit</source>
-        <translation>sin límite</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
@@ -4211,6 +4178,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <source>{count} sq mi</source>
         <translation>{count} mi²</translation>
     </message>
+    <message>
+        <location filename="../../terrainav_plugin/widgets.py"/>
+        <source>not set</source>
+        <translation>sin definir</translation>
+    </message>
 </context>
 <context>
     <name>TerrAInav core</name>
@@ -4993,16 +4965,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/fields.py"/>
         <source>{0:g} or more</source>
         <translation>{0:g} o más</translation>
-    </message>
-    <message>
-        <location filename="../../core/fields.py"/>
-        <source>{0} deg</source>
-        <translation>{0} grados</translation>
-    </message>
-    <message>
-        <location filename="../../core/fields.py"/>
-        <source>{0} px</source>
-        <translation>{0} px</translation>
     </message>
     <message>
         <location filename="../../core/fields.py"/>
@@ -8046,6 +8008,41 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/unexpected.py"/>
         <source>unexpected error ({0})</source>
         <translation>error inesperado ({0})</translation>
+    </message>
+    <message>
+        <location filename="../../core/units.py"/>
+        <source>deg</source>
+        <translation>grados</translation>
+    </message>
+    <message>
+        <location filename="../../core/units.py"/>
+        <source>degrees</source>
+        <translation>grados</translation>
+    </message>
+    <message>
+        <location filename="../../core/units.py"/>
+        <source>metres</source>
+        <translation>metros</translation>
+    </message>
+    <message>
+        <location filename="../../core/units.py"/>
+        <source>metres a second</source>
+        <translation>metros por segundo</translation>
+    </message>
+    <message>
+        <location filename="../../core/units.py"/>
+        <source>percent</source>
+        <translation>tanto por ciento</translation>
+    </message>
+    <message>
+        <location filename="../../core/units.py"/>
+        <source>px</source>
+        <translation>px</translation>
+    </message>
+    <message>
+        <location filename="../../core/units.py"/>
+        <source>share</source>
+        <translation>fracción</translation>
     </message>
     <message>
         <location filename="../../core/world/source.py"/>

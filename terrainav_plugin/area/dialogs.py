@@ -14,10 +14,10 @@ from qgis.PyQt.QtWidgets import (
     QWidget,
 )
 
+from ...core.units import LENGTHS_M
 from ..compat import POINT_LAYERS, POLYGON_LAYERS
 from ..i18n import number_text, tr
 from ..plain import plain_label
-from ..units import M_PER_FT
 from ..widgets import NumberBox, row, spin
 from .layers import PointFields
 
@@ -136,7 +136,7 @@ class PointsDialog(LayerDialog):
 
     def fields(self) -> PointFields:
         """Return where heights and yaws come from."""
-        m_per_unit = M_PER_FT if self.unit.currentData() == "ft" else 1.0
+        m_per_unit = LENGTHS_M[self.unit.currentData()]
         return PointFields(
             self.agl.value() * m_per_unit,
             self.agl_field.currentField() if self.by_field.isChecked() else "",

@@ -23,7 +23,7 @@ from qgis.PyQt.QtWidgets import (
 )
 
 from ..form.fields import choices_of, label_of
-from ..form.state import SAME, URL_TEMPLATE
+from ..form.state import ENTERED_AS_DECLARED, URL_TEMPLATE
 from ..i18n import tr
 from ..paths import icon
 from ..plain import shown_plain
@@ -240,7 +240,7 @@ class ImageryEntries(QgsCollapsibleGroupBoxBasic):
         self._form.addRow(self._key_label, self._key_field)
 
     def _add_map_types(self) -> None:
-        field = SAME["map_types"]
+        field = ENTERED_AS_DECLARED["map_types"]
         self.map_types = {name: QCheckBox(label) for name, label in choices_of(field)}
         for name, check in self.map_types.items():
             check.setObjectName(f"map_type_{name}")

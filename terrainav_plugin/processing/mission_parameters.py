@@ -38,8 +38,6 @@ if TYPE_CHECKING:
 
 _WHOLE = QgsProcessingParameterNumber.Type.Integer
 _REAL = QgsProcessingParameterNumber.Type.Double
-#: A share typed in percent is refused in words; a spin box would make it the highest one that it takes.
-_MOST_TYPED = 100.0
 #: Parameters that are not called as the command's option is.
 _IDS = {"overlap_along": "OVERLAP_ALONG", "overlap_across": "OVERLAP_ACROSS", "map_types": "MAP_TYPES"}
 #: Fields that are read in a way of their own.
@@ -234,7 +232,8 @@ def _number(name: str, field: Field, usual: float | None) -> QgsProcessingParame
     if least is not None:
         parameter.setMinimum(least)
     if most is not None:
-        parameter.setMaximum(_MOST_TYPED if field.unit == "share" else most)
+        # A share typed in percent is refused in words; a spin box would make it the highest one that it takes.
+        parameter.setMaximum(most if field.unit.times == 1.0 else field.unit.times)
     return parameter
 
 
