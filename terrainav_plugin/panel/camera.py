@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from qgis.core import QgsApplication
 from qgis.PyQt.QtCore import Qt, pyqtSignal
-from qgis.PyQt.QtWidgets import QInputDialog, QLineEdit, QMenu, QToolButton
+from qgis.PyQt.QtWidgets import QInputDialog, QMenu
 
 from ...core.errors import InvalidInput, OutputError
 from ..form.camera import camera_of, given_by, with_height
@@ -17,7 +17,7 @@ from ..form.state import DIAGONAL, HORIZONTAL, SENSOR, VERTICAL, FormState
 from ..form.text import aspect_text, parse_aspect
 from ..i18n import number_text, tr, translate
 from ..plain import shown_plain
-from ..widgets import FieldMarks, combo, row, spin
+from ..widgets import FieldMarks, combo, line_edit, row, spin, tool_button
 from .choices import CameraChoice
 from .entries import Entries
 
@@ -53,9 +53,9 @@ class CameraEntries(Entries):
         self._trouble = ""
         self._add_chooser()
         self._add_field_of_view()
-        self.aspect = QLineEdit()
-        self.aspect.setObjectName("aspect")
-        self.aspect.setToolTip(tr("Picture width to height, without unit: 4:3, 4000x3000 or 1.333"))
+        self.aspect = line_edit(
+            "aspect", tr("Picture width to height, without unit: 4:3, 4000x3000 or 1.333")
+        )
         self.add("aspect", tr("Aspect ra&tio"), self.aspect)
         self.add_declared("image_px")
         self._fill_chooser()
@@ -91,15 +91,13 @@ class CameraEntries(Entries):
 
     def _add_chooser(self) -> None:
         self.camera = combo("camera", (), _chooser_tip())
-        self.more = QToolButton()
-        self.more.setObjectName("more_cameras")
-        self.more.setIcon(QgsApplication.getThemeIcon("/symbologyAdd.svg"))
-        self.more.setToolTip(tr("Save the values entered as a camera of your own, or remove one"))
-        self.more.setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
-        menu = QMenu(self.more)
+        menu = QMenu(self)
+        tip = tr("Save the values entered as a camera of your own, or remove one")
+        self.more = tool_button(
+            "more_cameras", QgsApplication.getThemeIcon("/symbologyAdd.svg"), tip, menu=menu
+        )
         self.save = menu.addAction(tr("Save these values as…"), self._save)
         self.remove = menu.addAction(tr("Remove this camera"), self._remove)
-        self.more.setMenu(menu)
         self._form.addRow(
             tr("C&amera"), self._marks.field("camera", self.camera, row(self.camera, self.more, stretch=0))
         )

@@ -11,7 +11,7 @@ from qgis.PyQt.QtWidgets import QCheckBox, QComboBox, QLabel, QLineEdit, QWidget
 
 from ..form.fields import choices_of, label_of, tip_of
 from ..form.state import DECLARED, ENTERED_AS_DECLARED, FormState
-from ..widgets import FieldMarks, NumberBox, choose, combo, form_layout, row, spin, tick
+from ..widgets import FieldMarks, NumberBox, choose, combo, form_layout, line_edit, row, spin, tick
 
 #: Numbers are taken as typed, and judged in words: what a spin box lets through is far more than what is right.
 _MOST = 1e6
@@ -148,10 +148,7 @@ def declared_tick(name: str) -> QCheckBox:
 
 def declared_line(name: str) -> QLineEdit:
     """Line for the text of a field."""
-    line = QLineEdit()
-    line.setObjectName(name)
-    line.setToolTip(tip_of(DECLARED[name]))
-    return line
+    return line_edit(name, tip_of(DECLARED[name]))
 
 
 def declared_number(name: str) -> NumberBox:

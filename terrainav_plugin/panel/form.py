@@ -18,7 +18,7 @@ from ..form.mission_form import beyond_text, without_beyond
 from ..form.state import FormState, with_unchanged
 from ..settings import Settings
 from ..tasks import single_shot
-from ..widgets import STYLE_SHEET, FieldMarks
+from ..widgets import STYLE_SHEET, FieldMarks, named
 from .camera import CameraEntries
 from .choices import CameraChoice, SourceChoice
 from .imagery import ImageryEntries
@@ -144,11 +144,9 @@ class DockForm(QWidget):
     # --- groups
 
     def _make_groups(self, sources: Sequence[SourceChoice], cameras: Sequence[CameraChoice]) -> None:
-        area = self.area = AreaEntries(self.marks)
-        area.setObjectName("area_group")
+        area = self.area = named(AreaEntries(self.marks), "area_group")
         self.edges, self.draw_box = area.edges, area.draw_box
-        imagery = self.imagery = ImageryEntries(self.marks, sources)
-        imagery.setObjectName("imagery_group")
+        imagery = self.imagery = named(ImageryEntries(self.marks, sources), "imagery_group")
         self.source, self.template, self.date = imagery.source, imagery.template, imagery.date
         self.key, self.map_types, self.show_on_map = imagery.key, imagery.map_types, imagery.show_on_map
         camera = self.camera_group = CameraEntries(self.marks, cameras)

@@ -15,10 +15,8 @@ from qgis.PyQt.QtWidgets import (
     QCompleter,
     QFileDialog,
     QLabel,
-    QLineEdit,
     QMenu,
     QStyle,
-    QToolButton,
     QWidget,
 )
 
@@ -28,7 +26,7 @@ from ..i18n import tr
 from ..paths import icon
 from ..plain import shown_plain
 from ..qgis_source.connections import SERVICE_PREFIX
-from ..widgets import Chooser, FieldMarks, form_layout, row
+from ..widgets import Chooser, FieldMarks, form_layout, line_edit, named, row, tool_button
 from .choices import (
     CATALOGUE,
     CONNECTION,
@@ -187,54 +185,38 @@ class ImageryEntries(QgsCollapsibleGroupBoxBasic):
         self.source = SourceCombo()
         self.source.setToolTip(tr("Where the pictures come from; type a part of its name to find it"))
         self.source.setMinimumContentsLength(_TITLE_LETTERS)
-        self.show_on_map = QToolButton()
-        self.show_on_map.setObjectName("show_on_map")
-        self.show_on_map.setIcon(icon("show_on_map"))
-        self.show_on_map.setText(tr("Show on map"))
-        self.show_on_map.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextBesideIcon)
-        self.show_on_map.setToolTip(tr("Add this source to the map as background and zoom to the area"))
+        tip = tr("Add this source to the map as background and zoom to the area")
+        self.show_on_map = tool_button("show_on_map", icon("show_on_map"), tip, tr("Show on map"))
         self.show_on_map.clicked.connect(self.show_on_map_clicked)
-        self.more = QToolButton()
-        self.more.setObjectName("more_sources")
-        self.more.setIcon(QgsApplication.getThemeIcon("/symbologyAdd.svg"))
-        self.more.setToolTip(tr("Add a source by URL, open a file, and more"))
-        self.more.setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
-        menu = QMenu(self.more)
+        menu = QMenu(self)
+        tip = tr("Add a source by URL, open a file, and more")
+        self.more = tool_button(
+            "more_sources", QgsApplication.getThemeIcon("/symbologyAdd.svg"), tip, menu=menu
+        )
         menu.addAction(tr("Add source by URL…"), self.add_source_clicked.emit)
         menu.addAction(tr("Open raster or MBTiles file…"), self._browse)
         self._remove = menu.addAction(tr("Remove this source"), self.remove_source_clicked.emit)
         menu.addSeparator()
         menu.addAction(tr("Cache…"), self.cache_clicked.emit)
-        self.more.setMenu(menu)
         line = row(self.source, self.more, self.show_on_map, stretch=0)
         self._form.addRow(tr("Source"), self._marks.field("source", self.source, line))
 
     def _add_details(self) -> None:
-        self.template = QLineEdit()
-        self.template.setObjectName("template")
-        self.template.setPlaceholderText("https://…/{z}/{x}/{y}.png")
-        self.template.setToolTip(
-            tr("Address of the tiles with {z}, {x} and {y} or {-y}; also {s}, {q}, {r}, {map_type}, {date}")
-        )
+        tip = tr("Address of the tiles with {z}, {x} and {y} or {-y}; also {s}, {q}, {r}, {map_type}, {date}")
+        self.template = line_edit("template", tip, "https://…/{z}/{x}/{y}.png")
         self.template.textChanged.connect(self.show_details)
         self._template_label, self._template_field = QLabel(tr("URL")), self.template
         self._form.addRow(self._template_label, self.template)
-        self.limits = QLabel()
-        self.limits.setObjectName("limits")
+        self.limits = named(QLabel(), "limits")
         self.limits.setWordWrap(True)
         self.limits.setTextFormat(Qt.TextFormat.RichText)
         self.limits.setTextInteractionFlags(Qt.TextInteractionFlag.TextBrowserInteraction)
         self.limits.setOpenExternalLinks(True)
         self._form.addRow(self.limits)
-        self.date = QLineEdit()
-        self.date.setObjectName("date")
+        self.date = line_edit("date", "")
         self._date_label, self._date_field = QLabel(tr("Date")), self._marks.field("date", self.date)
         self._form.addRow(self._date_label, self._date_field)
-        self.key = QgsAuthConfigSelect()
-        self.key.setObjectName("key")
-        self.key.setToolTip(
-            tr("API key, kept in QGIS's authentication database as the password of a configuration")
-        )
+        self.key = named(QgsAuthConfigSelect(), "key")
         self._key_label = QLabel(tr("API key"))
         self._key_field = self._marks.field("key", self.key.findChild(QComboBox) or self.key, self.key)
         self._form.addRow(self._key_label, self._key_field)

@@ -163,11 +163,13 @@ class Capture(_Capturing):
                     "each, the footprints, and a journal. Each tile is fetched once."
                 ),
                 tr(
-                    "An image is whole or it is not written; what could not be fetched is named in the log, the journal "
-                    "and the table with its reason. Run it again into the same folder to go on with an interrupted capture."
+                    "An image is whole or it is not written; what could not be fetched is named in the log, the "
+                    "journal and the table with its reason. Run it again into the same folder to go on with an "
+                    "interrupted capture."
                 ),
                 tr(
-                    "The mission is that of the parameters or, in advanced parameters, of a file that the plan has written."
+                    "The mission is that of the parameters or, in advanced parameters, of a file that the plan has "
+                    "written."
                 ),
             ),
         )
@@ -204,8 +206,8 @@ class CaptureFailed(_Capturing):
             tr("uav,drone,capture,failed,retry,resume,dataset"),
             (
                 tr(
-                    "Captures those images of a dataset folder again that an earlier run has noted as failed, and nothing "
-                    "else. Where nothing has failed there is nothing to do."
+                    "Captures those images of a dataset folder again that an earlier run has noted as failed, and "
+                    "nothing else. Where nothing has failed there is nothing to do."
                 ),
             ),
         )

@@ -66,9 +66,9 @@ class Clean(_OfDataset):
                     "entropy decides for all map types; otherwise each image's own entropy does."
                 ),
                 tr(
-                    "Nothing is deleted. mark notes in the table's column “rejected” why an image is rejected; move also "
-                    "moves it, with the files that belong to it, to a folder “rejected” beside the others; undo puts all "
-                    "back. A later capture into the folder knows what was moved."
+                    "Nothing is deleted. mark notes in the table's column “rejected” why an image is rejected; move "
+                    "also moves it, with the files that belong to it, to a folder “rejected” beside the others; undo "
+                    "puts all back. A later capture into the folder knows what was moved."
                 ),
                 tr("The suggested threshold parts the entropies by Otsu's method."),
             ),
@@ -185,8 +185,8 @@ class Split(_OfDataset):
             tr("dataset,split,training,validation,test,blocks,labels,machine learning"),
             (
                 tr(
-                    "Writes the part of each image to the column “split” of the tables: train, validation or test. Images "
-                    "of one place are in the same part in all map types; failed and rejected ones are in none."
+                    "Writes the part of each image to the column “split” of the tables: train, validation or test. "
+                    "Images of one place are in the same part in all map types; failed and rejected ones are in none."
                 ),
                 tr(
                     "shuffled follows a hash of the seed and the image's name, the same on every computer; in-order "
@@ -194,8 +194,8 @@ class Split(_OfDataset):
                     "between are marked “gap”, as are those that see the horizon."
                 ),
                 tr(
-                    "labels.json has the frame and the scaler of the images' positions, fitted on the training part: utm "
-                    "is the zone of the middle, mission a plane about the middle."
+                    "labels.json has the frame and the scaler of the images' positions, fitted on the training part: "
+                    "utm is the zone of the middle, mission a plane about the middle."
                 ),
             ),
         )

@@ -76,8 +76,9 @@ class Plan(Algorithm):
                     "the time and data that the capture needs."
                 ),
                 tr(
-                    "Footprints are those of the pictures that a capture of the same mission writes. Coverage and overlap "
-                    "are counted on the pixels that the files will show; the error bound is that of the methods chosen."
+                    "Footprints are those of the pictures that a capture of the same mission writes. Coverage and "
+                    "overlap are counted on the pixels that the files will show; the error bound is that of the "
+                    "methods chosen."
                 ),
                 tr("Give the area as an extent, as a layer of one polygon or of points, or as coordinates."),
             ),
