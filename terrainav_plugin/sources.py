@@ -29,23 +29,6 @@ if TYPE_CHECKING:
     from ..core.mission.mission import Mission
     from .network.transport import QgisTransport
 
-__all__ = [
-    "WORLD",
-    "costs_of",
-    "credentials_problem",
-    "grid_finder",
-    "grid_of",
-    "key_in",
-    "key_of",
-    "needs_key",
-    "open_for_capture",
-    "policy_of",
-    "snapshot_for",
-    "terms_problem",
-    "tile_layer_uri",
-    "transport_for",
-]
-
 WORLD = "world"
 
 

@@ -23,12 +23,14 @@ from qgis.PyQt.QtWidgets import (
     QDialog,
     QDialogButtonBox,
     QFormLayout,
+    QFrame,
     QHBoxLayout,
     QLabel,
     QLineEdit,
     QMenu,
     QMenuBar,
     QPushButton,
+    QScrollArea,
     QTabBar,
     QToolButton,
     QVBoxLayout,
@@ -73,10 +75,25 @@ def form_layout(box: QgsCollapsibleGroupBoxBasic) -> QFormLayout:
     around = QVBoxLayout(box)
     around.setContentsMargins(0, 0, 0, 0)
     around.addWidget(contents)
-    form = QFormLayout(contents)
-    form.setFieldGrowthPolicy(QFormLayout.FieldGrowthPolicy.AllNonFixedFieldsGrow)
+    form = growing_form(contents)
     form.setVerticalSpacing(4)
     return form
+
+
+def growing_form(parent: QWidget | None = None) -> QFormLayout:
+    """Layout of labelled entries that grow with the window."""
+    form = QFormLayout(parent)
+    form.setFieldGrowthPolicy(QFormLayout.FieldGrowthPolicy.AllNonFixedFieldsGrow)
+    return form
+
+
+def scrolled(contents: QWidget) -> QScrollArea:
+    """Widget in an area that is scrolled where it is too small for it."""
+    scroll = QScrollArea()
+    scroll.setWidgetResizable(True)
+    scroll.setFrameShape(QFrame.Shape.NoFrame)
+    scroll.setWidget(contents)
+    return scroll
 
 
 def row(*widgets: QWidget, stretch: int | Sequence[int] = ()) -> QWidget:

@@ -1489,6 +1489,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/missions/missions.py"/>
+        <source>Opening {name}</source>
+        <translation>Abriendo {name}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/missions/missions.py"/>
         <source>Reject images with too little to see from the panel's mission</source>
         <translation>De la misión del panel: imágenes con demasiado poco que ver</translation>
     </message>
@@ -1526,11 +1531,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/missions/missions.py"/>
         <source>{name}: opened without mosaic: {reason}</source>
         <translation>{name}: abierto sin mosaico: {reason}</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/missions/opening.py"/>
-        <source>Opening {name}</source>
-        <translation>Abriendo {name}</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/missions/plan_export.py"/>

@@ -6,7 +6,7 @@ import html
 
 from qgis.core import QgsApplication
 from qgis.gui import QgsCollapsibleGroupBoxBasic
-from qgis.PyQt.QtCore import Qt, pyqtSignal
+from qgis.PyQt.QtCore import QSignalBlocker, Qt, pyqtSignal
 from qgis.PyQt.QtGui import QKeySequence
 from qgis.PyQt.QtWidgets import (
     QGridLayout,
@@ -91,11 +91,10 @@ class AreaEntries(QgsCollapsibleGroupBoxBasic):
     def show_edges(self, state: FormState) -> None:
         """Show edges, for one while they are dragged, telling nobody."""
         for name, edit in self.edges.items():
-            edit.blockSignals(True)
-            edit.setText(getattr(state, name))
-            # Long numbers show their first digits.
-            edit.setCursorPosition(0)
-            edit.blockSignals(False)
+            with QSignalBlocker(edit):
+                edit.setText(getattr(state, name))
+                # Long numbers show their first digits.
+                edit.setCursorPosition(0)
 
     def show_words(self, text: str, is_shape: bool, was_shape: bool = False) -> None:
         """Say what the area is; empty for none.

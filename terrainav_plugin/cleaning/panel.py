@@ -14,12 +14,10 @@ from qgis.PyQt.QtWidgets import (
     QComboBox,
     QDoubleSpinBox,
     QFormLayout,
-    QFrame,
     QGridLayout,
     QHBoxLayout,
     QLabel,
     QProgressBar,
-    QScrollArea,
     QTabWidget,
     QToolButton,
     QVBoxLayout,
@@ -31,7 +29,7 @@ from ..dataset.picture import Picture, read_picture
 from ..form.fields import map_type_title
 from ..i18n import number_text, tr
 from ..plain import shown_plain
-from ..widgets import folder_entry, named, push_button, wrapped_label
+from ..widgets import folder_entry, growing_form, named, push_button, scrolled, wrapped_label
 from .charts import DECIMALS, HIGHEST, KEPT, LOWEST, REJECTED, Bars, Histogram
 from .entropies import Entropies, Example
 from .tasks import MARK, MOVE, UNDO
@@ -88,11 +86,7 @@ class CleanPanel(QgsDockWidget):
         self.strip = ExampleStrip()
         self._make_buttons()
         # Put beside other panels it may be low, and must not make them wider.
-        scroll = QScrollArea()
-        scroll.setFrameShape(QFrame.Shape.NoFrame)
-        scroll.setWidgetResizable(True)
-        scroll.setWidget(self._contents())
-        self.setWidget(scroll)
+        self.setWidget(scrolled(self._contents()))
         self.show_hint()
 
     # --- what is shown
@@ -295,8 +289,7 @@ class CleanPanel(QgsDockWidget):
         self.stop.hide()
 
     def _contents(self) -> QWidget:
-        form = QFormLayout()
-        form.setFieldGrowthPolicy(QFormLayout.FieldGrowthPolicy.AllNonFixedFieldsGrow)
+        form = growing_form()
         _add_row(form, tr("Dataset &folder"), self.folder)
         _add_row(form, tr("Map t&ype"), self.map_type)
         line = QHBoxLayout()

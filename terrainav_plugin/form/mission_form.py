@@ -7,7 +7,7 @@ from dataclasses import fields, replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from ...core.errors import InvalidInput
+from ...core.errors import InvalidInput, TerrAInavError
 from ...core.fields import field_named
 from ...core.mission.parts import FLAT_PARTS, Flight, Output
 from ...core.units import UNITS
@@ -42,8 +42,6 @@ class _Checks:
         self.messages: dict[str, str] = {}
 
     def __call__(self, field: str, check: Callable[[], Any]) -> Any:
-        from ...core.errors import TerrAInavError
-
         try:
             return check()
         except TerrAInavError as wrong:
@@ -86,11 +84,6 @@ def test_shot(state: FormState, lat_deg: float, lon_deg: float) -> Mission:
 def box(state: FormState) -> Box | None:
     """Area that a state holds; None where it holds no sound one."""
     return _box(state, _Checks()) if state.has_box else None
-
-
-def with_folder(state: FormState, folder: str) -> FormState:
-    """State with another folder."""
-    return replace(state, folder=folder)
 
 
 def _mission(state: FormState, area: Area | None, checks: _Checks) -> Mission:
@@ -147,6 +140,12 @@ def entry_of(field: str) -> str:
     known = {entry.name for entry in fields(FormState)} - set(WITHOUT_ENTRY)
     entry = _ENTRIES.get(field, field)
     return entry if entry in known else ""
+
+
+def refused_fields(error: TerrAInavError) -> dict[str, str]:
+    """Message at the entry that a refusal is about; empty where it is about no single one."""
+    entry = entry_of(error.field) if error.field else ""
+    return {entry: translate(error)} if entry else {}
 
 
 def _wind(state: FormState, checks: _Checks) -> Any:

@@ -184,8 +184,10 @@ class CameraEntries(Entries):
             self._change(lambda: save_camera(name, self._state), name.strip())
 
     def _remove(self) -> None:
+        from ...core.mission.cameras import remove_camera
+
         name = self.camera.currentText()
-        self._change(lambda: forget_camera(name), "")
+        self._change(lambda: remove_camera(name), "")
 
     def _change(self, act: Any, named: str) -> None:
         """Change the user's own cameras, and offer those there are then; say what is wrong at the chooser."""
@@ -241,13 +243,6 @@ def save_camera(name: str, state: FormState) -> None:
         size_mm = [state.sensor_width_mm, state.sensor_height_mm]
         facts = {"sensor_mm": size_mm, "focal_length_mm": state.focal_length_mm}
     add_camera(name.strip(), {**facts, "aspect_ratio": ratio, "image_px": state.image_px})
-
-
-def forget_camera(name: str) -> None:
-    """Remove one of the user's own cameras; raises InvalidInput or OutputError."""
-    from ...core.mission.cameras import remove_camera
-
-    remove_camera(name)
 
 
 def _chooser_tip() -> str:

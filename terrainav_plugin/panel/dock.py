@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from qgis.core import QgsApplication
 from qgis.gui import QgsCollapsibleGroupBoxBasic, QgsDockWidget
-from qgis.PyQt.QtCore import QEvent, QObject, Qt, QTimer, pyqtSignal
+from qgis.PyQt.QtCore import QEvent, QObject, QSignalBlocker, Qt, QTimer, pyqtSignal
 from qgis.PyQt.QtGui import QShowEvent
 from qgis.PyQt.QtWidgets import (
     QFrame,
@@ -76,9 +76,8 @@ class Dock(QgsDockWidget):
 
     def show_preview_on(self, on: bool) -> None:
         """Press or release the preview button without asking for a preview."""
-        self.preview.blockSignals(True)
-        self.preview.setChecked(on)
-        self.preview.blockSignals(False)
+        with QSignalBlocker(self.preview):
+            self.preview.setChecked(on)
 
     def show_busy(self, busy: bool) -> None:
         """Show whether captures are under way: a test shot would wait behind them, another mission can."""

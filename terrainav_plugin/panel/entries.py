@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple
 
 from qgis.gui import QgsCollapsibleGroupBoxBasic, QgsFileWidget
-from qgis.PyQt.QtCore import pyqtSignal
+from qgis.PyQt.QtCore import QSignalBlocker, pyqtSignal
 from qgis.PyQt.QtWidgets import QCheckBox, QComboBox, QLabel, QLineEdit, QWidget
 
 from ..form.fields import choices_of, label_of, tip_of
@@ -67,9 +67,8 @@ class Entries(QgsCollapsibleGroupBoxBasic):
     def unfold(self) -> None:
         """Open without that being remembered as the user's wish."""
         if self.isCollapsed():
-            self.blockSignals(True)
-            self.setCollapsed(False)
-            self.blockSignals(False)
+            with QSignalBlocker(self):
+                self.setCollapsed(False)
 
     def take(self, name: str, widget: QWidget) -> None:
         """Make a widget the entry of a field."""

@@ -8,7 +8,7 @@ from typing import Any
 
 from qgis.core import QgsSettings
 from qgis.gui import QgsCollapsibleGroupBoxBasic
-from qgis.PyQt.QtCore import QObject, Qt, pyqtSignal
+from qgis.PyQt.QtCore import QObject, QSignalBlocker, Qt, pyqtSignal
 from qgis.PyQt.QtWidgets import QGridLayout, QLayout, QLayoutItem, QVBoxLayout, QWidget
 
 from ..area.editing import AreaEditing
@@ -132,9 +132,8 @@ class DockForm(QWidget):
     def show_key(self, authcfg: str) -> None:
         """Show which authentication configuration holds the key of the chosen source."""
         if self.key.configId() != authcfg:
-            self.key.blockSignals(True)
-            self.key.setConfigId(authcfg)
-            self.key.blockSignals(False)
+            with QSignalBlocker(self.key):
+                self.key.setConfigId(authcfg)
 
     def allow_enlarged_pixels(self) -> None:
         """Tick what lets pictures have finer pixels than the source, and show where."""

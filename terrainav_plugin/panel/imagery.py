@@ -7,7 +7,7 @@ from functools import partial
 
 from qgis.core import QgsApplication
 from qgis.gui import QgsAuthConfigSelect, QgsCollapsibleGroupBoxBasic
-from qgis.PyQt.QtCore import QStringListModel, Qt, pyqtSignal
+from qgis.PyQt.QtCore import QSignalBlocker, QStringListModel, Qt, pyqtSignal
 from qgis.PyQt.QtGui import QFont, QStandardItemModel
 from qgis.PyQt.QtWidgets import (
     QCheckBox,
@@ -106,11 +106,10 @@ class ImageryEntries(QgsCollapsibleGroupBoxBasic):
         """Offer other sources; the one that is chosen stays, even where it is no longer among them."""
         chosen = self.source.currentData()
         self._choices = {choice.name: choice for choice in choices}
-        self.source.blockSignals(True)
-        self.source.fill(choices, [(URL_TEMPLATE, tr("URL template…"))])
-        if chosen is not None:
-            self.choose_source(chosen)
-        self.source.blockSignals(False)
+        with QSignalBlocker(self.source):
+            self.source.fill(choices, [(URL_TEMPLATE, tr("URL template…"))])
+            if chosen is not None:
+                self.choose_source(chosen)
         self._last = self.source.currentData()
         self.show_details()
 
@@ -233,9 +232,8 @@ class ImageryEntries(QgsCollapsibleGroupBoxBasic):
         chosen = self.source.currentData()
         if isinstance(chosen, str) and chosen.startswith(SERVICE_PREFIX):
             # Of a service a layer has to be chosen first; until then things stay as they are.
-            self.source.blockSignals(True)
-            self.choose_source(self._last)
-            self.source.blockSignals(False)
+            with QSignalBlocker(self.source):
+                self.choose_source(self._last)
             self.service_chosen.emit(chosen[len(SERVICE_PREFIX) :])
             return
         self._last = chosen
@@ -251,9 +249,8 @@ class ImageryEntries(QgsCollapsibleGroupBoxBasic):
 
     def _tick(self, names: Iterable[str]) -> None:
         for name, check in self.map_types.items():
-            check.blockSignals(True)
-            check.setChecked(name in names)
-            check.blockSignals(False)
+            with QSignalBlocker(check):
+                check.setChecked(name in names)
 
     def _map_type_ticked(self, name: str, on: bool) -> None:
         (self._wanted.add if on else self._wanted.discard)(name)

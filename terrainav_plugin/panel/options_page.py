@@ -14,12 +14,10 @@ from qgis.PyQt.QtWidgets import (
     QDialog,
     QDialogButtonBox,
     QFormLayout,
-    QFrame,
     QGroupBox,
     QHeaderView,
     QLabel,
     QPushButton,
-    QScrollArea,
     QTableWidget,
     QTableWidgetItem,
     QVBoxLayout,
@@ -31,9 +29,22 @@ from ...core.mission.estimate import size_text
 from ..help import add_help_button
 from ..i18n import number_text, tr, translate
 from ..messages import log
-from ..plain import plain_label, shown_plain
+from ..plain import shown_plain
 from ..settings import Settings
-from ..widgets import STYLE_SHEET, FieldMarks, choose, combo, folder_entry, line_edit, named, row, whole_spin
+from ..widgets import (
+    STYLE_SHEET,
+    FieldMarks,
+    choose,
+    combo,
+    folder_entry,
+    growing_form,
+    line_edit,
+    named,
+    row,
+    scrolled,
+    whole_spin,
+    wrapped_label,
+)
 
 #: Rows that are seen without scrolling.
 _ROWS = 6
@@ -133,13 +144,9 @@ class OptionsPage(QgsOptionsPageWidget):
         add_help_button(buttons, tr("settings"))
         layout.addWidget(buttons)
         layout.addStretch(1)
-        scroll = QScrollArea()
-        scroll.setWidgetResizable(True)
-        scroll.setFrameShape(QFrame.Shape.NoFrame)
-        scroll.setWidget(inside)
         outside = QVBoxLayout(self)
         outside.setContentsMargins(0, 0, 0, 0)
-        outside.addWidget(scroll)
+        outside.addWidget(scrolled(inside))
 
     def _missions(self) -> QGroupBox:
         box, form = _box(tr("Missions"))
@@ -306,9 +313,7 @@ class CacheDialog(QDialog):
         self.setObjectName("terrainav_cache")
         self.setWindowTitle(tr("TerrAInav: cache"))
         self._cache = Settings().tile_cache()
-        self.told = plain_label()
-        self.told.setWordWrap(True)
-        self.told.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
+        self.told = wrapped_label("told")
         self.table = QTableWidget(0, 5)
         self.table.setHorizontalHeaderLabels(
             [tr("Source"), tr("Map type"), tr("Date"), tr("Tiles"), tr("Size")]
@@ -376,9 +381,7 @@ class CacheDialog(QDialog):
 
 def _box(title: str) -> tuple[QGroupBox, QFormLayout]:
     box = QGroupBox(title)
-    form = QFormLayout(box)
-    form.setFieldGrowthPolicy(QFormLayout.FieldGrowthPolicy.AllNonFixedFieldsGrow)
-    return box, form
+    return box, growing_form(box)
 
 
 def _in_need_of_keys() -> dict[str, str]:

@@ -23,8 +23,8 @@ from qgis.PyQt.QtWidgets import (
 from ..capture.run import Run, Stage, row_text, title_of
 from ..i18n import tr
 from ..paths import icon
-from ..plain import plain_label, shown_plain
-from ..widgets import named, tool_button
+from ..plain import shown_plain
+from ..widgets import named, tool_button, wrapped_label
 
 if TYPE_CHECKING:
     from ..capture.queue import Runs
@@ -199,9 +199,7 @@ class RunRow(QFrame):
         self.bar.setRange(0, 100)
         self.bar.setTextVisible(False)
         self.bar.setFixedHeight(_BAR_HEIGHT_PX)
-        self.text = named(plain_label(), "run_text")
-        self.text.setWordWrap(True)
-        self.text.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
+        self.text = wrapped_label("run_text")
         self.buttons = self._make_buttons(title)
         self._lay_out()
 

@@ -11,7 +11,6 @@ from qgis.PyQt.QtCore import Qt
 from qgis.PyQt.QtWidgets import (
     QDialog,
     QDialogButtonBox,
-    QFormLayout,
     QLabel,
     QListWidget,
     QListWidgetItem,
@@ -24,11 +23,23 @@ from ..credentials import store_key
 from ..help import add_help_button
 from ..i18n import number_text, tr, translate
 from ..network.transport import QgisTransport
-from ..plain import plain_label, shown_plain
+from ..plain import shown_plain
 from ..qgis_source.connections import ServiceConnection
 from ..settings import Settings, credential_home
 from ..tasks import Task
-from ..widgets import STYLE_SHEET, FieldMarks, combo, line_edit, named, ok_and_cancel, spin, tick, whole_spin
+from ..widgets import (
+    STYLE_SHEET,
+    FieldMarks,
+    combo,
+    growing_form,
+    line_edit,
+    named,
+    ok_and_cancel,
+    spin,
+    tick,
+    whole_spin,
+    wrapped_label,
+)
 from .choices import limits_html
 
 if TYPE_CHECKING:
@@ -121,8 +132,7 @@ class AddSourceDialog(QDialog):
         add_help_button(self.buttons, tr("sources"))
 
     def _lay_out(self) -> None:
-        form = QFormLayout()
-        form.setFieldGrowthPolicy(QFormLayout.FieldGrowthPolicy.AllNonFixedFieldsGrow)
+        form = growing_form()
         for label, name in (
             (tr("URL"), "url"),
             (tr("Name"), "name"),
@@ -245,8 +255,7 @@ class ServiceDialog(QDialog):
         self.search = line_edit("search", tr("Part of a layer's title or name"), tr("Search"))
         self.search.setClearButtonEnabled(True)
         self.list = named(QListWidget(), "layers", tr("Layers that the service offers"))
-        self.told = named(plain_label(), "told")
-        self.told.setWordWrap(True)
+        self.told = wrapped_label("told")
         self.buttons = ok_and_cancel(self)
         add_help_button(self.buttons, tr("sources"))
         layout = QVBoxLayout(self)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable
-from pathlib import Path
 from queue import Empty, SimpleQueue
 from typing import Any, NamedTuple, TypeVar
 
@@ -133,7 +132,9 @@ class Algorithm(QgsProcessingAlgorithm):
 
     def helpUrl(self) -> str:
         """Page about the plugin."""
-        return _homepage()
+        from ..help import homepage
+
+        return homepage()
 
     def canExecute(self) -> tuple[bool, str]:
         """Whether all packages are there, and which are not."""
@@ -281,15 +282,6 @@ def _checked(work: Callable[[], Result]) -> Result:
         text = translate(wrong)
     # Out here the error is forgotten, and with it all that its trace would hold until the thread has ended.
     raise QgsProcessingException(text)
-
-
-def _homepage() -> str:
-    metadata = Path(__file__).resolve().parents[2] / "metadata.txt"
-    for line in metadata.read_text(encoding="utf-8").splitlines():
-        name, _, value = line.partition("=")
-        if name == "homepage":
-            return value
-    return ""
 
 
 class _Relay(Watch):

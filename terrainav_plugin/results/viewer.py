@@ -13,10 +13,7 @@ from qgis.PyQt.QtCore import QRect, QSize, Qt, pyqtSignal
 from qgis.PyQt.QtGui import QBrush, QImage, QPainter, QPaintEvent
 from qgis.PyQt.QtWidgets import (
     QComboBox,
-    QFrame,
     QHBoxLayout,
-    QLabel,
-    QScrollArea,
     QSizePolicy,
     QSplitter,
     QVBoxLayout,
@@ -26,7 +23,7 @@ from qgis.PyQt.QtWidgets import (
 from ..form.fields import map_type_title
 from ..i18n import number_text, tr, translate
 from ..plain import plain_label
-from ..widgets import named, push_button
+from ..widgets import named, push_button, scrolled, wrapped_label
 from .shots import Seen, Shot
 
 #: Of picture and details, at first and as the window grows.
@@ -82,11 +79,9 @@ class Viewer(QgsDockWidget):
         self.map_type.activated.connect(
             lambda index: self.map_type_wanted.emit(self.map_type.itemData(index))
         )
-        self.details = named(QLabel(), "details")
+        self.details = wrapped_label("details")
         self.details.setTextFormat(Qt.TextFormat.RichText)
-        self.details.setWordWrap(True)
         self.details.setAlignment(Qt.AlignmentFlag.AlignTop)
-        self.details.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
         self.place = named(plain_label(), "place")
         self.place.setAlignment(Qt.AlignmentFlag.AlignCenter)
         self._make_buttons()
@@ -165,13 +160,9 @@ class Viewer(QgsDockWidget):
         self.zoom.clicked.connect(lambda _checked: self.zoom_wanted.emit())
 
     def _contents(self) -> QWidget:
-        scroll = QScrollArea()
-        scroll.setFrameShape(QFrame.Shape.NoFrame)
-        scroll.setWidgetResizable(True)
-        scroll.setWidget(self.details)
         both = QSplitter(Qt.Orientation.Vertical)
         both.addWidget(self.view)
-        both.addWidget(scroll)
+        both.addWidget(scrolled(self.details))
         for index, share in enumerate(_SHARES):
             both.setStretchFactor(index, share)
         both.setSizes(list(_HEIGHTS_PX))
