@@ -27,7 +27,6 @@ from qgis.PyQt.QtWidgets import (
     QHBoxLayout,
     QLabel,
     QLineEdit,
-    QMenu,
     QMenuBar,
     QPushButton,
     QScrollArea,
@@ -123,16 +122,13 @@ def push_button(name: str, text: str, tip: str, image: QIcon | None = None) -> Q
     return made
 
 
-def tool_button(name: str, image: QIcon, tip: str, text: str = "", menu: QMenu | None = None) -> QToolButton:
-    """Button with an image, with a text beside it where there is one, and with a menu that comes up at once."""
+def tool_button(name: str, image: QIcon, tip: str, text: str = "") -> QToolButton:
+    """Button with an image, and with a text beside it where there is one."""
     made = named(QToolButton(), name, tip)
     made.setIcon(image)
     if text:
         made.setText(text)
         made.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextBesideIcon)
-    if menu is not None:
-        made.setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
-        made.setMenu(menu)
     return made
 
 

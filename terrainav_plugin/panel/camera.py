@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from qgis.core import QgsApplication
 from qgis.PyQt.QtCore import Qt, pyqtSignal
-from qgis.PyQt.QtWidgets import QInputDialog, QMenu
+from qgis.PyQt.QtWidgets import QInputDialog, QMenu, QToolButton
 
 from ...core.errors import InvalidInput, OutputError
 from ..form.camera import camera_of, given_by, with_height
@@ -91,13 +91,13 @@ class CameraEntries(Entries):
 
     def _add_chooser(self) -> None:
         self.camera = combo("camera", (), _chooser_tip())
-        menu = QMenu(self)
         tip = tr("Save the values entered as a camera of your own, or remove one")
-        self.more = tool_button(
-            "more_cameras", QgsApplication.getThemeIcon("/symbologyAdd.svg"), tip, menu=menu
-        )
+        self.more = tool_button("more_cameras", QgsApplication.getThemeIcon("/symbologyAdd.svg"), tip)
+        self.more.setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
+        menu = QMenu(self.more)
         self.save = menu.addAction(tr("Save these values as…"), self._save)
         self.remove = menu.addAction(tr("Remove this camera"), self._remove)
+        self.more.setMenu(menu)
         self._form.addRow(
             tr("C&amera"), self._marks.field("camera", self.camera, row(self.camera, self.more, stretch=0))
         )

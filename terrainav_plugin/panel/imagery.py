@@ -17,6 +17,7 @@ from qgis.PyQt.QtWidgets import (
     QLabel,
     QMenu,
     QStyle,
+    QToolButton,
     QWidget,
 )
 
@@ -187,16 +188,16 @@ class ImageryEntries(QgsCollapsibleGroupBoxBasic):
         tip = tr("Add this source to the map as background and zoom to the area")
         self.show_on_map = tool_button("show_on_map", icon("show_on_map"), tip, tr("Show on map"))
         self.show_on_map.clicked.connect(self.show_on_map_clicked)
-        menu = QMenu(self)
         tip = tr("Add a source by URL, open a file, and more")
-        self.more = tool_button(
-            "more_sources", QgsApplication.getThemeIcon("/symbologyAdd.svg"), tip, menu=menu
-        )
+        self.more = tool_button("more_sources", QgsApplication.getThemeIcon("/symbologyAdd.svg"), tip)
+        self.more.setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
+        menu = QMenu(self.more)
         menu.addAction(tr("Add source by URL…"), self.add_source_clicked.emit)
         menu.addAction(tr("Open raster or MBTiles file…"), self._browse)
         self._remove = menu.addAction(tr("Remove this source"), self.remove_source_clicked.emit)
         menu.addSeparator()
         menu.addAction(tr("Cache…"), self.cache_clicked.emit)
+        self.more.setMenu(menu)
         line = row(self.source, self.more, self.show_on_map, stretch=0)
         self._form.addRow(tr("Source"), self._marks.field("source", self.source, line))
 
