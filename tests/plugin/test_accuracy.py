@@ -17,8 +17,7 @@ from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.parts import Output
 from terrainav.core.mission.plan import plan
 from terrainav.core.mission.wind import Wind
-from terrainav.terrainav_plugin.form.mission_form import mission, state_of
-from terrainav.terrainav_plugin.form.refusals import refused_fields
+from terrainav.terrainav_plugin.form.mission_form import mission, refused_fields, state_of
 from terrainav.terrainav_plugin.form.state import FormState
 from terrainav.terrainav_plugin.panel.figures import readout
 from terrainav.terrainav_plugin.sources import grid_of
