@@ -49,7 +49,7 @@ UNITS = {
     "m": Unit(Message("m"), Message("metres"), "_m", " m", 6),
     "deg": Unit(Message("deg"), Message("degrees"), "_deg", " °", 6),
     "px": Unit(Message("px"), Message("px"), "_px", " px", 12),
-    "m/s": Unit(Message("m/s"), Message("metres a second"), "_m_per_s", " m/s", 3),
+    "m/s": Unit(Message("m/s"), Message("metres per second"), "_m_per_s", " m/s", 3),
     "share": Unit(
         words=Message("share"), suffix=" %", decimals=1, typed_words=Message("percent"), times=100.0
     ),

@@ -8013,7 +8013,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/units.py"/>
-        <source>metres a second</source>
+        <source>metres per second</source>
         <translation>metros por segundo</translation>
     </message>
     <message>

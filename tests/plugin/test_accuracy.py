@@ -172,7 +172,7 @@ def test_every_entry_says_what_it_is(desk):
     for group in desk.form.groups:
         for name, widget in group.entries.items():
             assert widget.toolTip(), name
-    units = {"yaw_deg": "degrees", "ground_height_m": "metres", "airspeed_m_per_s": "metres a second"}
+    units = {"yaw_deg": "degrees", "ground_height_m": "metres", "airspeed_m_per_s": "metres per second"}
     entries = {name: w for group in desk.form.groups for name, w in group.entries.items()}
     assert all(unit in entries[name].toolTip() for name, unit in units.items())
 
