@@ -8,6 +8,7 @@ text        text of strangers, on one line and without keys
 files       files written whole or not at all, and held by one run at a time
 safe_json   JSON of strangers
 config      what the user keeps in the configuration folder
+units       what numbers are in, in words and as they are typed
 resources   what ships beside the code
 drawing     what all diagrams have in common
 unexpected  errors that nobody foresaw

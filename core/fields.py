@@ -15,6 +15,7 @@ from typing import Any
 
 from .errors import InvalidInput, Message
 from .limits import MAX_WHOLE_NUMBER
+from .units import UNITS, Unit
 
 _KEY = "declared"
 #: What a value must be, by the type that a field's annotation begins with.
@@ -60,7 +61,7 @@ def declared(
     label : str
         Title where it begins a row that has a key: ``&`` stands before that letter.
     unit : str
-        ``m``, ``deg``, ``px``, ``m/s``, or ``share`` of one.
+        One of `UNITS`, or none.
     least, most, above, below : float or None
         Limits; the first two are allowed themselves, the others are not.
     choices : mapping of str to str or None
@@ -80,7 +81,7 @@ def declared(
         "title": title,
         "help": help,
         "label": label,
-        "unit": unit,
+        "unit": UNITS[unit],
         "least": least,
         "most": most,
         "above": above,
@@ -115,7 +116,7 @@ class Field:
     title: str
     help: str
     label: str
-    unit: str
+    unit: Unit
     least: float | None
     most: float | None
     above: float | None
@@ -135,19 +136,14 @@ class Field:
     @property
     def name_of_option(self) -> str:
         """Name of the command's option, with underscores."""
-        ending = {"m/s": "_m_per_s", "share": ""}.get(self.unit, f"_{self.unit}")
-        own = self.name[: -len(ending)] if self.unit and ending and self.name.endswith(ending) else self.name
+        ending = self.unit.ending
+        own = self.name[: -len(ending)] if ending and self.name.endswith(ending) else self.name
         return self.option or own
 
     @property
     def about(self) -> str:
         """Unit and limits in words."""
-        return ", ".join(filter(None, (self.unit_in_words, self.right)))
-
-    @property
-    def unit_in_words(self) -> str:
-        """Unit as people write it in a sentence."""
-        return {"deg": "degrees", "m": "metres"}.get(self.unit, self.unit)
+        return ", ".join(filter(None, (self.unit.words, self.right)))
 
     @property
     def starts_with(self) -> Any:
@@ -241,17 +237,8 @@ class Field:
             right = Message("a finite number")
         elif self.above is not None and self.most is not None and value > self.most:
             right = Message("at most {0:g}", self.most)
-        raise self._refused(title, _with_unit(value, self.unit), right)
-
-
-def _with_unit(value: float, unit: str) -> object:
-    if unit == "deg":
-        return Message("{0} deg", value)
-    if unit == "m":
-        return Message("{0} m", value)
-    if unit == "px":
-        return Message("{0} px", value)
-    return Message("{0} m/s", value) if unit == "m/s" else value
+        symbol = self.unit.symbol
+        raise self._refused(title, Message("{0} {1}", value, symbol) if symbol else value, right)
 
 
 def declared_fields(part: Any) -> tuple[Field, ...]:

@@ -14,23 +14,6 @@ from qgis.core import (
 )
 from qgis.PyQt import QtCore, QtGui, QtWidgets
 
-__all__ = [
-    "LINE",
-    "POINT",
-    "POINT_LAYERS",
-    "POLYGON",
-    "POLYGON_LAYERS",
-    "RASTER",
-    "TASK_FLAGS",
-    "VECTOR",
-    "QAction",
-    "QUndoCommand",
-    "QUndoStack",
-    "attribution",
-    "chosen_fields",
-    "field",
-]
-
 # Qt 6 has them with the classes that know no widget.
 QAction = getattr(QtGui, "QAction", None) or QtWidgets.QAction
 QUndoCommand = getattr(QtGui, "QUndoCommand", None) or QtWidgets.QUndoCommand

@@ -6,11 +6,12 @@ import re
 from configparser import ConfigParser
 from pathlib import Path
 
-from qgis.PyQt.QtCore import Qt, QTimer, QUrl
+from qgis.PyQt.QtCore import Qt, QUrl
 from qgis.PyQt.QtGui import QCloseEvent, QDesktopServices, QImageReader, QResizeEvent, QTextDocument
 from qgis.PyQt.QtWidgets import QDialogButtonBox, QTextBrowser, QWidget
 
 from .i18n import language, tr
+from .tasks import single_shot
 
 _PLUGIN = Path(__file__).resolve().parent.parent
 _GUIDE = "guide"
@@ -41,9 +42,14 @@ def help_url(topic: str = "") -> QUrl:
             url = QUrl.fromLocalFile(str(path))
             url.setFragment(topic)
             return url
+    return QUrl(homepage())
+
+
+def homepage() -> str:
+    """Address of the project's page."""
     metadata = ConfigParser(interpolation=None)
     metadata.read(_PLUGIN / "metadata.txt", encoding="utf-8")
-    return QUrl(metadata["general"]["homepage"])
+    return metadata["general"]["homepage"]
 
 
 def show_help(topic: str = "") -> None:
@@ -82,9 +88,7 @@ class GuideWindow(QTextBrowser):
         self._path = Path()
         self._fitted_px = 0
         self._shown: QTextDocument | None = None
-        self._fit_soon = QTimer(self)
-        self._fit_soon.setSingleShot(True)
-        self._fit_soon.timeout.connect(self._fit)
+        self._fit_soon = single_shot(self._fit, self, _PAUSE_MS)
 
     @classmethod
     def show_at(cls, url: QUrl) -> None:
@@ -146,7 +150,7 @@ class GuideWindow(QTextBrowser):
         """Fit the pictures to another width, once it stays."""
         super().resizeEvent(event)
         if self._path.is_file():
-            self._fit_soon.start(_PAUSE_MS)
+            self._fit_soon.start()
 
     def _fit(self) -> None:
         if self.viewport().width() == self._fitted_px:

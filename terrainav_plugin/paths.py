@@ -6,13 +6,9 @@ import os
 import re
 from collections.abc import Collection
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from qgis.PyQt.QtCore import QUrl
 from qgis.PyQt.QtGui import QDesktopServices, QIcon
-
-if TYPE_CHECKING:
-    pass
 
 RESOURCES = Path(__file__).resolve().parent.parent / "resources"
 

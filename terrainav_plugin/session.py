@@ -20,7 +20,6 @@ from .area.tools import BoxTool, PointTool
 from .capture.queue import Runs
 from .cleaning.cleaning import Cleaning
 from .dataset.placing import OpenProject
-from .form import mission_form
 from .form.state import FormState
 from .i18n import tr, translate
 from .map.mission_group import MissionGroup
@@ -253,7 +252,7 @@ class Session(QObject):
         if not self.settings.form and self._units == "ft":
             state = replace(state, agl_unit="ft", agl=_USUAL_AGL_FT)
         if not state.folder:
-            state = mission_form.with_folder(state, str(self.settings.missions / "mission-1"))
+            state = replace(state, folder=str(self.settings.missions / "mission-1"))
         self.dock.form.set_state(state)
         self._show_hint()
 
@@ -297,7 +296,7 @@ class Session(QObject):
         return [*reversed(self.runs.folders), folder_of(self.state().folder)]
 
     def _capture_into(self, folder: Path) -> None:
-        self.dock.form.set_state(mission_form.with_folder(self.state(), str(folder)))
+        self.dock.form.set_state(replace(self.state(), folder=str(folder)))
         self.capture()
 
     def _show_key(self) -> None:

@@ -12,6 +12,7 @@ from qgis.core import QgsApplication, QgsSettings
 
 from ..core.errors import InvalidInput
 from ..core.safe_json import parse_json
+from ..core.units import LENGTHS_M
 
 if TYPE_CHECKING:
     from ..core.imagery.cache.tile_cache import TileCache
@@ -20,7 +21,7 @@ _ROOT = "TerrAInav/"
 _KEYS = f"{_ROOT}authcfg"
 #: Megabytes as files are counted, for the limit of the cache.
 BYTES_PER_MB = 1_000_000
-UNITS = ("m", "ft")
+UNITS = tuple(LENGTHS_M)
 _CACHE_ENV = "TERRAINAV_CACHE_DIR"
 #: Of a template: a name of 253 letters and what stands in it in braces.
 _LONGEST_HOST = 1000

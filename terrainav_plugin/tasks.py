@@ -63,6 +63,11 @@ class Task(QgsTask):
         self.ended.connect(ended)
         QgsApplication.taskManager().addTask(self)
 
+    def go_on(self, share: float) -> bool:
+        """Show how much is done, 0 to 1; returns whether to go on."""
+        self.setProgress(100.0 * share)
+        return not self.isCanceled()
+
     def abandon(self) -> None:
         """End it early, and tell nobody."""
         self.ended.disconnect()

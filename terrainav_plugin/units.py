@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from ..core.mission.estimate import area_text as metric_area_text
 from ..core.mission.estimate import length_text as metric_length_text
+from ..core.units import M_PER_FT
 from .i18n import number_text, tr, translate
 
 METRES, FEET = "m", "ft"
 _FT_PER_MILE, _INCHES_PER_FT = 5280.0, 12.0
 #: International acre and square mile.
 _M2_PER_ACRE, _ACRES_PER_SQ_MI = 4046.8564224, 640.0
-#: International foot.
-M_PER_FT = 0.3048
 
 
 def length_text(value_m: float, unit: str) -> str:

@@ -3,8 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from typing import TypeVar
 
-from qgis.gui import QgisInterface, QgsCollapsibleGroupBoxBasic, QgsDockWidget, QgsDoubleSpinBox
+from qgis.gui import (
+    QgisInterface,
+    QgsCollapsibleGroupBoxBasic,
+    QgsDockWidget,
+    QgsDoubleSpinBox,
+    QgsFileWidget,
+    QgsSpinBox,
+)
 from qgis.PyQt.QtCore import QPoint, Qt
 from qgis.PyQt.QtGui import QColor, QIcon, QKeySequence, QPalette, QResizeEvent, QWheelEvent
 from qgis.PyQt.QtWidgets import (
@@ -12,17 +20,23 @@ from qgis.PyQt.QtWidgets import (
     QAbstractSpinBox,
     QCheckBox,
     QComboBox,
+    QDialog,
+    QDialogButtonBox,
     QFormLayout,
+    QFrame,
     QHBoxLayout,
     QLabel,
     QLineEdit,
     QMenuBar,
     QPushButton,
+    QScrollArea,
     QTabBar,
+    QToolButton,
     QVBoxLayout,
     QWidget,
 )
 
+from .i18n import tr
 from .plain import plain_label
 
 #: Vermillion of the Okabe-Ito palette: readable on light and dark themes, told apart by colour-blind people.
@@ -41,6 +55,14 @@ QLabel[terrainavMark="true"] {{ color: {WRONG_COLOUR}; }}
 _CORNER_PX = (12, 36)
 #: A text with an underlined letter, and what gives it another.
 _Text = tuple[str, Callable[[str], None]]
+_Made = TypeVar("_Made", bound=QWidget)
+
+
+def named(widget: _Made, name: str, tip: str = "") -> _Made:
+    """Widget with the name that it is found by, and with its tip."""
+    widget.setObjectName(name)
+    widget.setToolTip(tip)
+    return widget
 
 
 def form_layout(box: QgsCollapsibleGroupBoxBasic) -> QFormLayout:
@@ -52,10 +74,25 @@ def form_layout(box: QgsCollapsibleGroupBoxBasic) -> QFormLayout:
     around = QVBoxLayout(box)
     around.setContentsMargins(0, 0, 0, 0)
     around.addWidget(contents)
-    form = QFormLayout(contents)
-    form.setFieldGrowthPolicy(QFormLayout.FieldGrowthPolicy.AllNonFixedFieldsGrow)
+    form = growing_form(contents)
     form.setVerticalSpacing(4)
     return form
+
+
+def growing_form(parent: QWidget | None = None) -> QFormLayout:
+    """Layout of labelled entries that grow with the window."""
+    form = QFormLayout(parent)
+    form.setFieldGrowthPolicy(QFormLayout.FieldGrowthPolicy.AllNonFixedFieldsGrow)
+    return form
+
+
+def scrolled(contents: QWidget) -> QScrollArea:
+    """Widget in an area that is scrolled where it is too small for it."""
+    scroll = QScrollArea()
+    scroll.setWidgetResizable(True)
+    scroll.setFrameShape(QFrame.Shape.NoFrame)
+    scroll.setWidget(contents)
+    return scroll
 
 
 def row(*widgets: QWidget, stretch: int | Sequence[int] = ()) -> QWidget:
@@ -72,8 +109,7 @@ def row(*widgets: QWidget, stretch: int | Sequence[int] = ()) -> QWidget:
 
 def wrapped_label(name: str) -> QLabel:
     """Label of any text, in as many lines as that takes, for users to copy from."""
-    label = plain_label()
-    label.setObjectName(name)
+    label = named(plain_label(), name)
     label.setWordWrap(True)
     label.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
     return label
@@ -81,10 +117,53 @@ def wrapped_label(name: str) -> QLabel:
 
 def push_button(name: str, text: str, tip: str, image: QIcon | None = None) -> QPushButton:
     """Button that no other key than its own presses."""
-    made = QPushButton(text) if image is None else QPushButton(image, text)
-    made.setObjectName(name)
-    made.setToolTip(tip)
+    made = named(QPushButton(text) if image is None else QPushButton(image, text), name, tip)
     made.setAutoDefault(False)
+    return made
+
+
+def tool_button(name: str, image: QIcon, tip: str, text: str = "") -> QToolButton:
+    """Button with an image, and with a text beside it where there is one."""
+    made = named(QToolButton(), name, tip)
+    made.setIcon(image)
+    if text:
+        made.setText(text)
+        made.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextBesideIcon)
+    return made
+
+
+def line_edit(name: str, tip: str, placeholder: str = "") -> QLineEdit:
+    """Entry for a text, and what it shows while it is empty."""
+    made = named(QLineEdit(), name, tip)
+    made.setPlaceholderText(placeholder)
+    return made
+
+
+def folder_entry(name: str, title: str, tip: str) -> QgsFileWidget:
+    """Entry for a folder, which a dialog of that title is there to choose."""
+    made = named(QgsFileWidget(), name, tip)
+    made.setStorageMode(QgsFileWidget.StorageMode.GetDirectory)
+    made.setDialogTitle(title)
+    # A label's key goes to what is typed into.
+    made.setFocusProxy(made.lineEdit())
+    return made
+
+
+def whole_spin(name: str, least: int, most: int, tip: str) -> QgsSpinBox:
+    """Entry for a whole number that is kept within its range."""
+    made = named(QgsSpinBox(), name, tip)
+    made.setRange(least, most)
+    made.setShowClearButton(False)
+    made.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
+    return made
+
+
+def ok_and_cancel(dialog: QDialog) -> QDialogButtonBox:
+    """Buttons that accept and reject a dialog."""
+    standard = QDialogButtonBox.StandardButton
+    made = QDialogButtonBox(standard.Ok | standard.Cancel)
+    made.accepted.connect(dialog.accept)
+    made.rejected.connect(dialog.reject)
     return made
 
 
@@ -105,9 +184,7 @@ class Chooser(QComboBox):
 
 def combo(name: str, items: Sequence[tuple[str, str]], tip: str) -> QComboBox:
     """Chooser of (value, label) pairs."""
-    combo = Chooser()
-    combo.setObjectName(name)
-    combo.setToolTip(tip)
+    combo = named(Chooser(), name, tip)
     combo.setSizeAdjustPolicy(QComboBox.SizeAdjustPolicy.AdjustToMinimumContentsLengthWithIcon)
     combo.setMinimumContentsLength(3)
     for value, label in items:
@@ -117,10 +194,7 @@ def combo(name: str, items: Sequence[tuple[str, str]], tip: str) -> QComboBox:
 
 def tick(name: str, text: str, tip: str) -> QCheckBox:
     """Box to tick."""
-    box = QCheckBox(text)
-    box.setObjectName(name)
-    box.setToolTip(tip)
-    return box
+    return named(QCheckBox(text), name, tip)
 
 
 class NumberBox(QgsDoubleSpinBox):
@@ -130,9 +204,18 @@ class NumberBox(QgsDoubleSpinBox):
     ----------
     times : float
         What the dock's state is multiplied by to be shown: 100 for a share in percent.
+    may_be_left_out : bool
+        Whether the least value stands for no number.
     """
 
     times: float = 1.0
+    may_be_left_out: bool = False
+
+    def let_be_left_out(self, below: float) -> None:
+        """Have a value below all that is right stand for no number, and be shown as such."""
+        self.may_be_left_out = True
+        self.setMinimum(below)
+        self.setSpecialValueText(tr("not set"))
 
     def textFromValue(self, value: float) -> str:
         """Text of a number."""
@@ -147,24 +230,24 @@ class NumberBox(QgsDoubleSpinBox):
         else:
             event.ignore()
 
-    def number(self) -> float | int:
-        """What is entered; whole where no decimals are taken."""
+    def number(self) -> float | int | None:
+        """What is entered, whole where no decimals are taken; None where nothing is."""
+        if self.may_be_left_out and self.value() == self.minimum():
+            return None
         return self.value() / self.times if self.decimals() else int(self.value())
 
-    def enter(self, number: float) -> None:
+    def enter(self, number: float | None) -> None:
         """Show what `number` returns then, to the decimals there are."""
-        self.setValue(number * self.times)
+        self.setValue(self.minimum() if number is None else number * self.times)
 
 
 def spin(name: str, least: float, most: float, decimals: int, suffix: str, tip: str) -> NumberBox:
     """Entry for a number with a unit."""
-    spin = NumberBox()
-    spin.setObjectName(name)
+    spin = named(NumberBox(), name, tip)
     spin.setRange(least, most)
     spin.setDecimals(decimals)
     spin.setSuffix(suffix)
     spin.setShowClearButton(False)
-    spin.setToolTip(tip)
     spin.setStepType(QAbstractSpinBox.StepType.AdaptiveDecimalStepType)
     spin.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
     return spin
@@ -216,8 +299,7 @@ class FieldMarks:
 
     def label(self, name: str, widget: QWidget) -> FieldMessage:
         """Label for the message of a field, where it cannot stand right below."""
-        label = FieldMessage()
-        label.setObjectName(f"{name}_message")
+        label = named(FieldMessage(), f"{name}_message")
         label.setProperty("terrainavMark", "true")
         label.setWordWrap(True)
         label.hide()

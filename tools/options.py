@@ -204,7 +204,7 @@ def _cell(text: str) -> str:
 
 
 def _sentence(field: Field) -> str:
-    return _cell(field.help) + (f" ({field.unit_in_words})" if field.unit_in_words else "") + "."
+    return _cell(field.help) + (f" ({field.unit.words})" if field.unit.words else "") + "."
 
 
 def schema_text() -> str:

@@ -11,8 +11,9 @@ from ..errors import InvalidInput, Message
 from ..files import is_there, read_limited
 from ..limits import MAX_MISSION_BYTES
 from ..safe_json import decoded, parse_json
+from ..units import LENGTHS_M
 from .area import Area, Box, Points, Polygon
-from .options import KINDS, UNITS
+from .options import KINDS
 
 _FORMATS = Message(
     '"lat_lon_agl", "latTL_lonTL_latBR_lonBR_agl", or a text file of "lat lon agl [yaw]" lines'
@@ -38,9 +39,9 @@ def _number(text: str) -> float:
 
 
 def _scaled(agl: float, unit: str) -> float:
-    if unit not in UNITS:
-        raise InvalidInput("unit of height {0!r}: must be one of {1}", unit, ", ".join(UNITS))
-    return agl * UNITS[unit]
+    if unit not in LENGTHS_M:
+        raise InvalidInput("unit of height {0!r}: must be one of {1}", unit, ", ".join(LENGTHS_M))
+    return agl * LENGTHS_M[unit]
 
 
 def parse_coords(text: str, kind: str | None = None, agl_unit: str = "m") -> tuple[Area, float]:

@@ -13,7 +13,8 @@ from ..errors import InvalidInput
 from ..geodesy.ellipsoid import WGS84
 from ..geodesy.mercator import wrap_lon_deg
 from ..geodesy.projections import through_proj
-from .gusts import HIGH_FT, LOW_FT, M_PER_FT, STATES, factor, flight_system, outputs
+from ..units import M_PER_FT
+from .gusts import HIGH_FT, LOW_FT, STATES, factor, flight_system, outputs
 from .wind import Wind
 
 Floats = NDArray[np.float64]

@@ -8,10 +8,9 @@ from typing import Any, Callable
 from ..errors import InvalidInput
 from ..fields import Field, declared_fields
 from ..geodesy.lens import Lens
+from ..units import LENGTHS_M
 from .parts import Accuracy, Attitude, Flight, Imagery, Output, Pixels
 
-FEET_IN_METRES = 0.3048
-UNITS = {"m": 1.0, "ft": FEET_IN_METRES}
 KINDS = ("single", "list", "raster")
 
 
@@ -125,7 +124,7 @@ OPTIONS: tuple[Option, ...] = (
     Option(
         "agl", float, None, "height above ground of --area; elsewhere it replaces the coordinates' height"
     ),
-    Option("agl_unit", str, "m", "unit of the heights given", choices=tuple(UNITS)),
+    Option("agl_unit", str, "m", "unit of the heights given", choices=tuple(LENGTHS_M)),
     Option("mission", str, None, "kind of mission; inferred from the coordinates if left out", choices=KINDS),
     Option("camera", str, None, "camera by name (see terrainav cameras) instead of --fov and --aspect-ratio"),
     Option("fov", float, None, f"diagonal field of view in degrees ({Lens.fov_deg})"),

@@ -18,11 +18,12 @@ from ..files import read_limited
 from ..geodesy.camera import Camera
 from ..limits import MAX_SETTINGS_BYTES
 from ..safe_json import parse_json
+from ..units import LENGTHS_M
 from .area import Area, Points
 from .cameras import camera_named
 from .coords import load_polygon, parse_coords
 from .mission import Mission, flat_fields
-from .options import OPTIONS, UNITS
+from .options import OPTIONS
 from .parts import Pixels
 from .wind import Wind
 
@@ -141,7 +142,7 @@ def _area(values: Mapping[str, Any]) -> tuple[Area, float]:
         raise InvalidInput(
             "area {0!r} and coords {1!r}: give one of the two", values["area"], values["coords"]
         )
-    agl_m = None if values["agl"] is None else values["agl"] * UNITS[values["agl_unit"]]
+    agl_m = None if values["agl"] is None else values["agl"] * LENGTHS_M[values["agl_unit"]]
     if values["area"] is not None:
         if agl_m is None:
             raise InvalidInput("area {0!r}: needs a height, --agl", values["area"])

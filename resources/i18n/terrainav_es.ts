@@ -210,14 +210,12 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/dialogs.py"/>
-        <location filename="../../terrainav_plugin/form/area.py"/>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
         <source>ft</source>
         <translation>ft</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/dialogs.py"/>
-        <location filename="../../terrainav_plugin/form/area.py"/>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
         <source>m</source>
         <translation>m</translation>
@@ -352,7 +350,6 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/entries.py"/>
-        <location filename="../../terrainav_plugin/form/fields.py"/>
         <source>degrees</source>
         <translation>grados</translation>
     </message>
@@ -863,7 +860,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../terrainav_plugin/cleaning/charts.py"/>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
-        <location filename="../../terrainav_plugin/processing/clean.py"/>
+        <location filename="../../terrainav_plugin/processing/datasets.py"/>
         <source>Images</source>
         <translation>Imágenes</translation>
     </message>
@@ -1304,26 +1301,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>«{line}» tiene {count} números; si hay varias líneas, deben ser de lat lon agl [guiñada]</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/form/fields.py"/>
-        <source>metres</source>
-        <translation>metros</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/form/fields.py"/>
-        <source>metres a second</source>
-        <translation>metros por segundo</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/form/fields.py"/>
-        <source>px</source>
-        <translation>px</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/form/fields.py"/>
-        <source>share</source>
-        <translation>fracción</translation>
-    </message>
-    <message>
         <location filename="../../terrainav_plugin/form/mission_form.py"/>
         <source>aspect ratio</source>
         <translation>relación de aspecto</translation>
@@ -1512,6 +1489,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/missions/missions.py"/>
+        <source>Opening {name}</source>
+        <translation>Abriendo {name}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/missions/missions.py"/>
         <source>Reject images with too little to see from the panel's mission</source>
         <translation>De la misión del panel: imágenes con demasiado poco que ver</translation>
     </message>
@@ -1549,11 +1531,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/missions/missions.py"/>
         <source>{name}: opened without mosaic: {reason}</source>
         <translation>{name}: abierto sin mosaico: {reason}</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/missions/opening.py"/>
-        <source>Opening {name}</source>
-        <translation>Abriendo {name}</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/missions/plan_export.py"/>
@@ -1902,11 +1879,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/panel/dock.py"/>
         <source>Write all images; goes on where an earlier run was stopped</source>
         <translation>Escribir todas las imágenes; continúa donde se detuvo una ejecución anterior</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/entries.py"/>
-        <source>percent</source>
-        <translation>tanto por ciento</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
@@ -2738,11 +2710,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>no limit</source>
-        <translation>sin límite</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
         <source>side</source>
         <translation>transversal</translation>
     </message>
@@ -3099,6 +3066,13 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/algorithm.py"/>
+        <location filename="../../terrainav_plugin/processing/capture.py"/>
+        <location filename="../../terrainav_plugin/processing/datasets.py"/>
+        <source>Dataset folder</source>
+        <translation>Carpeta del conjunto de datos</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/algorithm.py"/>
         <source>Datasets</source>
         <translation>Conjuntos de datos</translation>
     </message>
@@ -3184,21 +3158,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/capture.py"/>
-        <location filename="../../terrainav_plugin/processing/clean.py"/>
-        <location filename="../../terrainav_plugin/processing/split.py"/>
-        <source>Dataset folder</source>
-        <translation>Carpeta del conjunto de datos</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/capture.py"/>
         <source>Georeferenced images with their poses, as a simulated UAV takes them.</source>
         <translation>Imágenes georreferenciadas con sus poses, como las toma un UAV simulado.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/capture.py"/>
-        <location filename="../../terrainav_plugin/processing/report.py"/>
-        <source>I agree to the source's terms</source>
-        <translation>Acepto las condiciones de la fuente</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/capture.py"/>
@@ -3219,12 +3180,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/processing/capture.py"/>
         <source>Images written</source>
         <translation>Imágenes escritas</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/capture.py"/>
-        <location filename="../../terrainav_plugin/processing/report.py"/>
-        <source>Key or authentication</source>
-        <translation>Clave o autenticación</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/capture.py"/>
@@ -3255,12 +3210,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/processing/capture.py"/>
         <source>SHA-256 of tiles that show no imagery, with spaces between them; the log names tiles that came for many places. Images that show one are captured again. Those of TerrAInav's options count as well.</source>
         <translation>SHA-256 de las teselas que no muestran imágenes, separados por espacios; el registro nombra las teselas que llegaron para muchos lugares. Las imágenes que muestran una se capturan de nuevo. También cuentan las de las opciones de TerrAInav.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/capture.py"/>
-        <location filename="../../terrainav_plugin/processing/report.py"/>
-        <source>Sources that ask for consent refuse larger missions without it.</source>
-        <translation>Las fuentes que piden conformidad rechazan sin ella las misiones mayores.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/capture.py"/>
@@ -3313,122 +3262,279 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>{written} imágenes escritas, {skipped} ya estaban, {failed} han fallado, en {seconds} s.</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/processing/clean.py"/>
+        <location filename="../../terrainav_plugin/processing/datasets.py"/>
+        <source>By a hash of seed and name, in the table's order, or by blocks of ground.</source>
+        <translation>Por un hash de semilla y nombre, en el orden de la tabla o por bloques de terreno.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/datasets.py"/>
         <source>Clean a dataset</source>
         <translation>Limpiar un conjunto de datos</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/processing/clean.py"/>
+        <location filename="../../terrainav_plugin/processing/datasets.py"/>
+        <source>Divides images into training, validation and test, and scales their positions.</source>
+        <translation>Divide las imágenes en entrenamiento, validación y prueba, y escala sus posiciones.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/datasets.py"/>
         <source>Entropy of each image</source>
         <translation>Entropía de cada imagen</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/processing/clean.py"/>
+        <location filename="../../terrainav_plugin/processing/datasets.py"/>
         <source>Folder of the diagrams</source>
         <translation>Carpeta de los diagramas</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/processing/clean.py"/>
+        <location filename="../../terrainav_plugin/processing/datasets.py"/>
+        <source>Frame and scaler of the labels (JSON)</source>
+        <translation>Sistema y escalador de las etiquetas (JSON)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/datasets.py"/>
+        <source>Frame of the labels</source>
+        <translation>Sistema de las etiquetas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/datasets.py"/>
+        <source>Gap between parts (m)</source>
+        <translation>Separación entre partes (m)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/datasets.py"/>
         <source>Histogram and bar plot of the entropies as PNG, for each map type; needs matplotlib.</source>
         <translation>Histograma y gráfico de barras de las entropías en PNG, para cada tipo de mapa; necesita matplotlib.</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/processing/clean.py"/>
+        <location filename="../../terrainav_plugin/processing/datasets.py"/>
         <source>Histogram of the entropies</source>
         <translation>Histograma de las entropías</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/processing/clean.py"/>
+        <location filename="../../terrainav_plugin/processing/datasets.py"/>
+        <source>How to split</source>
+        <translation>Cómo dividir</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/datasets.py"/>
         <source>Images below it are rejected; 0 to 8.</source>
         <translation>Las imágenes por debajo se rechazan; 0 a 8.</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/processing/clean.py"/>
+        <location filename="../../terrainav_plugin/processing/datasets.py"/>
+        <source>Images in no part</source>
+        <translation>Imágenes en ninguna parte</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/datasets.py"/>
         <source>Images moved</source>
         <translation>Imágenes movidas</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/processing/clean.py"/>
+        <location filename="../../terrainav_plugin/processing/datasets.py"/>
         <source>Images rejected, or put back</source>
         <translation>Imágenes rechazadas o devueltas</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/processing/clean.py"/>
+        <location filename="../../terrainav_plugin/processing/datasets.py"/>
         <source>Least entropy (bits)</source>
         <translation>Entropía mínima (bits)</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/processing/clean.py"/>
+        <location filename="../../terrainav_plugin/processing/datasets.py"/>
         <source>Mark rejected images in the table, move them as well, or put all back.</source>
         <translation>Marcar en la tabla las imágenes rechazadas, moverlas además, o devolverlo todo a su sitio.</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/processing/clean.py"/>
-        <location filename="../../terrainav_plugin/processing/split.py"/>
+        <location filename="../../terrainav_plugin/processing/datasets.py"/>
         <source>Nothing is changed.</source>
         <translation>No se cambia nada.</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/processing/clean.py"/>
+        <location filename="../../terrainav_plugin/processing/datasets.py"/>
         <source>Nothing is deleted. mark notes in the table's column “rejected” why an image is rejected; move also moves it, with the files that belong to it, to a folder “rejected” beside the others; undo puts all back. A later capture into the folder knows what was moved.</source>
         <translation>No se borra nada. mark anota en la columna «rejected» de la tabla por qué se rechaza una imagen; move además la mueve, con sus archivos, a una carpeta «rejected» junto a las demás; undo lo devuelve todo a su sitio. Una captura posterior en la carpeta sabe lo que se movió.</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/processing/clean.py"/>
-        <location filename="../../terrainav_plugin/processing/split.py"/>
+        <location filename="../../terrainav_plugin/processing/datasets.py"/>
         <source>Of a capture, or of images with a meta_data.csv beside them.</source>
         <translation>De una captura, o de imágenes con un meta_data.csv al lado.</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/processing/clean.py"/>
-        <location filename="../../terrainav_plugin/processing/split.py"/>
+        <location filename="../../terrainav_plugin/processing/datasets.py"/>
         <source>Only count</source>
         <translation>Solo contar</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/processing/clean.py"/>
+        <location filename="../../terrainav_plugin/processing/datasets.py"/>
         <source>Rejects images whose entropy is below a threshold. If a place has a roadmap image, its entropy decides for all map types; otherwise each image's own entropy does.</source>
         <translation>Rechaza las imágenes cuya entropía está por debajo de un umbral. Donde hay imágenes de callejero, las suyas deciden para todos los tipos de mapa; en los demás casos, la de la propia imagen.</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/processing/clean.py"/>
+        <location filename="../../terrainav_plugin/processing/datasets.py"/>
         <source>Rejects images with too little to see; deletes nothing.</source>
         <translation>Rechaza imágenes en las que hay demasiado poco que ver; no borra nada.</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/processing/clean.py"/>
+        <location filename="../../terrainav_plugin/processing/datasets.py"/>
+        <source>Seed</source>
+        <translation>Semilla</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/datasets.py"/>
+        <source>Share of test</source>
+        <translation>Proporción de prueba</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/datasets.py"/>
+        <source>Share of training</source>
+        <translation>Proporción de entrenamiento</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/datasets.py"/>
+        <source>Share of validation</source>
+        <translation>Proporción de validación</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/datasets.py"/>
+        <source>Side of the blocks (m)</source>
+        <translation>Lado de los bloques (m)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/datasets.py"/>
+        <source>Split a dataset</source>
+        <translation>Dividir un conjunto de datos</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/datasets.py"/>
         <source>Suggested threshold (bits)</source>
         <translation>Umbral sugerido (bits)</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/processing/clean.py"/>
+        <location filename="../../terrainav_plugin/processing/datasets.py"/>
+        <source>Test images</source>
+        <translation>Imágenes de prueba</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/datasets.py"/>
+        <source>The images lie in {count} UTM zones ({zones}); one frame is for all of them: {frame}.</source>
+        <translation>Las imágenes están en {count} zonas UTM ({zones}); un solo sistema sirve para todas: {frame}.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/datasets.py"/>
+        <source>The same seed gives the same split.</source>
+        <translation>La misma semilla da la misma división.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/datasets.py"/>
         <source>The suggested threshold parts the entropies by Otsu's method.</source>
         <translation>El umbral sugerido separa las entropías por el método de Otsu.</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/processing/clean.py"/>
+        <location filename="../../terrainav_plugin/processing/datasets.py"/>
+        <source>The three shares add up to 1.</source>
+        <translation>Las tres proporciones suman 1.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/datasets.py"/>
+        <source>Training images</source>
+        <translation>Imágenes de entrenamiento</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/datasets.py"/>
         <source>Undo has no threshold: no diagrams are drawn.</source>
         <translation>Deshacer no tiene umbral: no se dibujan diagramas.</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/processing/clean.py"/>
+        <location filename="../../terrainav_plugin/processing/datasets.py"/>
+        <source>Validation images</source>
+        <translation>Imágenes de validación</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/datasets.py"/>
         <source>What to do</source>
         <translation>Qué hacer</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/processing/clean.py"/>
+        <location filename="../../terrainav_plugin/processing/datasets.py"/>
+        <source>With blocks only. If empty, a size is found that gives parts close to the shares.</source>
+        <translation>Solo con bloques; vacío busca uno que se acerque a las proporciones.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/datasets.py"/>
+        <source>With blocks only: minimum distance between the ground of two parts.</source>
+        <translation>Solo con bloques: distancia mínima entre el terreno de dos partes.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/datasets.py"/>
+        <source>Writes the part of each image to the column “split” of the tables: train, validation or test. Images of one place are in the same part in all map types; failed and rejected ones are in none.</source>
+        <translation>Escribe la parte de cada imagen en la columna «split» de las tablas: train, validation o test. Las imágenes de un mismo lugar están en la misma parte en todos los tipos de mapa; las fallidas y las rechazadas no están en ninguna.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/datasets.py"/>
         <source>dataset,clean,entropy,filter,reject,training,machine learning</source>
         <translation>conjunto de datos,dataset,limpiar,entropía,filtro,rechazar,entrenamiento,aprendizaje automático</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/processing/clean.py"/>
+        <location filename="../../terrainav_plugin/processing/datasets.py"/>
+        <source>dataset,split,training,validation,test,blocks,labels,machine learning</source>
+        <translation>conjunto de datos,dividir,entrenamiento,validación,prueba,bloques,etiquetas,aprendizaje automático</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/datasets.py"/>
+        <source>labels.json has the frame and the scaler of the images' positions, fitted on the training part: utm is the zone of the middle, mission a plane about the middle.</source>
+        <translation>labels.json contiene el sistema y el escalador de las posiciones de las imágenes, ajustado con la parte de entrenamiento: utm es la zona del centro, mission un plano en torno al centro.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/datasets.py"/>
+        <source>shuffled follows a hash of the seed and the image's name, the same on every computer; in-order follows the table; blocks divides the ground, so that none is in images of two parts: images in between are marked “gap”, as are those that see the horizon.</source>
+        <translation>shuffled sigue un hash de la semilla y del nombre de la imagen, el mismo en cualquier ordenador; in-order sigue la tabla; blocks divide el terreno, de modo que ninguno está en imágenes de dos partes: las imágenes intermedias se marcan «gap», igual que las que ven el horizonte.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/datasets.py"/>
+        <source>utm, mercator, mission, or a projected system in metres such as EPSG:32616.</source>
+        <translation>utm, mercator, mission o un sistema proyectado en metros como EPSG:32616.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/datasets.py"/>
+        <source>{images} images are in no part: they see the horizon or a pole.</source>
+        <translation>{images} imágenes no están en ninguna parte: ven el horizonte o un polo.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/datasets.py"/>
+        <source>{images} images are in no part: too near to another part's ground.</source>
+        <translation>{images} imágenes no están en ninguna parte: demasiado cerca del terreno de otra parte.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/datasets.py"/>
         <source>{map_type}: {rejected} of {images} images, {moved} moved, {returned} moved back.</source>
         <translation>{map_type}: {rejected} de {images} imágenes, {moved} movidas, {returned} devueltas.</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/processing/clean.py"/>
+        <location filename="../../terrainav_plugin/processing/datasets.py"/>
         <source>{names}: does not yet reflect the moved images; to update it, choose “Open dataset folder” in the panel's Missions menu.</source>
         <translation>{names}: sigue como antes de mover imágenes; «Abrir carpeta de conjunto de datos», en las misiones del panel, lo crea de nuevo.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/datasets.py"/>
+        <source>{part}: {images} images ({share} %).</source>
+        <translation>{part}: {images} imágenes ({share} %).</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/imagery.py"/>
+        <source>I agree to the source's terms</source>
+        <translation>Acepto las condiciones de la fuente</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/imagery.py"/>
+        <source>Key or authentication</source>
+        <translation>Clave o autenticación</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/imagery.py"/>
+        <source>Sources that ask for consent refuse larger missions without it.</source>
+        <translation>Las fuentes que piden conformidad rechazan sin ella las misiones mayores.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
@@ -3739,151 +3845,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/processing/report.py"/>
         <source>the report is not finished</source>
         <translation>el informe no está terminado</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/split.py"/>
-        <source>By a hash of seed and name, in the table's order, or by blocks of ground.</source>
-        <translation>Por un hash de semilla y nombre, en el orden de la tabla o por bloques de terreno.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/split.py"/>
-        <source>Divides images into training, validation and test, and scales their positions.</source>
-        <translation>Divide las imágenes en entrenamiento, validación y prueba, y escala sus posiciones.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/split.py"/>
-        <source>Frame and scaler of the labels (JSON)</source>
-        <translation>Sistema y escalador de las etiquetas (JSON)</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/split.py"/>
-        <source>Frame of the labels</source>
-        <translation>Sistema de las etiquetas</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/split.py"/>
-        <source>Gap between parts (m)</source>
-        <translation>Separación entre partes (m)</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/split.py"/>
-        <source>How to split</source>
-        <translation>Cómo dividir</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/split.py"/>
-        <source>Images in no part</source>
-        <translation>Imágenes en ninguna parte</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/split.py"/>
-        <source>Seed</source>
-        <translation>Semilla</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/split.py"/>
-        <source>Share of test</source>
-        <translation>Proporción de prueba</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/split.py"/>
-        <source>Share of training</source>
-        <translation>Proporción de entrenamiento</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/split.py"/>
-        <source>Share of validation</source>
-        <translation>Proporción de validación</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/split.py"/>
-        <source>Side of the blocks (m)</source>
-        <translation>Lado de los bloques (m)</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/split.py"/>
-        <source>Split a dataset</source>
-        <translation>Dividir un conjunto de datos</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/split.py"/>
-        <source>Test images</source>
-        <translation>Imágenes de prueba</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/split.py"/>
-        <source>The images lie in {count} UTM zones ({zones}); one frame is for all of them: {frame}.</source>
-        <translation>Las imágenes están en {count} zonas UTM ({zones}); un solo sistema sirve para todas: {frame}.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/split.py"/>
-        <source>The same seed gives the same split.</source>
-        <translation>La misma semilla da la misma división.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/split.py"/>
-        <source>The three shares add up to 1.</source>
-        <translation>Las tres proporciones suman 1.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/split.py"/>
-        <source>Training images</source>
-        <translation>Imágenes de entrenamiento</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/split.py"/>
-        <source>Validation images</source>
-        <translation>Imágenes de validación</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/split.py"/>
-        <source>With blocks only. If empty, a size is found that gives parts close to the shares.</source>
-        <translation>Solo con bloques; vacío busca uno que se acerque a las proporciones.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/split.py"/>
-        <source>With blocks only: minimum distance between the ground of two parts.</source>
-        <translation>Solo con bloques: distancia mínima entre el terreno de dos partes.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/split.py"/>
-        <source>Writes the part of each image to the column “split” of the tables: train, validation or test. Images of one place are in the same part in all map types; failed and rejected ones are in none.</source>
-        <translation>Escribe la parte de cada imagen en la columna «split» de las tablas: train, validation o test. Las imágenes de un mismo lugar están en la misma parte en todos los tipos de mapa; las fallidas y las rechazadas no están en ninguna.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/split.py"/>
-        <source>dataset,split,training,validation,test,blocks,labels,machine learning</source>
-        <translation>conjunto de datos,dividir,entrenamiento,validación,prueba,bloques,etiquetas,aprendizaje automático</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/split.py"/>
-        <source>labels.json has the frame and the scaler of the images' positions, fitted on the training part: utm is the zone of the middle, mission a plane about the middle.</source>
-        <translation>labels.json contiene el sistema y el escalador de las posiciones de las imágenes, ajustado con la parte de entrenamiento: utm es la zona del centro, mission un plano en torno al centro.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/split.py"/>
-        <source>shuffled follows a hash of the seed and the image's name, the same on every computer; in-order follows the table; blocks divides the ground, so that none is in images of two parts: images in between are marked “gap”, as are those that see the horizon.</source>
-        <translation>shuffled sigue un hash de la semilla y del nombre de la imagen, el mismo en cualquier ordenador; in-order sigue la tabla; blocks divide el terreno, de modo que ninguno está en imágenes de dos partes: las imágenes intermedias se marcan «gap», igual que las que ven el horizonte.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/split.py"/>
-        <source>utm, mercator, mission, or a projected system in metres such as EPSG:32616.</source>
-        <translation>utm, mercator, mission o un sistema proyectado en metros como EPSG:32616.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/split.py"/>
-        <source>{images} images are in no part: they see the horizon or a pole.</source>
-        <translation>{images} imágenes no están en ninguna parte: ven el horizonte o un polo.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/split.py"/>
-        <source>{images} images are in no part: too near to another part's ground.</source>
-        <translation>{images} imágenes no están en ninguna parte: demasiado cerca del terreno de otra parte.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/split.py"/>
-        <source>{part}: {images} images ({share} %).</source>
-        <translation>{part}: {images} imágenes ({share} %).</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/qgis_source/connections.py"/>
@@ -4215,6 +4176,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/units.py"/>
         <source>{count} sq mi</source>
         <translation>{count} mi²</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/widgets.py"/>
+        <source>not set</source>
+        <translation>sin definir</translation>
     </message>
 </context>
 <context>
@@ -4997,16 +4963,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/fields.py"/>
         <source>{0:g} or more</source>
         <translation>{0:g} o más</translation>
-    </message>
-    <message>
-        <location filename="../../core/fields.py"/>
-        <source>{0} deg</source>
-        <translation>{0} grados</translation>
-    </message>
-    <message>
-        <location filename="../../core/fields.py"/>
-        <source>{0} px</source>
-        <translation>{0} px</translation>
     </message>
     <message>
         <location filename="../../core/fields.py"/>
@@ -8039,6 +7995,41 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/unexpected.py"/>
         <source>unexpected error ({0})</source>
         <translation>error inesperado ({0})</translation>
+    </message>
+    <message>
+        <location filename="../../core/units.py"/>
+        <source>deg</source>
+        <translation>grados</translation>
+    </message>
+    <message>
+        <location filename="../../core/units.py"/>
+        <source>degrees</source>
+        <translation>grados</translation>
+    </message>
+    <message>
+        <location filename="../../core/units.py"/>
+        <source>metres</source>
+        <translation>metros</translation>
+    </message>
+    <message>
+        <location filename="../../core/units.py"/>
+        <source>metres per second</source>
+        <translation>metros por segundo</translation>
+    </message>
+    <message>
+        <location filename="../../core/units.py"/>
+        <source>percent</source>
+        <translation>tanto por ciento</translation>
+    </message>
+    <message>
+        <location filename="../../core/units.py"/>
+        <source>px</source>
+        <translation>px</translation>
+    </message>
+    <message>
+        <location filename="../../core/units.py"/>
+        <source>share</source>
+        <translation>fracción</translation>
     </message>
     <message>
         <location filename="../../core/world/source.py"/>

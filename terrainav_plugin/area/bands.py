@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from qgis.core import QgsProject
 from qgis.gui import QgsMapCanvas, QgsRubberBand
 from qgis.PyQt.QtCore import QObject, QPoint, Qt
@@ -84,9 +86,16 @@ class AreaBands:
     def show(self, outline: Outline, with_handles: bool) -> None:
         """Draw an outline in place of the one before."""
         if not self._bands:
-            self._bands = [area_band(self._canvas), _point_band(self._canvas), _handle_band(self._canvas)]
+            icons = QgsRubberBand.IconType
+            self._bands = [
+                area_band(self._canvas),
+                _icon_band(self._canvas, icons.ICON_CIRCLE, _POINT_PX),
+                _icon_band(self._canvas, icons.ICON_FULL_BOX, _HANDLE_PX),
+            ]
             # The images inside are looked at in their own colours.
             self._bands[0].setFillColor(QColor(0, 0, 0, 0))
+            # White inside tells handles from the line they lie on.
+            self._bands[2].setFillColor(QColor(255, 255, 255))
         area, points, handles = self._bands
         area.reset(POLYGON)
         points.reset(POINT)
@@ -141,31 +150,17 @@ class PointerText:
             self._label = None
 
 
-def area_band(canvas: QgsMapCanvas) -> QgsRubberBand:
-    """Make a band for an area."""
-    band = QgsRubberBand(canvas, POLYGON)
+def area_band(canvas: QgsMapCanvas, kind: Any = POLYGON) -> QgsRubberBand:
+    """Make a band for an area, or for points of it."""
+    band = QgsRubberBand(canvas, kind)
     band.setStrokeColor(LINE)
     band.setFillColor(FILL)
     band.setWidth(2)
     return band
 
 
-def _point_band(canvas: QgsMapCanvas) -> QgsRubberBand:
-    band = QgsRubberBand(canvas, POINT)
-    band.setIcon(QgsRubberBand.IconType.ICON_CIRCLE)
-    band.setIconSize(_POINT_PX)
-    band.setStrokeColor(LINE)
-    band.setFillColor(FILL)
-    band.setWidth(2)
-    return band
-
-
-def _handle_band(canvas: QgsMapCanvas) -> QgsRubberBand:
-    band = QgsRubberBand(canvas, POINT)
-    band.setIcon(QgsRubberBand.IconType.ICON_FULL_BOX)
-    band.setIconSize(_HANDLE_PX)
-    band.setStrokeColor(LINE)
-    # White inside tells handles from the line they lie on.
-    band.setFillColor(QColor(255, 255, 255))
-    band.setWidth(2)
+def _icon_band(canvas: QgsMapCanvas, icon: QgsRubberBand.IconType, size_px: int) -> QgsRubberBand:
+    band = area_band(canvas, POINT)
+    band.setIcon(icon)
+    band.setIconSize(size_px)
     return band

@@ -6,7 +6,6 @@ from qgis.core import QgsFieldProxyModel, QgsMapLayer, QgsVectorLayer
 from qgis.gui import QgsFieldComboBox, QgsMapLayerComboBox
 from qgis.PyQt.QtWidgets import (
     QButtonGroup,
-    QComboBox,
     QDialog,
     QDialogButtonBox,
     QFormLayout,
@@ -14,11 +13,11 @@ from qgis.PyQt.QtWidgets import (
     QWidget,
 )
 
+from ...core.units import LENGTHS_M
 from ..compat import POINT_LAYERS, POLYGON_LAYERS
 from ..i18n import number_text, tr
 from ..plain import plain_label
-from ..units import M_PER_FT
-from ..widgets import NumberBox, row, spin
+from ..widgets import NumberBox, combo, named, ok_and_cancel, row, spin
 from .layers import PointFields
 
 _MOST_AGL = 1e9
@@ -37,9 +36,7 @@ class LayerDialog(QDialog):
         super().__init__(parent)
         self.setObjectName("area_layer_dialog")
         self.setWindowTitle(title)
-        self.layer = QgsMapLayerComboBox()
-        self.layer.setObjectName("layer")
-        self.layer.setToolTip(tr("Layer of this project, in any CRS"))
+        self.layer = named(QgsMapLayerComboBox(), "layer", tr("Layer of this project, in any CRS"))
         if kind is not None:
             self.layer.setFilters(kind)
         if active is not None:
@@ -47,14 +44,9 @@ class LayerDialog(QDialog):
         if self.layer.currentLayer() is None and self.layer.count():
             # The active layer is none of those to choose from.
             self.layer.setCurrentIndex(0)
-        self.words = plain_label()
-        self.words.setObjectName("words")
+        self.words = named(plain_label(), "words")
         self.words.setWordWrap(True)
-        self.buttons = QDialogButtonBox(
-            QDialogButtonBox.StandardButton.Ok | QDialogButtonBox.StandardButton.Cancel
-        )
-        self.buttons.accepted.connect(self.accept)
-        self.buttons.rejected.connect(self.reject)
+        self.buttons = ok_and_cancel(self)
         self.form = QFormLayout(self)
         self.form.addRow(tr("&Layer"), self.layer)
         self.form.addRow(self.words)
@@ -107,9 +99,11 @@ class PolygonDialog(LayerDialog):
         self.select.setEnabled(layer is not None)
 
     def _add_entries(self) -> None:
-        self.select = self.buttons.addButton(tr("&Select on the map"), QDialogButtonBox.ButtonRole.ActionRole)
-        self.select.setObjectName("select_on_map")
-        self.select.setToolTip(tr("Click a polygon of this layer on the map; it becomes the area"))
+        self.select = named(
+            self.buttons.addButton(tr("&Select on the map"), QDialogButtonBox.ButtonRole.ActionRole),
+            "select_on_map",
+            tr("Click a polygon of this layer on the map; it becomes the area"),
+        )
 
     def _words(self, layer: QgsVectorLayer) -> str:
         count = layer.selectedFeatureCount()
@@ -136,7 +130,7 @@ class PointsDialog(LayerDialog):
 
     def fields(self) -> PointFields:
         """Return where heights and yaws come from."""
-        m_per_unit = M_PER_FT if self.unit.currentData() == "ft" else 1.0
+        m_per_unit = LENGTHS_M[self.unit.currentData()]
         return PointFields(
             self.agl.value() * m_per_unit,
             self.agl_field.currentField() if self.by_field.isChecked() else "",
@@ -162,10 +156,8 @@ class PointsDialog(LayerDialog):
         super().show_layer(layer)
 
     def _add_entries(self) -> None:
-        self.all = QRadioButton(tr("&All"))
-        self.all.setObjectName("all")
-        self.selected = QRadioButton()
-        self.selected.setObjectName("selected")
+        self.all = named(QRadioButton(tr("&All")), "all")
+        self.selected = named(QRadioButton(), "selected")
         for button in (self.all, self.selected):
             button.setToolTip(tr("Features that become pictures"))
         self.form.addRow(tr("Features"), row(self.all, self.selected, stretch=1))
@@ -184,11 +176,7 @@ class PointsDialog(LayerDialog):
         )
         self.agl.setValue(self._agl)
         self.agl_field = _fields("agl_field", tr("Numbers above 0, in the unit below"))
-        self.unit = QComboBox()
-        self.unit.setObjectName("unit")
-        self.unit.setToolTip(tr("Metres or international feet"))
-        self.unit.addItem(tr("m"), "m")
-        self.unit.addItem(tr("ft"), "ft")
+        self.unit = combo("unit", (("m", tr("m")), ("ft", tr("ft"))), tr("Metres or international feet"))
         self.unit.setCurrentIndex(self.unit.findData(self._agl_unit))
         self.form.addRow(self.by_value, self.agl)
         self.form.addRow(self.by_field, self.agl_field)
@@ -213,9 +201,7 @@ class PointsDialog(LayerDialog):
 
 
 def _fields(name: str, tip: str) -> QgsFieldComboBox:
-    fields = QgsFieldComboBox()
-    fields.setObjectName(name)
-    fields.setToolTip(tip)
+    fields = named(QgsFieldComboBox(), name, tip)
     # Numbers may stand in fields of text.
     fields.setFilters(QgsFieldProxyModel.Filter.Numeric | QgsFieldProxyModel.Filter.String)
     return fields

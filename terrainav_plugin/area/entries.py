@@ -6,7 +6,7 @@ import html
 
 from qgis.core import QgsApplication
 from qgis.gui import QgsCollapsibleGroupBoxBasic
-from qgis.PyQt.QtCore import Qt, pyqtSignal
+from qgis.PyQt.QtCore import QSignalBlocker, Qt, pyqtSignal
 from qgis.PyQt.QtGui import QKeySequence
 from qgis.PyQt.QtWidgets import (
     QGridLayout,
@@ -21,7 +21,7 @@ from qgis.PyQt.QtWidgets import (
 from ..form.state import BOX_FIELDS, FormState
 from ..i18n import tr
 from ..paths import icon
-from ..widgets import FieldMarks, row
+from ..widgets import FieldMarks, line_edit, named, row, tool_button
 from .history import AreaHistory
 from .menu import AreaMenu
 
@@ -55,24 +55,25 @@ class AreaEntries(QgsCollapsibleGroupBoxBasic):
         super().__init__(tr("Area"))
         self.shape = ""
         self.edges = {name: _edge(name) for name in BOX_FIELDS}
-        self.draw_box = QPushButton(icon("draw_box"), tr("Draw &box"))
-        self.draw_box.setObjectName("draw_box")
-        self.draw_box.setToolTip(tr("Press, drag and release on the map"))
+        self.draw_box = named(
+            QPushButton(icon("draw_box"), tr("Draw &box")),
+            "draw_box",
+            tr("Press, drag and release on the map"),
+        )
         self.area_from = AreaMenu()
-        self.edit = QPushButton(QgsApplication.getThemeIcon("/mActionMoveFeature.svg"), tr("Move"))
-        self.edit.setObjectName("edit_area")
-        self.edit.setCheckable(True)
-        self.edit.setToolTip(
+        self.edit = named(
+            QPushButton(QgsApplication.getThemeIcon("/mActionMoveFeature.svg"), tr("Move")),
+            "edit_area",
             tr(
                 "Move the area on the map: drag inside it, or drag the edges and corners of a box; arrow keys move it "
                 "by a pixel of the screen, with Shift by ten; Esc ends it. Corners of polygons are moved with QGIS's "
                 "own tools, in their layer."
-            )
+            ),
         )
+        self.edit.setCheckable(True)
         self.undo = _tool_button("undo_area", "/mActionUndo.svg")
         self.redo = _tool_button("redo_area", "/mActionRedo.svg")
-        self.words = QLabel()
-        self.words.setObjectName("area_words")
+        self.words = named(QLabel(), "area_words")
         self.words.setWordWrap(True)
         self.words.setTextFormat(Qt.TextFormat.RichText)
         self.words.linkActivated.connect(self.box_wanted)
@@ -90,11 +91,10 @@ class AreaEntries(QgsCollapsibleGroupBoxBasic):
     def show_edges(self, state: FormState) -> None:
         """Show edges, for one while they are dragged, telling nobody."""
         for name, edit in self.edges.items():
-            edit.blockSignals(True)
-            edit.setText(getattr(state, name))
-            # Long numbers show their first digits.
-            edit.setCursorPosition(0)
-            edit.blockSignals(False)
+            with QSignalBlocker(edit):
+                edit.setText(getattr(state, name))
+                # Long numbers show their first digits.
+                edit.setCursorPosition(0)
 
     def show_words(self, text: str, is_shape: bool, was_shape: bool = False) -> None:
         """Say what the area is; empty for none.
@@ -122,13 +122,13 @@ class AreaEntries(QgsCollapsibleGroupBoxBasic):
         """Let the buttons and the fields' keys undo and redo."""
         stack = history.stack
         # Methods of this group are disconnected with it; the stack outlives the buttons, and names its end too.
-        for button, act, can, named, name in (
+        for button, act, can, text_changed, name in (
             (self.undo, stack.undo, stack.canUndoChanged, stack.undoTextChanged, self._name_undo),
             (self.redo, stack.redo, stack.canRedoChanged, stack.redoTextChanged, self._name_redo),
         ):
             button.clicked.connect(act)
             can.connect(button.setEnabled)
-            named.connect(name)
+            text_changed.connect(name)
             button.setEnabled(False)
             name("")
 
@@ -174,9 +174,7 @@ def _native(keys: str) -> str:
 
 
 def _tool_button(name: str, image: str) -> QToolButton:
-    button = QToolButton()
-    button.setObjectName(name)
-    button.setIcon(QgsApplication.getThemeIcon(image))
+    button = tool_button(name, QgsApplication.getThemeIcon(image), "")
     button.setAutoRaise(True)
     button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
     return button
@@ -195,10 +193,7 @@ def _edge(name: str) -> QLineEdit:
         "Coordinates pasted here fill all fields: north_west_south_east_agl, lat_lon_agl, or lines of "
         "lat lon agl [yaw]. An edge typed makes a polygon or points a box."
     )
-    edit = QLineEdit()
-    edit.setObjectName(name)
-    edit.setToolTip(f"{tips[name]}\n{paste}")
-    edit.setPlaceholderText(tr("degrees"))
+    edit = line_edit(name, f"{tips[name]}\n{paste}", tr("degrees"))
     edit.setMinimumWidth(_EDGE_PX)
     edit.setMaxLength(_LONGEST_PASTE)
     return edit

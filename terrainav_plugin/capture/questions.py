@@ -77,11 +77,7 @@ class Questions:
         except OSError:
             # The run itself says what is wrong with the folder.
             return False
-        other = next_folder(folder)
-        self._messages.warning(
-            tr("{folder} holds another mission; nothing was changed there.").format(folder=folder),
-            action=(tr("Capture into {name}").format(name=other.name), lambda: self._capture_into(other)),
-        )
+        self._offer_other(folder, tr("{folder} holds another mission; nothing was changed there."))
         return True
 
     def is_queued(self, mission: Mission, folder: Path, others: list[Run]) -> bool:
@@ -92,14 +88,17 @@ class Questions:
         if found.mission == mission:
             self._messages.info(tr("{name} is being captured already.").format(name=folder.name))
             return True
+        text = tr("{folder} is being captured already; a second mission needs a folder of its own.")
+        self._offer_other(folder, text)
+        return True
+
+    def _offer_other(self, folder: Path, text: str) -> None:
+        """Say why a folder is not free, and offer one beside it."""
         other = next_folder(folder)
         self._messages.warning(
-            tr("{folder} is being captured already; a second mission needs a folder of its own.").format(
-                folder=folder
-            ),
+            text.format(folder=folder),
             action=(tr("Capture into {name}").format(name=other.name), lambda: self._capture_into(other)),
         )
-        return True
 
     def terms_allow(self, mission: Mission, requests: int) -> bool:
         """Whether the source's terms allow a run; asks the user where agreeing to them is enough."""

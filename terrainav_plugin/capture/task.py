@@ -216,5 +216,4 @@ class CaptureTask(Task):
         self.failed = len(self._failures)
 
     def _mosaic_progress(self, share: float) -> bool:
-        self.setProgress(100.0 * (_CAPTURE_SHARE + (1.0 - _CAPTURE_SHARE) * share))
-        return not self.isCanceled()
+        return self.go_on(_CAPTURE_SHARE + (1.0 - _CAPTURE_SHARE) * share)

@@ -213,7 +213,8 @@ class Drawer:
     ) -> Drawn | None:
         """Draw a view of a dataset; None where it is wanted no more. Raises InvalidInput."""
         try:
-            return self._drawn(folder, wkt, stems, view, cancelled)
+            outlines, chosen = self._outlines_in(folder, wkt), stems()
+            return Drawn(draw(outlines, chosen, view, cancelled), len(chosen))
         except Cancelled:
             return None
 
@@ -223,17 +224,6 @@ class Drawer:
             return self._outlines_in(folder, wkt).bounds_of(stem)
         except Cancelled:
             return None
-
-    def _drawn(
-        self,
-        folder: Path,
-        wkt: str,
-        stems: Callable[[], Collection[str]],
-        view: View,
-        cancelled: Callable[[], bool],
-    ) -> Drawn:
-        outlines, chosen = self._outlines_in(folder, wkt), stems()
-        return Drawn(draw(outlines, chosen, view, cancelled), len(chosen))
 
     def _outlines_in(self, folder: Path, wkt: str) -> Outlines:
         """Outlines of a dataset in a CRS."""

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 from qgis.core import QgsApplication
-from qgis.gui import QgsDockWidget, QgsFileWidget
+from qgis.gui import QgsDockWidget
 from qgis.PyQt.QtCore import QSignalBlocker, QSize, Qt, pyqtSignal
 from qgis.PyQt.QtGui import QColor, QIcon, QPainter, QPaintEvent, QPixmap
 from qgis.PyQt.QtWidgets import (
@@ -14,12 +14,10 @@ from qgis.PyQt.QtWidgets import (
     QComboBox,
     QDoubleSpinBox,
     QFormLayout,
-    QFrame,
     QGridLayout,
     QHBoxLayout,
     QLabel,
     QProgressBar,
-    QScrollArea,
     QTabWidget,
     QToolButton,
     QVBoxLayout,
@@ -31,7 +29,7 @@ from ..dataset.picture import Picture, read_picture
 from ..form.fields import map_type_title
 from ..i18n import number_text, tr
 from ..plain import shown_plain
-from ..widgets import push_button, wrapped_label
+from ..widgets import folder_entry, growing_form, named, push_button, scrolled, wrapped_label
 from .charts import DECIMALS, HIGHEST, KEPT, LOWEST, REJECTED, Bars, Histogram
 from .entropies import Entropies, Example
 from .tasks import MARK, MOVE, UNDO
@@ -75,8 +73,7 @@ class CleanPanel(QgsDockWidget):
         self._lost_focus: QWidget | None = None
         self._make_entries()
         self.charts = (Histogram(), Bars())
-        self.tabs = QTabWidget()
-        self.tabs.setObjectName("charts")
+        self.tabs = named(QTabWidget(), "charts")
         self.tabs.addTab(self.charts[0], tr("Histo&gram"))
         self.tabs.addTab(self.charts[1], tr("&Image by image"))
         for chart in self.charts:
@@ -89,11 +86,7 @@ class CleanPanel(QgsDockWidget):
         self.strip = ExampleStrip()
         self._make_buttons()
         # Put beside other panels it may be low, and must not make them wider.
-        scroll = QScrollArea()
-        scroll.setFrameShape(QFrame.Shape.NoFrame)
-        scroll.setWidgetResizable(True)
-        scroll.setWidget(self._contents())
-        self.setWidget(scroll)
+        self.setWidget(scrolled(self._contents()))
         self.show_hint()
 
     # --- what is shown
@@ -227,28 +220,27 @@ class CleanPanel(QgsDockWidget):
     # --- how it is made
 
     def _make_entries(self) -> None:
-        self.folder = QgsFileWidget()
-        self.folder.setObjectName("clean_folder")
-        self.folder.setStorageMode(QgsFileWidget.StorageMode.GetDirectory)
-        self.folder.setDialogTitle(tr("TerrAInav: dataset to be cleaned"))
-        self.folder.setToolTip(tr("Of a capture, or of images with a meta_data.csv beside them"))
+        tip = tr("Of a capture, or of images with a meta_data.csv beside them")
+        self.folder = folder_entry("clean_folder", tr("TerrAInav: dataset to be cleaned"), tip)
         self.folder.fileChanged.connect(self._folder_entered)
-        self.map_type = QComboBox()
-        self.map_type.setObjectName("clean_map_type")
-        self.map_type.setToolTip(tr("Map type shown here; cleaning applies this threshold to all map types"))
+        self.map_type = named(
+            QComboBox(),
+            "clean_map_type",
+            tr("Map type shown here; cleaning applies this threshold to all map types"),
+        )
         self.map_type.activated.connect(
             lambda index: self.map_type_chosen.emit(self.map_type.itemData(index))
         )
-        self.threshold = QDoubleSpinBox()
-        self.threshold.setObjectName("threshold")
+        self.threshold = named(
+            QDoubleSpinBox(),
+            "threshold",
+            tr("Images with less entropy are rejected. 0 bits: a single grey; 8 bits: the maximum"),
+        )
         self.threshold.setRange(LOWEST, HIGHEST)
         self.threshold.setDecimals(DECIMALS)
         self.threshold.setSingleStep(_STEP_BITS)
         self.threshold.setSuffix(tr(" bits"))
         self.threshold.setValue(DEFAULT_ENTROPY)
-        self.threshold.setToolTip(
-            tr("Images with less entropy are rejected. 0 bits: a single grey; 8 bits: the maximum")
-        )
         self.threshold.valueChanged.connect(self._threshold_set)
         self.suggest = push_button(
             "suggest",
@@ -259,8 +251,7 @@ class CleanPanel(QgsDockWidget):
             ),
         )
         self.suggest.clicked.connect(lambda _checked: self._suggest())
-        self.on_map = QCheckBox(tr("On the map"))
-        self.on_map.setObjectName("on_map")
+        self.on_map = named(QCheckBox(tr("On the map")), "on_map")
         self.on_map.setChecked(True)
         self.on_map.toggled.connect(self.on_map_toggled)
 
@@ -286,8 +277,7 @@ class CleanPanel(QgsDockWidget):
             tr("Write both charts of every map type as PNG; needs the Python package matplotlib"),
         )
         self.save.clicked.connect(lambda _checked: self.pictures_wanted.emit())
-        self.bar = QProgressBar()
-        self.bar.setObjectName("clean_progress")
+        self.bar = named(QProgressBar(), "clean_progress")
         self.bar.setTextVisible(False)
         self.bar.setFixedHeight(_BAR_HEIGHT_PX)
         self.stop = push_button(
@@ -299,8 +289,7 @@ class CleanPanel(QgsDockWidget):
         self.stop.hide()
 
     def _contents(self) -> QWidget:
-        form = QFormLayout()
-        form.setFieldGrowthPolicy(QFormLayout.FieldGrowthPolicy.AllNonFixedFieldsGrow)
+        form = growing_form()
         _add_row(form, tr("Dataset &folder"), self.folder)
         _add_row(form, tr("Map t&ype"), self.map_type)
         line = QHBoxLayout()
@@ -442,8 +431,7 @@ class _Line(QWidget):
 def _buttons(side: str) -> list[QToolButton]:
     buttons = []
     for number in range(COUNT):
-        button = QToolButton()
-        button.setObjectName(f"{side}_{number}")
+        button = named(QToolButton(), f"{side}_{number}")
         button.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextUnderIcon)
         button.setIconSize(QSize(*_ICON_PX))
         button.setAutoRaise(True)

@@ -41,9 +41,9 @@ class CleanTask(Task):
         from ...core.dataset.clean import clean, undo
 
         if self.action == UNDO:
-            self.cleaned = undo(self.folder, progress=self._go_on)
+            self.cleaned = undo(self.folder, progress=self.go_on)
         else:
-            self.cleaned = clean(self.folder, self.threshold, move=self.action == MOVE, progress=self._go_on)
+            self.cleaned = clean(self.folder, self.threshold, move=self.action == MOVE, progress=self.go_on)
 
     def text(self) -> str:
         """What was done to all map types, in a sentence or two."""
@@ -66,10 +66,6 @@ class CleanTask(Task):
         if any(one.returned for one in self.cleaned):
             text += " " + tr("{returned} moved back.").format(returned=returned)
         return text
-
-    def _go_on(self, share: float) -> bool:
-        self.setProgress(100.0 * share)
-        return not self.isCanceled()
 
 
 class PicturesTask(Task):

@@ -6,5 +6,4 @@ state           the entries, each a field; as JSON between sessions
 area            the area: a box, a polygon or points; from pasted text, and in words
 camera          the camera by field of view, lens and sensor, or ground sample distance
 mission_form    the mission that entries ask for, and the entries that ask for a mission
-refusals        what the core says of a mission, at the entry where it is put right
 """

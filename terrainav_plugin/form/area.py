@@ -16,8 +16,9 @@ from ...core.mission.area import Area, Box, Points, Polygon
 from ...core.mission.coords import parse_coords
 from ...core.mission.mission import area_from_dict
 from ...core.safe_json import parse_json
+from ...core.units import LENGTHS_M
 from ..i18n import localized, number_text, tr, translate
-from ..units import FEET, M_PER_FT, area_text, length_text
+from ..units import area_text, length_text
 from .state import BOX_FIELDS, FormState
 from .text import SEPARATORS, degrees_text, exact_degrees_text, parse_number
 
@@ -47,8 +48,7 @@ def with_box(state: FormState, box: Box, text: Callable[[float], str] = degrees_
 def with_area(state: FormState, area: Area, agl_m: float | None = None) -> FormState:
     """State with another area, and with its height above ground in metres where it has one."""
     if agl_m is not None and agl_m != state.agl_m:
-        agl = agl_m / M_PER_FT if state.agl_unit == "ft" else agl_m
-        state = replace(state, agl=agl, height_by="agl", camera_gsd=0.0)
+        state = replace(state, agl=agl_m / LENGTHS_M[state.agl_unit], height_by="agl", camera_gsd=0.0)
     if isinstance(area, Box):
         return with_box(state, area)
     state = with_box(state, area.bounds, exact_degrees_text)
@@ -210,15 +210,14 @@ def area_words(area: Area, unit: str) -> str:
         return tr("Box, {size}").format(size=size_text(area, unit))
     if isinstance(area, Polygon):
         return _polygon_words(area, unit)
-    m_per_unit, unit_name = (M_PER_FT, tr("ft")) if unit == FEET else (1.0, tr("m"))
-    heights = [agl / m_per_unit for _, _, agl in area.poses]
+    heights = [agl / LENGTHS_M[unit] for _, _, agl in area.poses]
     words = [
         tr("Single capture") if len(heights) == 1 else tr("{n} points").format(n=number_text(len(heights)))
     ]
     low, high = (
         localized(f"{height:,.1f}".rstrip("0").rstrip(".")) for height in (min(heights), max(heights))
     )
-    words.append((low if low == high else f"{low}–{high}") + f" {unit_name} AGL")
+    words.append((low if low == high else f"{low}–{high}") + f" {unit} AGL")
     if area.yaws_deg:
         if len(heights) == 1:
             words.append(tr("yaw {yaw}°").format(yaw=number_text(area.yaws_deg[0], "g")))

@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from ..units import M_PER_FT
+from ...core.units import LENGTHS_M, M_PER_FT
 from .state import DIAGONAL, HORIZONTAL, SENSOR, VERTICAL, FormState, in_metres
 from .text import aspect_text, parse_aspect
 
@@ -16,11 +16,10 @@ if TYPE_CHECKING:
 
 #: Width of the sensor that a lens is stated for while no other is known: full frame, as photographers compare lenses.
 FULL_FRAME_MM = 36.0
-#: Metres in the unit of a height, and in that of a ground sample distance, by what lengths are shown in.
-HEIGHT_M = {"m": 1.0, "ft": M_PER_FT}
+#: Metres in the unit of a ground sample distance, by what lengths are shown in.
 GSD_M = {"m": 0.01, "ft": M_PER_FT / 12.0}
 #: Entries that the field of view follows from, by what the camera is given by.
-_TYPED = {
+_TYPED_FOR = {
     DIAGONAL: (),
     HORIZONTAL: ("fov_typed_deg",),
     VERTICAL: ("fov_typed_deg",),
@@ -132,7 +131,7 @@ def settled(before: FormState, now: FormState, field: str) -> FormState:
 def in_length_unit(state: FormState, unit: str) -> FormState:
     """State of the same height, shown in another unit."""
     gsd = in_unit(in_metres(state.camera_gsd, GSD_M[state.agl_unit]), GSD_M[unit])
-    return replace(state, agl=in_unit(state.agl_m, HEIGHT_M[unit]), camera_gsd=gsd, agl_unit=unit)
+    return replace(state, agl=in_unit(state.agl_m, LENGTHS_M[unit]), camera_gsd=gsd, agl_unit=unit)
 
 
 def with_height(state: FormState) -> FormState:
@@ -143,7 +142,7 @@ def with_height(state: FormState) -> FormState:
     if camera is None or not state.camera_gsd > 0.0 or state.image_px < 1:
         return state
     agl_m = camera.agl_m(state.camera_gsd * GSD_M[state.agl_unit], state.image_px)
-    return replace(state, agl=in_unit(agl_m, HEIGHT_M[state.agl_unit]))
+    return replace(state, agl=in_unit(agl_m, LENGTHS_M[state.agl_unit]))
 
 
 def in_unit(value: float, unit: float) -> float:
@@ -164,7 +163,7 @@ def _with_diagonal(state: FormState) -> FormState:
     """State whose diagonal field of view is that of the numbers typed; as it was, where those make no camera."""
     from ...core.errors import InvalidInput
 
-    if not _TYPED[state.fov_mode]:
+    if not _TYPED_FOR[state.fov_mode]:
         return state
     try:
         return replace(state, fov_deg=camera_as_typed(state, parse_aspect(state.aspect)).fov_deg)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from ...core.fields import Field, field_named
 from ...core.mission.parts import Imagery
-from ..i18n import begun, tr, translate
+from ..i18n import begun, translate
 
 
 def label_of(field: Field) -> str:
@@ -14,7 +14,7 @@ def label_of(field: Field) -> str:
 
 def title_of(field: Field) -> str:
     """Title without a key, and with the unit of numbers."""
-    unit = unit_words(field.unit)
+    unit = translate(field.unit.words)
     title = begun(translate(field.title))
     return f"{title} ({unit})" if unit else title
 
@@ -24,18 +24,12 @@ def sentence_of(field: Field) -> str:
     return begun(translate(field.help)) + "."
 
 
-def tip_of(field: Field, unit: str | None = None) -> str:
-    """What a field does, its unit and its range.
-
-    Parameters
-    ----------
-    unit : str or None
-        In words, where it is shown in another than its own; its range is another one then, too.
-    """
+def tip_of(field: Field) -> str:
+    """What a field does, its unit and its range; of what is typed in another unit that one alone."""
     numbers = field.kind in (float, int)
-    beside = [unit_words(field.unit), translate(field.right)] if unit is None and numbers else [unit or ""]
+    beside = (field.unit.typed_words,) if field.unit.typed_words else (field.unit.words, field.right)
     text = begun(translate(field.help))
-    shown = ", ".join(filter(None, beside))
+    shown = ", ".join(map(translate, filter(None, beside))) if numbers else ""
     return f"{text} ({shown})" if shown else text
 
 
@@ -47,15 +41,3 @@ def choices_of(field: Field) -> tuple[tuple[str, str], ...]:
 def map_type_title(name: str) -> str:
     """What a map type is called: its folder's name where it is none of the usual ones."""
     return translate(field_named(Imagery, "map_types").choices.get(name, name))
-
-
-def unit_words(unit: str) -> str:
-    """Unit of a field in words; empty for none."""
-    words = {
-        "m": tr("metres"),
-        "deg": tr("degrees"),
-        "px": tr("px"),
-        "m/s": tr("metres a second"),
-        "share": tr("share"),
-    }
-    return words.get(unit, "")

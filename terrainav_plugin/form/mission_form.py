@@ -7,13 +7,14 @@ from dataclasses import fields, replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from ...core.errors import InvalidInput
+from ...core.errors import InvalidInput, TerrAInavError
 from ...core.fields import field_named
 from ...core.mission.parts import FLAT_PARTS, Flight, Output
+from ...core.units import UNITS
 from ..i18n import number_text, tr, translate
 from .area import FormError, entered_shape, shape_text, with_box
 from .camera import camera_as_typed, given_by, in_length_unit
-from .state import DECLARED, DIAGONAL, SAME, SENSOR, URL_TEMPLATE, WITHOUT_ENTRY, FormState
+from .state import DECLARED, DIAGONAL, ENTERED_AS_DECLARED, SENSOR, URL_TEMPLATE, WITHOUT_ENTRY, FormState
 from .text import aspect_text, exact_degrees_text, parse_aspect, parse_number
 
 if TYPE_CHECKING:
@@ -41,8 +42,6 @@ class _Checks:
         self.messages: dict[str, str] = {}
 
     def __call__(self, field: str, check: Callable[[], Any]) -> Any:
-        from ...core.errors import TerrAInavError
-
         try:
             return check()
         except TerrAInavError as wrong:
@@ -87,11 +86,6 @@ def box(state: FormState) -> Box | None:
     return _box(state, _Checks()) if state.has_box else None
 
 
-def with_folder(state: FormState, folder: str) -> FormState:
-    """State with another folder."""
-    return replace(state, folder=folder)
-
-
 def _mission(state: FormState, area: Area | None, checks: _Checks) -> Mission:
     from ...core.mission.area import check_agl
     from ...core.mission.mission import Mission
@@ -104,7 +98,8 @@ def _mission(state: FormState, area: Area | None, checks: _Checks) -> Mission:
         checks.messages["agl"] = tr("height above ground {height} {unit}: must be above 0").format(
             height=number_text(state.agl, "g"), unit=state.agl_unit
         )
-    entries = {**{name: getattr(state, name) for name in SAME}, "source": state.source_name, **_pixels(state)}
+    entries = {name: getattr(state, name) for name in ENTERED_AS_DECLARED}
+    entries.update(_pixels(state), source=state.source_name)
     for name, value in entries.items():
         checks(entry_of(name) or _BEYOND, partial(_check, name, value))
     wind = _wind(state, checks)
@@ -119,8 +114,8 @@ def _mission(state: FormState, area: Area | None, checks: _Checks) -> Mission:
 
 def _check(name: str, value: Any) -> None:
     """Refuse a value that a mission's field does not have; shares are typed in percent."""
-    field = SAME.get(name) or DECLARED.get(name) or field_named(Output, name)
-    if field.unit == "share" and not 0.0 <= value < 1.0:
+    field = ENTERED_AS_DECLARED.get(name) or DECLARED.get(name) or field_named(Output, name)
+    if field.unit is UNITS["share"] and value is not None and not 0.0 <= value < 1.0:
         raise InvalidInput(
             tr("overlap {percent} %: must be at least 0 and below 100 %").format(
                 percent=number_text(100.0 * value, "g")
@@ -136,7 +131,6 @@ def _pixels(state: FormState) -> dict[str, Any]:
     return {
         "zoom": state.zoom if state.resolution == "zoom" else None,
         "gsd_m_per_px": state.gsd_m_per_px if state.resolution == "gsd" else None,
-        "max_px": state.max_px or None,
         "img_size": (state.resize_width_px, state.resize_height_px, channels) if state.resize else None,
     }
 
@@ -146,6 +140,12 @@ def entry_of(field: str) -> str:
     known = {entry.name for entry in fields(FormState)} - set(WITHOUT_ENTRY)
     entry = _ENTRIES.get(field, field)
     return entry if entry in known else ""
+
+
+def refused_fields(error: TerrAInavError) -> dict[str, str]:
+    """Message at the entry that a refusal is about; empty where it is about no single one."""
+    entry = entry_of(error.field) if error.field else ""
+    return {entry: translate(error)} if entry else {}
 
 
 def _wind(state: FormState, checks: _Checks) -> Any:
@@ -221,15 +221,14 @@ def state_of(mission: Mission, folder: str, like: FormState | None = None) -> Fo
     """State that asks for ``mission`` again, in the unit and the terms of another state; otherwise in metres."""
     from ...core.imagery.opening import kind_of
 
-    parts = (getattr(mission, name) for name in FLAT_PARTS)
-    same = {one.name: getattr(part, one.name) for part in parts for one in fields(part) if one.name in SAME}
+    given = {name: value for part in FLAT_PARTS for name, value in vars(getattr(mission, part)).items()}
     state = FormState(
         fov_deg=mission.camera.fov_deg,
         **_pixel_entries(mission),
         aspect=aspect_text(mission.camera.aspect_ratio),
         agl=mission.flight.agl_m,
         folder=folder,
-        **same,
+        **{name: given[name] for name in ENTERED_AS_DECLARED},
     )
     if kind_of(mission.imagery.source).is_address:
         state = replace(state, source=URL_TEMPLATE, template=mission.imagery.source)
@@ -249,7 +248,7 @@ def state_of(mission: Mission, folder: str, like: FormState | None = None) -> Fo
 
 def _pixel_entries(mission: Mission) -> dict[str, Any]:
     """Entries that ask for a mission's pixels."""
-    entries: dict[str, Any] = {"max_px": mission.pixels.max_px or 0}
+    entries: dict[str, Any] = {}
     if mission.pixels.zoom is not None:
         entries.update(resolution="zoom", zoom=mission.pixels.zoom)
     if mission.pixels.gsd_m_per_px is not None:
@@ -262,10 +261,12 @@ def _pixel_entries(mission: Mission) -> dict[str, Any]:
 
 def beyond_text(state: FormState) -> str:
     """What a state's mission says that the panel has no entries for, in words; empty for nothing."""
-    said = ((SAME[name], getattr(state, name)) for name in WITHOUT_ENTRY)
+    said = ((ENTERED_AS_DECLARED[name], getattr(state, name)) for name in WITHOUT_ENTRY)
     return ", ".join(f"{translate(one.title)}: {value}" for one, value in said if value != one.default)
 
 
 def without_beyond(state: FormState) -> FormState:
     """State with the defaults of what the panel has no entries for."""
-    return replace(state, wind_seed=None, **{name: SAME[name].default for name in WITHOUT_ENTRY})
+    return replace(
+        state, wind_seed=None, **{name: ENTERED_AS_DECLARED[name].default for name in WITHOUT_ENTRY}
+    )

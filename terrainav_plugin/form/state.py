@@ -12,7 +12,7 @@ from ...core.geodesy.lens import Lens
 from ...core.mission.parts import FLAT_PARTS, Flight, Pixels
 from ...core.mission.wind import Wind
 from ...core.safe_json import parse_json
-from ..units import M_PER_FT
+from ...core.units import LENGTHS_M
 from .text import aspect_text
 
 #: What a camera may be given by.
@@ -22,21 +22,23 @@ URL_TEMPLATE = "url-template"
 #: Width, height and channels of a picture.
 _SIZE_PARTS = 3
 BOX_FIELDS = ("north", "west", "south", "east")
-#: Fields of a mission that people type in another way: in a unit, with a choice before, or as several entries.
-_TYPED = ("agl_m", "zoom", "gsd_m_per_px", "max_px", "img_size")
+#: Fields of a mission that people enter in another way: in a unit, with a choice before, or as several entries.
+_ENTERED_OTHERWISE = ("agl_m", "zoom", "gsd_m_per_px", "img_size")
 #: All other fields that a mission is given by name are entries of the same name, value and default.
-SAME: dict[str, Field] = {
-    one.name: one for part in FLAT_PARTS.values() for one in declared_fields(part) if one.name not in _TYPED
+ENTERED_AS_DECLARED: dict[str, Field] = {
+    one.name: one
+    for part in FLAT_PARTS.values()
+    for one in declared_fields(part)
+    if one.name not in _ENTERED_OTHERWISE
 }
 #: Those of them that the panel has no entries for: it carries them along, and says so.
 WITHOUT_ENTRY = ("mesh", "seed", "max_images")
 #: Entries of the wind, and of what is typed in another way, by the fields that they state.
 DECLARED: dict[str, Field] = {
-    **SAME,
+    **ENTERED_AS_DECLARED,
     "agl": field_named(Flight, "agl_m"),
     "zoom": field_named(Pixels, "zoom"),
     "gsd_m_per_px": field_named(Pixels, "gsd_m_per_px"),
-    "max_px": field_named(Pixels, "max_px"),
     "fov_deg": field_named(Lens, "fov_deg"),
     "wind_speed_m_per_s": field_named(Wind, "speed_m_per_s"),
     "wind_from_deg": field_named(Wind, "from_deg"),
@@ -44,7 +46,9 @@ DECLARED: dict[str, Field] = {
 }
 
 _Asked: Any = make_dataclass(
-    "_Asked", [(one.name, one.kind, field(default=one.default)) for one in SAME.values()], frozen=True
+    "_Asked",
+    [(one.name, one.kind, field(default=one.default)) for one in ENTERED_AS_DECLARED.values()],
+    frozen=True,
 )
 
 
@@ -52,7 +56,7 @@ _Asked: Any = make_dataclass(
 class FormState(_Asked):
     """What the dock shows, as typed: texts where people type freely, numbers where a spin box guards them.
 
-    The fields of `SAME` are those of a mission; these are typed in another way.
+    The fields of `ENTERED_AS_DECLARED` are those of a mission; these are typed in another way.
 
     Parameters
     ----------
@@ -83,8 +87,6 @@ class FormState(_Asked):
         What the source's pixels are chosen by: ``auto``, ``zoom`` or ``gsd``.
     zoom, gsd_m_per_px
         As a mission has them, where ``resolution`` says so.
-    max_px : int
-        Limit of a picture's longest side; 0 for none.
     resize : bool
         Whether pictures are resized to the size described by the next three.
     resize_width_px, resize_height_px : int
@@ -120,7 +122,6 @@ class FormState(_Asked):
     resolution: str = "auto"
     zoom: int = DECLARED["zoom"].starts_with
     gsd_m_per_px: float = DECLARED["gsd_m_per_px"].starts_with
-    max_px: int = 0
     resize: bool = False
     resize_width_px: int = 640
     resize_height_px: int = 480
@@ -137,7 +138,7 @@ class FormState(_Asked):
     @property
     def agl_m(self) -> float:
         """Height above ground in metres."""
-        return in_metres(self.agl, M_PER_FT) if self.agl_unit == "ft" else self.agl
+        return in_metres(self.agl, LENGTHS_M[self.agl_unit])
 
     @property
     def source_name(self) -> str:
@@ -173,7 +174,7 @@ class FormState(_Asked):
             default = getattr(state, entry.name)
             if isinstance(default, tuple) and isinstance(value, list):
                 value = tuple(str(item) for item in value)
-            if type(value) is type(default) or (entry.name == "wind_seed" and type(value) is int):
+            if type(value) is type(default) or (default is None and type(value) in (int, float)):
                 state = replace(state, **{entry.name: value})
         return state
 
@@ -195,10 +196,17 @@ def _with_later_entries(data: dict[str, Any]) -> dict[str, Any]:
         return data
     if not isinstance(more, dict):
         return data
-    found = {name: value for name, value in more.items() if name in SAME or name in _TYPED}
+    found = {
+        name: value
+        for name, value in more.items()
+        if name in ENTERED_AS_DECLARED or name in _ENTERED_OTHERWISE
+    }
     if "image_px" not in data:
         found["image_px"] = found.get("max_px", data.get("max_px"))
-        found["max_px"] = 0
+        found["max_px"] = None
+    elif data.get("max_px") == 0:
+        # What said that there is no limit before it could be left out.
+        found["max_px"] = None
     for name, way in (("zoom", "zoom"), ("gsd_m_per_px", "gsd")):
         if found.get(name) is not None:
             found["resolution"] = way

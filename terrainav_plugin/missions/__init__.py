@@ -1,6 +1,5 @@
 """Missions and datasets: opened, saved, and taken up again.
 
-missions        the menu of missions, and what it does
-opening         a dataset that is there, opened in the background
+missions        the menu of missions, and what it does: a dataset is opened in the background
 plan_export     the plan in the panel, written as a file for other programs
 """

@@ -8,12 +8,14 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from qgis.core import QgsVectorLayer
 from qgis.PyQt.QtCore import QObject, pyqtSignal
 from qgis.PyQt.QtWidgets import QFileDialog, QMenu, QToolButton
 
 from ...core.dataset.folder import JOURNAL_FILE, MISSION_FILE
-from ...core.errors import InvalidInput, TerrAInavError
-from ..dataset.layers import FAILED_FILE
+from ...core.errors import InvalidInput, OutputError, TerrAInavError
+from ..dataset.layers import FAILED_FILE, FailedImages, OpenedResults, open_failed, open_results
+from ..dataset.mosaic import MOST_PICTURES, Mosaic, build_mosaics, mosaics_there
 from ..dataset.placing import show_failed, show_results
 from ..form import mission_form
 from ..form.area import FormError
@@ -24,10 +26,11 @@ from ..paths import folder_of, next_folder
 from ..plain import shown_plain
 from ..settings import Settings, recent, remember
 from ..sources import grid_finder
-from .opening import DatasetTask
+from ..tasks import Task
 from .plan_export import PlanExport
 
 if TYPE_CHECKING:
+    from ...core.geodesy.mercator import PixelGrid
     from ...core.mission.mission import Mission
     from ..dataset.placing import OpenProject
     from ..form.state import FormState
@@ -35,6 +38,61 @@ if TYPE_CHECKING:
 
 #: Entries of a form without an area.
 _NO_AREA = dict.fromkeys((*BOX_FIELDS, "shape"), "")
+
+
+class DatasetTask(Task):
+    """Opens a dataset's layers; makes the mosaics that a command has not made.
+
+    Parameters
+    ----------
+    find_grid : callable
+        Gives the pixel grid of the mission's source, for mosaics that are not there yet.
+
+    Attributes
+    ----------
+    opened : OpenedResults or None
+    failed : QgsVectorLayer or None
+        What has failed of it.
+    left_out : str
+        Why there are no mosaics, where there could be some.
+    """
+
+    def __init__(self, folder: Path, mission: Mission, find_grid: Callable[[], PixelGrid]) -> None:
+        super().__init__(tr("Opening {name}").format(name=folder.name))
+        self.folder, self.mission = folder, mission
+        self.opened: OpenedResults | None = None
+        self.failed: QgsVectorLayer | None = None
+        self.left_out = ""
+        self._find_grid = find_grid
+
+    def work(self) -> None:
+        """Open."""
+        mosaics = mosaics_there(self.folder, self.mission)
+        if mosaics is None:
+            mosaics = self._made_mosaics()
+        if self.isCanceled():
+            return
+        self.opened = open_results(self.folder, self.mission, mosaics)
+        if self.isCanceled():
+            return
+        try:
+            FailedImages(self.folder).update()
+            self.failed = open_failed(self.folder)
+        except OutputError as wrong:
+            self.left_out = self.left_out or translate(wrong)
+
+    def _made_mosaics(self) -> list[Mosaic]:
+        from ...core.mission.plan import plan
+
+        try:
+            steps = plan(self.mission, self._find_grid())
+            if steps.size_px is not None or len(steps) > MOST_PICTURES:
+                return []
+            return build_mosaics(steps, self.folder, self.go_on)
+        except TerrAInavError as wrong:
+            # The footprints can be had without the source.
+            self.left_out = translate(wrong)
+            return []
 
 
 class Missions(QObject):
@@ -243,7 +301,7 @@ class Missions(QObject):
         folder = self._folder()
         if state.folder.strip() and folder.exists():
             taken = set(self._captures())
-            state = mission_form.with_folder(state, str(next_folder(folder, taken)))
+            state = replace(state, folder=str(next_folder(folder, taken)))
         self._write(replace(state, **_NO_AREA))
 
     def save_as(self) -> None:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from qgis.core import QgsApplication
 from qgis.PyQt.QtCore import Qt, pyqtSignal
-from qgis.PyQt.QtWidgets import QInputDialog, QLineEdit, QMenu, QToolButton
+from qgis.PyQt.QtWidgets import QInputDialog, QMenu, QToolButton
 
 from ...core.errors import InvalidInput, OutputError
 from ..form.camera import camera_of, given_by, with_height
@@ -17,7 +17,7 @@ from ..form.state import DIAGONAL, HORIZONTAL, SENSOR, VERTICAL, FormState
 from ..form.text import aspect_text, parse_aspect
 from ..i18n import number_text, tr, translate
 from ..plain import shown_plain
-from ..widgets import FieldMarks, combo, row, spin
+from ..widgets import FieldMarks, combo, line_edit, row, spin, tool_button
 from .choices import CameraChoice
 from .entries import Entries
 
@@ -53,9 +53,9 @@ class CameraEntries(Entries):
         self._trouble = ""
         self._add_chooser()
         self._add_field_of_view()
-        self.aspect = QLineEdit()
-        self.aspect.setObjectName("aspect")
-        self.aspect.setToolTip(tr("Picture width to height, without unit: 4:3, 4000x3000 or 1.333"))
+        self.aspect = line_edit(
+            "aspect", tr("Picture width to height, without unit: 4:3, 4000x3000 or 1.333")
+        )
         self.add("aspect", tr("Aspect ra&tio"), self.aspect)
         self.add_declared("image_px")
         self._fill_chooser()
@@ -91,10 +91,8 @@ class CameraEntries(Entries):
 
     def _add_chooser(self) -> None:
         self.camera = combo("camera", (), _chooser_tip())
-        self.more = QToolButton()
-        self.more.setObjectName("more_cameras")
-        self.more.setIcon(QgsApplication.getThemeIcon("/symbologyAdd.svg"))
-        self.more.setToolTip(tr("Save the values entered as a camera of your own, or remove one"))
+        tip = tr("Save the values entered as a camera of your own, or remove one")
+        self.more = tool_button("more_cameras", QgsApplication.getThemeIcon("/symbologyAdd.svg"), tip)
         self.more.setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
         menu = QMenu(self.more)
         self.save = menu.addAction(tr("Save these values as…"), self._save)
@@ -186,8 +184,10 @@ class CameraEntries(Entries):
             self._change(lambda: save_camera(name, self._state), name.strip())
 
     def _remove(self) -> None:
+        from ...core.mission.cameras import remove_camera
+
         name = self.camera.currentText()
-        self._change(lambda: forget_camera(name), "")
+        self._change(lambda: remove_camera(name), "")
 
     def _change(self, act: Any, named: str) -> None:
         """Change the user's own cameras, and offer those there are then; say what is wrong at the chooser."""
@@ -243,13 +243,6 @@ def save_camera(name: str, state: FormState) -> None:
         size_mm = [state.sensor_width_mm, state.sensor_height_mm]
         facts = {"sensor_mm": size_mm, "focal_length_mm": state.focal_length_mm}
     add_camera(name.strip(), {**facts, "aspect_ratio": ratio, "image_px": state.image_px})
-
-
-def forget_camera(name: str) -> None:
-    """Remove one of the user's own cameras; raises InvalidInput or OutputError."""
-    from ...core.mission.cameras import remove_camera
-
-    remove_camera(name)
 
 
 def _chooser_tip() -> str:

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from qgis.core import QgsApplication
 from qgis.gui import QgsCollapsibleGroupBoxBasic, QgsDockWidget
-from qgis.PyQt.QtCore import QEvent, QObject, Qt, QTimer, pyqtSignal
+from qgis.PyQt.QtCore import QEvent, QObject, QSignalBlocker, Qt, QTimer, pyqtSignal
 from qgis.PyQt.QtGui import QShowEvent
 from qgis.PyQt.QtWidgets import (
     QFrame,
@@ -22,7 +22,7 @@ from qgis.PyQt.QtWidgets import (
 from ..help import show_help
 from ..i18n import tr
 from ..paths import icon
-from ..widgets import push_button, wrapped_label
+from ..widgets import push_button, tool_button, wrapped_label
 from .choices import CameraChoice, SourceChoice
 from .figures import Figures
 from .form import DockForm
@@ -76,9 +76,8 @@ class Dock(QgsDockWidget):
 
     def show_preview_on(self, on: bool) -> None:
         """Press or release the preview button without asking for a preview."""
-        self.preview.blockSignals(True)
-        self.preview.setChecked(on)
-        self.preview.blockSignals(False)
+        with QSignalBlocker(self.preview):
+            self.preview.setChecked(on)
 
     def show_busy(self, busy: bool) -> None:
         """Show whether captures are under way: a test shot would wait behind them, another mission can."""
@@ -104,21 +103,13 @@ class Dock(QgsDockWidget):
             icon("capture"),
         )
         self.capture.clicked.connect(self.capture_clicked)
-        self.missions = QToolButton()
-        self.missions.setObjectName("missions")
-        self.missions.setIcon(QgsApplication.getThemeIcon("/mActionFileOpen.svg"))
-        self.missions.setText(tr("Missions"))
-        self.missions.setToolTip(
-            tr("Missions of this project, mission files and datasets: open, save, begin")
-        )
-        self.missions.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextBesideIcon)
+        tip = tr("Missions of this project, mission files and datasets: open, save, begin")
+        of_qgis = QgsApplication.getThemeIcon
+        self.missions = tool_button("missions", of_qgis("/mActionFileOpen.svg"), tip, tr("Missions"))
         self.missions.setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
         self.missions.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
-        self.help = QToolButton()
-        self.help.setObjectName("help")
-        self.help.setIcon(QgsApplication.getThemeIcon("/mActionHelpContents.svg"))
+        self.help = tool_button("help", of_qgis("/mActionHelpContents.svg"), tr("Open the guide"))
         self.help.setText(tr("Help"))
-        self.help.setToolTip(tr("Open the guide"))
         self.help.clicked.connect(lambda _checked: show_help())
 
     def _contents(self) -> QWidget:

@@ -6,19 +6,15 @@ from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple
 
 from qgis.gui import QgsCollapsibleGroupBoxBasic, QgsFileWidget
-from qgis.PyQt.QtCore import pyqtSignal
+from qgis.PyQt.QtCore import QSignalBlocker, pyqtSignal
 from qgis.PyQt.QtWidgets import QCheckBox, QComboBox, QLabel, QLineEdit, QWidget
 
 from ..form.fields import choices_of, label_of, tip_of
-from ..form.state import DECLARED, FormState
-from ..i18n import tr
-from ..widgets import FieldMarks, NumberBox, choose, combo, form_layout, row, spin, tick
+from ..form.state import DECLARED, ENTERED_AS_DECLARED, FormState
+from ..widgets import FieldMarks, NumberBox, choose, combo, form_layout, line_edit, row, spin, tick
 
 #: Numbers are taken as typed, and judged in words: what a spin box lets through is far more than what is right.
-_MOST, _PERCENT = 1e6, 100.0
-_SUFFIXES = {"": "", "m": " m", "deg": " °", "px": " px", "m/s": " m/s"}
-#: Decimals that people type, by unit, and elsewhere.
-_DECIMALS, _DECIMALS_ELSE = {"m": 6, "deg": 6, "px": 12, "m/s": 3}, 4
+_MOST = 1e6
 
 
 class _Access(NamedTuple):
@@ -71,9 +67,8 @@ class Entries(QgsCollapsibleGroupBoxBasic):
     def unfold(self) -> None:
         """Open without that being remembered as the user's wish."""
         if self.isCollapsed():
-            self.blockSignals(True)
-            self.setCollapsed(False)
-            self.blockSignals(False)
+            with QSignalBlocker(self):
+                self.setCollapsed(False)
 
     def take(self, name: str, widget: QWidget) -> None:
         """Make a widget the entry of a field."""
@@ -152,22 +147,19 @@ def declared_tick(name: str) -> QCheckBox:
 
 def declared_line(name: str) -> QLineEdit:
     """Line for the text of a field."""
-    line = QLineEdit()
-    line.setObjectName(name)
-    line.setToolTip(tip_of(DECLARED[name]))
-    return line
+    return line_edit(name, tip_of(DECLARED[name]))
 
 
 def declared_number(name: str) -> NumberBox:
     """Entry for the number of a field, shares in percent."""
-    field = DECLARED[name]
-    if field.unit == "share":
-        share = spin(name, 0.0, _PERCENT, 1, " %", tip_of(field, tr("percent")))
-        share.times = _PERCENT
-        return share
-    decimals = _DECIMALS.get(field.unit, _DECIMALS_ELSE) if field.kind is float else 0
+    field, unit = DECLARED[name], DECLARED[name].unit
     is_positive = (field.above is not None and field.above >= 0.0) or (field.least or 0.0) > 0.0
-    return spin(name, 0.0 if is_positive else -_MOST, _MOST, decimals, _SUFFIXES[field.unit], tip_of(field))
+    least, most = (0.0 if is_positive else -_MOST, _MOST) if unit.times == 1.0 else (0.0, unit.times)
+    number = spin(name, least, most, unit.decimals if field.kind is float else 0, unit.suffix, tip_of(field))
+    number.times = unit.times
+    if field.optional and name in ENTERED_AS_DECLARED:
+        number.let_be_left_out(least if field.least is None else field.least - 1.0)
+    return number
 
 
 def _access(widget: QWidget) -> _Access:

@@ -10,13 +10,14 @@ from typing import TYPE_CHECKING
 
 from qgis.core import QgsSettings
 from qgis.PyQt.QtCore import QSize, Qt, pyqtSignal
-from qgis.PyQt.QtGui import QResizeEvent
-from qgis.PyQt.QtWidgets import QFrame, QLabel, QScrollArea, QSizePolicy, QToolButton, QVBoxLayout, QWidget
+from qgis.PyQt.QtGui import QIcon, QResizeEvent
+from qgis.PyQt.QtWidgets import QFrame, QLabel, QScrollArea, QSizePolicy, QVBoxLayout, QWidget
 
 from ...core.mission.estimate import percent, size_text
 from ...core.mission.methods import bound_text
 from ..i18n import number_text, tr, translate
 from ..units import METRES, area_text, duration_text, gsd_text, length_text
+from ..widgets import named, tool_button
 
 if TYPE_CHECKING:
     from ...core.imagery.policy import Policy
@@ -58,13 +59,10 @@ class Figures(QScrollArea):
             label.setProperty("terrainavMark", "true")
         self.problem.setTextFormat(Qt.TextFormat.PlainText)
         self.warnings.linkActivated.connect(self.enlarging_wanted)
-        self.fold = QToolButton()
-        self.fold.setObjectName("fold_details")
-        self.fold.setText(tr("Details"))
-        self.fold.setToolTip(tr("Picture size, methods with their error bounds, and what is left out"))
+        tip = tr("Picture size, methods with their error bounds, and what is left out")
+        self.fold = tool_button("fold_details", QIcon(), tip, tr("Details"))
         self.fold.setCheckable(True)
         self.fold.setAutoRaise(True)
-        self.fold.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextBesideIcon)
         self.fold.toggled.connect(self._fold)
         contents = QWidget()
         layout = QVBoxLayout(contents)
@@ -201,8 +199,7 @@ def readout(
 
 
 def _label(name: str) -> QLabel:
-    label = QLabel()
-    label.setObjectName(name)
+    label = named(QLabel(), name)
     label.setWordWrap(True)
     label.setTextFormat(Qt.TextFormat.RichText)
     label.setTextInteractionFlags(

@@ -8,7 +8,7 @@ from typing import Any
 
 from qgis.core import QgsSettings
 from qgis.gui import QgsCollapsibleGroupBoxBasic
-from qgis.PyQt.QtCore import QObject, Qt, pyqtSignal
+from qgis.PyQt.QtCore import QObject, QSignalBlocker, Qt, pyqtSignal
 from qgis.PyQt.QtWidgets import QGridLayout, QLayout, QLayoutItem, QVBoxLayout, QWidget
 
 from ..area.editing import AreaEditing
@@ -18,7 +18,7 @@ from ..form.mission_form import beyond_text, without_beyond
 from ..form.state import FormState, with_unchanged
 from ..settings import Settings
 from ..tasks import single_shot
-from ..widgets import STYLE_SHEET, FieldMarks
+from ..widgets import STYLE_SHEET, FieldMarks, named
 from .camera import CameraEntries
 from .choices import CameraChoice, SourceChoice
 from .imagery import ImageryEntries
@@ -132,9 +132,8 @@ class DockForm(QWidget):
     def show_key(self, authcfg: str) -> None:
         """Show which authentication configuration holds the key of the chosen source."""
         if self.key.configId() != authcfg:
-            self.key.blockSignals(True)
-            self.key.setConfigId(authcfg)
-            self.key.blockSignals(False)
+            with QSignalBlocker(self.key):
+                self.key.setConfigId(authcfg)
 
     def allow_enlarged_pixels(self) -> None:
         """Tick what lets pictures have finer pixels than the source, and show where."""
@@ -144,11 +143,9 @@ class DockForm(QWidget):
     # --- groups
 
     def _make_groups(self, sources: Sequence[SourceChoice], cameras: Sequence[CameraChoice]) -> None:
-        area = self.area = AreaEntries(self.marks)
-        area.setObjectName("area_group")
+        area = self.area = named(AreaEntries(self.marks), "area_group")
         self.edges, self.draw_box = area.edges, area.draw_box
-        imagery = self.imagery = ImageryEntries(self.marks, sources)
-        imagery.setObjectName("imagery_group")
+        imagery = self.imagery = named(ImageryEntries(self.marks, sources), "imagery_group")
         self.source, self.template, self.date = imagery.source, imagery.template, imagery.date
         self.key, self.map_types, self.show_on_map = imagery.key, imagery.map_types, imagery.show_on_map
         camera = self.camera_group = CameraEntries(self.marks, cameras)

@@ -7,7 +7,7 @@ from functools import partial
 
 from qgis.core import QgsApplication
 from qgis.gui import QgsAuthConfigSelect, QgsCollapsibleGroupBoxBasic
-from qgis.PyQt.QtCore import QStringListModel, Qt, pyqtSignal
+from qgis.PyQt.QtCore import QSignalBlocker, QStringListModel, Qt, pyqtSignal
 from qgis.PyQt.QtGui import QFont, QStandardItemModel
 from qgis.PyQt.QtWidgets import (
     QCheckBox,
@@ -15,7 +15,6 @@ from qgis.PyQt.QtWidgets import (
     QCompleter,
     QFileDialog,
     QLabel,
-    QLineEdit,
     QMenu,
     QStyle,
     QToolButton,
@@ -23,12 +22,12 @@ from qgis.PyQt.QtWidgets import (
 )
 
 from ..form.fields import choices_of, label_of
-from ..form.state import SAME, URL_TEMPLATE
+from ..form.state import ENTERED_AS_DECLARED, URL_TEMPLATE
 from ..i18n import tr
 from ..paths import icon
 from ..plain import shown_plain
 from ..qgis_source.connections import SERVICE_PREFIX
-from ..widgets import Chooser, FieldMarks, form_layout, row
+from ..widgets import Chooser, FieldMarks, form_layout, line_edit, named, row, tool_button
 from .choices import (
     CATALOGUE,
     CONNECTION,
@@ -108,11 +107,10 @@ class ImageryEntries(QgsCollapsibleGroupBoxBasic):
         """Offer other sources; the one that is chosen stays, even where it is no longer among them."""
         chosen = self.source.currentData()
         self._choices = {choice.name: choice for choice in choices}
-        self.source.blockSignals(True)
-        self.source.fill(choices, [(URL_TEMPLATE, tr("URL template…"))])
-        if chosen is not None:
-            self.choose_source(chosen)
-        self.source.blockSignals(False)
+        with QSignalBlocker(self.source):
+            self.source.fill(choices, [(URL_TEMPLATE, tr("URL template…"))])
+            if chosen is not None:
+                self.choose_source(chosen)
         self._last = self.source.currentData()
         self.show_details()
 
@@ -187,17 +185,11 @@ class ImageryEntries(QgsCollapsibleGroupBoxBasic):
         self.source = SourceCombo()
         self.source.setToolTip(tr("Where the pictures come from; type a part of its name to find it"))
         self.source.setMinimumContentsLength(_TITLE_LETTERS)
-        self.show_on_map = QToolButton()
-        self.show_on_map.setObjectName("show_on_map")
-        self.show_on_map.setIcon(icon("show_on_map"))
-        self.show_on_map.setText(tr("Show on map"))
-        self.show_on_map.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextBesideIcon)
-        self.show_on_map.setToolTip(tr("Add this source to the map as background and zoom to the area"))
+        tip = tr("Add this source to the map as background and zoom to the area")
+        self.show_on_map = tool_button("show_on_map", icon("show_on_map"), tip, tr("Show on map"))
         self.show_on_map.clicked.connect(self.show_on_map_clicked)
-        self.more = QToolButton()
-        self.more.setObjectName("more_sources")
-        self.more.setIcon(QgsApplication.getThemeIcon("/symbologyAdd.svg"))
-        self.more.setToolTip(tr("Add a source by URL, open a file, and more"))
+        tip = tr("Add a source by URL, open a file, and more")
+        self.more = tool_button("more_sources", QgsApplication.getThemeIcon("/symbologyAdd.svg"), tip)
         self.more.setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
         menu = QMenu(self.more)
         menu.addAction(tr("Add source by URL…"), self.add_source_clicked.emit)
@@ -210,37 +202,27 @@ class ImageryEntries(QgsCollapsibleGroupBoxBasic):
         self._form.addRow(tr("Source"), self._marks.field("source", self.source, line))
 
     def _add_details(self) -> None:
-        self.template = QLineEdit()
-        self.template.setObjectName("template")
-        self.template.setPlaceholderText("https://…/{z}/{x}/{y}.png")
-        self.template.setToolTip(
-            tr("Address of the tiles with {z}, {x} and {y} or {-y}; also {s}, {q}, {r}, {map_type}, {date}")
-        )
+        tip = tr("Address of the tiles with {z}, {x} and {y} or {-y}; also {s}, {q}, {r}, {map_type}, {date}")
+        self.template = line_edit("template", tip, "https://…/{z}/{x}/{y}.png")
         self.template.textChanged.connect(self.show_details)
         self._template_label, self._template_field = QLabel(tr("URL")), self.template
         self._form.addRow(self._template_label, self.template)
-        self.limits = QLabel()
-        self.limits.setObjectName("limits")
+        self.limits = named(QLabel(), "limits")
         self.limits.setWordWrap(True)
         self.limits.setTextFormat(Qt.TextFormat.RichText)
         self.limits.setTextInteractionFlags(Qt.TextInteractionFlag.TextBrowserInteraction)
         self.limits.setOpenExternalLinks(True)
         self._form.addRow(self.limits)
-        self.date = QLineEdit()
-        self.date.setObjectName("date")
+        self.date = line_edit("date", "")
         self._date_label, self._date_field = QLabel(tr("Date")), self._marks.field("date", self.date)
         self._form.addRow(self._date_label, self._date_field)
-        self.key = QgsAuthConfigSelect()
-        self.key.setObjectName("key")
-        self.key.setToolTip(
-            tr("API key, kept in QGIS's authentication database as the password of a configuration")
-        )
+        self.key = named(QgsAuthConfigSelect(), "key")
         self._key_label = QLabel(tr("API key"))
         self._key_field = self._marks.field("key", self.key.findChild(QComboBox) or self.key, self.key)
         self._form.addRow(self._key_label, self._key_field)
 
     def _add_map_types(self) -> None:
-        field = SAME["map_types"]
+        field = ENTERED_AS_DECLARED["map_types"]
         self.map_types = {name: QCheckBox(label) for name, label in choices_of(field)}
         for name, check in self.map_types.items():
             check.setObjectName(f"map_type_{name}")
@@ -251,9 +233,8 @@ class ImageryEntries(QgsCollapsibleGroupBoxBasic):
         chosen = self.source.currentData()
         if isinstance(chosen, str) and chosen.startswith(SERVICE_PREFIX):
             # Of a service a layer has to be chosen first; until then things stay as they are.
-            self.source.blockSignals(True)
-            self.choose_source(self._last)
-            self.source.blockSignals(False)
+            with QSignalBlocker(self.source):
+                self.choose_source(self._last)
             self.service_chosen.emit(chosen[len(SERVICE_PREFIX) :])
             return
         self._last = chosen
@@ -269,9 +250,8 @@ class ImageryEntries(QgsCollapsibleGroupBoxBasic):
 
     def _tick(self, names: Iterable[str]) -> None:
         for name, check in self.map_types.items():
-            check.blockSignals(True)
-            check.setChecked(name in names)
-            check.blockSignals(False)
+            with QSignalBlocker(check):
+                check.setChecked(name in names)
 
     def _map_type_ticked(self, name: str, on: bool) -> None:
         (self._wanted.add if on else self._wanted.discard)(name)

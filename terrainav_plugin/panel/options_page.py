@@ -6,7 +6,7 @@ import os
 from collections.abc import Callable
 from pathlib import Path
 
-from qgis.gui import QgsAuthConfigSelect, QgsFileWidget, QgsOptionsPageWidget, QgsSpinBox
+from qgis.gui import QgsAuthConfigSelect, QgsFileWidget, QgsOptionsPageWidget
 from qgis.PyQt.QtCore import Qt
 from qgis.PyQt.QtWidgets import (
     QAbstractItemView,
@@ -14,13 +14,10 @@ from qgis.PyQt.QtWidgets import (
     QDialog,
     QDialogButtonBox,
     QFormLayout,
-    QFrame,
     QGroupBox,
     QHeaderView,
     QLabel,
-    QLineEdit,
     QPushButton,
-    QScrollArea,
     QTableWidget,
     QTableWidgetItem,
     QVBoxLayout,
@@ -32,9 +29,22 @@ from ...core.mission.estimate import size_text
 from ..help import add_help_button
 from ..i18n import number_text, tr, translate
 from ..messages import log
-from ..plain import plain_label, shown_plain
+from ..plain import shown_plain
 from ..settings import Settings
-from ..widgets import STYLE_SHEET, FieldMarks, choose, combo, row
+from ..widgets import (
+    STYLE_SHEET,
+    FieldMarks,
+    choose,
+    combo,
+    folder_entry,
+    growing_form,
+    line_edit,
+    named,
+    row,
+    scrolled,
+    whole_spin,
+    wrapped_label,
+)
 
 #: Rows that are seen without scrolling.
 _ROWS = 6
@@ -125,20 +135,18 @@ class OptionsPage(QgsOptionsPageWidget):
         for box in (self._missions(), self._cache(), self._keys()):
             layout.addWidget(box)
         buttons = QDialogButtonBox()
-        self.reset = buttons.addButton(tr("Reset to defaults"), QDialogButtonBox.ButtonRole.ResetRole)
-        self.reset.setObjectName("reset")
-        self.reset.setToolTip(tr("Everything but the keys, which stay as they are"))
+        self.reset = named(
+            buttons.addButton(tr("Reset to defaults"), QDialogButtonBox.ButtonRole.ResetRole),
+            "reset",
+            tr("Everything but the keys, which stay as they are"),
+        )
         self.reset.clicked.connect(self.show_defaults)
         add_help_button(buttons, tr("settings"))
         layout.addWidget(buttons)
         layout.addStretch(1)
-        scroll = QScrollArea()
-        scroll.setWidgetResizable(True)
-        scroll.setFrameShape(QFrame.Shape.NoFrame)
-        scroll.setWidget(inside)
         outside = QVBoxLayout(self)
         outside.setContentsMargins(0, 0, 0, 0)
-        outside.addWidget(scroll)
+        outside.addWidget(scrolled(inside))
 
     def _missions(self) -> QGroupBox:
         box, form = _box(tr("Missions"))
@@ -147,13 +155,8 @@ class OptionsPage(QgsOptionsPageWidget):
         units = (("m", tr("Metres")), ("ft", tr("Feet (international)")))
         self.units = combo("units", units, tr("Unit of heights above ground: m or ft"))
         form.addRow(tr("Heights in"), self.units)
-        limits = Settings.connections
-        self.connections = _whole(
-            "connections",
-            limits.least,
-            limits.most,
-            tr("Requests under way at once; fewer where a provider says so"),
-        )
+        limits, tip = Settings.connections, tr("Requests under way at once; fewer where a provider says so")
+        self.connections = whole_spin("connections", limits.least, limits.most, tip)
         form.addRow(tr("Connections at once"), self.connections)
         tip = tr("Pictures of the synthetic landscape that are shown as background")
         place = str(self._settings.profile)
@@ -167,24 +170,19 @@ class OptionsPage(QgsOptionsPageWidget):
         tip = tr("Tiles that providers allow to be stored; they are not requested again")
         self._folder(form, tr("Folder of the cache"), "cache_folder", str(default_folder()), tip)
         limits = Settings.cache_limit_mb
-        self.cache_limit = _whole(
-            "cache_limit",
-            limits.least,
-            limits.most,
-            tr("Size limit of the cache in MB; beyond it, the least recently used tiles are deleted"),
-        )
+        tip = tr("Size limit of the cache in MB; beyond it, the least recently used tiles are deleted")
+        self.cache_limit = whole_spin("cache_limit", limits.least, limits.most, tip)
         self.cache_limit.setSuffix(" MB")
         self.cache_limit.setSingleStep(500)
-        self.cache_button = QPushButton(tr("Look at it or clear it…"))
-        self.cache_button.setObjectName("cache")
-        self.cache_button.setToolTip(tr("Shows what is in the cache, and clears some or all of it"))
+        self.cache_button = named(
+            QPushButton(tr("Look at it or clear it…")),
+            "cache",
+            tr("Shows what is in the cache, and clears some or all of it"),
+        )
         self.cache_button.clicked.connect(self.show_cache)
         form.addRow(tr("At most"), row(self.cache_limit, self.cache_button, stretch=0))
-        self.placeholders = QLineEdit()
-        self.placeholders.setObjectName("placeholders")
-        self.placeholders.setToolTip(
-            tr("SHA-256 of tiles that show no imagery, 16 digits or more of each, with spaces between them")
-        )
+        tip = tr("SHA-256 of tiles that show no imagery, 16 digits or more of each, with spaces between them")
+        self.placeholders = line_edit("placeholders", tip)
         form.addRow(tr("Treat as missing"), self.marks.field("placeholders", self.placeholders))
         return box
 
@@ -205,11 +203,7 @@ class OptionsPage(QgsOptionsPageWidget):
         return box
 
     def _folder(self, form: QFormLayout, label: str, name: str, usual: str, tip: str) -> None:
-        widget = QgsFileWidget()
-        widget.setObjectName(name)
-        widget.setStorageMode(QgsFileWidget.StorageMode.GetDirectory)
-        widget.setDialogTitle(label)
-        widget.setToolTip(tip)
+        widget = folder_entry(name, label, tip)
         widget.lineEdit().setPlaceholderText(usual)
         self.folders[name] = widget
         form.addRow(label, self.marks.field(name, widget.lineEdit(), widget))
@@ -290,8 +284,7 @@ class KeysTable(QTableWidget):
             item = QTableWidgetItem(title or name)
             item.setToolTip(shown_plain(name))
             self.setItem(line, 0, item)
-            chooser = QgsAuthConfigSelect()
-            chooser.setObjectName(f"key_{name}")
+            chooser = named(QgsAuthConfigSelect(), f"key_{name}")
             chooser.setConfigId(chosen.get(name, ""))
             # Its buttons beside it tell the same.
             chooser.findChild(QComboBox).setToolTip(
@@ -320,9 +313,7 @@ class CacheDialog(QDialog):
         self.setObjectName("terrainav_cache")
         self.setWindowTitle(tr("TerrAInav: cache"))
         self._cache = Settings().tile_cache()
-        self.told = plain_label()
-        self.told.setWordWrap(True)
-        self.told.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
+        self.told = wrapped_label("told")
         self.table = QTableWidget(0, 5)
         self.table.setHorizontalHeaderLabels(
             [tr("Source"), tr("Map type"), tr("Date"), tr("Tiles"), tr("Size")]
@@ -390,19 +381,7 @@ class CacheDialog(QDialog):
 
 def _box(title: str) -> tuple[QGroupBox, QFormLayout]:
     box = QGroupBox(title)
-    form = QFormLayout(box)
-    form.setFieldGrowthPolicy(QFormLayout.FieldGrowthPolicy.AllNonFixedFieldsGrow)
-    return box, form
-
-
-def _whole(name: str, least: int, most: int, tip: str) -> QgsSpinBox:
-    spin = QgsSpinBox()
-    spin.setObjectName(name)
-    spin.setRange(least, most)
-    spin.setShowClearButton(False)
-    spin.setToolTip(tip)
-    spin.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
-    return spin
+    return box, growing_form(box)
 
 
 def _in_need_of_keys() -> dict[str, str]:

@@ -11,7 +11,6 @@ from qgis.PyQt.QtCore import QObject, pyqtSignal
 from ...core.errors import TerrAInavError
 from ..form import mission_form
 from ..form.area import FormError
-from ..form.refusals import refused_fields
 from ..form.state import BOX_FIELDS
 from ..i18n import tr, translate
 from ..sources import policy_of
@@ -149,7 +148,7 @@ class Planning(QObject):
             self._form.show_messages(error.messages)
             self._dock.show_problem(self._form.marks.out_of_sight(error.messages))
         elif isinstance(error, TerrAInavError):
-            messages = refused_fields(error)
+            messages = mission_form.refused_fields(error)
             self._form.show_messages(messages)
             self._dock.show_problem(next(iter(messages.values()), translate(error)))
         else:

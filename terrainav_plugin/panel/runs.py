@@ -23,7 +23,8 @@ from qgis.PyQt.QtWidgets import (
 from ..capture.run import Run, Stage, row_text, title_of
 from ..i18n import tr
 from ..paths import icon
-from ..plain import plain_label, shown_plain
+from ..plain import shown_plain
+from ..widgets import named, tool_button, wrapped_label
 
 if TYPE_CHECKING:
     from ..capture.queue import Runs
@@ -189,21 +190,16 @@ class RunRow(QFrame):
     def __init__(self, title: str) -> None:
         super().__init__()
         self.setFrameShape(QFrame.Shape.StyledPanel)
-        self.title = _ElidedLabel()
-        self.title.setObjectName("run_title")
+        self.title = named(_ElidedLabel(), "run_title")
         font = self.title.font()
         font.setBold(True)
         self.title.setFont(font)
         self.title.set_text(title)
-        self.bar = QProgressBar()
-        self.bar.setObjectName("run_progress")
+        self.bar = named(QProgressBar(), "run_progress")
         self.bar.setRange(0, 100)
         self.bar.setTextVisible(False)
         self.bar.setFixedHeight(_BAR_HEIGHT_PX)
-        self.text = plain_label()
-        self.text.setObjectName("run_text")
-        self.text.setWordWrap(True)
-        self.text.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
+        self.text = wrapped_label("run_text")
         self.buttons = self._make_buttons(title)
         self._lay_out()
 
@@ -246,11 +242,8 @@ class RunRow(QFrame):
         }
         buttons = {}
         for name, (image, tip) in looks.items():
-            button = QToolButton()
-            button.setObjectName(f"run_{name}")
-            button.setIcon(image)
+            button = tool_button(f"run_{name}", image, tip)
             button.setAutoRaise(True)
-            button.setToolTip(tip)
             button.setAccessibleName(f"{tip} ({title})")
             # By keyboard as well.
             button.setFocusPolicy(Qt.FocusPolicy.StrongFocus)

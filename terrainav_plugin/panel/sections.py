@@ -6,7 +6,6 @@ import html
 from dataclasses import replace
 from typing import Any
 
-from qgis.gui import QgsFileWidget
 from qgis.PyQt.QtCore import Qt, pyqtSignal
 from qgis.PyQt.QtWidgets import QLabel
 
@@ -15,7 +14,7 @@ from ..form.fields import label_of
 from ..form.state import DECLARED, FormState
 from ..i18n import number_text, tr
 from ..units import length_text
-from ..widgets import FieldMarks, FieldMessage, combo, row, spin, tick
+from ..widgets import FieldMarks, FieldMessage, combo, folder_entry, named, row, spin, tick
 from .entries import (
     Entries,
     Section,
@@ -98,8 +97,7 @@ class FlightEntries(Entries):
         self.camera_gsd = spin("camera_gsd", 0.0, _GSD, 4, "", tip)
         self.camera_gsd.valueChanged.connect(lambda: setattr(self, "height_by", "gsd"))
         self.add("camera_gsd", tr("&Ground per px"), self.camera_gsd)
-        self.low = FieldMessage()
-        self.low.setObjectName("camera_gsd_hint")
+        self.low = named(FieldMessage(), "camera_gsd_hint")
         self.low.setWordWrap(True)
         self.low.hide()
         self._form.addRow(self.low)
@@ -124,13 +122,8 @@ class OutputEntries(Entries):
 
     def __init__(self, marks: FieldMarks) -> None:
         super().__init__("output", tr("Output"), marks)
-        self.folder = QgsFileWidget()
-        self.folder.setObjectName("folder")
-        self.folder.setStorageMode(QgsFileWidget.StorageMode.GetDirectory)
-        self.folder.setDialogTitle(tr("Folder for the pictures"))
-        self.folder.setToolTip(tr("Folder for the pictures; its last part names the mission on the map"))
-        # A label's key goes to what is typed into.
-        self.folder.setFocusProxy(self.folder.lineEdit())
+        tip = tr("Folder for the pictures; its last part names the mission on the map")
+        self.folder = folder_entry("folder", tr("Folder for the pictures"), tip)
         self.add("folder", tr("Folder"), self.folder)
         self.image_format = declared_choice("image_format")
         self.add_declared("image_format", self.image_format)
@@ -167,9 +160,7 @@ class PixelsSection(Section):
         self._gsd = self.add_declared("gsd_m_per_px")
         self.upsample = declared_tick("upsample")
         self.add_declared("upsample", self.upsample)
-        most = declared_number("max_px")
-        most.setSpecialValueText(tr("no limit"))
-        self.add_declared("max_px", most)
+        self.add_declared("max_px")
         tip = tr("Resize every picture to the width and height below, in pixels (px)")
         self.add("resize", "", tick("resize", tr("Resize pictures"), tip))
         names = ("resize_width_px", "resize_height_px")
@@ -240,11 +231,9 @@ class AccuracySection(Section):
         self.add_declared("resampling", resampling)
         # What a camera frame is resampled with says nothing about a map frame.
         frame.currentIndexChanged.connect(lambda: resampling.setEnabled(frame.currentData() != "map"))
-        self.more = QLabel()
-        self.more.setObjectName("more")
+        self.more = named(QLabel(), "more", tr("Settings in the mission file that the panel cannot show"))
         self.more.setWordWrap(True)
         self.more.setTextFormat(Qt.TextFormat.RichText)
-        self.more.setToolTip(tr("Settings in the mission file that the panel cannot show"))
         self.more.linkActivated.connect(self.reset_clicked)
         self._form.addRow(self.more)
         self._form.addRow(marks.label("more", self.more))

@@ -7,15 +7,11 @@ from contextlib import closing
 from typing import TYPE_CHECKING, Any
 from urllib.parse import quote
 
-from qgis.gui import QgsSpinBox
 from qgis.PyQt.QtCore import Qt
 from qgis.PyQt.QtWidgets import (
-    QCheckBox,
     QDialog,
     QDialogButtonBox,
-    QFormLayout,
     QLabel,
-    QLineEdit,
     QListWidget,
     QListWidgetItem,
     QVBoxLayout,
@@ -27,11 +23,23 @@ from ..credentials import store_key
 from ..help import add_help_button
 from ..i18n import number_text, tr, translate
 from ..network.transport import QgisTransport
-from ..plain import plain_label, shown_plain
+from ..plain import shown_plain
 from ..qgis_source.connections import ServiceConnection
 from ..settings import Settings, credential_home
 from ..tasks import Task
-from ..widgets import STYLE_SHEET, FieldMarks, combo, spin
+from ..widgets import (
+    STYLE_SHEET,
+    FieldMarks,
+    combo,
+    growing_form,
+    line_edit,
+    named,
+    ok_and_cancel,
+    spin,
+    tick,
+    whole_spin,
+    wrapped_label,
+)
 from .choices import limits_html
 
 if TYPE_CHECKING:
@@ -86,57 +94,43 @@ class AddSourceDialog(QDialog):
         super().accept()
 
     def _make_fields(self) -> None:
-        self.url = _line(
-            "url", tr("Address of the tiles with {z}, {x} and {y} or {-y}; {key} stands for an API key")
-        )
-        self.url.setPlaceholderText("https://…/{z}/{x}/{y}.png")
-        self.name = _line(
+        tip = tr("Address of the tiles with {z}, {x} and {y} or {-y}; {key} stands for an API key")
+        self.url = line_edit("url", tip, "https://…/{z}/{x}/{y}.png")
+        self.name = line_edit(
             "name", tr("Names it in missions and on the command line: lower-case letters and digits")
         )
-        self.title = _line("title", tr("What you call it"))
-        self.attribution = _line("attribution", tr("Credit that goes into every image's metadata"))
-        self.licence = _line("licence", tr("Licence of the imagery, such as CC BY 4.0"))
-        self.terms_url = _line("terms_url", tr("Address of the provider's terms of use"))
-        self.default_date = _line("default_date", tr("Default value of {date} in the address"))
-        self.placeholders = _line(
+        self.title = line_edit("title", tr("What you call it"))
+        self.attribution = line_edit("attribution", tr("Credit that goes into every image's metadata"))
+        self.licence = line_edit("licence", tr("Licence of the imagery, such as CC BY 4.0"))
+        self.terms_url = line_edit("terms_url", tr("Address of the provider's terms of use"))
+        self.default_date = line_edit("default_date", tr("Default value of {date} in the address"))
+        self.placeholders = line_edit(
             "placeholders",
             tr("SHA-256 of tiles that show no imagery, 16 digits or more of each, with spaces between them"),
         )
-        self.max_zoom = QgsSpinBox()
-        self.max_zoom.setObjectName("max_zoom")
-        self.max_zoom.setRange(0, 30)
+        self.max_zoom = whole_spin("max_zoom", 0, 30, tr("Highest zoom with detail of its own, 0 to 30"))
         self.max_zoom.setValue(19)
-        self.max_zoom.setShowClearButton(False)
-        self.max_zoom.setToolTip(tr("Highest zoom with detail of its own, 0 to 30"))
         self.tile_px = combo(
             "tile_px", ((256, tr("256 px")), (512, tr("512 px"))), tr("Width and height of a tile")
         )
-        self.connections = QgsSpinBox()
-        self.connections.setObjectName("connections")
-        self.connections.setRange(1, 64)
+        tip = tr("Requests under way at once, as many as the provider allows")
+        self.connections = whole_spin("connections", 1, 64, tip)
         self.connections.setValue(_CONNECTIONS)
-        self.connections.setShowClearButton(False)
-        self.connections.setToolTip(tr("Requests under way at once, as many as the provider allows"))
         self.rate = spin(
             "rate", 0.1, 10_000.0, 1, tr(" a second"), tr("Requests a second, as many as the provider allows")
         )
         self.rate.setValue(_REQUESTS_PER_S)
-        self.cached = QCheckBox(tr("Tiles may be kept in the cache"))
-        self.cached.setObjectName("cached")
+        tip = tr("Leave it ticked only where the provider's terms allow storing")
+        self.cached = tick("cached", tr("Tiles may be kept in the cache"), tip)
         self.cached.setChecked(True)
-        self.cached.setToolTip(tr("Leave it ticked only where the provider's terms allow storing"))
-        self.limits = QLabel()
+        self.limits = named(QLabel(), "limits")
         self.limits.setTextFormat(Qt.TextFormat.RichText)
-        self.limits.setObjectName("limits")
         self.limits.setWordWrap(True)
-        self.buttons = QDialogButtonBox(
-            QDialogButtonBox.StandardButton.Ok | QDialogButtonBox.StandardButton.Cancel
-        )
+        self.buttons = ok_and_cancel(self)
         add_help_button(self.buttons, tr("sources"))
 
     def _lay_out(self) -> None:
-        form = QFormLayout()
-        form.setFieldGrowthPolicy(QFormLayout.FieldGrowthPolicy.AllNonFixedFieldsGrow)
+        form = growing_form()
         for label, name in (
             (tr("URL"), "url"),
             (tr("Name"), "name"),
@@ -165,8 +159,6 @@ class AddSourceDialog(QDialog):
         self.setMinimumWidth(_ROOM_PX)
 
     def _connect(self) -> None:
-        self.buttons.accepted.connect(self.accept)
-        self.buttons.rejected.connect(self.reject)
         self.name.textEdited.connect(self._take_name)
         self.url.textChanged.connect(self._suggest_name)
         for signal in (
@@ -258,20 +250,11 @@ class ServiceDialog(QDialog):
         self._service = service
         self._task: _Capabilities | None = None
         self._kind = ""
-        self.search = QLineEdit()
-        self.search.setObjectName("search")
+        self.search = line_edit("search", tr("Part of a layer's title or name"), tr("Search"))
         self.search.setClearButtonEnabled(True)
-        self.search.setPlaceholderText(tr("Search"))
-        self.search.setToolTip(tr("Part of a layer's title or name"))
-        self.list = QListWidget()
-        self.list.setObjectName("layers")
-        self.list.setToolTip(tr("Layers that the service offers"))
-        self.told = plain_label()
-        self.told.setObjectName("told")
-        self.told.setWordWrap(True)
-        self.buttons = QDialogButtonBox(
-            QDialogButtonBox.StandardButton.Ok | QDialogButtonBox.StandardButton.Cancel
-        )
+        self.list = named(QListWidget(), "layers", tr("Layers that the service offers"))
+        self.told = wrapped_label("told")
+        self.buttons = ok_and_cancel(self)
         add_help_button(self.buttons, tr("sources"))
         layout = QVBoxLayout(self)
         for widget in (self.search, self.list, self.told, self.buttons):
@@ -280,8 +263,6 @@ class ServiceDialog(QDialog):
         self.search.textChanged.connect(self._filter)
         self.list.itemSelectionChanged.connect(self._show_ready)
         self.list.itemDoubleClicked.connect(lambda _: self.accept())
-        self.buttons.accepted.connect(self.accept)
-        self.buttons.rejected.connect(self.reject)
         self._show_ready()
         self._ask(_Capabilities(service), self._show_layers)
 
@@ -369,13 +350,6 @@ def kept(entry: CatalogueEntry, service: ServiceConnection, layer: str) -> str:
     if all(credential_home(url) == credential_home(service.address) for url in entry.urls.values()):
         Settings().set_authcfg(name, authcfg)
     return name
-
-
-def _line(name: str, tip: str) -> QLineEdit:
-    edit = QLineEdit()
-    edit.setObjectName(name)
-    edit.setToolTip(tip)
-    return edit
 
 
 def _name_problem(name: str) -> dict[str, str]:

@@ -155,11 +155,7 @@ class WorldTask(Task):
 
     def work(self) -> None:
         """Render."""
-        render(self.picture, self.path, self._go_on)
-
-    def _go_on(self, share: float) -> bool:
-        self.setProgress(100.0 * share)
-        return not self.isCanceled()
+        render(self.picture, self.path, self.go_on)
 
 
 class Background:

@@ -7,7 +7,6 @@ mission_parameters  the parameters of a mission, and the mission that they ask f
 imagery             the imagery of a mission, taken on the main thread before an algorithm runs
 plan                a mission worked out, as layers, numbers and files
 capture             a mission captured into a dataset folder, and what has failed captured again
-clean               a dataset cleaned of images with too little to see
-split               a dataset divided into training, validation and test
+datasets            a dataset cleaned of images with too little to see, and divided into parts
 report              a mission's error measured against run time
 """

@@ -4,16 +4,17 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable
-from pathlib import Path
 from queue import Empty, SimpleQueue
-from typing import Any, TypeVar
+from typing import Any, NamedTuple, TypeVar
 
 from qgis.core import (
     QgsProcessingAlgorithm,
     QgsProcessingContext,
     QgsProcessingException,
     QgsProcessingFeedback,
+    QgsProcessingOutputNumber,
     QgsProcessingParameterDefinition,
+    QgsProcessingParameterFile,
 )
 from qgis.PyQt.QtCore import QEventLoop, QTimer
 from qgis.PyQt.QtGui import QIcon
@@ -27,6 +28,48 @@ from ..tasks import PythonThread, hold_crs, on_python_thread
 Result = TypeVar("Result")
 #: Milliseconds between two looks at what the work tells, and at whether the user has cancelled.
 _LOOK_MS = 20
+
+
+class Words(NamedTuple):
+    """What people read of an algorithm: title, tooltip, words that it is found by, paragraphs of its help."""
+
+    title: str
+    tip: str
+    tags: str
+    help: tuple[str, ...]
+
+
+class Run(NamedTuple):
+    """What an algorithm runs with."""
+
+    algorithm: QgsProcessingAlgorithm
+    parameters: dict[str, Any]
+    context: QgsProcessingContext
+    feedback: QgsProcessingFeedback
+
+    def is_given(self, name: str) -> bool:
+        """Whether a parameter has a value."""
+        return self.parameters.get(name) not in (None, "")
+
+    def text(self, name: str) -> str:
+        """Text, path or configuration that a parameter holds."""
+        return self.algorithm.parameterAsString(self.parameters, name, self.context)
+
+    def number(self, name: str) -> float:
+        """Number that a parameter holds."""
+        return self.algorithm.parameterAsDouble(self.parameters, name, self.context)
+
+    def whole(self, name: str) -> int:
+        """Whole number that a parameter holds."""
+        return self.algorithm.parameterAsInt(self.parameters, name, self.context)
+
+    def flag(self, name: str) -> bool:
+        """Whether a parameter is ticked."""
+        return self.algorithm.parameterAsBool(self.parameters, name, self.context)
+
+    def choice(self, name: str) -> str:
+        """Word that is chosen; empty for none."""
+        return self.algorithm.parameterAsEnumString(self.parameters, name, self.context)
 
 
 class Algorithm(QgsProcessingAlgorithm):
@@ -63,6 +106,22 @@ class Algorithm(QgsProcessingAlgorithm):
         """Title of the group."""
         return {"missions": tr("Missions"), "datasets": tr("Datasets")}[self.GROUP]
 
+    def displayName(self) -> str:
+        """Title."""
+        return self.words().title
+
+    def shortDescription(self) -> str:
+        """Tooltip."""
+        return self.words().tip
+
+    def tags(self) -> list[str]:
+        """Words that it is found by."""
+        return self.words().tags.split(",")
+
+    def shortHelpString(self) -> str:
+        """Help, which the toolbox shows as HTML and a terminal as it is."""
+        return "\n\n".join(self.words().help)
+
     def icon(self) -> QIcon:
         """Icon in the toolbox."""
         return icon("icon")
@@ -73,7 +132,9 @@ class Algorithm(QgsProcessingAlgorithm):
 
     def helpUrl(self) -> str:
         """Page about the plugin."""
-        return _homepage()
+        from ..help import homepage
+
+        return homepage()
 
     def canExecute(self) -> tuple[bool, str]:
         """Whether all packages are there, and which are not."""
@@ -93,12 +154,26 @@ class Algorithm(QgsProcessingAlgorithm):
             parameter.setFlags(parameter.flags() | QgsProcessingParameterDefinition.Flag.FlagAdvanced)
         self.addParameter(parameter)
 
+    def add_dataset(self, help_text: str) -> None:
+        """Add the parameter of a dataset's folder."""
+        folder = QgsProcessingParameterFile.Behavior.Folder
+        self.add(QgsProcessingParameterFile("DATASET", tr("Dataset folder"), folder), help_text)
+
+    def add_numbers(self, titles: dict[str, str]) -> None:
+        """Add outputs that are numbers, each with its title."""
+        for name, title in titles.items():
+            self.addOutput(QgsProcessingOutputNumber(name, title))
+
+    def initAlgorithm(self, configuration: dict[str, Any] | None = None) -> None:  # noqa: ARG002  QGIS passes it
+        """Add parameters and outputs."""
+        self.define()
+
     def prepareAlgorithm(
         self, parameters: dict[str, Any], context: QgsProcessingContext, feedback: QgsProcessingFeedback
     ) -> bool:
         """Take what belongs to the main thread, where QGIS calls this."""
         hold_crs()
-        _checked(lambda: self.prepared(parameters, context, feedback))
+        _checked(lambda: self.prepared(Run(self, parameters, context, feedback)))
         return True
 
     def processAlgorithm(
@@ -106,19 +181,23 @@ class Algorithm(QgsProcessingAlgorithm):
     ) -> dict[str, Any]:
         """Do the work."""
         try:
-            return _checked(lambda: self.processed(parameters, context, feedback))
+            return _checked(lambda: self.processed(Run(self, parameters, context, feedback)))
         finally:
             self.released()
 
-    def prepared(
-        self, parameters: dict[str, Any], context: QgsProcessingContext, feedback: QgsProcessingFeedback
-    ) -> None:
-        """Prepare; for what an algorithm does on the main thread before it runs."""
+    def words(self) -> Words:
+        """Return what people read of it."""
+        raise NotImplementedError
 
-    def processed(
-        self, parameters: dict[str, Any], context: QgsProcessingContext, feedback: QgsProcessingFeedback
-    ) -> dict[str, Any]:
-        """Run; on any thread."""
+    def define(self) -> None:
+        """Add its parameters and outputs."""
+        raise NotImplementedError
+
+    def prepared(self, run: Run) -> None:
+        """Take what belongs to the main thread, before it runs."""
+
+    def processed(self, run: Run) -> dict[str, Any]:
+        """Do the work, on any thread; returns the outputs."""
         raise NotImplementedError
 
     def postProcessAlgorithm(
@@ -135,11 +214,6 @@ class Algorithm(QgsProcessingAlgorithm):
 
     def released(self) -> None:
         """Let go of what was prepared; whatever became of the run."""
-
-
-def paragraphs(*texts: str) -> str:
-    """Help text, which the toolbox shows as HTML and a terminal as it is."""
-    return "\n\n".join(texts)
 
 
 class Watch:
@@ -164,11 +238,6 @@ class Watch:
     def cancelled(self) -> bool:
         """Whether the user has cancelled."""
         return self._feedback.isCanceled()
-
-
-def run_in_background(work: Callable[[Watch], Result], feedback: QgsProcessingFeedback) -> Result:
-    """Work with the main thread free for its events; see `beside`."""
-    return off_main_thread(work, feedback)
 
 
 def off_main_thread(work: Callable[[Watch], Result], feedback: QgsProcessingFeedback) -> Result:
@@ -213,15 +282,6 @@ def _checked(work: Callable[[], Result]) -> Result:
         text = translate(wrong)
     # Out here the error is forgotten, and with it all that its trace would hold until the thread has ended.
     raise QgsProcessingException(text)
-
-
-def _homepage() -> str:
-    metadata = Path(__file__).resolve().parents[2] / "metadata.txt"
-    for line in metadata.read_text(encoding="utf-8").splitlines():
-        name, _, value = line.partition("=")
-        if name == "homepage":
-            return value
-    return ""
 
 
 class _Relay(Watch):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from qgis.core import (
     QgsCoordinateReferenceSystem,
@@ -10,9 +10,7 @@ from qgis.core import (
     QgsCsException,
     QgsFeature,
     QgsGeometry,
-    QgsProcessingContext,
     QgsProcessingFeatureSource,
-    QgsProcessingFeedback,
 )
 
 from ...core.errors import InvalidInput
@@ -21,7 +19,7 @@ from ..i18n import tr
 
 if TYPE_CHECKING:
     from ...core.mission.area import Area, Box, Points, Polygon
-    from .algorithm import Algorithm
+    from .algorithm import Run
 
 
 #: Latitude and longitude, which missions are in.
@@ -30,13 +28,13 @@ _GEOGRAPHIC = "EPSG:4326"
 _PIECES = 256
 
 
-def box_of_extent(algorithm: Algorithm, parameters: dict[str, Any], context: QgsProcessingContext) -> Box:
+def box_of_extent(run: Run) -> Box:
     """Box around an extent; raises InvalidInput."""
     from ...core.mission.area import Box
 
     geographic = QgsCoordinateReferenceSystem(_GEOGRAPHIC)
     try:
-        extent = algorithm.parameterAsExtent(parameters, "EXTENT", context, geographic)
+        extent = run.algorithm.parameterAsExtent(run.parameters, "EXTENT", run.context, geographic)
     except QgsCsException as wrong:
         raise InvalidInput(
             tr("extent: has no place in latitude and longitude ({error})").format(error=wrong)
@@ -44,29 +42,23 @@ def box_of_extent(algorithm: Algorithm, parameters: dict[str, Any], context: Qgs
     if extent.isNull() or not extent.isFinite():
         raise InvalidInput(
             tr("extent {text}: cannot be read; must be xmin,xmax,ymin,ymax [EPSG:code]").format(
-                text=parameters.get("EXTENT")
+                text=run.parameters.get("EXTENT")
             )
         )
     return Box(extent.yMaximum(), extent.xMinimum(), extent.yMinimum(), extent.xMaximum())
 
 
-def area_of_layer(
-    algorithm: Algorithm,
-    parameters: dict[str, Any],
-    context: QgsProcessingContext,
-    feedback: QgsProcessingFeedback,
-    agl_m: float,
-) -> tuple[Area, float]:
+def area_of_layer(run: Run, agl_m: float) -> tuple[Area, float]:
     """Polygon or points of a layer, and the mission's height; raises InvalidInput."""
-    source = algorithm.parameterAsSource(parameters, "AREA", context)
+    source = run.algorithm.parameterAsSource(run.parameters, "AREA", run.context)
     if source is None:
-        raise InvalidInput(tr("area {name}: no such layer").format(name=parameters.get("AREA")))
-    features = _located(source, context, feedback)
+        raise InvalidInput(tr("area {name}: no such layer").format(name=run.parameters.get("AREA")))
+    features = _located(source, run)
     if not features:
         raise InvalidInput(tr("area {name}: has no features").format(name=source.sourceName()))
     if source.wkbType() and _is_points(features):
         fields = [
-            next(iter(chosen_fields(algorithm, parameters, name, context)), None)
+            next(iter(chosen_fields(run.algorithm, run.parameters, name, run.context)), None)
             for name in ("AGL_FIELD", "YAW_FIELD")
         ]
         points = _points(features, *fields, agl_m)
@@ -78,16 +70,14 @@ def _is_points(features: list[tuple[QgsFeature, QgsGeometry]]) -> bool:
     return all(geometry.type() == POINT for _, geometry in features)
 
 
-def _located(
-    source: QgsProcessingFeatureSource, context: QgsProcessingContext, feedback: QgsProcessingFeedback
-) -> list[tuple[QgsFeature, QgsGeometry]]:
+def _located(source: QgsProcessingFeatureSource, run: Run) -> list[tuple[QgsFeature, QgsGeometry]]:
     """Features with their geometries in longitude and latitude."""
     geographic = QgsCoordinateReferenceSystem(_GEOGRAPHIC)
-    to_geographic = QgsCoordinateTransform(source.sourceCrs(), geographic, context.transformContext())
+    to_geographic = QgsCoordinateTransform(source.sourceCrs(), geographic, run.context.transformContext())
     size = max(source.sourceExtent().width(), source.sourceExtent().height())
     found = []
     for feature in source.getFeatures():
-        if feedback.isCanceled() or not feature.hasGeometry():
+        if run.feedback.isCanceled() or not feature.hasGeometry():
             continue
         geometry = QgsGeometry(feature.geometry())
         if source.sourceCrs() != geographic:

@@ -7,14 +7,10 @@ from typing import TYPE_CHECKING, Any
 
 from qgis.core import (
     QgsProcessingContext,
-    QgsProcessingFeedback,
     QgsProcessingOutputFolder,
-    QgsProcessingOutputNumber,
     QgsProcessingOutputRasterLayer,
     QgsProcessingOutputVectorLayer,
-    QgsProcessingParameterAuthConfig,
     QgsProcessingParameterBoolean,
-    QgsProcessingParameterFile,
     QgsProcessingParameterFolderDestination,
     QgsProcessingParameterString,
     QgsProject,
@@ -23,7 +19,7 @@ from qgis.core import (
 from ...core.dataset.folder import FOOTPRINTS_FILE, MISSION_FILE
 from ...core.errors import InvalidInput
 from ..i18n import number_text, tr, translate
-from .algorithm import Watch, paragraphs, run_in_background
+from .algorithm import Run, Watch, Words, off_main_thread
 from .imagery import WithImagery, check_terms
 from .mission_parameters import add_mission_parameters, mission_of
 
@@ -43,19 +39,12 @@ class _Capturing(WithImagery):
     """What both have in common: parameters of a run, the run, its outputs."""
 
     def _add_run(self) -> None:
-        self.add(
-            QgsProcessingParameterAuthConfig("AUTHCFG", tr("Key or authentication"), optional=True),
+        self.add_access(
             tr(
                 "Configuration of QGIS's authentication database: a Basic one with the key as its password for sources "
                 "that take a key, any other for the requests. Without one, that of the mission panel, or the "
                 "environment's TERRAINAV_KEY."
-            ),
-            advanced=True,
-        )
-        self.add(
-            QgsProcessingParameterBoolean("ACCEPT_TERMS", tr("I agree to the source's terms"), False),
-            tr("Sources that ask for consent refuse larger missions without it."),
-            advanced=True,
+            )
         )
         self.add(
             QgsProcessingParameterString("PLACEHOLDERS", tr("Tiles to treat as missing"), optional=True),
@@ -78,25 +67,23 @@ class _Capturing(WithImagery):
         )
         self.addOutput(QgsProcessingOutputVectorLayer("FOOTPRINTS", tr("Footprints")))
         self.addOutput(QgsProcessingOutputRasterLayer("MOSAIC", tr("Mosaic of the first map type")))
-        for name, title in (
-            ("TOTAL", tr("Images asked for")),
-            ("WRITTEN", tr("Images written")),
-            ("SKIPPED", tr("Images that were there")),
-            ("FAILED", tr("Images that could not be made")),
-            ("REQUESTS", tr("Requests")),
-        ):
-            self.addOutput(QgsProcessingOutputNumber(name, title))
+        self.add_numbers(
+            {
+                "TOTAL": tr("Images asked for"),
+                "WRITTEN": tr("Images written"),
+                "SKIPPED": tr("Images that were there"),
+                "FAILED": tr("Images that could not be made"),
+                "REQUESTS": tr("Requests"),
+            }
+        )
 
-    def _take_run(self, mission: Mission, parameters: dict[str, Any], context: QgsProcessingContext) -> None:
-        self.take_imagery(mission, parameters, context)
-        self._accepted = self.parameterAsBool(parameters, "ACCEPT_TERMS", context)
-        self._with_mosaic = self.parameterAsBool(parameters, "MAKE_MOSAIC", context)
-        self._load = self.parameterAsBool(parameters, "LOAD", context)
+    def _take_run(self, mission: Mission, run: Run) -> None:
+        self.take_imagery(mission, run)
+        self._accepted = run.flag("ACCEPT_TERMS")
+        self._with_mosaic = run.flag("MAKE_MOSAIC")
         self._made: list[Mosaic] = []
 
-    def _run(
-        self, folder: Path, context: QgsProcessingContext, feedback: QgsProcessingFeedback, **options: bool
-    ) -> dict[str, Any]:
+    def _captured(self, run: Run, folder: Path, **options: bool) -> dict[str, Any]:
         """Capture, make the mosaics, return the outputs."""
         from ...core.capture.runner import capture
 
@@ -121,11 +108,11 @@ class _Capturing(WithImagery):
             _tell(result, watch)
             return result, self._mosaics(worked_out, result, watch)
 
-        result, self._made = run_in_background(work, feedback)
-        if self._load:
+        result, self._made = off_main_thread(work, run.feedback)
+        if run.flag("LOAD"):
             for mosaic in self._made:
-                _load_when_done(context, mosaic.path, mosaic.title)
-            _load_when_done(context, folder / FOOTPRINTS_FILE, tr("Captured images"))
+                _load_when_done(run.context, mosaic.path, mosaic.title)
+            _load_when_done(run.context, folder / FOOTPRINTS_FILE, tr("Captured images"))
         return {
             "FOLDER": str(folder),
             "FOOTPRINTS": str(folder / FOOTPRINTS_FILE),
@@ -164,38 +151,31 @@ class Capture(_Capturing):
 
     NAME = "capture"
 
-    def displayName(self) -> str:
-        """Title."""
-        return tr("Capture a mission")
-
-    def shortDescription(self) -> str:
-        """Tooltip."""
-        return tr("Georeferenced images with their poses, as a simulated UAV takes them.")
-
-    def tags(self) -> list[str]:
-        """Words that it is found by."""
-        return tr(
-            "uav,drone,capture,images,dataset,tiles,download,georeferenced,photogrammetry,training"
-        ).split(",")
-
-    def shortHelpString(self) -> str:
-        """Help."""
-        return paragraphs(
-            tr(
-                "Captures the images of a mission into a folder: georeferenced pictures, a table with the pose of "
-                "each, the footprints, and a journal. Each tile is fetched once."
-            ),
-            tr(
-                "An image is whole or it is not written; what could not be fetched is named in the log, the journal "
-                "and the table with its reason. Run it again into the same folder to go on with an interrupted capture."
-            ),
-            tr(
-                "The mission is that of the parameters or, in advanced parameters, of a file that the plan has written."
+    def words(self) -> Words:
+        """Return what people read of it."""
+        return Words(
+            tr("Capture a mission"),
+            tr("Georeferenced images with their poses, as a simulated UAV takes them."),
+            tr("uav,drone,capture,images,dataset,tiles,download,georeferenced,photogrammetry,training"),
+            (
+                tr(
+                    "Captures the images of a mission into a folder: georeferenced pictures, a table with the pose of "
+                    "each, the footprints, and a journal. Each tile is fetched once."
+                ),
+                tr(
+                    "An image is whole or it is not written; what could not be fetched is named in the log, the "
+                    "journal and the table with its reason. Run it again into the same folder to go on with an "
+                    "interrupted capture."
+                ),
+                tr(
+                    "The mission is that of the parameters or, in advanced parameters, of a file that the plan has "
+                    "written."
+                ),
             ),
         )
 
-    def initAlgorithm(self, configuration: dict[str, Any] | None = None) -> None:  # noqa: ARG002  QGIS passes it
-        """Add parameters and outputs."""
+    def define(self) -> None:
+        """Add its parameters and outputs."""
         add_mission_parameters(self, listed=self._listed)
         self._add_run()
         self.add(
@@ -204,18 +184,13 @@ class Capture(_Capturing):
         )
         self._add_results()
 
-    def prepared(
-        self, parameters: dict[str, Any], context: QgsProcessingContext, feedback: QgsProcessingFeedback
-    ) -> None:
-        """Take what belongs to the main thread."""
-        self._take_run(mission_of(self, parameters, context, feedback), parameters, context)
+    def prepared(self, run: Run) -> None:
+        """Take the mission's imagery."""
+        self._take_run(mission_of(run), run)
 
-    def processed(
-        self, parameters: dict[str, Any], context: QgsProcessingContext, feedback: QgsProcessingFeedback
-    ) -> dict[str, Any]:
+    def processed(self, run: Run) -> dict[str, Any]:
         """Capture."""
-        folder = Path(self.parameterAsString(parameters, "FOLDER", context))
-        return self._run(folder, context, feedback, resume=True)
+        return self._captured(run, Path(run.text("FOLDER")), resume=True)
 
 
 class CaptureFailed(_Capturing):
@@ -223,49 +198,32 @@ class CaptureFailed(_Capturing):
 
     NAME = "capturefailed"
 
-    def displayName(self) -> str:
-        """Title."""
-        return tr("Capture failed images again")
-
-    def shortDescription(self) -> str:
-        """Tooltip."""
-        return tr("Only those that an earlier capture could not make.")
-
-    def tags(self) -> list[str]:
-        """Words that it is found by."""
-        return tr("uav,drone,capture,failed,retry,resume,dataset").split(",")
-
-    def shortHelpString(self) -> str:
-        """Help."""
-        return paragraphs(
-            tr(
-                "Captures those images of a dataset folder again that an earlier run has noted as failed, and nothing "
-                "else. Where nothing has failed there is nothing to do."
-            )
-        )
-
-    def initAlgorithm(self, configuration: dict[str, Any] | None = None) -> None:  # noqa: ARG002  QGIS passes it
-        """Add parameters and outputs."""
-        self.add(
-            QgsProcessingParameterFile(
-                "DATASET", tr("Dataset folder"), QgsProcessingParameterFile.Behavior.Folder
+    def words(self) -> Words:
+        """Return what people read of it."""
+        return Words(
+            tr("Capture failed images again"),
+            tr("Only those that an earlier capture could not make."),
+            tr("uav,drone,capture,failed,retry,resume,dataset"),
+            (
+                tr(
+                    "Captures those images of a dataset folder again that an earlier run has noted as failed, and "
+                    "nothing else. Where nothing has failed there is nothing to do."
+                ),
             ),
-            tr("Of an earlier capture."),
         )
+
+    def define(self) -> None:
+        """Add its parameters and outputs."""
+        self.add_dataset(tr("Of an earlier capture."))
         self._add_run()
         self.addOutput(QgsProcessingOutputFolder("FOLDER", tr("Dataset folder")))
         self._add_results()
 
-    def prepared(
-        self,
-        parameters: dict[str, Any],
-        context: QgsProcessingContext,
-        feedback: QgsProcessingFeedback,  # noqa: ARG002  as all algorithms have it
-    ) -> None:
-        """Take what belongs to the main thread."""
+    def prepared(self, run: Run) -> None:
+        """Take the imagery of the mission that was captured."""
         from ...core.mission.mission import Mission
 
-        self._folder = Path(self.parameterAsString(parameters, "DATASET", context))
+        self._folder = Path(run.text("DATASET"))
         mark = self._folder / MISSION_FILE
         if not mark.is_file():
             raise InvalidInput(
@@ -273,16 +231,11 @@ class CaptureFailed(_Capturing):
                     folder=self._folder, file=MISSION_FILE
                 )
             )
-        self._take_run(Mission.load(str(mark)), parameters, context)
+        self._take_run(Mission.load(str(mark)), run)
 
-    def processed(
-        self,
-        parameters: dict[str, Any],  # noqa: ARG002  QGIS passes it
-        context: QgsProcessingContext,
-        feedback: QgsProcessingFeedback,
-    ) -> dict[str, Any]:
+    def processed(self, run: Run) -> dict[str, Any]:
         """Capture."""
-        return self._run(self._folder, context, feedback, only_failed=True)
+        return self._captured(run, self._folder, only_failed=True)
 
 
 def _load_when_done(context: QgsProcessingContext, path: Path, title: str) -> None:

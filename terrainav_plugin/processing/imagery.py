@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from contextlib import closing, contextmanager
 from functools import lru_cache
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from qgis.core import QgsProcessingContext
+from qgis.core import QgsProcessingParameterAuthConfig, QgsProcessingParameterBoolean
 from qgis.PyQt.QtCore import QObject, Qt, pyqtSignal, pyqtSlot
 
 from ...core.errors import InvalidInput
-from .algorithm import Algorithm
+from ..i18n import tr
+from .algorithm import Algorithm, Run
 
 if TYPE_CHECKING:
     from ...core.geodesy.mercator import PixelGrid
@@ -122,16 +123,23 @@ class WithImagery(Algorithm):
 
     _imagery: Imagery | None = None
 
-    def take_imagery(
-        self, mission: Mission, parameters: dict[str, Any], context: QgsProcessingContext
-    ) -> None:
-        """Take a mission's imagery; on the main thread."""
-        placeholders = self.parameterAsString(parameters, "PLACEHOLDERS", context)
-        self._imagery = Imagery(
-            mission,
-            self.parameterAsString(parameters, "AUTHCFG", context),
-            tuple(placeholders.replace(",", " ").split()),
+    def add_access(self, help_text: str) -> None:
+        """Add the parameters of what a source asks for: a key or authentication, and consent."""
+        self.add(
+            QgsProcessingParameterAuthConfig("AUTHCFG", tr("Key or authentication"), optional=True),
+            help_text,
+            advanced=True,
         )
+        self.add(
+            QgsProcessingParameterBoolean("ACCEPT_TERMS", tr("I agree to the source's terms"), False),
+            tr("Sources that ask for consent refuse larger missions without it."),
+            advanced=True,
+        )
+
+    def take_imagery(self, mission: Mission, run: Run) -> None:
+        """Take a mission's imagery; on the main thread."""
+        placeholders = tuple(run.text("PLACEHOLDERS").replace(",", " ").split())
+        self._imagery = Imagery(mission, run.text("AUTHCFG"), placeholders)
         _keeper().keep(self._imagery)
 
     def released(self) -> None:

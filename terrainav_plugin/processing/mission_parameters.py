@@ -6,8 +6,6 @@ from typing import TYPE_CHECKING, Any
 
 from qgis.core import (
     QgsProcessing,
-    QgsProcessingContext,
-    QgsProcessingFeedback,
     QgsProcessingParameterBoolean,
     QgsProcessingParameterDefinition,
     QgsProcessingParameterEnum,
@@ -34,12 +32,10 @@ if TYPE_CHECKING:
     from ...core.geodesy.camera import Camera
     from ...core.mission.area import Area
     from ...core.mission.mission import Mission
-    from .algorithm import Algorithm
+    from .algorithm import Algorithm, Run
 
 _WHOLE = QgsProcessingParameterNumber.Type.Integer
 _REAL = QgsProcessingParameterNumber.Type.Double
-#: A share typed in percent is refused in words; a spin box would make it the highest one that it takes.
-_MOST_TYPED = 100.0
 #: Parameters that are not called as the command's option is.
 _IDS = {"overlap_along": "OVERLAP_ALONG", "overlap_across": "OVERLAP_ACROSS", "map_types": "MAP_TYPES"}
 #: Fields that are read in a way of their own.
@@ -77,39 +73,32 @@ def add_mission_parameters(algorithm: Algorithm, *, listed: bool) -> None:
     )
 
 
-def mission_of(
-    algorithm: Algorithm,
-    parameters: dict[str, Any],
-    context: QgsProcessingContext,
-    feedback: QgsProcessingFeedback,
-) -> Mission:
+def mission_of(run: Run) -> Mission:
     """Mission that parameters ask for; raises InvalidInput.
 
     A mission file says all of it: parameters beside it are left aside.
     """
     from ...core.mission.mission import Mission
 
-    path = algorithm.parameterAsFile(parameters, "MISSION", context)
+    path = run.algorithm.parameterAsFile(run.parameters, "MISSION", run.context)
     if path:
         return Mission.load(path)
-    agl_m = algorithm.parameterAsDouble(parameters, "AGL", context)
-    area, agl_m = _area(algorithm, parameters, context, feedback, agl_m)
-    camera, own_px = _camera(algorithm, parameters, context)
+    area, agl_m = _area(run, run.number("AGL"))
+    camera, own_px = _camera(run)
     entries: dict[str, Any] = {"image_px": own_px}
     for part in FLAT_PARTS.values():
         for field in declared_fields(part):
             if field.name not in _OTHERWISE:
-                value = _value(algorithm, field, parameters, context)
+                value = _value(run, field)
                 entries.update({} if value is None else {field.name: value})
-    size = algorithm.parameterAsString(parameters, "IMG_SIZE", context).strip()
-    other = algorithm.parameterAsString(parameters, "OTHER_SOURCE", context).strip()
+    size, other = run.text("IMG_SIZE").strip(), run.text("OTHER_SOURCE").strip()
     return Mission(
         area,
         agl_m,
         camera,
-        wind=_wind(algorithm, parameters, context, entries["seed"]),
-        map_types=tuple(algorithm.parameterAsEnumStrings(parameters, "MAP_TYPES", context)),
-        source=other or algorithm.parameterAsEnumString(parameters, "SOURCE", context),
+        wind=_wind(run, entries["seed"]),
+        map_types=tuple(run.algorithm.parameterAsEnumStrings(run.parameters, "MAP_TYPES", run.context)),
+        source=other or run.choice("SOURCE"),
         img_size=_size(size) if size else None,
         **entries,
     )
@@ -119,23 +108,16 @@ def _id_of(field: Field) -> str:
     return _IDS.get(field.name, field.name_of_option.upper())
 
 
-def _value(
-    algorithm: Algorithm, field: Field, parameters: dict[str, Any], context: QgsProcessingContext
-) -> Any:
+def _value(run: Run, field: Field) -> Any:
     """Value of a field's parameter; None where it is not given and need not be."""
     name = _id_of(field)
     if field.choices:
-        return algorithm.parameterAsEnumString(parameters, name, context)
+        return run.choice(name)
     if field.kind is str:
-        return algorithm.parameterAsString(parameters, name, context).strip() or None
-    if (field.optional or field.name in _IF_GIVEN) and parameters.get(name) is None:
+        return run.text(name).strip() or None
+    if (field.optional or field.name in _IF_GIVEN) and run.parameters.get(name) is None:
         return None
-    read = {
-        float: algorithm.parameterAsDouble,
-        int: algorithm.parameterAsInt,
-        bool: algorithm.parameterAsBool,
-    }
-    return read[field.kind](parameters, name, context)
+    return {float: run.number, int: run.whole, bool: run.flag}[field.kind](name)
 
 
 def _parameter(field: Field) -> QgsProcessingParameterDefinition:
@@ -234,7 +216,8 @@ def _number(name: str, field: Field, usual: float | None) -> QgsProcessingParame
     if least is not None:
         parameter.setMinimum(least)
     if most is not None:
-        parameter.setMaximum(_MOST_TYPED if field.unit == "share" else most)
+        # A share typed in percent is refused in words; a spin box would make it the highest one that it takes.
+        parameter.setMaximum(most if field.unit.times == 1.0 else field.unit.times)
     return parameter
 
 
@@ -274,14 +257,8 @@ def _sources(listed: bool) -> tuple[str, ...]:
         return shipped
 
 
-def _area(
-    algorithm: Algorithm,
-    parameters: dict[str, Any],
-    context: QgsProcessingContext,
-    feedback: QgsProcessingFeedback,
-    agl_m: float,
-) -> tuple[Area, float]:
-    given = [name for name in ("EXTENT", "AREA", "COORDS") if parameters.get(name) not in (None, "")]
+def _area(run: Run, agl_m: float) -> tuple[Area, float]:
+    given = [name for name in ("EXTENT", "AREA", "COORDS") if run.is_given(name)]
     if len(given) != 1:
         raise InvalidInput(
             tr("{count} areas given: needs one of extent, polygons or points, and coordinates").format(
@@ -289,37 +266,33 @@ def _area(
             )
         )
     if given == ["EXTENT"]:
-        return box_of_extent(algorithm, parameters, context), agl_m
+        return box_of_extent(run), agl_m
     if given == ["AREA"]:
-        return area_of_layer(algorithm, parameters, context, feedback, agl_m)
+        return area_of_layer(run, agl_m)
     from ...core.mission.coords import parse_coords
 
-    return parse_coords(algorithm.parameterAsString(parameters, "COORDS", context).strip())
+    return parse_coords(run.text("COORDS").strip())
 
 
-def _camera(
-    algorithm: Algorithm, parameters: dict[str, Any], context: QgsProcessingContext
-) -> tuple[Camera, int]:
+def _camera(run: Run) -> tuple[Camera, int]:
     """Camera, and the pixels along the longer side of its image."""
     from ...core.geodesy.camera import Camera
     from ...core.mission.cameras import camera_named
 
-    name = algorithm.parameterAsEnumString(parameters, "CAMERA", context)
+    name = run.choice("CAMERA")
     if name:
         preset = camera_named(name)
         return preset.camera, preset.image_px or Pixels.image_px
-    text = algorithm.parameterAsString(parameters, "ASPECT", context)
+    text = run.text("ASPECT")
     try:
         ratio = parse_aspect(text)
     except ValueError as wrong:
         raise InvalidInput(tr("aspect ratio {text!r}: must be such as 4:3").format(text=text)) from wrong
-    return Camera(algorithm.parameterAsDouble(parameters, "FOV", context), ratio), Pixels.image_px
+    return Camera(run.number("FOV"), ratio), Pixels.image_px
 
 
-def _wind(
-    algorithm: Algorithm, parameters: dict[str, Any], context: QgsProcessingContext, seed: int
-) -> Wind | None:
-    speed, origin, turbulence = (algorithm.parameterAsDouble(parameters, name, context) for name in _WIND)
+def _wind(run: Run, seed: int) -> Wind | None:
+    speed, origin, turbulence = map(run.number, _WIND)
     return Wind(speed, origin, turbulence, seed) if speed > 0.0 else None
 
 

@@ -14,10 +14,8 @@ from qgis.core import (
     QgsGeometry,
     QgsPointXY,
     QgsProcessing,
-    QgsProcessingContext,
     QgsProcessingException,
     QgsProcessingFeedback,
-    QgsProcessingOutputNumber,
     QgsProcessingParameterFeatureSink,
     QgsProcessingParameterFileDestination,
     QgsWkbTypes,
@@ -26,7 +24,7 @@ from qgis.PyQt.QtCore import QDateTime, Qt
 
 from ..compat import field
 from ..i18n import tr, translate
-from .algorithm import Algorithm, paragraphs, run_in_background
+from .algorithm import Algorithm, Run, Words, off_main_thread
 from .mission_parameters import add_mission_parameters, mission_of
 
 if TYPE_CHECKING:
@@ -66,36 +64,28 @@ class Plan(Algorithm):
 
     NAME = "plan"
 
-    def displayName(self) -> str:
-        """Title."""
-        return tr("Plan a mission")
-
-    def shortDescription(self) -> str:
-        """Tooltip."""
-        return tr("Footprints, coverage and figures of a simulated UAV flight; fetches nothing.")
-
-    def tags(self) -> list[str]:
-        """Words that it is found by."""
-        return tr("uav,drone,mission,plan,footprint,flight,overlap,coverage,photogrammetry,waypoints").split(
-            ","
+    def words(self) -> Words:
+        """Return what people read of it."""
+        return Words(
+            tr("Plan a mission"),
+            tr("Footprints, coverage and figures of a simulated UAV flight; fetches nothing."),
+            tr("uav,drone,mission,plan,footprint,flight,overlap,coverage,photogrammetry,waypoints"),
+            (
+                tr(
+                    "Plans a mission without fetching imagery: the position, ground and time of each image, and "
+                    "the time and data that the capture needs."
+                ),
+                tr(
+                    "Footprints are those of the pictures that a capture of the same mission writes. Coverage and "
+                    "overlap are counted on the pixels that the files will show; the error bound is that of the "
+                    "methods chosen."
+                ),
+                tr("Give the area as an extent, as a layer of one polygon or of points, or as coordinates."),
+            ),
         )
 
-    def shortHelpString(self) -> str:
-        """Help."""
-        return paragraphs(
-            tr(
-                "Plans a mission without fetching imagery: the position, ground and time of each image, and "
-                "the time and data that the capture needs."
-            ),
-            tr(
-                "Footprints are those of the pictures that a capture of the same mission writes. Coverage and overlap "
-                "are counted on the pixels that the files will show; the error bound is that of the methods chosen."
-            ),
-            tr("Give the area as an extent, as a layer of one polygon or of points, or as coordinates."),
-        )
-
-    def initAlgorithm(self, configuration: dict[str, Any] | None = None) -> None:  # noqa: ARG002  QGIS passes it
-        """Add parameters and outputs."""
+    def define(self) -> None:
+        """Add its parameters and outputs."""
         add_mission_parameters(self, listed=self._listed)
         kinds = QgsProcessing.SourceType
         for name, title, kind, usual in (
@@ -116,26 +106,21 @@ class Plan(Algorithm):
                 name, title, ending, optional=True, createByDefault=False
             )
             self.addParameter(file)
-        for name, title in _figures().items():
-            self.addOutput(QgsProcessingOutputNumber(name, title))
+        self.add_numbers(_figures())
 
-    def prepared(
-        self, parameters: dict[str, Any], context: QgsProcessingContext, feedback: QgsProcessingFeedback
-    ) -> None:
+    def prepared(self, run: Run) -> None:
         """Read the mission, and the grid of layers of the project."""
         from ..sources import grid_finder
 
-        self._mission = mission_of(self, parameters, context, feedback)
+        self._mission = mission_of(run)
         self._grid = grid_finder(self._mission)
-        self._export = self.parameterAsFileOutput(parameters, "EXPORT", context)
+        self._export = self.parameterAsFileOutput(run.parameters, "EXPORT", run.context)
         if self._export:
             from ...core.mission.export import check_plan_ending
 
             check_plan_ending(self._export)
 
-    def processed(
-        self, parameters: dict[str, Any], context: QgsProcessingContext, feedback: QgsProcessingFeedback
-    ) -> dict[str, Any]:
+    def processed(self, run: Run) -> dict[str, Any]:
         """Plan, and write what is asked for."""
         from ...core.mission.estimate import estimate
         from ...core.mission.plan import plan
@@ -147,53 +132,41 @@ class Plan(Algorithm):
             costs, connections = costs_of(self._mission.imagery.source), Settings().connections
             return worked_out, estimate(worked_out, costs, connections, os.cpu_count() or 1)
 
-        worked_out, summary = run_in_background(work, feedback)
+        worked_out, summary = off_main_thread(work, run.feedback)
         for label, text in summary.lines():
-            tell = feedback.pushWarning if label == "warning" else feedback.pushInfo
+            tell = run.feedback.pushWarning if label == "warning" else run.feedback.pushInfo
             tell(f"{translate(label)}: {translate(text)}")
         results: dict[str, Any] = _values(summary)
         kinds = QgsWkbTypes.Type
         for name, found, kind, fields in (
             ("FOOTPRINTS", footprints, kinds.MultiPolygon, capture_fields()),
             ("CAPTURES", captures, kinds.Point, capture_fields()),
-            (
-                "FLIGHT",
-                lambda one: [flight_line(one)],
-                kinds.MultiLineString,
-                flight_fields(),
-            ),
+            ("FLIGHT", lambda one: [flight_line(one)], kinds.MultiLineString, flight_fields()),
         ):
-            if parameters.get(name) is None:
+            if run.parameters.get(name) is None:
                 continue
             crs = QgsCoordinateReferenceSystem(CRS)
-            sink, results[name] = self.parameterAsSink(parameters, name, context, fields, kind, crs)
+            sink, results[name] = self.parameterAsSink(run.parameters, name, run.context, fields, kind, crs)
             if sink is None:
-                raise QgsProcessingException(self.invalidSinkError(parameters, name))
-            _fill(sink, found(worked_out), len(worked_out), feedback)
+                raise QgsProcessingException(self.invalidSinkError(run.parameters, name))
+            _fill(sink, found(worked_out), len(worked_out), run.feedback)
             del sink
-        self._write_files(worked_out, parameters, context, feedback, results)
+        self._write_files(worked_out, run, results)
         return results
 
-    def _write_files(
-        self,
-        worked_out: WorkedOut,
-        parameters: dict[str, Any],
-        context: QgsProcessingContext,
-        feedback: QgsProcessingFeedback,
-        results: dict[str, Any],
-    ) -> None:
+    def _write_files(self, worked_out: WorkedOut, run: Run, results: dict[str, Any]) -> None:
         from ...core.mission.export import write_plan
 
-        path = self.parameterAsFileOutput(parameters, "MISSION_FILE", context)
+        path = self.parameterAsFileOutput(run.parameters, "MISSION_FILE", run.context)
         if path:
             self._mission.save(path)
             results["MISSION_FILE"] = path
         if self._export:
             exported = write_plan(worked_out, self._export)
             for file in exported.files:
-                feedback.pushInfo(tr("Written: {file}").format(file=file))
+                run.feedback.pushInfo(tr("Written: {file}").format(file=file))
             for note in exported.notes:
-                feedback.pushInfo(translate(note))
+                run.feedback.pushInfo(translate(note))
             # A flight too long for one file is in several.
             results["EXPORT"] = str(exported.files[0])
 

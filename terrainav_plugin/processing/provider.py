@@ -32,10 +32,9 @@ class Provider(QgsProcessingProvider):
     def loadAlgorithms(self) -> None:
         """Add the algorithms."""
         from .capture import Capture, CaptureFailed
-        from .clean import Clean
+        from .datasets import Clean, Split
         from .plan import Plan
         from .report import AccuracyReport
-        from .split import Split
 
         for algorithm in (Plan, Capture, CaptureFailed, Clean, Split, AccuracyReport):
             self.addAlgorithm(algorithm(listed=True))

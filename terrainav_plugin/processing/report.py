@@ -6,17 +6,14 @@ from pathlib import Path
 from typing import Any
 
 from qgis.core import (
-    QgsProcessingContext,
-    QgsProcessingFeedback,
     QgsProcessingOutputHtml,
-    QgsProcessingParameterAuthConfig,
     QgsProcessingParameterBoolean,
     QgsProcessingParameterFolderDestination,
 )
 
 from ...core.errors import Cancelled
 from ..i18n import tr, translate
-from .algorithm import Watch, paragraphs, run_in_background
+from .algorithm import Run, Watch, Words, off_main_thread
 from .imagery import WithImagery, check_terms
 from .mission_parameters import add_mission_parameters, mission_of
 
@@ -30,45 +27,29 @@ class AccuracyReport(WithImagery):
     NAME = "accuracyreport"
     PACKAGES = ("matplotlib",)
 
-    def displayName(self) -> str:
-        """Title."""
-        return tr("Accuracy report of a mission")
-
-    def shortDescription(self) -> str:
-        """Tooltip."""
-        return tr("Measures every method's error against its run time.")
-
-    def tags(self) -> list[str]:
-        """Words that it is found by."""
-        return tr("accuracy,error,bound,run time,report,footprint,reprojection").split(",")
-
-    def shortHelpString(self) -> str:
-        """Help."""
-        return paragraphs(
-            tr(
-                "Measures the methods of footprints and pictures on captures of the mission itself, against an exact "
-                "reference: error, bound and time of each, what was chosen, and what was left out. Writes a page with "
-                "diagrams, and the numbers as tables."
-            ),
-            tr(
-                "In wind it also says how far the wind moves and turns the camera, and what that does to coverage and "
-                "overlap."
+    def words(self) -> Words:
+        """Return what people read of it."""
+        return Words(
+            tr("Accuracy report of a mission"),
+            tr("Measures every method's error against its run time."),
+            tr("accuracy,error,bound,run time,report,footprint,reprojection"),
+            (
+                tr(
+                    "Measures the methods of footprints and pictures on captures of the mission itself, against an "
+                    "exact reference: error, bound and time of each, what was chosen, and what was left out. Writes a "
+                    "page with diagrams, and the numbers as tables."
+                ),
+                tr(
+                    "In wind it also says how far the wind moves and turns the camera, and what that does to coverage "
+                    "and overlap."
+                ),
             ),
         )
 
-    def initAlgorithm(self, configuration: dict[str, Any] | None = None) -> None:  # noqa: ARG002  QGIS passes it
-        """Add parameters and outputs."""
+    def define(self) -> None:
+        """Add its parameters and outputs."""
         add_mission_parameters(self, listed=self._listed)
-        self.add(
-            QgsProcessingParameterAuthConfig("AUTHCFG", tr("Key or authentication"), optional=True),
-            tr("As for a capture."),
-            advanced=True,
-        )
-        self.add(
-            QgsProcessingParameterBoolean("ACCEPT_TERMS", tr("I agree to the source's terms"), False),
-            tr("Sources that ask for consent refuse larger missions without it."),
-            advanced=True,
-        )
+        self.add_access(tr("As for a capture."))
         self.add(
             QgsProcessingParameterBoolean("QUICK", tr("Quick"), False),
             tr("Time every method once only; the times are then not compared."),
@@ -80,21 +61,15 @@ class AccuracyReport(WithImagery):
         )
         self.addOutput(QgsProcessingOutputHtml("HTML", tr("Report")))
 
-    def prepared(
-        self, parameters: dict[str, Any], context: QgsProcessingContext, feedback: QgsProcessingFeedback
-    ) -> None:
-        """Take what belongs to the main thread."""
-        self.take_imagery(mission_of(self, parameters, context, feedback), parameters, context)
+    def prepared(self, run: Run) -> None:
+        """Take the mission's imagery."""
+        self.take_imagery(mission_of(run), run)
 
-    def processed(
-        self, parameters: dict[str, Any], context: QgsProcessingContext, feedback: QgsProcessingFeedback
-    ) -> dict[str, Any]:
+    def processed(self, run: Run) -> dict[str, Any]:
         """Measure."""
         from ...core.report.page import write_report
 
-        folder = self.parameterAsString(parameters, "FOLDER", context)
-        accepted = self.parameterAsBool(parameters, "ACCEPT_TERMS", context)
-        quick = self.parameterAsBool(parameters, "QUICK", context)
+        folder, accepted, quick = run.text("FOLDER"), run.flag("ACCEPT_TERMS"), run.flag("QUICK")
 
         def work(watch: Watch) -> Path:
             def tell(what: str) -> None:
@@ -107,4 +82,4 @@ class AccuracyReport(WithImagery):
                 check_terms(worked_out, source, _REQUESTS, accepted=accepted)
                 return write_report(worked_out, source, folder, progress=tell, quick=quick)
 
-        return {"FOLDER": folder, "HTML": str(run_in_background(work, feedback))}
+        return {"FOLDER": folder, "HTML": str(off_main_thread(work, run.feedback))}

@@ -13,10 +13,7 @@ from qgis.PyQt.QtCore import QRect, QSize, Qt, pyqtSignal
 from qgis.PyQt.QtGui import QBrush, QImage, QPainter, QPaintEvent
 from qgis.PyQt.QtWidgets import (
     QComboBox,
-    QFrame,
     QHBoxLayout,
-    QLabel,
-    QScrollArea,
     QSizePolicy,
     QSplitter,
     QVBoxLayout,
@@ -26,7 +23,7 @@ from qgis.PyQt.QtWidgets import (
 from ..form.fields import map_type_title
 from ..i18n import number_text, tr, translate
 from ..plain import plain_label
-from ..widgets import push_button
+from ..widgets import named, push_button, scrolled, wrapped_label
 from .shots import Seen, Shot
 
 #: Of picture and details, at first and as the window grows.
@@ -76,24 +73,16 @@ class Viewer(QgsDockWidget):
         super().__init__(tr("TerrAInav images"))
         self.setObjectName("terrainav_viewer")
         self.view = PictureView()
-        self.under_click = QComboBox()
-        self.under_click.setObjectName("under_click")
-        self.under_click.setToolTip(tr("Images that show the place of the click"))
+        self.under_click = named(QComboBox(), "under_click", tr("Images that show the place of the click"))
         self.under_click.activated.connect(self.chosen)
-        self.map_type = QComboBox()
-        self.map_type.setObjectName("shown_map_type")
-        self.map_type.setToolTip(tr("Kind of map that is shown"))
+        self.map_type = named(QComboBox(), "shown_map_type", tr("Kind of map that is shown"))
         self.map_type.activated.connect(
             lambda index: self.map_type_wanted.emit(self.map_type.itemData(index))
         )
-        self.details = QLabel()
-        self.details.setObjectName("details")
+        self.details = wrapped_label("details")
         self.details.setTextFormat(Qt.TextFormat.RichText)
-        self.details.setWordWrap(True)
         self.details.setAlignment(Qt.AlignmentFlag.AlignTop)
-        self.details.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
-        self.place = plain_label()
-        self.place.setObjectName("place")
+        self.place = named(plain_label(), "place")
         self.place.setAlignment(Qt.AlignmentFlag.AlignCenter)
         self._make_buttons()
         self.setWidget(self._contents())
@@ -171,13 +160,9 @@ class Viewer(QgsDockWidget):
         self.zoom.clicked.connect(lambda _checked: self.zoom_wanted.emit())
 
     def _contents(self) -> QWidget:
-        scroll = QScrollArea()
-        scroll.setFrameShape(QFrame.Shape.NoFrame)
-        scroll.setWidgetResizable(True)
-        scroll.setWidget(self.details)
         both = QSplitter(Qt.Orientation.Vertical)
         both.addWidget(self.view)
-        both.addWidget(scroll)
+        both.addWidget(scrolled(self.details))
         for index, share in enumerate(_SHARES):
             both.setStretchFactor(index, share)
         both.setSizes(list(_HEIGHTS_PX))

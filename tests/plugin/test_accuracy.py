@@ -17,8 +17,7 @@ from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.parts import Output
 from terrainav.core.mission.plan import plan
 from terrainav.core.mission.wind import Wind
-from terrainav.terrainav_plugin.form.mission_form import mission, state_of
-from terrainav.terrainav_plugin.form.refusals import refused_fields
+from terrainav.terrainav_plugin.form.mission_form import mission, refused_fields, state_of
 from terrainav.terrainav_plugin.form.state import FormState
 from terrainav.terrainav_plugin.panel.figures import readout
 from terrainav.terrainav_plugin.sources import grid_of
@@ -173,7 +172,7 @@ def test_every_entry_says_what_it_is(desk):
     for group in desk.form.groups:
         for name, widget in group.entries.items():
             assert widget.toolTip(), name
-    units = {"yaw_deg": "degrees", "ground_height_m": "metres", "airspeed_m_per_s": "metres a second"}
+    units = {"yaw_deg": "degrees", "ground_height_m": "metres", "airspeed_m_per_s": "metres per second"}
     entries = {name: w for group in desk.form.groups for name, w in group.entries.items()}
     assert all(unit in entries[name].toolTip() for name, unit in units.items())
 

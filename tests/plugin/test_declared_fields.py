@@ -10,7 +10,7 @@ from terrainav.core.mission.mission import flat_fields
 from terrainav.core.mission.parts import Flight
 from terrainav.core.mission.wind import Wind
 from terrainav.terrainav_plugin.form.fields import choices_of, label_of, sentence_of, tip_of, title_of
-from terrainav.terrainav_plugin.form.state import DECLARED, SAME, WITHOUT_ENTRY, FormState
+from terrainav.terrainav_plugin.form.state import DECLARED, ENTERED_AS_DECLARED, WITHOUT_ENTRY, FormState
 
 #: What models and scripts of users name.
 IDS = set(
@@ -24,7 +24,7 @@ IDS = set(
 def test_every_field_has_its_place_in_the_panel(desk):
     entered = {name for group in desk.form.groups for name in group.entries}
     entered |= {"source", "date", "map_types"}
-    assert set(SAME) - entered == set(WITHOUT_ENTRY)
+    assert set(ENTERED_AS_DECLARED) - entered == set(WITHOUT_ENTRY)
     assert not entered & set(WITHOUT_ENTRY)
 
 
@@ -40,7 +40,7 @@ def test_entries_say_what_is_declared(desk):
         if isinstance(widget, QComboBox):
             shown = [(widget.itemData(at), widget.itemText(at)) for at in range(widget.count())]
             assert tuple(shown) == choices_of(field)
-        if name in SAME:
+        if name in ENTERED_AS_DECLARED:
             assert getattr(FormState(), name) == field.default
 
 
@@ -49,7 +49,22 @@ def test_words_of_a_field():
     assert label_of(agl).replace("&", "") == "Height above ground"
     assert title_of(agl) == "Height above ground (metres)"
     assert tip_of(tilt).endswith("90 looks level (degrees, from -180 to 180)")
-    assert tip_of(DECLARED["overlap_along"], "percent").endswith("shows again (percent)")
+    assert tip_of(DECLARED["overlap_along"]).endswith("shows again (percent)")
+
+
+def test_numbers_that_may_be_left_out_are_entered_as_such(desk):
+    desk.enter_small_mission()
+    entries = {name: widget for group in desk.form.groups for name, widget in group.entries.items()}
+    left_out = {name for name, field in ENTERED_AS_DECLARED.items() if field.optional}
+    assert "max_px" in left_out
+    for name in left_out:
+        entry = entries[name]
+        assert getattr(desk.session.state(), name) is entry.number() is None
+        assert entry.text() == "not set"
+        entry.setValue(700)
+        assert getattr(desk.session.state(), name) == 700
+        entry.setValue(entry.minimum())
+        assert getattr(desk.session.state(), name) is None
 
 
 @pytest.fixture

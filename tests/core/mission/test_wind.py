@@ -20,6 +20,7 @@ from terrainav.core.mission.flight import fly
 from terrainav.core.mission.gusts import LinearSystem, factor
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.wind import Wind
+from terrainav.core.units import M_PER_FT
 
 SIGMA, AIRSPEED, AGL_M = 1.4, 15.0, 120.0
 SYSTEM = gusts.flight_system(SIGMA, AIRSPEED, AGL_M)
@@ -229,7 +230,7 @@ def test_gusts_have_drydens_spectrum(axis):
 
 
 def test_scale_lengths_are_the_specifications():
-    ft = gusts.M_PER_FT
+    ft = M_PER_FT
     assert gusts.scale_lengths_m(200.0 * ft) == pytest.approx((200.0 / 0.3416**1.2 * ft, 200.0 * ft))
     assert gusts.scale_lengths_m(1000.0 * ft) == pytest.approx((1000.0 * ft, 1000.0 * ft))
     assert gusts.scale_lengths_m(1500.0 * ft) == pytest.approx((1375.0 * ft, 1375.0 * ft))

@@ -235,7 +235,7 @@ def _cleaning_stopped(case: Case) -> None:
         return read(desk, cleaning)
 
     def press_and_stop():
-        go_on = CleanTask._go_on
+        go_on = CleanTask.go_on
 
         def stop(task, share):
             if share > 0.5:
@@ -243,7 +243,7 @@ def _cleaning_stopped(case: Case) -> None:
             return go_on(task, share)
 
         with case.monkeypatch.context() as patch:
-            patch.setattr(CleanTask, "_go_on", stop)
+            patch.setattr(CleanTask, "go_on", stop)
             press("move")
 
     cleaning.open(folder)

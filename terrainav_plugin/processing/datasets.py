@@ -1,0 +1,303 @@
+"""Algorithms: a dataset cleaned of images with too little to see, and divided into training, validation and test."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from qgis.core import (
+    QgsProcessingFeedback,
+    QgsProcessingOutputFile,
+    QgsProcessingOutputFolder,
+    QgsProcessingOutputString,
+    QgsProcessingParameterBoolean,
+    QgsProcessingParameterEnum,
+    QgsProcessingParameterFolderDestination,
+    QgsProcessingParameterNumber,
+    QgsProcessingParameterString,
+)
+
+from ..i18n import number_text, tr
+from .algorithm import Algorithm, Run, Watch, Words, off_main_thread
+
+if TYPE_CHECKING:
+    from ...core.dataset.clean import Cleaned
+    from ...core.dataset.split import Split as Made
+
+_MARK, _MOVE, _UNDO = "mark", "move", "undo"
+#: The paper's threshold, and the most that 256 grey levels can have.
+_ENTROPY, _HIGHEST = 2.1, 8.0
+_WAYS = ["shuffled", "in-order", "blocks"]
+#: The paper's.
+_SEED, _SHARES = 2024, (0.8, 0.1, 0.1)
+_HIGHEST_SEED = 2**31 - 1
+_WIDEST_M = 1_000_000.0
+_PARTS = ("TRAIN", "VALIDATION", "TEST")
+
+
+class _OfDataset(Algorithm):
+    """What both have in common: the folder, and that it can be tried without a change."""
+
+    GROUP = "datasets"
+
+    def define(self) -> None:
+        """Add its parameters and outputs."""
+        self.add_dataset(tr("Of a capture, or of images with a meta_data.csv beside them."))
+        self._define_own()
+        self.add(QgsProcessingParameterBoolean("DRY_RUN", tr("Only count"), False), tr("Nothing is changed."))
+        self.addOutput(QgsProcessingOutputFolder("FOLDER", tr("Dataset folder")))
+
+
+class Clean(_OfDataset):
+    """Images with too little to see, marked or moved."""
+
+    NAME = "clean"
+
+    def words(self) -> Words:
+        """Return what people read of it."""
+        return Words(
+            tr("Clean a dataset"),
+            tr("Rejects images with too little to see; deletes nothing."),
+            tr("dataset,clean,entropy,filter,reject,training,machine learning"),
+            (
+                tr(
+                    "Rejects images whose entropy is below a threshold. If a place has a roadmap image, its "
+                    "entropy decides for all map types; otherwise each image's own entropy does."
+                ),
+                tr(
+                    "Nothing is deleted. mark notes in the table's column “rejected” why an image is rejected; move "
+                    "also moves it, with the files that belong to it, to a folder “rejected” beside the others; undo "
+                    "puts all back. A later capture into the folder knows what was moved."
+                ),
+                tr("The suggested threshold parts the entropies by Otsu's method."),
+            ),
+        )
+
+    def _define_own(self) -> None:
+        self.add(
+            QgsProcessingParameterNumber(
+                "ENTROPY",
+                tr("Least entropy (bits)"),
+                QgsProcessingParameterNumber.Type.Double,
+                _ENTROPY,
+                False,
+                0.0,
+                _HIGHEST,
+            ),
+            tr("Images below it are rejected; 0 to 8."),
+        )
+        self.add(
+            QgsProcessingParameterEnum(
+                "ACTION",
+                tr("What to do"),
+                options=[_MARK, _MOVE, _UNDO],
+                defaultValue=_MARK,
+                usesStaticStrings=True,
+            ),
+            tr("Mark rejected images in the table, move them as well, or put all back."),
+        )
+        self.add(
+            QgsProcessingParameterFolderDestination(
+                "DIAGRAMS", tr("Folder of the diagrams"), optional=True, createByDefault=False
+            ),
+            tr("Histogram and bar plot of the entropies as PNG, for each map type; needs matplotlib."),
+        )
+        self.addOutput(QgsProcessingOutputFile("HISTOGRAM", tr("Histogram of the entropies")))
+        self.addOutput(QgsProcessingOutputFile("BARS", tr("Entropy of each image")))
+        self.add_numbers(
+            {
+                "IMAGES": tr("Images"),
+                "REJECTED": tr("Images rejected, or put back"),
+                "MOVED": tr("Images moved"),
+                "SUGGESTED": tr("Suggested threshold (bits)"),
+            }
+        )
+
+    def processed(self, run: Run) -> dict[str, Any]:
+        """Clean."""
+        from ...core.dataset.clean import clean, undo
+
+        folder, action, dry_run = run.text("DATASET"), run.choice("ACTION"), run.flag("DRY_RUN")
+        threshold, diagrams = run.number("ENTROPY"), run.text("DIAGRAMS")
+        if diagrams and action == _UNDO:
+            run.feedback.pushWarning(tr("Undo has no threshold: no diagrams are drawn."))
+
+        def work(watch: Watch) -> tuple[Cleaned, ...]:
+            if action == _UNDO:
+                return undo(folder, dry_run=dry_run, progress=watch.progress)
+            return clean(
+                folder,
+                threshold,
+                move=action == _MOVE,
+                dry_run=dry_run,
+                plot=diagrams or None,
+                progress=watch.progress,
+            )
+
+        cleaned = off_main_thread(work, run.feedback)
+        for one in cleaned:
+            run.feedback.pushInfo(
+                tr("{map_type}: {rejected} of {images} images, {moved} moved, {returned} moved back.").format(
+                    map_type=one.map_type,
+                    rejected=number_text(one.rejected),
+                    images=number_text(one.images),
+                    moved=number_text(one.moved),
+                    returned=number_text(one.returned),
+                )
+            )
+        if any(one.moved or one.returned for one in cleaned) and not dry_run:
+            _tell_of_mosaics(Path(folder), run.feedback)
+        suggested = next((one.suggested for one in cleaned if one.suggested is not None), None)
+        return {
+            "FOLDER": folder,
+            "IMAGES": sum(one.images for one in cleaned),
+            "REJECTED": sum(one.rejected for one in cleaned),
+            "MOVED": sum(one.moved + one.returned for one in cleaned),
+            **({} if suggested is None else {"SUGGESTED": suggested}),
+            # Of the map type that comes first: the others lie beside it.
+            **dict(zip(("HISTOGRAM", "BARS"), next((one.figures for one in cleaned if one.figures), ()))),
+        }
+
+
+def _tell_of_mosaics(folder: Path, feedback: QgsProcessingFeedback) -> None:
+    """Say that a mosaic still names images that are elsewhere now, or lacks some that are back."""
+    mosaics = sorted(path.name for path in folder.glob("*.vrt"))
+    if mosaics:
+        feedback.pushWarning(
+            tr(
+                "{names}: does not yet reflect the moved images; to update it, choose “Open dataset folder” "
+                "in the panel's Missions menu."
+            ).format(names=", ".join(mosaics))
+        )
+
+
+class Split(_OfDataset):
+    """Images given to the training, the validation or the test part."""
+
+    NAME = "split"
+
+    def words(self) -> Words:
+        """Return what people read of it."""
+        return Words(
+            tr("Split a dataset"),
+            tr("Divides images into training, validation and test, and scales their positions."),
+            tr("dataset,split,training,validation,test,blocks,labels,machine learning"),
+            (
+                tr(
+                    "Writes the part of each image to the column “split” of the tables: train, validation or test. "
+                    "Images of one place are in the same part in all map types; failed and rejected ones are in none."
+                ),
+                tr(
+                    "shuffled follows a hash of the seed and the image's name, the same on every computer; in-order "
+                    "follows the table; blocks divides the ground, so that none is in images of two parts: images in "
+                    "between are marked “gap”, as are those that see the horizon."
+                ),
+                tr(
+                    "labels.json has the frame and the scaler of the images' positions, fitted on the training part: "
+                    "utm is the zone of the middle, mission a plane about the middle."
+                ),
+            ),
+        )
+
+    def _define_own(self) -> None:
+        self.add(
+            QgsProcessingParameterEnum(
+                "HOW", tr("How to split"), options=_WAYS, defaultValue=_WAYS[0], usesStaticStrings=True
+            ),
+            tr("By a hash of seed and name, in the table's order, or by blocks of ground."),
+        )
+        number = QgsProcessingParameterNumber.Type
+        for name, title, share in zip(
+            _PARTS,
+            (tr("Share of training"), tr("Share of validation"), tr("Share of test")),
+            _SHARES,
+        ):
+            self.add(
+                QgsProcessingParameterNumber(name, title, number.Double, share, False, 0.0, 1.0),
+                tr("The three shares add up to 1."),
+            )
+        self.add(
+            QgsProcessingParameterNumber("SEED", tr("Seed"), number.Integer, _SEED, False, 0, _HIGHEST_SEED),
+            tr("The same seed gives the same split."),
+        )
+        self.add(
+            QgsProcessingParameterNumber(
+                "BLOCK", tr("Side of the blocks (m)"), number.Double, None, True, 0.0, _WIDEST_M
+            ),
+            tr("With blocks only. If empty, a size is found that gives parts close to the shares."),
+        )
+        self.add(
+            QgsProcessingParameterNumber(
+                "GAP", tr("Gap between parts (m)"), number.Double, 0.0, False, 0.0, _WIDEST_M
+            ),
+            tr("With blocks only: minimum distance between the ground of two parts."),
+        )
+        self.add(
+            QgsProcessingParameterString("FRAME", tr("Frame of the labels"), "utm"),
+            tr("utm, mercator, mission, or a projected system in metres such as EPSG:32616."),
+        )
+        self.add_numbers(
+            {
+                "TRAIN_IMAGES": tr("Training images"),
+                "VALIDATION_IMAGES": tr("Validation images"),
+                "TEST_IMAGES": tr("Test images"),
+                "GAP_IMAGES": tr("Images in no part"),
+            }
+        )
+        self.addOutput(QgsProcessingOutputString("LABELS", tr("Frame and scaler of the labels (JSON)")))
+
+    def processed(self, run: Run) -> dict[str, Any]:
+        """Split."""
+        from ...core.dataset.split import split
+
+        folder, shares = run.text("DATASET"), [run.number(name) for name in _PARTS]
+        options = {
+            "seed": run.whole("SEED"),
+            "how": run.choice("HOW"),
+            "block_m": run.number("BLOCK") if run.is_given("BLOCK") else None,
+            "gap_m": run.number("GAP"),
+            "frame": run.text("FRAME"),
+            "dry_run": run.flag("DRY_RUN"),
+        }
+
+        def work(_: Watch) -> Made:
+            return split(folder, shares, **options)
+
+        made = off_main_thread(work, run.feedback)
+        _tell_of_split(made, run.feedback)
+        return {
+            "FOLDER": folder,
+            **{f"{part.upper()}_IMAGES": count for part, count in made.images.items()},
+            "GAP_IMAGES": made.gap + made.unknown,
+            "LABELS": json.dumps(json.loads(made.labels.to_json())),
+        }
+
+
+def _tell_of_split(made: Made, feedback: QgsProcessingFeedback) -> None:
+    """Say what shares are reached, and what is in no part."""
+    for part, share in made.shares.items():
+        feedback.pushInfo(
+            tr("{part}: {images} images ({share} %).").format(
+                part=part, images=number_text(made.images[part]), share=number_text(100.0 * share, ".1f")
+            )
+        )
+    if made.gap:
+        feedback.pushInfo(
+            tr("{images} images are in no part: too near to another part's ground.").format(
+                images=number_text(made.gap)
+            )
+        )
+    if made.unknown:
+        feedback.pushWarning(
+            tr("{images} images are in no part: they see the horizon or a pole.").format(
+                images=number_text(made.unknown)
+            )
+        )
+    zones = made.labels.frame.zones
+    if len(zones) > 1:
+        feedback.pushWarning(
+            tr(
+                "The images lie in {count} UTM zones ({zones}); one frame is for all of them: {frame}."
+            ).format(count=len(zones), zones=", ".join(zones), frame=made.labels.frame.crs)
+        )
