@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import Message, OptionName
+from ..geodesy.mercator import WebMercator
 from .layout.framing import sampled_zooms
 from .methods import Accuracy
 from .plan import Plan
@@ -58,12 +59,17 @@ OFFLINE = Costs(0.01, 0.0, _ENCODE_S_PER_PX, {"tif": 0.88, "jpg": 0.31, "png": 0
 
 @dataclass(frozen=True)
 class Summary:
-    """The figures of a plan; shares are of 1, None where they have no meaning (points have no area)."""
+    """The figures of a plan; shares are of 1, None where they have no meaning (points have no area).
+
+    ``crs`` is that of the source's grid and ``pixel_m`` its pixel there, at ``zoom``.
+    """
 
     images: int
     rows: int
     columns: int
     zoom: int
+    crs: str
+    pixel_m: float
     width_px: int
     height_px: int
     requested_gsd_m_per_px: float
@@ -106,6 +112,15 @@ class Summary:
         each = Message(" for each of {0} map types", types) if types > 1 else ""
         images = Message("{0:,}{1}", self.images, each)
         shape = Message("{0} x {1} px at zoom {2}", self.width_px, self.height_px, self.zoom)
+        if self.crs != WebMercator.crs:
+            pixel = length_text(self.pixel_m)
+            shape = Message(
+                "{0} x {1} px, the source in pixels of {2} in {3}",
+                self.width_px,
+                self.height_px,
+                pixel,
+                self.crs,
+            )
         requested, delivered = map(length_text, (self.requested_gsd_m_per_px, self.delivered_gsd_m_per_px))
         lines: list[tuple[str, str]] = [
             (Message("images"), images),
@@ -182,6 +197,8 @@ def estimate(plan: Plan, costs: Costs = ONLINE, connections: int = 8, cores: int
         rows=plan.rows,
         columns=plan.columns,
         zoom=plan.zoom,
+        crs=plan.grid.plane.crs if plan.grid.own is None else plan.grid.own.name,
+        pixel_m=plan.grid.pixel_size(plan.zoom)[0] * (1.0 if plan.grid.own is None else plan.grid.own.unit_m),
         width_px=int(plan.width_px.max()),
         height_px=int(plan.height_px.max()),
         requested_gsd_m_per_px=plan.requested_gsd_m_per_px,

@@ -5026,6 +5026,12 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/geodesy/frames.py"/>
+        <location filename="../../core/mission/layout/rotated.py"/>
+        <source>choose an area that the source shows</source>
+        <translation>elegir un área que la fuente muestre</translation>
+    </message>
+    <message>
+        <location filename="../../core/geodesy/frames.py"/>
         <source>fly lower or farther from the pole</source>
         <translation>volar más bajo o más lejos del polo</translation>
     </message>
@@ -5043,6 +5049,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/geodesy/frames.py"/>
         <source>picture at latitude {0!r} from {1:g} m: it holds a pole, which Web Mercator does not</source>
         <translation>imagen en la latitud {0!r} desde {1:g} m: contiene un polo, que Web Mercator no tiene</translation>
+    </message>
+    <message>
+        <location filename="../../core/geodesy/frames.py"/>
+        <source>picture at latitude {0!r}, longitude {1!r}: lies beyond what the source's CRS {2} can show</source>
+        <translation>imagen en latitud {0!r}, longitud {1!r}: queda fuera de lo que puede mostrar el SRC {2} de la fuente</translation>
     </message>
     <message>
         <location filename="../../core/geodesy/lens.py"/>
@@ -5819,6 +5830,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/imagery/raster/place.py"/>
         <source>its centre does not lie on the Web-Mercator map</source>
         <translation>su centro no está en el mapa Web Mercator</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/place.py"/>
+        <source>its centre lies beyond what {0} reaches</source>
+        <translation>su centro queda fuera del alcance de {0}</translation>
     </message>
     <message>
         <location filename="../../core/imagery/raster/place.py"/>
@@ -6734,6 +6750,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
+        <source>{0} x {1} px, the source in pixels of {2} in {3}</source>
+        <translation>{0} x {1} px, la fuente en píxeles de {2} en {3}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/estimate.py"/>
         <source>{0} {1} or a finer source</source>
         <translation>{0} {1} o una fuente más fina</translation>
     </message>
@@ -7006,8 +7027,18 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/layout/rotated.py"/>
+        <source>area: the source's CRS {0} does not reach latitude {1!r}, longitude {2!r}</source>
+        <translation>área: el SRC {0} de la fuente no alcanza la latitud {1!r}, longitud {2!r}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/layout/rotated.py"/>
         <source>camera from {0:g} m: sees past the horizon, where turned rows have no frames</source>
         <translation>cámara desde {0:g} m: ve más allá del horizonte, donde las pasadas giradas no tienen encuadres</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/layout/rotated.py"/>
+        <source>camera with tilt {0:g}, roll {1:g} deg from {2:g} m: sees past the horizon, and an area is covered by images of ground alone on a source that has its own CRS</source>
+        <translation>cámara con inclinación {0:g}, alabeo {1:g} grados desde {2:g} m: ve más allá del horizonte, y en una fuente con SRC propio un área se cubre solo con imágenes de terreno</translation>
     </message>
     <message>
         <location filename="../../core/mission/layout/rotated.py"/>
@@ -7037,6 +7068,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/layout/rotated.py"/>
+        <source>layout {0}: lies on the Web-Mercator map, and the source has pixels of its own in {1}</source>
+        <translation>disposición {0}: está en el mapa Web Mercator, y la fuente tiene píxeles propios en {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/layout/rotated.py"/>
         <source>points cover no area</source>
         <translation>los puntos no cubren ningún área</translation>
     </message>
@@ -7049,6 +7085,12 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/layout/rotated.py"/>
         <source>take a smaller area or north-up rows</source>
         <translation>tomar un área menor o pasadas con el norte arriba</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/layout/rotated.py"/>
+        <location filename="../../core/mission/layout/rows.py"/>
+        <source>tilt it less or fly lower</source>
+        <translation>inclinarla menos o volar más bajo</translation>
     </message>
     <message>
         <location filename="../../core/mission/layout/rotated.py"/>
@@ -7125,11 +7167,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/layout/rows.py"/>
         <source>rows from {0:g} m cannot be placed so that their images cover this area</source>
         <translation>no se pueden situar pasadas desde {0:g} m de modo que sus imágenes cubran este área</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/layout/rows.py"/>
-        <source>tilt it less or fly lower</source>
-        <translation>inclinarla menos o volar más bajo</translation>
     </message>
     <message>
         <location filename="../../core/mission/layout/rows.py"/>
@@ -7815,6 +7852,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/plan.py"/>
         <source>wind of {0:g} m/s at {1:g} m: the gusts throw the camera to the ground</source>
         <translation>viento de {0:g} m/s a {1:g} m: las ráfagas tiran la cámara al suelo</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/plan.py"/>
+        <source>windows of the map in a plane about an area</source>
+        <translation>ventanas del mapa en un plano alrededor de un área</translation>
     </message>
     <message>
         <location filename="../../core/mission/settings.py"/>

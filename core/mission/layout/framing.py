@@ -110,7 +110,10 @@ def framed(mission: Mission, grid: PixelGrid, framing: Framing, disturbed: Distu
         if grid.own is not None:
             # What is asked for counts from the grid's north, as its rows do.
             north_deg = grid.own.north_deg(layout.lat_deg, layout.lon_deg)
-            refuse_beyond_plane(grid.own, nominal_poses(mission, layout), np.isfinite(north_deg))
+            reached = np.isfinite(north_deg) & np.isfinite(
+                grid.own.forward(layout.lat_deg, layout.lon_deg)[0]
+            )
+            refuse_beyond_plane(grid.own, nominal_poses(mission, layout), reached)
             layout = layout._replace(yaw_deg=wrap_lon_deg(layout.yaw_deg - north_deg))
     zoom = framing.zoom(layout)
     if not passes and not isinstance(mission.area, Points):
