@@ -243,10 +243,15 @@ def _pictures(
     """Map frame and camera frame, the camera frame's meshes, and its kernels: all timed in the same rounds."""
     plan, scene = bench.plan, positions.bounds_scene(bench.plan)
     own = plan.accuracy.picture
-    outside = outside_flat_domain(scene) or positions.map_frame_problem(plan)
+    plane = plan.grid.own
+    bend = None if plane is None else plane.greatest_bend(scene.poses.lat_deg, scene.poses.lon_deg)
+    outside = outside_flat_domain(scene, bend) or positions.map_frame_problem(plan)
     if not outside and own.rejected is not None and own.rejected.outside:
         outside = own.rejected.outside
-    on_map, by_camera = map_frame(scene, outside), camera_frame(scene, "" if by_tiles else _BY_CENTRE)
+    on_map, by_camera = (
+        map_frame(scene, outside, plane),
+        camera_frame(scene, "" if by_tiles else _BY_CENTRE),
+    )
     ladder = pixel_methods(plan, scene) if by_tiles else []
     usable = [one for one in ladder if not one.method.outside]
     kernel = plan.mission.accuracy.resampling if plan.mission.accuracy.resampling != BY_RAYS else _OF_MESHES

@@ -19,7 +19,7 @@ from ..capture.records import job_of
 from ..capture.writers import JPEG_QUALITY, Place, encoded
 from ..errors import PartError
 from ..geodesy.accuracy import Scene
-from ..geodesy.frames import map_windows
+from ..geodesy.frames import map_windows, runs_on
 from ..geodesy.view import view
 from ..imagery.source import Part, Source, Window, tile_parts
 from ..mission.layout.framing import ground_of, sampled_zooms
@@ -135,7 +135,7 @@ class Bench:
         The captures of a row share their view, whose seconds count once a row.
         """
         plan, scene = self.plan, self._scene()
-        zooms, rows = sampled_zooms(plan.mission, plan.grid), len(plan.poses.runs()[0])
+        zooms, rows = sampled_zooms(plan.mission, plan.grid), len(runs_on(plan.grid, plan.poses)[0])
         kinds = list(dict.fromkeys((way.tolerance_px, way.kernel == BY_RAYS) for way in ways))
         looks = [partial(view, scene, plan.grid, zooms, kind[0], by_rays=kind[1]) for kind in kinds]
         seen = {kind: look() for kind, look in zip(kinds, looks)}

@@ -11,7 +11,9 @@ from ..errors import InvalidInput, Message
 from ..geodesy.accuracy import Scene
 from ..geodesy.camera import CORNERS, Camera, Poses
 from ..geodesy.footprint import Footprint, outline
-from ..geodesy.frames import map_frame_edges
+from ..geodesy.frames import map_frame_edges, runs_on
+from ..geodesy.mercator import wrap_lon_deg
+from ..geodesy.planes import ProjectedPlane
 from ..geodesy.view import Cells, ImageRays, mesh
 from ..mission.layout.framing import ground_of
 from ..mission.plan import Plan
@@ -53,7 +55,7 @@ def scene_of(plan: Plan, which: NDArray[np.intp]) -> Scene:
 
 def bounds_scene(plan: Plan) -> Scene:
     """Scene whose bounds hold for all of a plan, as it was chosen by: every row once."""
-    scene = scene_of(plan, np.asarray(plan.poses.runs()[0], np.intp))
+    scene = scene_of(plan, np.asarray(runs_on(plan.grid, plan.poses)[0], np.intp))
     if plan.size_px is not None:
         return scene
     # Pictures of one row differ by a pixel at most, as each edge is rounded on its own.
@@ -105,12 +107,12 @@ def map_frame_error_px(plan: Plan) -> Error:
     Rounding moves the frame, not what it shows: the picture says where it lies to the last digit.
     """
     scene = scene_of(plan, captures(plan))
-    edges = map_frame_edges(scene.camera, scene.poses, scene.ground)
+    edges = map_frame_edges(scene.camera, scene.poses, scene.ground, plan.grid.own)
     along, down = (part.ravel() for part in np.meshgrid(*(np.linspace(0.0, 1.0, _FRAME_POINTS),) * 2))
     west, east, top, bottom = (edge[:, np.newaxis] for edge in edges)
     du, v = west + (east - west) * along, top + (bottom - top) * down
     x, y = (np.broadcast_to(part, v.shape) for part in (2.0 * along - 1.0, 1.0 - 2.0 * down))
-    return float(map_errors_px(scene, du, v, x, y).max())
+    return float(map_errors_px(scene, du, v, x, y, plan.grid.own).max())
 
 
 def mesh_error_px(plan: Plan, tolerance_px: float) -> Error:
@@ -121,12 +123,12 @@ def mesh_error_px(plan: Plan, tolerance_px: float) -> Error:
     found: list[float] = []
     for index in spread(len(plan), _IMAGES).tolist():
         scene = scene_of(plan, np.array([index], np.intp))
-        rays = ImageRays.of(scene)
+        rays = ImageRays.of(scene, plan.grid.own)
         cells = mesh(rays, tolerance_px)
         if len(cells.loose):
             found += _traced(rays)
         if len(cells.box):
-            found.append(_worst(scene, *_inside(cells)))
+            found.append(_worst(rays, *_inside(cells)))
     return max(found, default=None)
 
 
@@ -139,8 +141,8 @@ def _traced(rays: ImageRays) -> list[float]:
         for part in np.meshgrid(np.arange(0.5, across + 0.5, step), np.arange(0.5, down + 0.5, step))
     )
     du, v, hit = rays.map_points(x, y)
-    hit &= (v >= 0.0) & (v <= 1.0)
-    return [_worst(rays.scene, du[hit], v[hit], x[hit], y[hit])] if hit.any() else []
+    hit &= rays.on_map(v)
+    return [_worst(rays, du[hit], v[hit], x[hit], y[hit])] if hit.any() else []
 
 
 def _inside(cells: Cells) -> tuple[Floats, Floats, Floats, Floats]:
@@ -168,20 +170,22 @@ def _inside(cells: Cells) -> tuple[Floats, Floats, Floats, Floats]:
     return map_u.ravel(), map_v.ravel(), x.ravel(), y.ravel()
 
 
-def _worst(scene: Scene, du: Floats, v: Floats, x_px: Floats, y_px: Floats) -> float:
+def _worst(rays: ImageRays, du: Floats, v: Floats, x_px: Floats, y_px: Floats) -> float:
     """Greatest error of map positions for points of the image in px from its upper left corner."""
+    scene = rays.scene
     x, y = 2.0 * x_px / scene.width_px - 1.0, 1.0 - 2.0 * y_px / scene.height_px
-    return float(map_errors_px(scene, *(part[np.newaxis] for part in (du, v, x, y))).max())
+    across, down, right, up = (part[np.newaxis] for part in (du, v, x, y))
+    return float(map_errors_px(scene, across, down, right, up, rays.own).max())
 
 
 def map_frame_problem(plan: Plan) -> str:
     """Why captures have no map frame at all, whatever its error; empty where they have one."""
     scene = scene_of(plan, captures(plan))
     try:
-        edges = map_frame_edges(scene.camera, scene.poses, scene.ground)
+        edges = map_frame_edges(scene.camera, scene.poses, scene.ground, plan.grid.own)
     except InvalidInput as wrong:
         return Message(wrong)
-    if (edges.top_v < 0.0).any() or (edges.bottom_v > 1.0).any():
+    if plan.grid.own is None and ((edges.top_v < 0.0).any() or (edges.bottom_v > 1.0).any()):
         return "it reaches beyond the map's latitudes"
     return ""
 
@@ -194,11 +198,17 @@ def floor_px(scene: Scene) -> float:
     return rounding_m / float(np.min(scene.nadir_px_m)) + of_image
 
 
-def map_errors_px(scene: Scene, du: Floats, v: Floats, x: Floats, y: Floats) -> Floats:
+def map_errors_px(
+    scene: Scene, du: Floats, v: Floats, x: Floats, y: Floats, own: ProjectedPlane | None = None
+) -> Floats:
     """As `errors_px` of map positions: world fractions (n, k) from the camera's meridian and from the map's north.
 
-    They become degrees in long double: in float64 that is as wrong as what is measured.
+    They become degrees in long double: in float64 that is as wrong as what is measured. Those of a plane of a source's
+    own become degrees by PROJ, which is good to some nanometres.
     """
+    if own is not None:
+        own_lat, own_lon = own.inverse(du, v)
+        return errors_px(scene, own_lat, wrap_lon_deg(own_lon - scene.poses.lon_deg[:, np.newaxis]), x, y)
     across, down = (np.asarray(part, np.longdouble) for part in (du, v))
     lat: Long = np.arctan(np.sinh(_radians((0.5 - down) * 360))) / _radians(np.ones_like(down))
     return errors_px(scene, lat, across * 360, x, y)
