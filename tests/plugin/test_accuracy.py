@@ -72,8 +72,11 @@ def test_smaller_budget_turns_map_frames_into_camera_frames(high):
 
 def test_figures_hold_every_part_of_the_accuracy(high):
     accuracy = high.session.planned.plan.accuracy
-    for part in accuracy.text().split("; "):
-        assert part.partition(": ")[2] in shown(high)
+    for choice in accuracy.choices:
+        assert f"{choice.method.name}, ≤ {bound_text(choice.method.bound_px)} px" in shown(high)
+    for what, _ in accuracy.left_out:
+        assert what in shown(high)
+    assert accuracy.terrain_text() in shown(high)
     assert "(timed here)" in shown(high)
 
 
