@@ -111,7 +111,7 @@ class Attitude(Part):
         0.0,
         title="yaw",
         help="direction of the image's top edge, clockwise from north; counted from the grid's own north where a grid "
-        "angle turns the rows, and replaced by the points' own yaws",
+        "angle turns the rows, from grid north where the source has its own CRS, and replaced by the points' own yaws",
         unit="deg",
         least=-360.0,
         most=360.0,

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from ..errors import InvalidInput
 from ..geodesy.camera import Camera
 from ..geodesy.ellipsoid import WGS84, Ellipsoid
-from ..geodesy.mercator import PixelGrid, u_to_lon, v_to_lat
+from ..geodesy.mercator import PixelGrid
 from ..limits import MAX_PICTURE_PX
 from ..mission.area import Box, Points
 from ..mission.mission import Mission
@@ -347,7 +347,7 @@ def _window_reach_m(satellite: Plan) -> Floats:
     world = satellite.grid.world_px(satellite.zoom)
     left, top, right, bottom = (np.asarray(edge, np.float64) / world for edge in satellite.windows.bounds_px)
     middle = cartesian_m(satellite.lat_deg, satellite.lon_deg)
-    corners = [cartesian_m(v_to_lat(v), u_to_lon(u)) for u in (left, right) for v in (top, bottom)]
+    corners = [cartesian_m(*satellite.grid.plane.inverse(u, v)) for u in (left, right) for v in (top, bottom)]
     distances = [np.sqrt(np.sum((corner - middle) ** 2, axis=-1)) for corner in corners]
     farthest: Floats = np.max(distances, axis=0)
     return farthest

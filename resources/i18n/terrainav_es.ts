@@ -7535,8 +7535,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
-        <source>direction of the image's top edge, clockwise from north; counted from the grid's own north where a grid angle turns the rows, and replaced by the points' own yaws</source>
-        <translation>dirección del borde superior de la imagen, en sentido horario desde el norte; se cuenta desde el norte de la cuadrícula cuando un ángulo de cuadrícula gira las pasadas, y la sustituyen las guiñadas propias de los puntos</translation>
+        <source>direction of the image's top edge, clockwise from north; counted from the grid's own north where a grid angle turns the rows, from grid north where the source has its own CRS, and replaced by the points' own yaws</source>
+        <translation>dirección del borde superior de la imagen, en sentido horario desde el norte; se cuenta desde el norte propio de la cuadrícula donde un ángulo gira las filas, desde el norte de la cuadrícula donde la fuente tiene SRC propio, y la sustituyen las guiñadas propias de los puntos</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>

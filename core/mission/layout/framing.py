@@ -108,13 +108,14 @@ def framed(mission: Mission, grid: PixelGrid, framing: Framing, disturbed: Distu
     else:
         layout = laid_out(0.0)
         if grid.own is not None:
-            # What is asked for counts from the grid's north, as its rows do.
             north_deg = grid.own.north_deg(layout.lat_deg, layout.lon_deg)
             reached = np.isfinite(north_deg) & np.isfinite(
                 grid.own.forward(layout.lat_deg, layout.lon_deg)[0]
             )
             refuse_beyond_plane(grid.own, nominal_poses(mission, layout), reached)
-            layout = layout._replace(yaw_deg=wrap_lon_deg(layout.yaw_deg - north_deg))
+            if not (isinstance(mission.area, Points) and mission.area.yaws_deg):
+                # The mission's yaw counts from the grid's north, as its rows do; that of a point is its own, and true.
+                layout = layout._replace(yaw_deg=wrap_lon_deg(layout.yaw_deg - north_deg))
     zoom = framing.zoom(layout)
     if not passes and not isinstance(mission.area, Points):
         # Outer frames need room for their rounding, a share of a pixel; that may, at the border of two zooms,

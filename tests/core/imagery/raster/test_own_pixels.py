@@ -20,6 +20,7 @@ from terrainav.core.mission.area import Box, Points, Polygon  # noqa: E402
 from terrainav.core.mission.estimate import estimate  # noqa: E402
 from terrainav.core.mission.mission import Mission  # noqa: E402
 from terrainav.core.mission.plan import plan  # noqa: E402
+from terrainav.core.report import positions  # noqa: E402
 
 from tests.support import rasters  # noqa: E402
 
@@ -263,3 +264,33 @@ def test_degrees_and_turned_rasters_become_pixels_of_the_map(tmp_path):
     assert open_raster(rasters.write(tmp_path / "map.tif", values, corner, 3857)).grid.own is None
     off = (corner[0] + 0.3 * size, *corner[1:])
     assert open_raster(rasters.write(tmp_path / "off.tif", values, off, 3857)).grid.own is not None
+
+
+def test_a_report_measures_pictures_in_the_raster_s_crs(tmp_path):
+    epsg, lat, lon = PLACES["89.9° S"]
+    noise(tmp_path / "noise.tif", epsg, lat, lon)
+    source = open_raster(tmp_path / "noise.tif")
+    ring = tuple(zip(*(part.tolist() for part in about(epsg, lat, lon, 100.0))))
+    for tilt_deg in (0.0, 20.0):
+        worked_out = plan(Mission(Polygon((ring,)), 120.0, tilt_deg=tilt_deg), source.grid)
+        # Before their edges are rounded to pixels, which moves frames and not what they show.
+        error = (
+            positions.map_frame_error_px(worked_out)
+            if not tilt_deg
+            else positions.mesh_error_px(worked_out, 0.1)
+        )
+        assert 0.0 < error <= worked_out.accuracy.bound_px
+    source.close()
+
+
+def test_points_keep_yaws_of_their_own_and_missions_count_theirs_from_grid_north(tmp_path):
+    epsg, lat, lon = PLACES["88° N"]
+    noise(tmp_path / "noise.tif", epsg, lat, lon)
+    grid = open_raster(tmp_path / "noise.tif").grid
+    place = ((lat, lon, 60.0),)
+    north_deg = float(grid.own.north_deg(np.array(lat), np.array(lon)))
+    assert abs(north_deg) > 40.0
+    assert plan(Mission(Points(place, (30.0,)), 60.0), grid).poses.yaw_deg == pytest.approx([30.0])
+    assert plan(Mission(Points(place), 60.0, yaw_deg=30.0), grid).poses.yaw_deg == pytest.approx(
+        [30.0 - north_deg]
+    )
