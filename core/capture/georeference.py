@@ -105,11 +105,18 @@ class Georeference:
     def tags(self) -> list[Tag]:
         """GeoTIFF's tags (OGC 19-008): the size of a pixel, where the upper left corner lies, and the CRS."""
         width_m, height_m = self.pixel_size_m
+        citation = "" if self.crs.startswith("EPSG:") else _citation(self.crs)
+        # Kind of CRS, areas, and the code: a CRS without one is of a kind of its own, which its citation defines.
+        keys = (
+            [(1024, _USER_DEFINED), (1025, 1)]
+            if citation
+            else [(1024, 1), (1025, 1), (3072, int(self.crs[5:]))]
+        )
         return [
             Tag(33550, Kind.DOUBLE, [width_m, height_m, 0.0]),  # ModelPixelScale
             Tag(33922, Kind.DOUBLE, [0.0, 0.0, 0.0, self.west_m, self.north_m, 0.0]),  # ModelTiepoint
-            # Projected, areas, the CRS: one without a code stands beside the file, where GDAL looks first.
-            Tag(34735, Kind.SHORT, _geo_keys([(1024, 1), (1025, 1), (3072, _code(self.crs))])),
+            Tag(34735, Kind.SHORT, _geo_keys(keys, citation)),
+            *([Tag(34737, Kind.ASCII, citation)] if citation else []),
         ]
 
 
@@ -182,8 +189,9 @@ class ControlPoints:
         ]
 
 
-def _code(crs: str) -> int:
-    return int(crs[5:]) if crs.startswith("EPSG:") else _USER_DEFINED
+def _citation(crs: str) -> str:
+    """WKT of a CRS as Esri and GDAL write and read it in a GeoTIFF where there is no code."""
+    return f"ESRI PE String = {CRS.from_user_input(crs).to_wkt('WKT1_ESRI')}|"
 
 
 @lru_cache(maxsize=8)
@@ -192,9 +200,11 @@ def _wkt_1(crs: str) -> str:
     return WEB_MERCATOR_WKT if crs == WEB_MERCATOR else str(CRS.from_user_input(crs).to_wkt("WKT1_GDAL"))
 
 
-def _geo_keys(keys: list[tuple[int, int]]) -> list[int]:
-    """GeoKey directory of keys that each have one number."""
-    return [1, 1, 0, len(keys), *(number for key, value in keys for number in (key, 0, 1, value))]
+def _geo_keys(keys: list[tuple[int, int]], citation: str = "") -> list[int]:
+    """GeoKey directory of keys that each have one number, and of the CRS's citation, which is a text of its own."""
+    cited = [3073, 34737, len(citation), 0] if citation else []
+    count = len(keys) + bool(cited)
+    return [1, 1, 0, count, *(number for key, value in keys for number in (key, 0, 1, value)), *cited]
 
 
 def _pam_text(place: str, metadata: Mapping[str, str]) -> str:

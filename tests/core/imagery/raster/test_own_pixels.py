@@ -294,3 +294,26 @@ def test_points_keep_yaws_of_their_own_and_missions_count_theirs_from_grid_north
     assert plan(Mission(Points(place), 60.0, yaw_deg=30.0), grid).poses.yaw_deg == pytest.approx(
         [30.0 - north_deg]
     )
+
+
+def test_a_crs_without_a_code_is_written_whole(tmp_path):
+    crs = "+proj=tmerc +lat_0=47.1 +lon_0=11.3 +k=1 +x_0=0 +y_0=0 +ellps=GRS80 +units=m +no_defs"
+    values = np.random.default_rng(3).integers(0, 256, (3, SIDE, SIDE), np.uint8)
+    geotransform = (-375.0, 0.5, 0.0, 375.0, 0.0, -0.5)
+    path = rasters.write(tmp_path / "own.tif", values, geotransform, crs)
+    source = open_raster(path)
+    area = Box(47.101, 11.2985, 47.099, 11.3015)
+    for image_format in ("tif", "jpg"):
+        worked_out = plan(Mission(area, 120.0, image_format=image_format), source.grid)
+        assert capture(worked_out, source, tmp_path / image_format).written == len(worked_out)
+        image = gdal.Open(
+            str(tmp_path / image_format / "satellite" / f"{worked_out.names[0]}.{image_format}")
+        )
+        left, _, _, top, _, _ = image.GetGeoTransform()
+        lon, lat = pyproj.Transformer.from_crs(image.GetProjection(), 4326, always_xy=True).transform(
+            left, top
+        )
+        x, y = pyproj.Transformer.from_crs(4326, crs, always_xy=True).transform(lon, lat)
+        assert (x, y) == pytest.approx((left, top), abs=1e-6)
+        assert "Transverse_Mercator" in image.GetProjection()
+    source.close()
