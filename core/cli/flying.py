@@ -57,7 +57,9 @@ def _settings(arguments: argparse.Namespace) -> tuple[Mission, dict[str, Any]]:
     return Mission.load(arguments.mission_file), {**resolve(given, config=arguments.config), NAMED: False}
 
 
-def _named(mission: Mission, values: dict[str, Any], cache: TileCache | None = None) -> NamedSource:
+def _named(
+    mission: Mission, values: dict[str, Any], cache: TileCache | None = None, *, as_stored: bool = False
+) -> NamedSource:
     from ..imagery.opening import SourceOptions, named_source
 
     return named_source(
@@ -68,13 +70,21 @@ def _named(mission: Mission, values: dict[str, Any], cache: TileCache | None = N
             connections=values["connections"],
             cache=cache,
             placeholders=tuple(values["placeholder"] or ()),
+            bands=mission.imagery.bands,
+            stretch=mission.imagery.stretch,
+            as_stored=as_stored,
             named_by_user=values[NAMED],
         ),
     )
 
 
-def _opened(mission: Mission, values: dict[str, Any]) -> closing[Source]:
-    return closing(_named(mission, values, opened_cache(values)).open())
+def _as_written(mission: Mission) -> bool:
+    """Whether images take all of a source's bands, in its own type."""
+    return mission.output.image_format == "tif"
+
+
+def _opened(mission: Mission, values: dict[str, Any], *, as_stored: bool) -> closing[Source]:
+    return closing(_named(mission, values, opened_cache(values), as_stored=as_stored).open())
 
 
 def _bounds_deg(worked_out: Plan) -> tuple[float, float, float, float]:
@@ -96,6 +106,7 @@ def _check_terms(worked_out: Plan, source: Source, requests: int, accept_terms: 
 
 
 def _print_summary(worked_out: Plan, source: NamedSource, values: dict[str, Any], as_json: bool) -> None:
+    from ..imagery.bands import RGB
     from ..imagery.opening import kind_of
     from ..mission.estimate import FROM_FILE, OFFLINE, ONLINE, estimate
     from ..picture.cost import timed_cost
@@ -103,11 +114,16 @@ def _print_summary(worked_out: Plan, source: NamedSource, values: dict[str, Any]
     policy = source.policy
     local = FROM_FILE if kind_of(source.text).is_file else OFFLINE
     costs = replace(local if source.is_local else ONLINE, requests_per_s=policy.requests_per_s)
+    # What is known of the size of files is that of red, green and blue.
+    share = source.bands.bytes_per_px / RGB.bytes_per_px
+    costs = replace(costs, bytes_per_px={ending: size * share for ending, size in costs.bytes_per_px.items()})
     connections = policy.connections(values["connections"])
     summary = estimate(worked_out, costs, connections, os.cpu_count() or 1)
     cost = timed_cost(worked_out)
     if as_json:
         about = {"source": source.title, "date": source.date, "policy": asdict(policy)}
+        if source.bands != RGB:
+            about["bands"] = {"names": source.bands.names, "data_type": source.bands.data_type}
         print(json.dumps({**about, **summary.to_dict(), "cost": cost._asdict()}, indent=1))
         return
     lines = [("source", source.title + (f", {source.date}" if source.date else ""))]
@@ -115,6 +131,8 @@ def _print_summary(worked_out: Plan, source: NamedSource, values: dict[str, Any]
         needed = worked_out.requests * len(worked_out.mission.imagery.map_types)
         more = f"; this mission takes {needed:,}" if policy.stops(needed) else ""
         lines.append(("terms", f"{policy.licence or 'licence not stated'}; {policy.text()}{more}"))
+    if source.bands != RGB:
+        lines.append(("bands", str(source.bands)))
     for label, text in [*lines, *summary.lines(), ("cost", cost.text(len(worked_out)))]:
         print(printable(f"{label:24s}{text}"))
 
@@ -128,7 +146,7 @@ def run_plan(arguments: argparse.Namespace) -> int:
         if not path.endswith(".json"):
             check_plan_ending(path)
     mission, values = _settings(arguments)
-    source = _named(mission, values)
+    source = _named(mission, values, as_stored=_as_written(mission))
     worked_out = plan(mission, source.grid)
     for path in arguments.output:
         if path.endswith(".json"):
@@ -185,7 +203,7 @@ def run_capture(arguments: argparse.Namespace) -> int:
         raise InvalidInput("data folder '': must be the name of a folder, such as . for the current one")
     _print_notes(mission)
     bar = Bar(arguments.quiet)
-    with _opened(mission, values) as source, collected() as signals:
+    with _opened(mission, values, as_stored=_as_written(mission)) as source, collected() as signals:
         result = _run(mission, source, values, arguments, bar, lambda: bool(signals))
     _print_result(result, arguments.json)
     if result.cancelled:
@@ -298,7 +316,8 @@ def run_report(arguments: argparse.Namespace) -> int:
 
     mission, values = _settings(arguments)
     _print_notes(mission)
-    with _opened(mission, values) as source:
+    # What is measured are errors as people see them.
+    with _opened(mission, values, as_stored=False) as source:
         worked_out = plan(mission, source.grid)
         _check_terms(worked_out, source, _REPORT_REQUESTS, arguments.accept_terms)
         page = write_report(worked_out, source, arguments.output, progress=_say)
